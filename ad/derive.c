@@ -1,0 +1,86 @@
+/* derive.c - from graph to graph: the gradient of a recorded scalar, by reverse accumulation. */
+#include "graph.h"
+#include "rule.h"
+
+#include <stdlib.h>
+
+/* The contributions to the adjoints of all nodes, a list for each. */
+typedef struct {
+    jet value;
+    int next; /* of the same node, -1 ends */
+} contribution;
+
+typedef struct {
+    contribution *all;
+    int count, capacity;
+    int *last;    /* [nodes] the newest contribution of each, -1: none */
+    jet *summing; /* scratch for one node's list */
+    int summing_capacity;
+    bool failed;
+} adjoints;
+
+static void contribute(adjoints *bar, const struct jet_node *node, jet value)
+{
+    if (bar->count == bar->capacity) {
+        const int capacity = bar->capacity ? 2 * bar->capacity : 256;
+        contribution *all = realloc(bar->all, (size_t)capacity * sizeof *all);
+        if (!all) {
+            bar->failed = true;
+            return;
+        }
+        bar->all = all;
+        bar->capacity = capacity;
+    }
+    bar->all[bar->count] = (contribution){value, bar->last[node->index]};
+    bar->last[node->index] = bar->count++;
+}
+
+/* z-bar: the sum of its contributions. */
+static jet adjoint_of(adjoints *bar, int index)
+{
+    int count = 0;
+    for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) count++;
+    if (count > bar->summing_capacity) {
+        jet *summing = realloc(bar->summing, (size_t)count * sizeof *summing);
+        if (!summing) {
+            bar->failed = true;
+            return jet_const(0);
+        }
+        bar->summing = summing;
+        bar->summing_capacity = count;
+    }
+    int place = count;
+    for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--place] = bar->all[i].value;
+    return jet_sum(bar->summing, count);
+}
+
+static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
+{
+    for (int i = 0; i < z->count; i++) contribute(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
+    const jet_rule *rule = &jet_rules[z->op];
+    if (!rule->pull) return;
+    contribute(bar, z->a, rule->pull(z, zbar, 0));
+    if (rule->b == B_OPERAND) contribute(bar, z->b, rule->pull(z, zbar, 1));
+}
+
+bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])
+{
+    for (int i = 0; i < inputs; i++) gradient[i] = jet_const(0);
+    if (!output.node) return true;
+    adjoints bar = {0};
+    const int count = output.node->index + 1;
+    bar.last = malloc((size_t)count * sizeof *bar.last);
+    if (!bar.last) return false;
+    for (int i = 0; i < count; i++) bar.last[i] = -1;
+    contribute(&bar, output.node, jet_const(1));
+    for (int i = count - 1; i >= 0 && !bar.failed; i--) {
+        if (bar.last[i] < 0) continue;
+        const jet zbar = adjoint_of(&bar, i);
+        if (i < inputs) gradient[i] = zbar;
+        if (!bar.failed) pull_to_operands(&bar, jet_graph_node(graph, i), zbar);
+    }
+    free(bar.all);
+    free(bar.last);
+    free(bar.summing);
+    return !bar.failed;
+}

@@ -1,0 +1,82 @@
+/* graph.h - the recorded function: a directed graph of operations on jets. Internal to the library.
+ *
+ * A graph is open while the user's function runs and closed afterwards; a closed graph is never written to. Constants
+ * are folded and equal nodes shared as they are recorded, so that what the user wrote twice is computed once. */
+#ifndef TVI_AD_GRAPH_H
+#define TVI_AD_GRAPH_H
+
+#include "jet.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The operations that are left after folding. A sum of multiples is one LINEAR node: add, sub, neg, sum, scaling by a
+ * number and adding a number. A partner w is a second series that the recurrence of z needs (see rule.h). */
+typedef enum {
+    OP_INPUT,
+    OP_CONST,
+    OP_LINEAR, /* z = number + sum_i coefficient_i node_i        */
+    OP_MUL,    /* z = a b                                        */
+    OP_SQR,    /* z = a^2                                        */
+    OP_DIV,    /* z = a / b                                      */
+    OP_SQRT,   /* z = sqrt a                                     */
+    OP_POW,    /* z = a^number                                   */
+    OP_EXP,    /* z' =  w a', w = z                              */
+    OP_SIN,    /* z' =  w a', w = cos a                          */
+    OP_COS,    /* z' = -w a', w = sin a                          */
+    OP_SINH,   /* z' =  w a', w = cosh a                         */
+    OP_COSH,   /* z' =  w a', w = sinh a                         */
+    OP_TAN,    /* z' =  w a', w = 1 + z^2                        */
+    OP_TANH,   /* z' =  w a', w = sech2 a                        */
+    OP_SECH2,  /* z = 1 - w^2 = 1 / cosh^2 a, w = tanh a         */
+    OP_LOG,    /* z' =  a' / w, w = a                            */
+    OP_ASIN,   /* z' =  a' / w, w = sqrt((1-a)(1+a))             */
+    OP_ACOS,   /* z' = -a' / w, w = sqrt((1-a)(1+a))             */
+    OP_ATAN,   /* z' =  a' / w, w = 1 + a^2                      */
+    OP_COUNT
+} jet_op;
+
+typedef struct jet_graph jet_graph;
+
+typedef struct jet_term {
+    double coefficient;
+    struct jet_node *node;
+} jet_term;
+
+struct jet_node {
+    jet_graph *graph; /* NULL: a poison node                                             */
+    jet_op op;
+    int index;            /* order of recording: operands come first, partners may come later */
+    double number;        /* CONST: the value; POW: the exponent; LINEAR: the number added    */
+    struct jet_node *a;   /* the operand                                                      */
+    struct jet_node *b;   /* MUL, DIV: the second operand; from EXP on: the partner w         */
+    jet_term *terms;      /* LINEAR                                                           */
+    int count;            /* of terms                                                         */
+    int mark;             /* scratch of whoever walks the graph                               */
+};
+
+/* A new open graph whose first nodes are its inputs; NULL without memory. */
+jet_graph *jet_graph_create(int inputs);
+void jet_graph_close(jet_graph *graph);
+void jet_graph_free(jet_graph *graph);
+
+int jet_graph_inputs(const jet_graph *graph);
+jet jet_graph_input(const jet_graph *graph, int i);
+int jet_graph_count(const jet_graph *graph);
+struct jet_node *jet_graph_node(const jet_graph *graph, int index);
+
+static inline jet jet_of_node(struct jet_node *node) { return (jet){0, node}; }
+
+/* A jet that no operation has set: what outputs are filled with before the user's function runs. */
+jet jet_unset(void);
+/* Makes the jets outputs of the open graph: nodes of it stay, finite numbers become constant nodes; else why not. */
+tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[]);
+
+/* sum_i coefficient[i] x[i]; equal nodes are collected, numbers folded. */
+jet jet_linear(int count, const double coefficient[], const jet x[]);
+
+/* gradient[i] = d output / d input_i, i < inputs, recorded into the same open graph (reverse accumulation).
+ * false without memory. */
+bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
+
+#endif

@@ -1,0 +1,56 @@
+/* tape.h - the recorded function as straight-line code, and the sweeps that run it.
+ *
+ * A tape works on blocks of numbers that its caller owns. In a block each quantity has a slot, each slot `lanes`
+ * independent numbers (the nodes of a quadrature, the directions of a derivative), and the block is repeated for each
+ * order of a series:
+ *     x[(k * slots + slot) * lanes + lane].
+ * Slots 0..inputs-1 are the inputs, which the caller sets; then come constants and computed quantities. Equal operations
+ * that do not depend on each other have adjacent slots and run as one loop (a run). */
+#ifndef TVI_AD_TAPE_H
+#define TVI_AD_TAPE_H
+
+#include "graph.h"
+
+typedef enum {
+    JET_TAPE_VALUES, /* order 0 only: what serves recurrences alone is left out */
+    JET_TAPE_SERIES
+} jet_tape_kind;
+
+/* Operations z + i = op(a + i, b + i), i < count, of adjacent slots. */
+typedef struct {
+    jet_op op;
+    int count, z, a, b;
+    double c;     /* the number of the node; LINEAR: see terms */
+    int first;    /* LINEAR: row[first + i] .. row[first + i + 1] are the terms of z + i, base[first + i] its number */
+} jet_run;
+
+typedef struct {
+    int inputs, constants, slots, runs, rows, outputs;
+    jet_run *run;
+    double *constant; /* [constants], slots inputs .. inputs + constants - 1 */
+    int *row;         /* [rows + 1] */
+    double *base;     /* [rows] */
+    int *term_slot;
+    double *term_coefficient;
+    int *output;      /* [outputs] slots */
+} jet_tape;
+
+/* The outputs are accepted by the graph. The first `inputs` inputs of the graph have slots 0..inputs-1; later ones
+ * follow only where an output depends on them. NULL without memory. */
+jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind);
+void jet_tape_free(jet_tape *tape);
+
+/* Sets the constants of a block and zeroes the rest: once, before the first sweep. */
+void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
+
+/* Values of all slots from the inputs, order 0. false where an operation is outside its domain. */
+bool jet_sweep_values(const jet_tape *tape, double *x, int lanes);
+
+/* Coefficient k of all slots from orders 0..k of the inputs and 0..k-1 of all, k = 0, 1, 2, ... in turn: one order costs
+ * O(k) an operation, so a series to degree N costs O(N^2). false at k = 0 as above. */
+bool jet_sweep_series(const jet_tape *tape, double *x, int k, int lanes);
+
+/* Tangents dx (lanes directions) of coefficient k along the one-lane series x, from dx of the inputs, k = 0, 1, 2, ... */
+void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
+
+#endif

@@ -1,0 +1,152 @@
+/* jet.h - the arithmetic in which a user writes a force, a potential or any other function.
+ *
+ * A jet stands for a quantity that depends on the state. The user's function is called once, while its system is made:
+ * every operation below records itself, and the recording is later run on numbers, on Taylor series and on dual numbers.
+ * Therefore the function is straight-line in its jets: loops and branches on ordinary numbers are fine, a branch on the
+ * value of a jet cannot be written.
+ *
+ * Rules
+ *   1. Every slot for a jet takes a jet or an ordinary number: jet_mul(2, x), jet_sub(x, 0.5). Operations on numbers
+ *      alone are done at once and record nothing.
+ *   2. A jet lives as long as the call that received it. Kept longer, or mixed with the jets of another recording, it makes
+ *      a poison jet, and the system whose function returns one is refused with TVI_EINVAL.
+ *   3. An operation is refused with TVI_EDOMAIN wherever its power series does not exist: sqrt at 0, asin at 1,
+ *      pow(0, 1.5), log at 0, division by 0. That happens at once where the operand is a number, else at the step.
+ */
+#ifndef TVI_JET_H
+#define TVI_JET_H
+
+#if defined(__GNUC__)
+#pragma GCC system_header /* the slots below leave out braces and initialisers on purpose */
+#endif
+
+#if defined(__GNUC__)
+#pragma GCC visibility push(default) /* the rest of the library is hidden */
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Every status of the library and its text, in one list. */
+#define TVI_STATUS_LIST(status)                                                                                        \
+    status(TVI_OK, "success")                                                                                          \
+    status(TVI_EINVAL, "invalid argument")                                                                             \
+    status(TVI_ENOMEM, "out of memory")                                                                                \
+    status(TVI_EDOMAIN, "a function was evaluated where its power series does not exist")                              \
+    status(TVI_ENOCONV, "the corrector did not converge: the step is too large")                                       \
+    status(TVI_ESINGULAR, "a matrix of the step is singular")                                                          \
+    status(TVI_ENONFINITE, "a value is not finite")                                                                    \
+    status(TVI_ESTOPPED, "stopped by the observer")                                                                    \
+    status(TVI_EUNSUPPORTED, "this system or method does not provide that")
+
+#define TVI_STATUS_CODE(code, text) code,
+typedef enum { TVI_STATUS_LIST(TVI_STATUS_CODE) TVI_STATUS_COUNT } tvi_status;
+#undef TVI_STATUS_CODE
+
+struct jet_node;
+
+/* A number (node NULL), or a node of a recording. Pass it by value; its members are the library's own. */
+#ifdef __cplusplus
+struct jet {
+    double number;
+    struct jet_node *node;
+    jet() : number(0), node(nullptr) {}
+    jet(double value) : number(value), node(nullptr) {}
+};
+#else
+typedef struct jet {
+    double number;
+    struct jet_node *node;
+} jet;
+#endif
+
+typedef enum {
+    JET_NEG, JET_SQR, JET_SQRT, JET_EXP, JET_LOG, JET_SIN, JET_COS, JET_TAN, JET_ASIN, JET_ACOS, JET_ATAN, JET_SINH,
+    JET_COSH, JET_TANH
+} jet_function;
+
+/* What the names below record through; users have no need to call these. */
+jet jet_record_add(jet a, jet b);
+jet jet_record_sub(jet a, jet b);
+jet jet_record_mul(jet a, jet b);
+jet jet_record_div(jet a, jet b);
+jet jet_record_pow(jet a, double c);
+jet jet_record_function(jet_function f, jet a);
+
+/* x[0] + ... + x[count-1], added in that order; 0 where count <= 0. */
+jet jet_sum(const jet x[], int count);
+/* x[0] y[0] + ... + x[count-1] y[count-1]; 0 where count <= 0. */
+jet jet_dot(const jet x[], const jet y[], int count);
+
+#ifdef __cplusplus
+}
+
+static inline jet jet_const(double value) { return jet(value); }
+static inline jet jet_add(jet a, jet b) { return jet_record_add(a, b); }
+static inline jet jet_sub(jet a, jet b) { return jet_record_sub(a, b); }
+static inline jet jet_mul(jet a, jet b) { return jet_record_mul(a, b); }
+static inline jet jet_div(jet a, jet b) { return jet_record_div(a, b); }
+static inline jet jet_pow(jet a, double c) { return jet_record_pow(a, c); }
+#define JET_DEFINE(name, function)                                                                                     \
+    static inline jet name(jet a) { return jet_record_function(function, a); }
+JET_DEFINE(jet_neg, JET_NEG)
+JET_DEFINE(jet_sqr, JET_SQR)
+JET_DEFINE(jet_sqrt, JET_SQRT)
+JET_DEFINE(jet_exp, JET_EXP)
+JET_DEFINE(jet_log, JET_LOG)
+JET_DEFINE(jet_sin, JET_SIN)
+JET_DEFINE(jet_cos, JET_COS)
+JET_DEFINE(jet_tan, JET_TAN)
+JET_DEFINE(jet_asin, JET_ASIN)
+JET_DEFINE(jet_acos, JET_ACOS)
+JET_DEFINE(jet_atan, JET_ATAN)
+JET_DEFINE(jet_sinh, JET_SINH)
+JET_DEFINE(jet_cosh, JET_COSH)
+JET_DEFINE(jet_tanh, JET_TANH)
+#undef JET_DEFINE
+
+#else
+
+/* Brace elision lets one initialiser be a jet or a number, and the argument is expanded once, so that nesting is free. */
+struct jet_slot {
+    jet jet;
+};
+#if defined(__clang__)
+#define JET_SLOT(x)                                                                                                    \
+    _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wmissing-field-initializers\"")              \
+    _Pragma("clang diagnostic ignored \"-Wmissing-braces\"")(((struct jet_slot){x}).jet) _Pragma("clang diagnostic pop")
+#else
+#define JET_SLOT(x) (((struct jet_slot){x}).jet)
+#endif
+
+static inline jet jet_const(double value) { /* the number as a jet */
+    jet constant = {value, (struct jet_node *)0};
+    return constant;
+}
+#define jet_add(a, b) jet_record_add(JET_SLOT(a), JET_SLOT(b)) /* a + b */
+#define jet_sub(a, b) jet_record_sub(JET_SLOT(a), JET_SLOT(b)) /* a - b */
+#define jet_mul(a, b) jet_record_mul(JET_SLOT(a), JET_SLOT(b)) /* a b */
+#define jet_div(a, b) jet_record_div(JET_SLOT(a), JET_SLOT(b)) /* a / b,  b != 0 */
+#define jet_pow(a, c) jet_record_pow(JET_SLOT(a), (c))         /* a^c for a number c; any a where c = 0, 1, 2, ...;  */
+                                                               /* a != 0 where c = -1, -2, ...;  a > 0 otherwise     */
+#define jet_neg(a) jet_record_function(JET_NEG, JET_SLOT(a))   /* -a */
+#define jet_sqr(a) jet_record_function(JET_SQR, JET_SLOT(a))   /* a^2 */
+#define jet_sqrt(a) jet_record_function(JET_SQRT, JET_SLOT(a)) /* a > 0 */
+#define jet_exp(a) jet_record_function(JET_EXP, JET_SLOT(a))
+#define jet_log(a) jet_record_function(JET_LOG, JET_SLOT(a)) /* natural logarithm, a > 0 */
+#define jet_sin(a) jet_record_function(JET_SIN, JET_SLOT(a))
+#define jet_cos(a) jet_record_function(JET_COS, JET_SLOT(a))
+#define jet_tan(a) jet_record_function(JET_TAN, JET_SLOT(a))
+#define jet_asin(a) jet_record_function(JET_ASIN, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_acos(a) jet_record_function(JET_ACOS, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_atan(a) jet_record_function(JET_ATAN, JET_SLOT(a))
+#define jet_sinh(a) jet_record_function(JET_SINH, JET_SLOT(a))
+#define jet_cosh(a) jet_record_function(JET_COSH, JET_SLOT(a))
+#define jet_tanh(a) jet_record_function(JET_TANH, JET_SLOT(a))
+
+#endif
+
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
+#endif

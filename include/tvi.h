@@ -1,0 +1,143 @@
+/* tvi.h - Taylor variational integrators: symplectic integrators of any order from the Taylor series of the user's own
+ * equations of motion (Schmitt, Shingel and Leok, "Lagrangian and Hamiltonian Taylor Variational Integrators").
+ *
+ * Conventions
+ *   1. The state is (t, q, p): q[n] are coordinates, p[n] their conjugate momenta, t the time; any consistent units.
+ *   2. Order of arguments: object, step or time, inputs, then outputs; in-outs in the place of the state; a callback and
+ *      its context last.
+ *   3. Every function that can fail returns a tvi_status and then leaves what its arguments point to as it was.
+ *   4. A system is read-only once made and may be shared between threads; an integrator is used by one thread at a time.
+ *   5. The library prints nothing, never exits and has no global state. A step allocates nothing.
+ * The mathematics and its notation are in docs/method.md.
+ */
+#ifndef TVI_H
+#define TVI_H
+
+#include "jet.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#if defined(__GNUC__)
+#define TVI_NODISCARD __attribute__((warn_unused_result))
+#else
+#define TVI_NODISCARD
+#endif
+
+#if defined(__GNUC__)
+#pragma GCC visibility push(default) /* the rest of the library is hidden */
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The text of a status: static, never NULL. */
+const char *tvi_status_string(tvi_status status);
+
+/* ---- Systems: the user's function, recorded ---------------------------------------------------------------------- */
+
+typedef struct tvi_system tvi_system;
+
+/* The force F = dp/dt at (q, t): sets force[0..n-1]. It must not contain the masses. */
+typedef void tvi_force_fn(const jet q[], jet t, jet force[], void *ctx);
+/* The potential energy V at (q, t). The force is -dV/dq, derived from the recording. */
+typedef jet tvi_potential_fn(const jet q[], jet t, void *ctx);
+
+/* A mechanical system M q'' = F(q, t) with M = diag(mass) > 0; mass[n] is copied, NULL stands for all 1. The function is
+ * called once, during the call, with n coordinates. The system must outlive its integrators; free it with tvi_system_free.
+ *   TVI_EINVAL      n < 1, NULL, a mass that is not positive, an output left unset, jets of two recordings mixed
+ *   TVI_EDOMAIN     an operation on numbers that has no value, such as the logarithm of -1
+ *   TVI_ENONFINITE  a mass or a constant of the function that is not finite
+ *   TVI_ENOMEM                                                                   *out is NULL on failure. */
+TVI_NODISCARD tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx);
+TVI_NODISCARD tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential,
+                                              void *ctx);
+void tvi_system_free(tvi_system *system);               /* NULL is allowed */
+int tvi_system_dimension(const tvi_system *system);     /* n */
+
+/* The energy H = sum p_i^2 / (2 m_i) + V(q, t). TVI_EUNSUPPORTED for a system made from a force, which has no V;
+ * TVI_EDOMAIN and TVI_ENONFINITE where H has no value. May allocate (TVI_ENOMEM). */
+TVI_NODISCARD tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H);
+/* The Legendre transforms p = M v and v = M^-1 p, [n] each. */
+TVI_NODISCARD tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[]);
+TVI_NODISCARD tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[]);
+
+/* ---- Methods: a generating function + where the curve is expanded + a node rule ---------------------------------- */
+
+typedef enum { TVI_TYPE1, TVI_TYPE2, TVI_TYPE3, TVI_POINCARE, TVI_TAYLOR, TVI_STORMER_VERLET } tvi_method;
+typedef enum { TVI_AT_START, TVI_AT_MIDPOINT, TVI_AT_END, TVI_AT_BOTH_ENDS, TVI_AT_NODES } tvi_expansion;
+typedef enum { TVI_NODES_ON_CURVE, TVI_NODES_TRUNCATED } tvi_nodes;
+typedef enum {
+    TVI_QUADRATURE_AUTO, TVI_GAUSS, TVI_LOBATTO, TVI_TRAPEZOID, TVI_RECTANGLE_START, TVI_RECTANGLE_END
+} tvi_quadrature;
+enum { TVI_PREDICT_ONLY = -1 };
+enum { TVI_MAX_DEGREE = 100 }; /* of the Taylor curve */
+
+/* All zero but method, expansion and order is a sensible choice. */
+typedef struct {
+    tvi_method method;
+    tvi_expansion expansion;
+    tvi_nodes nodes;
+    int order;            /* of the whole method; refused where no degree gives it */
+    int degree;           /* N of the Taylor curve; 0 = the smallest that gives the order; otherwise it decides */
+    bool compose_adjoint; /* half a step, then half a step of the adjoint: symmetric */
+    tvi_quadrature quadrature;
+    int quadrature_points; /* AUTO, 0: Gauss with one node more than the order needs */
+    double tolerance;      /* stop when a relative correction is not above it; 0 = roundoff */
+    int passes;            /* 0 = until converged; k > 0 = exactly k corrections; TVI_PREDICT_ONLY = none */
+    int max_passes;        /* 0 = the library's bound */
+} tvi_options;
+
+/* What a user who does not choose should get: symmetric, on-curve. */
+tvi_options tvi_options_default(void);
+/* The method called name, of this order: "tvi" (the paper's form, truncated nodes), "start" and "midpoint" (on-curve),
+ * "taylor", "stormer-verlet". TVI_EINVAL: no such name, or an order that the method cannot have. */
+TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
+/* Whether the options make a method for the system. On refusal *why (where why is not NULL) is static text that names
+ * what does not fit: TVI_EINVAL for a value out of range, TVI_EUNSUPPORTED for a combination that makes no method. */
+TVI_NODISCARD tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why);
+
+/* ---- Integrators -------------------------------------------------------------------------------------------------- */
+
+typedef struct tvi_integrator tvi_integrator;
+
+/* NULL options: the default for this system. Fails as tvi_options_check does, and with TVI_ENOMEM; *out is then NULL. */
+TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options);
+void tvi_integrator_free(tvi_integrator *integrator);                               /* NULL is allowed */
+const tvi_options *tvi_integrator_options(const tvi_integrator *integrator);        /* as resolved: degree, points */
+
+/* One step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
+ *   TVI_EINVAL      NULL, h = 0 or not finite, a time so large that t + h = t
+ *   TVI_ENONFINITE  a state that is not finite, or a step that overflows
+ *   TVI_EDOMAIN     the function was evaluated outside its domain
+ *   TVI_ENOCONV     the corrector did not converge, TVI_ESINGULAR its matrix is singular: the step is too large */
+TVI_NODISCARD tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
+
+/* Forgets the last step. It is forgotten by itself when t, q, p are not bitwise what the last successful step returned;
+ * otherwise the low-order parts of the compensated sums carry on. */
+void tvi_integrator_reset(tvi_integrator *integrator);
+
+/* Called after each step, 1..steps; a value other than 0 stops. */
+typedef int tvi_observer(long step, double t, const double q[], const double p[], void *ctx);
+/* steps steps of size h. The state is that of the last successful step, whatever the status; the observer may be NULL.
+ * TVI_ESTOPPED: the observer stopped it; TVI_EINVAL: steps < 0; otherwise the status of the step that failed. */
+TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, long steps, double *t, double q[], double p[],
+                                       tvi_observer *observer, void *ctx);
+
+/* Counts since the integrator was made. A pass is one evaluation of the residual followed by one correction, an
+ * expansion one series of the curve, a force evaluation one value of the force at one node. */
+typedef struct {
+    long steps, passes, expansions, force_evaluations, factorisations;
+    double residual; /* the last correction of the last step relative to the curve's size, 0 for explicit methods */
+    double tail;     /* size of the curve's last term at the ends relative to q: a free hint that h is too large */
+    size_t bytes;    /* of memory held by the integrator */
+} tvi_stats;
+const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
+
+#ifdef __cplusplus
+}
+#endif
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
+#endif
