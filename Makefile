@@ -1,0 +1,91 @@
+# make            build/libtvi.a and build/libtvi.so
+# make check      the tests (installs what they need from Debian, as root)
+# make bench      the order sweeps over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
+# make install    headers, libraries and tvi.pc below PREFIX (and DESTDIR)
+# make references bench/scenes/references.h anew, in quadruple precision
+
+BUILD   ?= build
+PREFIX  ?= /usr/local
+DESTDIR ?=
+VERSION := 0.1.0
+
+# No -ffast-math: the roundoff of a step is part of the design. No contraction of multiply-adds, so that gcc and clang
+# round alike. No errno from the mathematical functions, so that square roots are one instruction.
+CFLAGS   ?= -O3 -g
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+BASE     := -std=c11 $(WARNINGS) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -Iinclude
+# what is not the product: tests, bench and the quadruple-precision reference, which only gcc compiles
+TOOL     := -std=c11 $(WARNINGS) -D_POSIX_C_SOURCE=200809L -Iinclude -Iad -Isrc -Ibench -Ibench/scenes
+QUADCC   ?= gcc
+QUAD     := -std=gnu11 -O2 -Wall -Wextra -Iinclude -Iad -Ibench -Ibench/scenes
+
+AD_OBJECTS  := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c))
+SRC_OBJECTS := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*.c))
+OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
+LIBS         = $(shell pkg-config --libs lapack blas) -lm
+
+.DELETE_ON_ERROR:
+.PHONY: all check bench install references clean need-library need-check need-bench
+
+all: need-library
+	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a $(BUILD)/libtvi.so
+
+# ---- What is needed from Debian: `package:test`, installed where the test fails ---------------------------------------
+
+PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
+                    'libblas-dev:pkg-config --exists blas'
+PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
+                    'g++:command -v g++'
+PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
+
+define need
+	@missing=; for need in $(1); do sh -c "$${need#*:}" >/dev/null 2>&1 || missing="$$missing $${need%%:*}"; done; \
+	[ -z "$$missing" ] && exit 0; \
+	if [ "$$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then \
+	    echo "Missing:$$missing. Type:  sudo apt-get install -y$$missing" >&2; exit 1; fi; \
+	echo "Installing from Debian:$$missing"; \
+	apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $$missing >/dev/null
+endef
+
+need-library: ; $(call need,$(PACKAGES_LIBRARY))
+need-check: ; $(call need,$(PACKAGES_LIBRARY) $(PACKAGES_CHECK))
+need-bench: ; $(call need,$(PACKAGES_LIBRARY) $(PACKAGES_BENCH))
+
+# ---- The library -------------------------------------------------------------------------------------------------------
+
+$(BUILD)/ad/%.o: ad/%.c
+	@mkdir -p $(@D)
+	$(CC) $(BASE) $(CFLAGS) -MMD -c -o $@ $<
+
+$(BUILD)/src/%.o: src/%.c
+	@mkdir -p $(@D)
+	$(CC) $(BASE) -Iad $(CFLAGS) -MMD -c -o $@ $<
+
+$(BUILD)/libtvi.a: $(OBJECTS)
+	@rm -f $@
+	$(AR) rcs $@ $^
+
+$(BUILD)/libtvi.so: $(OBJECTS)
+	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libtvi.so.0 -o $@ $^ $(LIBS)
+
+install: all
+	install -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib/pkgconfig
+	install -m 644 include/jet.h include/tvi.h $(DESTDIR)$(PREFIX)/include
+	install -m 644 $(BUILD)/libtvi.a $(DESTDIR)$(PREFIX)/lib
+	install -m 755 $(BUILD)/libtvi.so $(DESTDIR)$(PREFIX)/lib/libtvi.so.$(VERSION)
+	ln -sf libtvi.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libtvi.so.0
+	ln -sf libtvi.so.0 $(DESTDIR)$(PREFIX)/lib/libtvi.so
+	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' src/tvi.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/tvi.pc
+
+# ---- The bench ---------------------------------------------------------------------------------------------------------
+
+include bench/bench.mk
+
+# ---- The tests ---------------------------------------------------------------------------------------------------------
+
+include tests/tests.mk
+
+clean:
+	rm -rf build
+
+-include $(wildcard $(BUILD)/*/*.d $(BUILD)/*/*/*.d)

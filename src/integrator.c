@@ -1,0 +1,148 @@
+/* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated summation. */
+#include "method.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct tvi_integrator {
+    const tvi_system *system;
+    tvi_options options; /* as resolved */
+    tvi_stats stats;
+    const tvi_stepper *stepper;
+    void *work;
+    bool continues;        /* t, q, p hold what the last successful step returned */
+    double t, t_low;
+    double *q, *p;         /* [n] */
+    double *q_low, *p_low; /* [n] */
+    double *dq, *dp;       /* [n] */
+};
+
+/* The integrator and all it needs, in one piece. */
+static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                               const tvi_stepper *stepper)
+{
+    tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
+    tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
+    if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
+    double **const vectors[] = {&laid.q, &laid.p, &laid.q_low, &laid.p_low, &laid.dq, &laid.dp};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
+    laid.work = stepper->take(arena, system, options);
+    laid.stats.bytes = arena->used;
+    if (integrator) *integrator = laid;
+    return integrator;
+}
+
+tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options)
+{
+    if (!out) return TVI_EINVAL;
+    *out = NULL;
+    if (!system) return TVI_EINVAL;
+    tvi_options resolved = options ? *options : tvi_options_default();
+    const tvi_stepper *stepper;
+    const tvi_status status = tvi_method_resolve(&resolved, system, &stepper, NULL);
+    if (status != TVI_OK) return status;
+    tvi_arena arena = {NULL, 0};
+    (void)lay_out(&arena, system, &resolved, stepper);
+    arena.base = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    if (!arena.base) return TVI_ENOMEM;
+    memset(arena.base, 0, arena.used);
+    arena.used = 0;
+    *out = lay_out(&arena, system, &resolved, stepper);
+    stepper->prepare((*out)->work);
+    return TVI_OK;
+}
+
+void tvi_integrator_free(tvi_integrator *integrator) { free(integrator); }
+
+const tvi_options *tvi_integrator_options(const tvi_integrator *integrator)
+{
+    return integrator ? &integrator->options : NULL;
+}
+
+const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator) { return integrator ? &integrator->stats : NULL; }
+
+void tvi_integrator_reset(tvi_integrator *integrator)
+{
+    if (integrator) integrator->continues = false;
+}
+
+static bool all_finite(int n, const double x[])
+{
+    for (int i = 0; i < n; i++)
+        if (!isfinite(x[i])) return false;
+    return true;
+}
+
+/* Whether the state is bitwise what the last successful step returned. */
+static bool is_continued(const tvi_integrator *it, double t, const double q[], const double p[])
+{
+    const size_t bytes = (size_t)it->system->n * sizeof *q;
+    return it->continues && memcmp(&t, &it->t, sizeof t) == 0 && memcmp(q, it->q, bytes) == 0 &&
+           memcmp(p, it->p, bytes) == 0;
+}
+
+/* (x, low) <- x + (low + d), exact but for the rounding of low + d (two-sum). */
+static double add_compensated(double x, double *low, double d)
+{
+    const double small = *low + d;
+    const double sum = x + small;
+    const double part = sum - x;
+    *low = (x - (sum - part)) + (small - part);
+    return sum;
+}
+
+/* The new state in it->q, it->p, it->t from the increments. */
+static void advance(tvi_integrator *it, double h, double t, const double q[], const double p[])
+{
+    for (int i = 0; i < it->system->n; i++) {
+        it->q[i] = add_compensated(q[i], &it->q_low[i], it->dq[i]);
+        it->p[i] = add_compensated(p[i], &it->p_low[i], it->dp[i]);
+    }
+    it->t = add_compensated(t, &it->t_low, h);
+    it->continues = true;
+}
+
+/* q + dq and p + dp are finite. */
+static bool increments_are_finite(const tvi_integrator *it, double h, double t, const double q[], const double p[])
+{
+    for (int i = 0; i < it->system->n; i++)
+        if (!isfinite(q[i] + it->dq[i]) || !isfinite(p[i] + it->dp[i])) return false;
+    return isfinite(t + h);
+}
+
+tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
+{
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
+    const int n = it->system->n;
+    if (!isfinite(*t) || !all_finite(n, q) || !all_finite(n, p)) return TVI_ENONFINITE;
+    if (!is_continued(it, *t, q, p)) {
+        it->continues = false;
+        it->t_low = 0;
+        memset(it->q_low, 0, (size_t)n * sizeof *q);
+        memset(it->p_low, 0, (size_t)n * sizeof *p);
+    }
+    const tvi_origin origin = {*t, it->t_low, q, it->q_low, p, it->p_low};
+    const tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
+    if (status != TVI_OK) return status;
+    if (!increments_are_finite(it, h, *t, q, p)) return TVI_ENONFINITE;
+    advance(it, h, *t, q, p);
+    *t = it->t;
+    memcpy(q, it->q, (size_t)n * sizeof *q);
+    memcpy(p, it->p, (size_t)n * sizeof *p);
+    it->stats.steps++;
+    return TVI_OK;
+}
+
+tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[], tvi_observer *observer,
+                         void *ctx)
+{
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0) return TVI_EINVAL;
+    for (long step = 1; step <= steps; step++) {
+        const tvi_status status = tvi_step(it, h, t, q, p);
+        if (status != TVI_OK) return status;
+        if (observer && observer(step, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
+    }
+    return TVI_OK;
+}

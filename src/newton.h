@@ -1,0 +1,34 @@
+/* newton.h - the one corrector: preconditioned passes that end at roundoff (docs/method.md section 5). */
+#ifndef TVI_SRC_NEWTON_H
+#define TVI_SRC_NEWTON_H
+
+#include "linear.h"
+
+/* The equations r(x) = 0 of a method. The functions are called with `self`. */
+typedef struct {
+    void *self;
+    /* r(x) [size]; sets scale[size], the natural size of each unknown: a correction below roundoff of it is none. */
+    tvi_status (*residual)(void *self, const double x[], double r[], double scale[]);
+    /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. */
+    void (*jacobian)(void *self, double matrix[]);
+} tvi_equations;
+
+typedef struct {
+    int size;
+    bool has_jacobian;
+    double *x, *correction, *scale; /* [size] */
+    double *trial, *difference;     /* [size] scratch of the difference Jacobian */
+    tvi_factor factor;
+} tvi_newton;
+
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size);
+
+/* From the predictor in newton->x. On success newton->x is the point of the last residual and newton->correction what
+ * the last pass found to be missing from it: the caller applies it to first order, which leaves an error of
+ * second order in the correction and saves the evaluation that would confirm it.
+ * TVI_ENOCONV where passes do not contract, even with a fresh Jacobian by differences; else the status of the equations
+ * or of the factorisation. Counts passes and factorisations, and sets stats->residual. */
+TVI_NODISCARD tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
+                                          tvi_stats *stats);
+
+#endif

@@ -1,0 +1,10 @@
+/* status.c - the texts of the statuses. */
+#include "tvi.h"
+
+#define STATUS_TEXT(code, text) [code] = text,
+
+const char *tvi_status_string(tvi_status status)
+{
+    static const char *const texts[] = {TVI_STATUS_LIST(STATUS_TEXT)};
+    return (unsigned)status < TVI_STATUS_COUNT ? texts[status] : "unknown status";
+}

@@ -1,0 +1,26 @@
+/* stepper.h - the frame of a step: what every stepper is given and returns. */
+#ifndef TVI_SRC_STEPPER_H
+#define TVI_SRC_STEPPER_H
+
+#include "arena.h"
+#include "system.h"
+
+/* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p + p_low). */
+typedef struct {
+    double t, t_low;
+    const double *q, *q_low, *p, *p_low;
+} tvi_origin;
+
+typedef struct {
+    /* Lays out the stepper's work in the arena; NULL while the arena only measures. */
+    void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
+    /* Fills the tables of the work, once the memory is there. */
+    void (*prepare)(void *work);
+    /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
+     * dq and dp are undefined. */
+    tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
+} tvi_stepper;
+
+extern const tvi_stepper tvi_stepper_type1, tvi_stepper_verlet;
+
+#endif
