@@ -54,13 +54,28 @@ static jet adjoint_of(adjoints *bar, int index)
     return jet_sum(bar->summing, count);
 }
 
+/* Takes a constant factor out of the jet, so that factors meet in the sums instead of being multiplied in one by one. */
+static double take_factor(jet *x)
+{
+    double factor = 1;
+    if (!x->node) {
+        factor = x->number;
+        *x = jet_const(1);
+    } else if (x->node->op == OP_LINEAR && x->node->count == 1 && x->node->number == 0) {
+        factor = x->node->terms[0].coefficient;
+        *x = jet_of_node(x->node->terms[0].node);
+    }
+    return factor;
+}
+
 static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
 {
     for (int i = 0; i < z->count; i++) contribute(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
     const jet_rule *rule = &jet_rules[z->op];
     if (!rule->pull) return;
-    contribute(bar, z->a, rule->pull(z, zbar, 0));
-    if (rule->b == B_OPERAND) contribute(bar, z->b, rule->pull(z, zbar, 1));
+    const double factor = take_factor(&zbar); /* the rules are linear in z-bar */
+    contribute(bar, z->a, jet_mul(factor, rule->pull(z, zbar, 0)));
+    if (rule->b == B_OPERAND) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));
 }
 
 bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])

@@ -2,9 +2,9 @@
  *
  * With w_i the weights in scaled time and e_r = sum_i w_i s_i^r - integral of s^r the error of the quadrature,
  *     D_z = sum_i w_i tau [ (dq_i/dz)^T F(q_i, t_i) - (dg_i/dz)^T M g''_i / tau^2 ]
- *         + 1/tau sum_{j,k} j k e_{j+k-2} (dC_k/dz)^T M C_j .
- * The last sum is what integration by parts leaves of the kinetic energy when the quadrature is not exact to degree
- * 2N - 2 (the paper's rectangle and trapezoid): with it, every quadrature serves every degree. */
+ *         + 1/tau sum_{j,k} j (j+k-1) e_{j+k-2} (dC_k/dz)^T M C_j .
+ * The last sum is what summation by parts of (g'^T M dg)' leaves when the quadrature is not exact to degree 2N - 2 (the
+ * paper's rectangle and trapezoid): with it, every quadrature serves every degree. */
 #include "action.h"
 #include "quadrature.h"
 
@@ -64,7 +64,7 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
     for (int j = 0; action->kinetic && j <= N; j++)
         for (int k = 0; k <= N; k++)
             action->kinetic[j * (N + 1) + k] =
-                j * k == 0 ? 0 : j * k * quadrature_error(order, points, s, weight, j + k - 2, span);
+                j * k == 0 ? 0 : j * (j + k - 1) * quadrature_error(order, points, s, weight, j + k - 2, span);
     jet_tape_prepare(system->force_values, action->x, 1, points);
 }
 

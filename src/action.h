@@ -19,7 +19,7 @@ typedef struct {
     double *weight;       /* [points], sum = to - from */
     double *power;        /* [degree + 1][points]: s_i^k */
     double *node_power;   /* the same as used for q_i, 0 where the node rule leaves the term out */
-    double *kinetic;      /* [degree + 1][degree + 1]: j k (error of the quadrature for s^(j+k-2)); NULL where all are 0 */
+    double *kinetic;      /* [degree + 1][degree + 1]: j (j+k-1) (error of the quadrature for s^(j+k-2)), NULL: all 0 */
     double *x;            /* block of the force's values at the nodes */
     double *defect;       /* [n][points]: w_i tau (F(q_i) - M g''_i / tau^2) */
     double *curvature;    /* [points] scratch: one component of g'' */
