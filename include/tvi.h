@@ -38,27 +38,39 @@ const char *tvi_status_string(tvi_status status);
 
 typedef struct tvi_system tvi_system;
 
+enum { TVI_MAX_DIMENSION = 10000 }; /* of n */
+
 /* The force F = dp/dt at (q, t): sets force[0..n-1]. It must not contain the masses. */
 typedef void tvi_force_fn(const jet q[], jet t, jet force[], void *ctx);
 /* The potential energy V at (q, t). The force is -dV/dq, derived from the recording. */
 typedef jet tvi_potential_fn(const jet q[], jet t, void *ctx);
+/* The Lagrangian L at (q, v, t). L_vv must be regular where steps are made. */
+typedef jet tvi_lagrangian_fn(const jet q[], const jet v[], jet t, void *ctx);
+/* The Hamiltonian H at (q, p, t). */
+typedef jet tvi_hamiltonian_fn(const jet q[], const jet p[], jet t, void *ctx);
 
-/* A mechanical system M q'' = F(q, t) with M = diag(mass) > 0; mass[n] is copied, NULL stands for all 1. The function is
- * called once, during the call, with n coordinates. The system must outlive its integrators; free it with tvi_system_free.
- *   TVI_EINVAL      n < 1, NULL, a mass that is not positive, an output left unset, jets of two recordings mixed
+/* Four ways to state a problem. Force and potential: M q'' = F(q, t) with M = diag(mass) > 0; mass[n] is copied, NULL stands
+ * for all 1. The function is called once, during the call, with n coordinates. A Lagrangian or a Hamiltonian with a
+ * constant diagonal mass and no other velocity in it is recognised, and costs what a potential costs. The system must
+ * outlive its integrators; free it with tvi_system_free.
+ *   TVI_EINVAL      n < 1 or above the maximum, NULL, a mass that is not positive, an output left unset, jets of two recordings mixed
+ *   TVI_ESINGULAR   a Lagrangian whose L_vv is singular everywhere
  *   TVI_EDOMAIN     an operation on numbers that has no value, such as the logarithm of -1
  *   TVI_ENONFINITE  a mass or a constant of the function that is not finite
  *   TVI_ENOMEM                                                                   *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx);
 TVI_NODISCARD tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential,
                                               void *ctx);
+TVI_NODISCARD tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx);
+TVI_NODISCARD tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx);
 void tvi_system_free(tvi_system *system);               /* NULL is allowed */
 int tvi_system_dimension(const tvi_system *system);     /* n */
 
-/* The energy H = sum p_i^2 / (2 m_i) + V(q, t). TVI_EUNSUPPORTED for a system made from a force, which has no V;
- * TVI_EDOMAIN and TVI_ENONFINITE where H has no value. May allocate (TVI_ENOMEM). */
+/* The energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. TVI_EUNSUPPORTED for a system made
+ * from a force, which has no V; TVI_EDOMAIN and TVI_ENONFINITE where H has no value. May allocate (TVI_ENOMEM). */
 TVI_NODISCARD tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H);
-/* The Legendre transforms p = M v and v = M^-1 p, [n] each. */
+/* The Legendre transforms p = L_v(q, v, t) and v = H_p(q, p, t), [n] each; p = M v where the mass is constant. The
+ * direction that the system does not state is solved for: TVI_ESINGULAR, TVI_ENOCONV. May allocate (TVI_ENOMEM). */
 TVI_NODISCARD tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[]);
 TVI_NODISCARD tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[]);
 
@@ -90,8 +102,9 @@ typedef struct {
 
 /* What a user who does not choose should get: symmetric, on-curve. */
 tvi_options tvi_options_default(void);
-/* The method called name, of this order: "tvi" (the paper's form, truncated nodes), "start" and "midpoint" (on-curve),
- * "taylor", "stormer-verlet". TVI_EINVAL: no such name, or an order that the method cannot have. */
+/* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left", "svhd",
+ * "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and III at the start),
+ * "poincare"; and "taylor", "stormer-verlet". TVI_EINVAL: no such name, or an order that the method cannot have. */
 TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
 /* Whether the options make a method for the system. On refusal *why (where why is not NULL) is static text that names
  * what does not fit: TVI_EINVAL for a value out of range, TVI_EUNSUPPORTED for a combination that makes no method. */
@@ -123,6 +136,10 @@ typedef int tvi_observer(long step, double t, const double q[], const double p[]
  * TVI_ESTOPPED: the observer stopped it; TVI_EINVAL: steps < 0; otherwise the status of the step that failed. */
 TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, long steps, double *t, double q[], double p[],
                                        tvi_observer *observer, void *ctx);
+
+/* The state at t0 + theta h, 0 <= theta <= 1, of the last step, on the step's own curve; at theta = 0 and 1 it is the state before
+ * and after the step. TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1]. */
+TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 
 /* Counts since the integrator was made. A pass is one evaluation of the residual followed by one correction, an
  * expansion one series of the curve, a force evaluation one value of the force at one node. */

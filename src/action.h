@@ -1,36 +1,49 @@
-/* action.h - the discrete action of a curve and its gradient.
- *
- * S(z) = h sum_i b_i L(q_i, v_i, t_i) with L = v^T M v / 2 - V. Integrating the kinetic part by parts leaves the defect
- * form (docs/method.md section 4, I-defect): S_z = G+^T p+ - G-^T p- + D_z, where D_z is small, because on the curve
- * the Euler-Lagrange equations nearly hold. */
+/* action.h - the gradient of the discrete action of a curve, in defect form (docs/method.md section 4):
+ *     S_z = G+^T p+ - G-^T p- + D_z,
+ * where D_z is small on the curve, because there the equations of motion nearly hold. */
 #ifndef TVI_SRC_ACTION_H
 #define TVI_SRC_ACTION_H
 
 #include "curve.h"
 
-/* Where the step's ends lie in the scaled time of a curve, and tau as a multiple of h: start 0, 1, 1; midpoint -1, 1, 1/2. */
+/* Where the step's ends lie in the scaled time of a curve, and tau as a multiple of h. */
 typedef struct {
     double from, to, tau;
 } tvi_span;
 
+typedef enum {
+    TVI_ACTION_LAGRANGE, /* h sum b_i L(q_i, v_i, t_i)                 */
+    TVI_ACTION_HAMILTON  /* h sum b_i [p_i . q'_i - H(q_i, p_i, t_i)]  */
+} tvi_action_kind;
+
 typedef struct {
-    int degree, points;
-    double *s;            /* [points] the nodes in scaled time */
-    double *weight;       /* [points], sum = to - from */
-    double *power;        /* [degree + 1][points]: s_i^k */
-    double *node_power;   /* the same as used for q_i, 0 where the node rule leaves the term out */
-    double *kinetic;      /* [degree + 1][degree + 1]: j (j+k-1) (error of the quadrature for s^(j+k-2)), NULL: all 0 */
-    double *x;            /* block of the force's values at the nodes */
-    double *defect;       /* [n][points]: w_i tau (F(q_i) - M g''_i / tau^2) */
-    double *curvature;    /* [points] scratch: one component of g'' */
+    tvi_action_kind kind;
+    bool truncated;
+    bool has_momentum_defect; /* g. - tau H_p is not 0 by construction */
+    int q_degree, p_degree, points;
+    double *s, *weight;       /* [points] in scaled time, sum of the weights = to - from */
+    double *power, *slope;    /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
+    double *node_power;       /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
+    double *by_parts;         /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
+    double *x;                /* block of the field's values at the nodes, a lane each */
+    double *bend;             /* truncated Hamiltonian: block of the bend's values */
+    double *P;                /* [p_degree + 1][n] */
+    double *momentum, *force; /* [n][points]: p and p' (in s) of the curve at the nodes */
+    double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
+    double *correction;       /* [n] */
 } tvi_action;
 
-/* Fills the tables of an action; everything in the options is resolved. */
-void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options);
-void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span);
+/* Degrees of the curve that the action uses; everything in the options is resolved. */
+void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                     tvi_action_kind kind, int q_degree, int p_degree, int top);
+void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span, int top);
 
-/* seed[degree + 1][n] with D_z = sum_k (dC_k/dz)^T seed_k for the curve; one force value at each node. TVI_EDOMAIN,
- * TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, const tvi_curve *curve, double seed[]);
+/* seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. TVI_EDOMAIN, TVI_ENONFINITE,
+ * TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */
+TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+
+/* The Lagrangian at the nodes: from the positions and the time in action->x, velocities in on_v and the curve's momenta
+ * in `momentum`, on_q = tau L_q and on_v = L_v - p. Also for nodes that lie on no single curve. */
+TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve);
 
 #endif

@@ -1,5 +1,8 @@
-/* curve.c - the Euler-Lagrange equations M q'' = F(q, t) as a recurrence for the coefficients of the curve
- * (docs/method.md section 2):  (k+1)(k+2) C_{k+2} = tau^2 M^-1 [s^k] F(g(s), centre + tau s). */
+/* curve.c - the equations of motion as a recurrence for the coefficients of the curve (docs/method.md section 2):
+ *     separable    (k+1)(k+2) Q_{k+2} = tau^2 M^-1 [s^k] F
+ *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for the velocity's coefficient k+1 with L_vv at the centre
+ *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
+ * each with the field evaluated as a power series along the curve, one order after the other. */
 #include "curve.h"
 
 #include <math.h>
@@ -7,129 +10,392 @@
 
 enum { CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
 
-static size_t slots(const tvi_curve *curve) { return (size_t)curve->system->force_series->slots; }
+static size_t slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
 
-static int block_lanes(const tvi_curve *curve) { return 2 * curve->n < CURVE_LANES ? 2 * curve->n : CURVE_LANES; }
-
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int degree, bool with_jacobians)
+static size_t block_lanes(const tvi_curve *curve)
 {
-    const size_t orders = (size_t)degree + 1, n = (size_t)system->n;
+    return 2 * (size_t)curve->n < CURVE_LANES ? 2 * (size_t)curve->n : CURVE_LANES;
+}
+
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, bool with_jacobians)
+{
+    const size_t orders = (size_t)top + 1, n = (size_t)system->n, jacobian = orders * n * 2 * n;
+    memset(curve, 0, sizeof *curve);
     curve->system = system;
     curve->n = system->n;
-    curve->degree = degree;
+    curve->top = top;
+    curve->kappa = tvi_arena_doubles(arena, n);
     curve->x = tvi_arena_doubles(arena, orders * slots(curve));
-    curve->dx = with_jacobians ? tvi_arena_doubles(arena, orders * slots(curve) * (size_t)block_lanes(curve)) : NULL;
-    curve->dC = with_jacobians ? tvi_arena_doubles(arena, orders * n * 2 * n) : NULL;
+    if (with_jacobians) {
+        curve->dx = tvi_arena_doubles(arena, orders * slots(curve) * block_lanes(curve));
+        curve->dQ = tvi_arena_doubles(arena, jacobian);
+        curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
+    }
+    if (system->form != TVI_SEPARABLE) {
+        tvi_factor_take(&curve->slope, arena, system->n);
+        curve->columns = tvi_arena_doubles(arena, slots(curve) * n);
+    }
 }
 
 void tvi_curve_prepare(tvi_curve *curve)
 {
-    jet_tape_prepare(curve->system->force_series, curve->x, curve->degree + 1, 1);
+    jet_tape_prepare(curve->system->field_series, curve->x, curve->top + 1, 1);
+    for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
 }
 
-tvi_status tvi_curve_expand(tvi_curve *curve, double centre, double tau)
+/* ---- Combinations --------------------------------------------------------------------------------------------------- */
+
+tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena)
+{
+    return (tvi_combination){false, tvi_arena_doubles(arena, (size_t)curve->top + 1)};
+}
+
+void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[])
+{
+    const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE; /* U_k = (k+1) Q_{k+1} */
+    combination->of_momentum = of_momentum && !shifts;
+    combination->weight[0] = shifts ? 0 : weight[0];
+    for (int k = 1; k <= curve->top; k++) combination->weight[k] = shifts ? k * weight[k - 1] : weight[k];
+}
+
+void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree, double a,
+                                double at, double b, double from)
+{
+    double weight[TVI_MAX_DEGREE + 2] = {0};
+    for (int k = 0; k <= degree; k++) weight[k] = a * pow(at, k) + b * pow(from, k);
+    tvi_combination_set(combination, curve, of_momentum, weight);
+}
+
+/* ---- The series ----------------------------------------------------------------------------------------------------- */
+
+/* Coefficient k of the second input: velocity or momentum. */
+static double *second_input(const tvi_curve *curve, int k) { return curve->x + (size_t)k * slots(curve) + curve->n; }
+
+static double *first_input(const tvi_curve *curve, int k) { return curve->x + (size_t)k * slots(curve); }
+
+/* Output i of the field at order k. */
+static double field(const tvi_curve *curve, int k, int i)
+{
+    return curve->x[(size_t)k * slots(curve) + (size_t)curve->system->field_series->output[i]];
+}
+
+void tvi_curve_set(tvi_curve *curve, const double z[])
+{
+    const int n = curve->n;
+    memcpy(first_input(curve, 0), z, (size_t)n * sizeof *z);
+    switch (curve->system->form) {
+    case TVI_SEPARABLE:
+        memcpy(first_input(curve, 1), z + n, (size_t)n * sizeof *z);
+        for (int i = 0; i < n; i++) curve->kappa[i] = curve->tau / curve->system->mass[i];
+        break;
+    case TVI_LAGRANGIAN:
+        for (int i = 0; i < n; i++) second_input(curve, 0)[i] = z[n + i] / curve->tau;
+        break;
+    case TVI_HAMILTONIAN: memcpy(second_input(curve, 0), z + n, (size_t)n * sizeof *z); break;
+    }
+}
+
+static tvi_status expand_separable(tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
-    const jet_tape *tape = system->force_series;
-    const int n = curve->n;
-    curve->centre = centre;
-    curve->tau = tau;
-    if (system->uses_time) {
-        curve->x[n] = centre;
-        if (curve->degree > 0) tvi_curve_coefficient(curve, 1)[n] = tau;
+    for (int k = 0; k + 2 <= curve->top; k++) {
+        if (!jet_sweep_series(system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
+        double *next = first_input(curve, k + 2);
+        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
+        for (int i = 0; i < curve->n; i++) next[i] = factor / system->mass[i] * field(curve, k, i);
     }
-    for (int k = 0; k + 2 <= curve->degree; k++) {
-        if (!jet_sweep_series(tape, curve->x, k, 1)) return TVI_EDOMAIN;
-        const double *force = tvi_curve_coefficient(curve, k);
-        double *next = tvi_curve_coefficient(curve, k + 2);
-        const double factor = tau * tau / ((k + 1) * (k + 2));
-        for (int i = 0; i < n; i++) next[i] = factor / system->mass[i] * force[tape->output[i]];
-    }
-    for (int k = 0; k <= curve->degree; k++)
-        for (int i = 0; i < n; i++)
-            if (!isfinite(tvi_curve_coefficient(curve, k)[i])) return TVI_ENONFINITE;
     return TVI_OK;
 }
 
-/* dC_k along the directions first .. first + lanes - 1 of z. */
-static void differentiate_block(tvi_curve *curve, int first, int lanes)
+static tvi_status expand_hamiltonian(tvi_curve *curve)
+{
+    const int n = curve->n;
+    for (int k = 0; k + 1 <= curve->top; k++) {
+        if (!jet_sweep_series(curve->system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
+        const double factor = curve->tau / (k + 1);
+        for (int i = 0; i < n; i++) {
+            first_input(curve, k + 1)[i] = factor * field(curve, k, n + i);
+            second_input(curve, k + 1)[i] = -factor * field(curve, k, i);
+        }
+    }
+    return TVI_OK;
+}
+
+/* By tangents of order 0 along the second input. */
+tvi_status tvi_curve_factor_slope(tvi_curve *curve)
+{
+    const jet_tape *tape = curve->system->field_series;
+    const size_t n = (size_t)curve->n;
+    memset(curve->columns, 0, 2 * n * n * sizeof *curve->columns);
+    for (size_t i = 0; i < n; i++) curve->columns[(n + i) * n + i] = 1;
+    if (curve->system->uses_time) memset(curve->columns + 2 * n * n, 0, n * sizeof *curve->columns);
+    jet_sweep_tangents(tape, curve->x, curve->columns, 0, curve->n);
+    for (size_t i = 0; i < n; i++)
+        memcpy(curve->slope.lu + i * n, curve->columns + (size_t)tape->output[n + i] * n, n * sizeof(double));
+    return tvi_factor_compute(&curve->slope);
+}
+
+/* Velocity V = (1/tau) dQ/ds. Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v; the missing
+ * part is solved for and the order run again. */
+static tvi_status expand_lagrangian(tvi_curve *curve)
+{
+    const jet_tape *tape = curve->system->field_series;
+    const int n = curve->n;
+    double *rest = curve->columns;
+    if (!jet_sweep_series(tape, curve->x, 0, 1)) return TVI_EDOMAIN;
+    const tvi_status status = tvi_curve_factor_slope(curve);
+    if (status != TVI_OK) return status;
+    for (int k = 1; k <= curve->top; k++) {
+        for (int i = 0; i < n; i++) {
+            first_input(curve, k)[i] = curve->tau / k * second_input(curve, k - 1)[i];
+            second_input(curve, k)[i] = 0;
+        }
+        (void)jet_sweep_series(tape, curve->x, k, 1);
+        for (int i = 0; i < n; i++) rest[i] = curve->tau / k * field(curve, k - 1, i) - field(curve, k, n + i);
+        tvi_factor_solve(&curve->slope, rest);
+        memcpy(second_input(curve, k), rest, (size_t)n * sizeof *rest);
+        if (k < curve->top) (void)jet_sweep_series(tape, curve->x, k, 1);
+    }
+    return TVI_OK;
+}
+
+tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
     const tvi_system *system = curve->system;
-    const jet_tape *tape = system->force_series;
+    curve->centre = centre;
+    if (system->uses_time) {
+        curve->x[system->inputs] = centre;
+        if (curve->top > 0) first_input(curve, 1)[system->inputs] = curve->tau;
+    }
+    const tvi_status status = system->form == TVI_SEPARABLE    ? expand_separable(curve)
+                              : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
+                                                               : expand_hamiltonian(curve);
+    if (status != TVI_OK) return status;
+    const int inputs = system->inputs;
+    for (int k = 0; k <= curve->top; k++)
+        for (int i = 0; i < inputs; i++)
+            if (!isfinite(first_input(curve, k)[i])) return TVI_ENONFINITE;
+    return TVI_OK;
+}
+
+/* ---- The Jacobians -------------------------------------------------------------------------------------------------- */
+
+/* A block of directions: tangents of order k of slot i are at dx + k * order + i * lanes. */
+typedef struct {
+    size_t lanes, order;
+    int first;
+} block;
+
+static double *tangent(const tvi_curve *curve, const block *b, int k, int slot)
+{
+    return curve->dx + (size_t)k * b->order + (size_t)slot * b->lanes;
+}
+
+static const double *field_tangent(const tvi_curve *curve, const block *b, int k, int i)
+{
+    return tangent(curve, b, k, curve->system->field_series->output[i]);
+}
+
+/* out = factor * in, over the lanes. */
+static void scale_lanes(size_t lanes, double factor, const double *in, double *out)
+{
+    for (size_t lane = 0; lane < lanes; lane++) out[lane] = factor * in[lane];
+}
+
+/* dz = unit vectors: where the components of z stand among the inputs. */
+static void seed_directions(tvi_curve *curve, const block *b)
+{
+    const tvi_form form = curve->system->form;
     const int n = curve->n;
-    const size_t width = (size_t)lanes, order = slots(curve) * width;
-    memset(curve->dx, 0, 2 * order * sizeof *curve->dx);
-    for (int lane = 0; lane < lanes; lane++) {
-        const int direction = first + lane;
-        double *unit = direction < n ? curve->dx : curve->dx + order;
-        unit[(size_t)(direction % n) * width + (size_t)lane] = 1;
+    for (size_t lane = 0; lane < b->lanes; lane++) {
+        const int direction = b->first + (int)lane;
+        if (direction < n) tangent(curve, b, 0, direction)[lane] = 1;
+        else if (form == TVI_SEPARABLE) tangent(curve, b, 1, direction - n)[lane] = 1;
+        else tangent(curve, b, 0, direction)[lane] = form == TVI_LAGRANGIAN ? 1 / curve->tau : 1;
     }
-    for (int k = 0; k + 2 <= curve->degree; k++) {
-        jet_sweep_tangents(tape, curve->x, curve->dx, k, lanes);
-        const double *dF = curve->dx + (size_t)k * order;
-        double *next = curve->dx + (size_t)(k + 2) * order;
+}
+
+static void differentiate_separable(tvi_curve *curve, const block *b)
+{
+    for (int k = 0; k + 2 <= curve->top; k++) {
+        jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, (int)b->lanes);
         const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
-        for (int i = 0; i < n; i++)
-            for (size_t lane = 0; lane < width; lane++)
-                next[(size_t)i * width + lane] =
-                    factor / system->mass[i] * dF[(size_t)tape->output[i] * width + lane];
-        if (system->uses_time) memset(next + (size_t)n * width, 0, width * sizeof *next);
-    }
-    for (int k = 0; k <= curve->degree; k++)
-        for (int i = 0; i < n; i++)
-            memcpy(curve->dC + (size_t)((k * n + i) * 2 * n + first), curve->dx + (size_t)k * order + (size_t)i * width,
-                   width * sizeof *curve->dC);
-}
-
-void tvi_curve_differentiate(tvi_curve *curve)
-{
-    const int directions = 2 * curve->n;
-    for (int first = 0; first < directions; first += CURVE_LANES) {
-        const int left = directions - first;
-        differentiate_block(curve, first, left < CURVE_LANES ? left : CURVE_LANES);
+        for (int i = 0; i < curve->n; i++)
+            scale_lanes(b->lanes, factor / curve->system->mass[i], field_tangent(curve, b, k, i), tangent(curve, b, k + 2, i));
     }
 }
 
-void tvi_curve_sum(const tvi_curve *curve, const double weight[], double out[])
+static void differentiate_hamiltonian(tvi_curve *curve, const block *b)
 {
-    memset(out, 0, (size_t)curve->n * sizeof *out);
-    for (int k = curve->degree; k >= 0; k--) {
-        if (weight[k] == 0) continue;
-        const double *C = tvi_curve_coefficient(curve, k);
-        for (int i = 0; i < curve->n; i++) out[i] += weight[k] * C[i];
-    }
-}
-
-void tvi_curve_sum_jacobian(const tvi_curve *curve, const double weight[], double matrix[])
-{
-    const size_t size = 2 * (size_t)curve->n * (size_t)curve->n;
-    memset(matrix, 0, size * sizeof *matrix);
-    for (int k = curve->degree; k >= 0; k--) {
-        if (weight[k] == 0) continue;
-        const double *dC = curve->dC + (size_t)k * size;
-        for (size_t i = 0; i < size; i++) matrix[i] += weight[k] * dC[i];
-    }
-}
-
-void tvi_curve_push(const tvi_curve *curve, const double weight[], const double dz[], double out[])
-{
-    const int n = curve->n, directions = 2 * n;
-    memset(out, 0, (size_t)n * sizeof *out);
-    for (int k = curve->degree; k >= 0; k--) {
-        if (weight[k] == 0) continue;
-        const double *dC = curve->dC + (size_t)(k * n * directions);
+    const int n = curve->n;
+    for (int k = 0; k + 1 <= curve->top; k++) {
+        jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, (int)b->lanes);
+        const double factor = curve->tau / (k + 1);
         for (int i = 0; i < n; i++) {
-            double sum = 0;
-            for (int d = 0; d < directions; d++) sum += dC[i * directions + d] * dz[d];
-            out[i] += weight[k] * sum;
+            scale_lanes(b->lanes, factor, field_tangent(curve, b, k, n + i), tangent(curve, b, k + 1, i));
+            scale_lanes(b->lanes, -factor, field_tangent(curve, b, k, i), tangent(curve, b, k + 1, n + i));
         }
     }
 }
 
-void tvi_curve_pull(const tvi_curve *curve, const double seed[], double out[])
+/* The tangent of the recurrence, whose matrix at the highest order is L_vv again. */
+static void differentiate_lagrangian(tvi_curve *curve, const block *b)
 {
-    const int directions = 2 * curve->n, rows = (curve->degree + 1) * curve->n;
-    memset(out, 0, (size_t)directions * sizeof *out);
-    for (int row = rows - 1; row >= 0; row--)
-        for (int d = 0; d < directions; d++) out[d] += seed[row] * curve->dC[(size_t)row * (size_t)directions + (size_t)d];
+    const jet_tape *tape = curve->system->field_series;
+    const int n = curve->n;
+    double *rest = curve->columns;
+    jet_sweep_tangents(tape, curve->x, curve->dx, 0, (int)b->lanes);
+    for (int k = 1; k <= curve->top; k++) {
+        for (int i = 0; i < n; i++) {
+            scale_lanes(b->lanes, curve->tau / k, tangent(curve, b, k - 1, n + i), tangent(curve, b, k, i));
+            scale_lanes(b->lanes, 0, tangent(curve, b, k, i), tangent(curve, b, k, n + i));
+        }
+        jet_sweep_tangents(tape, curve->x, curve->dx, k, (int)b->lanes);
+        for (size_t lane = 0; lane < b->lanes; lane++) {
+            for (int i = 0; i < n; i++)
+                rest[i] = curve->tau / k * field_tangent(curve, b, k - 1, i)[lane] - field_tangent(curve, b, k, n + i)[lane];
+            tvi_factor_solve(&curve->slope, rest);
+            for (int i = 0; i < n; i++) tangent(curve, b, k, n + i)[lane] = rest[i];
+        }
+        if (k < curve->top) jet_sweep_tangents(tape, curve->x, curve->dx, k, (int)b->lanes);
+    }
+}
+
+/* Copies the tangents of a slot for each coefficient and component into columns first .. of a Jacobian. */
+static void store(const tvi_curve *curve, const block *b, const int slot_of_component[], int first_slot, double *jacobian)
+{
+    const size_t n = (size_t)curve->n;
+    for (int k = 0; k <= curve->top; k++)
+        for (size_t i = 0; i < n; i++) {
+            const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
+            memcpy(jacobian + ((size_t)k * n + i) * 2 * n + (size_t)b->first, tangent(curve, b, k, slot),
+                   b->lanes * sizeof *jacobian);
+        }
+}
+
+static void differentiate_block(tvi_curve *curve, const block *b)
+{
+    const tvi_system *system = curve->system;
+    const int n = curve->n;
+    for (int k = 0; k <= curve->top; k++) memset(tangent(curve, b, k, 0), 0, (size_t)(system->inputs + system->uses_time) * b->lanes * sizeof(double));
+    seed_directions(curve, b);
+    switch (system->form) {
+    case TVI_SEPARABLE: differentiate_separable(curve, b); break;
+    case TVI_LAGRANGIAN:
+        differentiate_lagrangian(curve, b);
+        store(curve, b, system->field_series->output + n, 0, curve->dU);
+        break;
+    case TVI_HAMILTONIAN:
+        differentiate_hamiltonian(curve, b);
+        store(curve, b, NULL, n, curve->dU);
+        break;
+    }
+    store(curve, b, NULL, 0, curve->dQ);
+}
+
+void tvi_curve_differentiate(tvi_curve *curve)
+{
+    const size_t directions = 2 * (size_t)curve->n;
+    for (size_t first = 0; first < directions; first += CURVE_LANES) {
+        const size_t left = directions - first, lanes = left < CURVE_LANES ? left : CURVE_LANES;
+        const block b = {lanes, slots(curve) * lanes, (int)first};
+        differentiate_block(curve, &b);
+    }
+}
+
+/* ---- Sums over the coefficients ------------------------------------------------------------------------------------- */
+
+void tvi_curve_position(const tvi_curve *curve, int k, double out[])
+{
+    memcpy(out, first_input(curve, k), (size_t)curve->n * sizeof *out);
+}
+
+void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
+{
+    const int n = curve->n;
+    for (int i = 0; i < n; i++) switch (curve->system->form) {
+        case TVI_SEPARABLE:
+            out[i] = k < curve->top ? (k + 1) * first_input(curve, k + 1)[i] / curve->kappa[i] : 0;
+            break;
+        case TVI_LAGRANGIAN: out[i] = field(curve, k, n + i); break;
+        case TVI_HAMILTONIAN: out[i] = second_input(curve, k)[i]; break;
+        }
+}
+
+void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
+{
+    const int n = curve->n;
+    const int *slot = curve->system->field_series->output + n;
+    memset(out, 0, (size_t)n * sizeof *out);
+    for (int k = curve->top; k >= 0; k--) {
+        const double weight = combination->weight[k], *x = first_input(curve, k);
+        if (weight == 0) continue;
+        if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN) {
+            for (int i = 0; i < n; i++) out[i] += weight * x[slot[i]];
+        } else {
+            const double *coefficient = x + (combination->of_momentum ? n : 0);
+            for (int i = 0; i < n; i++) out[i] += weight * coefficient[i];
+        }
+    }
+}
+
+static const double *jacobians(const tvi_curve *curve, const tvi_combination *combination)
+{
+    return combination->of_momentum ? curve->dU : curve->dQ;
+}
+
+void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
+{
+    const size_t size = 2 * (size_t)curve->n * (size_t)curve->n;
+    memset(matrix, 0, size * sizeof *matrix);
+    for (int k = curve->top; k >= 0; k--) {
+        const double weight = combination->weight[k], *dC = jacobians(curve, combination) + (size_t)k * size;
+        if (weight == 0) continue;
+        for (size_t i = 0; i < size; i++) matrix[i] += weight * dC[i];
+    }
+}
+
+void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, const double dz[], double out[])
+{
+    const size_t n = (size_t)curve->n, directions = 2 * n;
+    memset(out, 0, n * sizeof *out);
+    for (int k = curve->top; k >= 0; k--) {
+        const double weight = combination->weight[k], *dC = jacobians(curve, combination) + (size_t)k * n * directions;
+        if (weight == 0) continue;
+        for (size_t i = 0; i < n; i++) {
+            double sum = 0;
+            for (size_t d = 0; d < directions; d++) sum += dC[i * directions + d] * dz[d];
+            out[i] += weight * sum;
+        }
+    }
+}
+
+static void pull_rows(const tvi_curve *curve, const double jacobian[], const double seed[], double out[])
+{
+    const size_t directions = 2 * (size_t)curve->n;
+    for (int row = (curve->top + 1) * curve->n - 1; row >= 0; row--) {
+        if (seed[row] == 0) continue;
+        for (size_t d = 0; d < directions; d++) out[d] += seed[row] * jacobian[(size_t)row * directions + d];
+    }
+}
+
+void tvi_curve_pull(const tvi_curve *curve, double seed_Q[], const double seed_U[], double out[])
+{
+    const int n = curve->n;
+    memset(out, 0, 2 * (size_t)n * sizeof *out);
+    if (seed_U && curve->dU) pull_rows(curve, curve->dU, seed_U, out);
+    if (seed_U && !curve->dU)
+        for (int k = 0; k < curve->top; k++)
+            for (int i = 0; i < n; i++) seed_Q[(k + 1) * n + i] += (k + 1) * seed_U[k * n + i];
+    pull_rows(curve, curve->dQ, seed_Q, out);
+}
+
+double tvi_curve_tail(const tvi_curve *curve, int degree)
+{
+    double last = 0, q = 0;
+    for (int i = 0; i < curve->n; i++) {
+        last = fmax(last, fabs(first_input(curve, degree)[i]));
+        q = fmax(q, fabs(first_input(curve, 0)[i]));
+    }
+    return q > 0 ? last / q : 0;
 }

@@ -1,46 +1,76 @@
 /* curve.h - prolongation: the Taylor curve at a centre, and its Jacobians with respect to the centre data.
  *
- * Time is scaled: t = centre + tau s, q(t) = g(s) = sum_{k=0}^{N} C_k s^k, so that C_k = q^(k) tau^k / k! are all of one
- * size. The centre data are z = (C_0, C_1), with C_1 = tau v; both have the unit of q. */
+ * Time is scaled: t = centre + tau s, and
+ *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
+ * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all is in the unit of
+ * q; for the others kappa = 1. The centre data z (2n numbers) are (q, tau v) for a Lagrangian, else (q, kappa p). */
 #ifndef TVI_SRC_CURVE_H
 #define TVI_SRC_CURVE_H
 
-#include "arena.h"
+#include "linear.h"
 #include "system.h"
 
 typedef struct {
     const tvi_system *system;
-    int n, degree;
+    int n, top;             /* the highest order of Q that is computed */
     double centre, tau;
-    double *x;  /* block of the force's series: C_k are its inputs at order k, see tvi_curve_coefficient */
-    double *dx; /* the same for CURVE_LANES directions */
-    double *dC; /* [degree + 1][n][2n]: dC_k / dz */
+    double *kappa;          /* [n] */
+    double *x;              /* block of the field's series, orders 0 .. top */
+    double *dx;             /* the same for CURVE_LANES directions */
+    double *dQ, *dU;        /* [top + 1][n][2n]: dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    tvi_factor slope;       /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
+    double *columns;        /* scratch of the slope: its directions, and right sides */
 } tvi_curve;
 
+/* A combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. Made once for a method. */
+typedef struct {
+    bool of_momentum;
+    double *weight; /* [top + 1] */
+} tvi_combination;
+
 /* with_jacobians: whether tvi_curve_differentiate will be called. */
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int degree, bool with_jacobians);
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, bool with_jacobians);
 void tvi_curve_prepare(tvi_curve *curve); /* once, when the memory is there */
 
-/* C_k [n], k <= degree. */
-static inline double *tvi_curve_coefficient(const tvi_curve *curve, int k)
-{
-    return curve->x + (size_t)k * (size_t)curve->system->force_series->slots;
-}
+tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena);
+/* From weights of Q, or weights of U (which a separable system turns into weights of Q). */
+void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[]);
 
-/* Expands from C_0, C_1 [n], which must be set. TVI_EDOMAIN, TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre, double tau);
+/* weight_k = a at^k + b from^k for k <= degree, 0 above. */
+void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree, double a,
+                                double at, double b, double from);
 
-/* dC of the curve last expanded. */
+/* Sets z; tau must be set before. */
+void tvi_curve_set(tvi_curve *curve, const double z[]);
+
+/* Expands from z. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR (L_vv). */
+TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
+
+/* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so. TVI_ESINGULAR. */
+TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
+
+/* The Jacobians of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
-/* out[n] = sum_k weight_k C_k and matrix[n][2n] = sum_k weight_k dC_k/dz, the small terms first. */
-void tvi_curve_sum(const tvi_curve *curve, const double weight[], double out[]);
-void tvi_curve_sum_jacobian(const tvi_curve *curve, const double weight[], double matrix[]);
+/* Q_k and U_k / kappa [n], natural units. */
+void tvi_curve_position(const tvi_curve *curve, int k, double out[]);
+void tvi_curve_momentum(const tvi_curve *curve, int k, double out[]);
+/* Q_k where it stands. */
+static inline const double *tvi_curve_Q(const tvi_curve *curve, int k)
+{
+    return curve->x + (size_t)k * (size_t)curve->system->field_series->slots;
+}
 
-/* out[n] = sum_k weight_k (dC_k/dz) dz. */
-void tvi_curve_push(const tvi_curve *curve, const double weight[], const double dz[], double out[]);
+/* out[n], or matrix[n][2n], of a combination and of its Jacobian; the small terms first. */
+void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+/* out[n] = Jacobian of the combination times dz. */
+void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, const double dz[], double out[]);
 
-/* out[2n] = sum_k (dC_k/dz)^T seed_k, seed [degree + 1][n]: the gradient of any scalar of the curve. */
-void tvi_curve_pull(const tvi_curve *curve, const double seed[], double out[]);
+/* out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]; seeds [top + 1][n], which it may use up; seed_U may be NULL. */
+void tvi_curve_pull(const tvi_curve *curve, double seed_Q[], const double seed_U[], double out[]);
+
+/* |Q_degree| / |Q_0|: the size of the curve's last term a unit of scaled time from the centre. */
+double tvi_curve_tail(const tvi_curve *curve, int degree);
 
 #endif

@@ -12,6 +12,8 @@ struct tvi_integrator {
     const tvi_stepper *stepper;
     void *work;
     bool continues;        /* t, q, p hold what the last successful step returned */
+    bool has_dense;        /* the work holds the last step, which started at */
+    double *q_start, *p_start; /* [n]: */
     double t, t_low;
     double *q, *p;         /* [n] */
     double *q_low, *p_low; /* [n] */
@@ -25,7 +27,8 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
     tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
-    double **const vectors[] = {&laid.q, &laid.p, &laid.q_low, &laid.p_low, &laid.dq, &laid.dp};
+    double **const vectors[] = {&laid.q, &laid.p, &laid.q_low, &laid.p_low, &laid.dq, &laid.dp,
+                                &laid.q_start, &laid.p_start};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
     laid.work = stepper->take(arena, system, options);
@@ -40,9 +43,9 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     *out = NULL;
     if (!system) return TVI_EINVAL;
     tvi_options resolved = options ? *options : tvi_options_default();
-    const tvi_stepper *stepper;
-    const tvi_status status = tvi_method_resolve(&resolved, system, &stepper, NULL);
+    const tvi_status status = tvi_method_resolve(&resolved, system, NULL);
     if (status != TVI_OK) return status;
+    const tvi_stepper *stepper = tvi_method_stepper(&resolved);
     tvi_arena arena = {NULL, 0};
     (void)lay_out(&arena, system, &resolved, stepper);
     arena.base = aligned_alloc(ARENA_ALIGNMENT, arena.used);
@@ -83,24 +86,14 @@ static bool is_continued(const tvi_integrator *it, double t, const double q[], c
            memcmp(p, it->p, bytes) == 0;
 }
 
-/* (x, low) <- x + (low + d), exact but for the rounding of low + d (two-sum). */
-static double add_compensated(double x, double *low, double d)
-{
-    const double small = *low + d;
-    const double sum = x + small;
-    const double part = sum - x;
-    *low = (x - (sum - part)) + (small - part);
-    return sum;
-}
-
 /* The new state in it->q, it->p, it->t from the increments. */
 static void advance(tvi_integrator *it, double h, double t, const double q[], const double p[])
 {
     for (int i = 0; i < it->system->n; i++) {
-        it->q[i] = add_compensated(q[i], &it->q_low[i], it->dq[i]);
-        it->p[i] = add_compensated(p[i], &it->p_low[i], it->dp[i]);
+        it->q[i] = tvi_add_compensated(q[i], &it->q_low[i], it->dq[i]);
+        it->p[i] = tvi_add_compensated(p[i], &it->p_low[i], it->dp[i]);
     }
-    it->t = add_compensated(t, &it->t_low, h);
+    it->t = tvi_add_compensated(t, &it->t_low, h);
     it->continues = true;
 }
 
@@ -119,19 +112,35 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
     if (!isfinite(*t) || !all_finite(n, q) || !all_finite(n, p)) return TVI_ENONFINITE;
     if (!is_continued(it, *t, q, p)) {
         it->continues = false;
+        it->stepper->forget(it->work);
         it->t_low = 0;
         memset(it->q_low, 0, (size_t)n * sizeof *q);
         memset(it->p_low, 0, (size_t)n * sizeof *p);
     }
+    it->has_dense = false;
     const tvi_origin origin = {*t, it->t_low, q, it->q_low, p, it->p_low};
     const tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     if (status != TVI_OK) return status;
     if (!increments_are_finite(it, h, *t, q, p)) return TVI_ENONFINITE;
+    memcpy(it->q_start, q, (size_t)n * sizeof *q);
+    memcpy(it->p_start, p, (size_t)n * sizeof *p);
+    it->has_dense = true;
     advance(it, h, *t, q, p);
     *t = it->t;
     memcpy(q, it->q, (size_t)n * sizeof *q);
     memcpy(p, it->p, (size_t)n * sizeof *p);
     it->stats.steps++;
+    return TVI_OK;
+}
+
+tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
+{
+    if (!it || !q || !p || !(theta >= 0 && theta <= 1) || !it->has_dense) return TVI_EINVAL;
+    it->stepper->dense(it->work, theta, it->dq, it->dp);
+    for (int i = 0; i < it->system->n; i++) {
+        q[i] = it->q_start[i] + it->dq[i];
+        p[i] = it->p_start[i] + it->dp[i];
+    }
     return TVI_OK;
 }
 

@@ -1,6 +1,7 @@
 /* linear.c - the only file that calls LAPACK. */
 #include "linear.h"
 
+#include <float.h>
 #include <math.h>
 
 /* LAPACK's own interface: Fortran, column-major; a character argument has a hidden length at the end. */
@@ -17,17 +18,56 @@ void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n)
 {
     factor->n = n;
     factor->lu = tvi_arena_doubles(arena, (size_t)n * (size_t)n);
+    factor->row_scale = tvi_arena_doubles(arena, (size_t)n);
+    factor->column_scale = tvi_arena_doubles(arena, (size_t)n);
     factor->pivot = tvi_arena_take(arena, (size_t)n * sizeof(int));
+}
+
+/* The power of two next to 1/size, so that scaling rounds nothing; 1 for 0. */
+static double inverse_power(double size)
+{
+    int exponent;
+    if (size == 0 || !isfinite(size)) return 1;
+    (void)frexp(size, &exponent);
+    return ldexp(1, -exponent);
+}
+
+/* A <- R A C with rows, then columns, of size about 1: rows and columns may have different units. */
+static void equilibrate(tvi_factor *factor)
+{
+    const int n = factor->n;
+    for (int i = 0; i < n; i++) {
+        double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
+        for (int j = 0; j < n; j++) size = fmax(size, fabs(row[j]));
+        factor->row_scale[i] = inverse_power(size);
+        for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
+    }
+    for (int j = 0; j < n; j++) {
+        double size = 0;
+        for (int i = 0; i < n; i++) size = fmax(size, fabs(factor->lu[(size_t)i * (size_t)n + (size_t)j]));
+        factor->column_scale[j] = inverse_power(size);
+        for (int i = 0; i < n; i++) factor->lu[(size_t)i * (size_t)n + (size_t)j] *= factor->column_scale[j];
+    }
 }
 
 tvi_status tvi_factor_compute(tvi_factor *factor)
 {
     const int n = factor->n;
-    for (int i = 0; i < n * n; i++)
+    for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
         if (!isfinite(factor->lu[i])) return TVI_ENONFINITE;
+    equilibrate(factor);
     int info = 0;
     (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
-    return info == 0 ? TVI_OK : TVI_ESINGULAR;
+    if (info != 0) return TVI_ESINGULAR;
+    for (int i = 0; i < n; i++) /* a pivot that is roundoff of a matrix of size 1 */
+        if (fabs(factor->lu[(size_t)i * (size_t)n + (size_t)i]) <= n * DBL_EPSILON) return TVI_ESINGULAR;
+    return TVI_OK;
+}
+
+/* x <- scale x, component by component. */
+static void rescale(int n, const double scale[], double x[])
+{
+    for (int i = 0; i < n; i++) x[i] *= scale[i];
 }
 
 /* A row-major matrix is the transpose of a column-major one. */
@@ -38,5 +78,17 @@ static void solve(const tvi_factor *factor, const char *trans, double x[])
     dgetrs_(trans, &factor->n, &one, factor->lu, &factor->n, factor->pivot, x, &factor->n, &info, 1);
 }
 
-void tvi_factor_solve(const tvi_factor *factor, double x[]) { solve(factor, "T", x); }
-void tvi_factor_solve_transposed(const tvi_factor *factor, double x[]) { solve(factor, "N", x); }
+/* A^-1 = C (R A C)^-1 R. */
+void tvi_factor_solve(const tvi_factor *factor, double x[])
+{
+    rescale(factor->n, factor->row_scale, x);
+    solve(factor, "T", x);
+    rescale(factor->n, factor->column_scale, x);
+}
+
+void tvi_factor_solve_transposed(const tvi_factor *factor, double x[])
+{
+    rescale(factor->n, factor->column_scale, x);
+    solve(factor, "N", x);
+    rescale(factor->n, factor->row_scale, x);
+}

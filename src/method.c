@@ -5,6 +5,14 @@
 #include <math.h>
 #include <string.h>
 
+/* What a method asks of a system. */
+enum { SERVES_SEPARABLE = 1, SERVES_LAGRANGIAN = 2, SERVES_REGULAR = 4, SERVES_DEGENERATE = 8 };
+enum {
+    TYPE1_SERVES = SERVES_SEPARABLE | SERVES_LAGRANGIAN | SERVES_REGULAR,
+    HAMILTON_SERVES = SERVES_SEPARABLE | SERVES_REGULAR | SERVES_DEGENERATE,
+    ALL_SERVES = TYPE1_SERVES | HAMILTON_SERVES
+};
+
 /* The order of degree N is slope N + offset, rounded up to an even number for symmetric methods. */
 typedef struct {
     const char *name; /* NULL: has none */
@@ -14,23 +22,46 @@ typedef struct {
     int slope, offset;
     bool symmetric;
     int least_degree, most_degree;
-    const tvi_stepper *stepper;
+    int serves;
 } method_row;
 
+#define ON_CURVE TVI_NODES_ON_CURVE
+#define TRUNCATED TVI_NODES_TRUNCATED
+#define MOST TVI_MAX_DEGREE
+
 static const method_row method_table[] = {
-    {"tvi", TVI_TYPE1, TVI_AT_START, TVI_NODES_TRUNCATED, 1, 0, false, 1, TVI_MAX_DEGREE, &tvi_stepper_type1},
-    {"start", TVI_TYPE1, TVI_AT_START, TVI_NODES_ON_CURVE, 2, 0, false, 1, TVI_MAX_DEGREE, &tvi_stepper_type1},
-    {"midpoint", TVI_TYPE1, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 2, 0, true, 1, TVI_MAX_DEGREE, &tvi_stepper_type1},
-    {NULL, TVI_TYPE1, TVI_AT_MIDPOINT, TVI_NODES_TRUNCATED, 1, 0, true, 1, TVI_MAX_DEGREE, &tvi_stepper_type1},
-    {"taylor", TVI_TAYLOR, TVI_AT_START, TVI_NODES_ON_CURVE, 1, -1, false, 2, TVI_MAX_DEGREE, &tvi_stepper_type1},
-    {"stormer-verlet", TVI_STORMER_VERLET, TVI_AT_START, TVI_NODES_ON_CURVE, 0, 2, true, 1, 1, &tvi_stepper_verlet},
+    {"tvi", TVI_TYPE1, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, TYPE1_SERVES},
+    {"start", TVI_TYPE1, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, TYPE1_SERVES},
+    {NULL, TVI_TYPE1, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, TYPE1_SERVES},
+    {"end", TVI_TYPE1, TVI_AT_END, ON_CURVE, 2, 0, false, 1, MOST, TYPE1_SERVES},
+    {NULL, TVI_TYPE1, TVI_AT_MIDPOINT, TRUNCATED, 1, 0, true, 1, MOST, TYPE1_SERVES},
+    {"midpoint", TVI_TYPE1, TVI_AT_MIDPOINT, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
+    {"symmetric-tvi", TVI_TYPE1, TVI_AT_BOTH_ENDS, TRUNCATED, 1, 0, true, 1, MOST, TYPE1_SERVES},
+    {"both-ends", TVI_TYPE1, TVI_AT_BOTH_ENDS, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
+    {"htvi-right", TVI_TYPE2, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
+    {"right", TVI_TYPE2, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
+    {NULL, TVI_TYPE2, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
+    {NULL, TVI_TYPE2, TVI_AT_END, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
+    {"htvi-left", TVI_TYPE3, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
+    {"left", TVI_TYPE3, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
+    {NULL, TVI_TYPE3, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
+    {NULL, TVI_TYPE3, TVI_AT_END, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
+    {"poincare", TVI_POINCARE, TVI_AT_MIDPOINT, ON_CURVE, 2, 2, true, 0, MOST, HAMILTON_SERVES},
+    {"taylor", TVI_TAYLOR, TVI_AT_START, ON_CURVE, 1, -1, false, 2, MOST, ALL_SERVES},
+    {"stormer-verlet", TVI_STORMER_VERLET, TVI_AT_START, ON_CURVE, 0, 2, true, 1, 1, SERVES_SEPARABLE},
 };
 enum { METHOD_COUNT = sizeof method_table / sizeof *method_table, POINTS_MAX = TVI_MAX_DEGREE + 2 };
 
-static int order_of(const method_row *row, int degree)
+/* "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
+static const tvi_options svhd = {.method = TVI_TYPE2, .nodes = TVI_NODES_TRUNCATED, .degree = 1, .order = 2,
+                                 .compose_adjoint = true, .quadrature = TVI_TRAPEZOID};
+
+static bool has_adjoint(const method_row *row) { return row->method <= TVI_POINCARE; }
+
+static int order_of(const method_row *row, int degree, bool composed)
 {
     const int order = row->slope * degree + row->offset;
-    return row->symmetric ? order + order % 2 : order;
+    return row->symmetric || composed ? order + order % 2 : order;
 }
 
 static tvi_status refuse(tvi_status status, const char *reason, const char **why)
@@ -67,16 +98,30 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
     return TVI_OK;
 }
 
+/* Why the method does not serve the system, NULL where it does. */
+static const char *misfit(const method_row *row, const tvi_system *system)
+{
+    const int form = system->form == TVI_SEPARABLE    ? SERVES_SEPARABLE
+                     : system->form == TVI_LAGRANGIAN ? SERVES_LAGRANGIAN
+                     : system->regular                ? SERVES_REGULAR
+                                                      : SERVES_DEGENERATE;
+    if (row->serves & form) return NULL;
+    if (row->method == TVI_STORMER_VERLET) return "Stormer-Verlet needs a constant diagonal mass and a force without velocities";
+    if (form == SERVES_LAGRANGIAN) return "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian";
+    return "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare";
+}
+
 static tvi_status resolve_degree(tvi_options *options, const method_row *row, const char **why)
 {
+    const bool composed = options->compose_adjoint;
     if (options->degree > 0) {
         if (options->degree < row->least_degree || options->degree > row->most_degree)
             return refuse(TVI_EINVAL, "the method has no such degree", why);
-        options->order = order_of(row, options->degree);
+        options->order = order_of(row, options->degree, composed);
         return TVI_OK;
     }
     for (int degree = row->least_degree; degree <= row->most_degree; degree++) {
-        if (order_of(row, degree) != options->order) continue;
+        if (order_of(row, degree, composed) != options->order) continue;
         options->degree = degree;
         return TVI_OK;
     }
@@ -99,49 +144,75 @@ static tvi_status resolve_quadrature(tvi_options *options, bool order_was_asked,
     }
     if (options->quadrature_points < tvi_quadrature_least_points(options->quadrature))
         return refuse(TVI_EINVAL, "the quadrature needs more points", why);
-    const int order = tvi_quadrature_order(options->quadrature, options->quadrature_points);
+    int order = tvi_quadrature_order(options->quadrature, options->quadrature_points);
+    if (options->compose_adjoint) order += order % 2;
     if (order_was_asked && order < options->order)
         return refuse(TVI_EINVAL, "the quadrature is of lower order than the method", why);
     if (order < options->order) options->order = order;
     return TVI_OK;
 }
 
-tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const tvi_stepper **stepper, const char **why)
+tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why)
 {
-    (void)system; /* every method of the table serves every system with a constant mass */
     tvi_status status = check_ranges(options, why);
     if (status != TVI_OK) return status;
-    if (options->compose_adjoint)
-        return refuse(TVI_EUNSUPPORTED, "compose_adjoint: no method of the table has an adjoint here", why);
     const method_row *row = find_row(options);
     if (!row) return refuse(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
+    if (options->compose_adjoint && !has_adjoint(row))
+        return refuse(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
+    const char *reason = system ? misfit(row, system) : NULL;
+    if (reason) return refuse(TVI_EUNSUPPORTED, reason, why);
     const bool order_was_asked = options->degree == 0;
     status = resolve_degree(options, row, why);
-    if (status == TVI_OK && options->method == TVI_TYPE1) status = resolve_quadrature(options, order_was_asked, why);
-    if (status == TVI_OK && stepper) *stepper = row->stepper;
+    if (status == TVI_OK && has_adjoint(row)) status = resolve_quadrature(options, order_was_asked, why);
     return status;
+}
+
+const tvi_stepper *tvi_method_stepper(const tvi_options *options)
+{
+    if (options->compose_adjoint) return &tvi_stepper_composed;
+    if (options->method == TVI_STORMER_VERLET) return &tvi_stepper_verlet;
+    const bool both_ends = options->expansion == TVI_AT_BOTH_ENDS && options->passes != TVI_PREDICT_ONLY;
+    return both_ends ? &tvi_stepper_both_ends : &tvi_stepper_curve;
+}
+
+tvi_options tvi_options_adjoint(const tvi_options *options)
+{
+    tvi_options adjoint = *options;
+    if (options->expansion == TVI_AT_START) adjoint.expansion = TVI_AT_END;
+    if (options->expansion == TVI_AT_END) adjoint.expansion = TVI_AT_START;
+    if (options->method == TVI_TYPE2) adjoint.method = TVI_TYPE3;
+    if (options->method == TVI_TYPE3) adjoint.method = TVI_TYPE2;
+    if (options->quadrature == TVI_RECTANGLE_START) adjoint.quadrature = TVI_RECTANGLE_END;
+    if (options->quadrature == TVI_RECTANGLE_END) adjoint.quadrature = TVI_RECTANGLE_START;
+    return adjoint;
 }
 
 tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why)
 {
     if (!system || !options) return refuse(TVI_EINVAL, "system or options is NULL", why);
     tvi_options resolved = *options;
-    return tvi_method_resolve(&resolved, system, NULL, why);
+    return tvi_method_resolve(&resolved, system, why);
+}
+
+static tvi_status named_row(const method_row *row, int order, tvi_options *options)
+{
+    const tvi_options found = {.method = row->method, .expansion = row->expansion, .nodes = row->nodes, .order = order};
+    tvi_options resolved = found;
+    const tvi_status status = tvi_method_resolve(&resolved, NULL, NULL);
+    if (status == TVI_OK) *options = found;
+    return status;
 }
 
 tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
 {
     if (!name || !options) return TVI_EINVAL;
-    for (int i = 0; i < METHOD_COUNT; i++) {
-        const method_row *row = &method_table[i];
-        if (!row->name || strcmp(row->name, name) != 0) continue;
-        tvi_options found = {.method = row->method, .expansion = row->expansion, .nodes = row->nodes, .order = order};
-        tvi_options resolved = found;
-        const tvi_status status = tvi_method_resolve(&resolved, NULL, NULL, NULL);
-        if (status == TVI_OK) *options = found;
-        return status;
-    }
-    return TVI_EINVAL;
+    for (int i = 0; i < METHOD_COUNT; i++)
+        if (method_table[i].name && strcmp(method_table[i].name, name) == 0)
+            return named_row(&method_table[i], order, options);
+    if (strcmp(name, "svhd") != 0 || order != svhd.order) return TVI_EINVAL;
+    *options = svhd;
+    return TVI_OK;
 }
 
 tvi_options tvi_options_default(void)

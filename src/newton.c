@@ -5,18 +5,21 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_PASSES = 50, MAX_REFRESHES = 3 };
+enum { MAX_PASSES = 50, MAX_REFRESHES = 3, CHECK_EVERY = 16 };
 
-/* Corrections that no longer shrink are roundoff when they are this small against the largest unknown. */
+/* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns. */
 static const double STAGNATION = 256 * DBL_EPSILON;
 static const double ROUNDOFF = DBL_EPSILON / 2;
+/* Corrections above this are no roundoff. */
+static const double NOISE = 1e-13;
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
 static const double CONTRACTION = 0.5;
 
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size)
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group)
 {
     const size_t count = (size_t)size;
     newton->size = size;
+    newton->group = group;
     newton->x = tvi_arena_doubles(arena, count);
     newton->correction = tvi_arena_doubles(arena, count);
     newton->scale = tvi_arena_doubles(arena, count);
@@ -27,20 +30,22 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size)
 
 typedef struct {
     double relative; /* max_i |correction_i| / scale_i */
-    double absolute; /* max_i |correction_i| / max_j scale_j */
+    double absolute; /* the largest correction of a group against the largest scale of the group */
 } correction_size;
 
 static correction_size measure(const tvi_newton *newton)
 {
     correction_size size = {0, 0};
-    double largest = 0, scale = 0;
-    for (int i = 0; i < newton->size; i++) {
-        const double correction = fabs(newton->correction[i]);
-        if (correction > 0) size.relative = fmax(size.relative, correction / newton->scale[i]);
-        largest = fmax(largest, correction);
-        scale = fmax(scale, newton->scale[i]);
+    for (int first = 0; first < newton->size; first += newton->group) {
+        double largest = 0, scale = 0;
+        for (int i = first; i < first + newton->group; i++) {
+            const double correction = fabs(newton->correction[i]);
+            if (correction > 0) size.relative = fmax(size.relative, correction / newton->scale[i]);
+            largest = fmax(largest, correction);
+            scale = fmax(scale, newton->scale[i]);
+        }
+        if (largest > 0) size.absolute = fmax(size.absolute, largest / scale);
     }
-    if (largest > 0) size.absolute = largest / scale;
     return size;
 }
 
@@ -73,16 +78,39 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
     return tvi_factor_compute(&newton->factor);
 }
 
-/* Whether the passes may end with a correction of this size after one of the size `before`. What is left is about the
- * correction times the last contraction. */
-static bool is_enough(const tvi_options *options, int pass, correction_size size, correction_size before)
+/* What the passes have shown so far. */
+typedef struct {
+    correction_size size, before; /* of the last two corrections */
+    double expected;              /* what the next correction should be; INFINITY: nobody knows */
+    bool checks;                  /* one more pass than seems needed, to see how far the expectation can be trusted */
+} progress;
+
+/* The correction times the last contraction, and the slack: passes that gain little in the directions where the first
+ * correction was small make later contractions slower than the first one. */
+static void expect(progress *at, double slack)
 {
-    if (options->passes > 0) return pass == options->passes;
-    if (options->tolerance > 0) return size.relative <= options->tolerance;
-    if (pass == 1) return size.relative <= ROUNDOFF;
-    const double contraction = fmin(size.relative / before.relative, 1);
-    const bool stagnates = size.relative > CONTRACTION * before.relative && size.absolute <= STAGNATION;
-    return contraction * size.relative <= ROUNDOFF || stagnates;
+    const double contraction = at->size.relative / at->before.relative;
+    at->expected = slack * fmin(contraction, 1) * at->size.relative;
+}
+
+static void learn(tvi_newton *newton, const progress *at)
+{
+    if (at->expected < INFINITY && at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative)
+        newton->slack = fmax(newton->slack, newton->slack * at->size.relative / at->expected);
+}
+
+/* Whether the passes may end here. */
+static bool is_enough(tvi_newton *newton, const tvi_options *options, int count, progress *at)
+{
+    if (options->passes > 0) return count == options->passes;
+    if (options->tolerance > 0) return at->size.relative <= options->tolerance;
+    if (count == 1) return at->size.relative <= ROUNDOFF;
+    const bool contracts = at->size.relative <= CONTRACTION * at->before.relative;
+    if (!contracts && at->size.absolute <= STAGNATION) return true;
+    learn(newton, at);
+    const bool was_expected = at->expected <= ROUNDOFF;
+    expect(at, newton->slack);
+    return at->expected <= ROUNDOFF && (!at->checks || was_expected);
 }
 
 /* One pass: correction = -K^-1 r(x), with K the approximate Jacobian or, once it was needed, a fresh one. */
@@ -105,22 +133,28 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, int r
     return TVI_OK;
 }
 
+void tvi_newton_forget(tvi_newton *newton)
+{
+    newton->solves = 0;
+    newton->slack = 1;
+}
+
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options, tvi_stats *stats)
 {
     const int max_passes = options->max_passes > 0 ? options->max_passes : MAX_PASSES;
-    correction_size size = {0, 0}, before = {0, 0};
+    progress at = {.expected = INFINITY, .checks = newton->solves++ % CHECK_EVERY == 0};
     int refreshes = 0;
     bool refresh = false;
-    for (int count = 1; options->passes > 0 || count <= max_passes; count++, before = size) {
+    for (int count = 1; options->passes > 0 || count <= max_passes; count++) {
         refreshes += refresh;
         const tvi_status status = pass(newton, equations, refreshes, refresh, stats);
         if (status != TVI_OK) return status;
-        size = measure(newton);
-        stats->residual = size.relative;
-        if (is_enough(options, count, size, before)) return TVI_OK;
+        at.before = at.size;
+        at.size = measure(newton);
+        stats->residual = at.size.relative;
+        if (is_enough(newton, options, count, &at)) return TVI_OK;
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
-        const bool contracts = count == 1 || size.relative <= CONTRACTION * before.relative;
-        refresh = !contracts && options->passes == 0;
+        refresh = count > 1 && options->passes == 0 && at.size.relative > CONTRACTION * at.before.relative;
         if (refresh && refreshes == MAX_REFRESHES) return TVI_ENOCONV;
     }
     return TVI_ENOCONV;

@@ -14,14 +14,18 @@ typedef struct {
 } tvi_equations;
 
 typedef struct {
-    int size;
-    bool has_jacobian;
+    int size, group; /* unknowns come in groups that share a unit */
     double *x, *correction, *scale; /* [size] */
     double *trial, *difference;     /* [size] scratch of the difference Jacobian */
     tvi_factor factor;
+    long solves;      /* since tvi_newton_forget */
+    double slack;     /* how much slower a later pass was seen to contract than the one before it, >= 1 */
 } tvi_newton;
 
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size);
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group);
+
+/* Forgets what earlier solutions taught. */
+void tvi_newton_forget(tvi_newton *newton);
 
 /* From the predictor in newton->x. On success newton->x is the point of the last residual and newton->correction what
  * the last pass found to be missing from it: the caller applies it to first order, which leaves an error of

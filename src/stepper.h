@@ -5,6 +5,16 @@
 #include "arena.h"
 #include "system.h"
 
+/* (x, low) <- x + (low + d), exact but for the rounding of low + d (two-sum). */
+static inline double tvi_add_compensated(double x, double *low, double d)
+{
+    const double small = *low + d;
+    const double sum = x + small;
+    const double part = sum - x;
+    *low = (x - (sum - part)) + (small - part);
+    return sum;
+}
+
 /* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p + p_low). */
 typedef struct {
     double t, t_low;
@@ -19,8 +29,12 @@ typedef struct {
     /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
      * dq and dp are undefined. */
     tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
+    /* Forgets what earlier steps taught: the next one is as the first. */
+    void (*forget)(void *work);
+    /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
+    void (*dense)(void *work, double theta, double dq[], double dp[]);
 } tvi_stepper;
 
-extern const tvi_stepper tvi_stepper_type1, tvi_stepper_verlet;
+extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_composed, tvi_stepper_verlet;
 
 #endif

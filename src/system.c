@@ -1,11 +1,28 @@
 /* system.c - records the user's function and lowers it to the tapes that the steppers run. */
 #include "system.h"
+#include "legendre.h"
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-/* ---- Making a system ---------------------------------------------------------------------------------------------- */
+/* What the user gave: one of the four. */
+typedef struct {
+    tvi_force_fn *force;
+    tvi_potential_fn *potential;
+    tvi_lagrangian_fn *lagrangian;
+    tvi_hamiltonian_fn *hamiltonian;
+    const double *mass;
+    void *ctx;
+} statement;
+
+/* A recording at work: jets of the graph, freed with it. */
+typedef struct {
+    tvi_system *system;
+    jet *q, *v, *r, t; /* inputs: coordinates; velocities or momenta; directions of the bend; time */
+    jet scalar;        /* V, L or H */
+    jet *field;        /* [2n] */
+    jet *bend;         /* [2n] */
+} recording;
 
 static tvi_status check_masses(int n, const double mass[])
 {
@@ -16,166 +33,225 @@ static tvi_status check_masses(int n, const double mass[])
     return TVI_OK;
 }
 
-/* A system without tapes, and the graph's inputs q[0..n-1], t in `input`. */
-static tvi_status open_system(tvi_system **out, int n, const double mass[], jet **input)
+/* Inputs in the order q, v (or p), t, r; a force or a potential has neither v nor r. */
+static tvi_status open_recording(recording *rec, int n, const statement *given)
 {
-    tvi_system *system = calloc(1, sizeof *system);
-    *input = malloc((size_t)(n + 1) * sizeof **input);
-    if (system) {
-        system->n = n;
-        system->mass = malloc((size_t)n * sizeof *system->mass);
-        system->graph = jet_graph_create(n + 1);
+    const bool general = given->lagrangian || given->hamiltonian;
+    const size_t count = (size_t)n;
+    tvi_system *system = rec->system = calloc(1, sizeof *system);
+    if (!system) return TVI_ENOMEM;
+    system->n = n;
+    system->mass = malloc(count * sizeof *system->mass);
+    system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
+    rec->q = malloc(3 * count * sizeof *rec->q);
+    rec->field = malloc(2 * count * sizeof *rec->field);
+    rec->bend = malloc(2 * count * sizeof *rec->bend);
+    if (!system->mass || !system->graph || !rec->q || !rec->field || !rec->bend) return TVI_ENOMEM;
+    rec->v = rec->q + n;
+    rec->r = rec->v + n;
+    const int inputs = general ? 2 * n : n;
+    for (int i = 0; i < inputs; i++) rec->q[i] = jet_graph_input(system->graph, i);
+    rec->t = jet_graph_input(system->graph, inputs);
+    for (int i = 0; i < n; i++) {
+        if (general) rec->r[i] = jet_graph_input(system->graph, inputs + 1 + i);
+        rec->field[i] = jet_unset();
+        system->mass[i] = given->mass ? given->mass[i] : 1;
     }
-    if (!system || !*input || !system->mass || !system->graph) {
-        tvi_system_free(system);
-        free(*input);
-        return TVI_ENOMEM;
-    }
-    for (int i = 0; i < n; i++) system->mass[i] = mass ? mass[i] : 1;
-    for (int i = 0; i <= n; i++) (*input)[i] = jet_graph_input(system->graph, i);
-    *out = system;
     return TVI_OK;
 }
 
-/* The tapes of the recorded force, and of V where it is given. */
-static tvi_status close_system(tvi_system *system, jet force[], jet *potential)
+/* ---- The structure that is there ---------------------------------------------------------------------------------- */
+
+/* Adds factor * x to the coefficients of a linear form in the inputs first .. first + n - 1; false where it is none. */
+static bool add_linear_form(jet x, double factor, int first, int n, double coefficient[])
 {
-    const int n = system->n;
-    tvi_status status = jet_graph_accept(system->graph, n, force);
-    if (status == TVI_OK && potential) status = jet_graph_accept(system->graph, 1, potential);
-    if (status != TVI_OK) return status;
-    jet_graph_close(system->graph);
-    system->force_series = jet_tape_create(system->graph, n, n, force, JET_TAPE_SERIES);
-    system->force_values = jet_tape_create(system->graph, n, n, force, JET_TAPE_VALUES);
-    if (potential) system->potential = jet_tape_create(system->graph, n, 1, potential, JET_TAPE_VALUES);
-    if (!system->force_series || !system->force_values || (potential && !system->potential)) return TVI_ENOMEM;
-    system->uses_time = system->force_series->inputs > n;
-    return TVI_OK;
+    if (!x.node) return x.number == 0;
+    const struct jet_node *node = x.node;
+    if (node->op == OP_INPUT && node->index >= first && node->index < first + n) {
+        coefficient[node->index - first] += factor;
+        return true;
+    }
+    if (node->op != OP_LINEAR || node->number != 0) return false;
+    for (int i = 0; i < node->count; i++)
+        if (!add_linear_form(jet_of_node(node->terms[i].node), factor * node->terms[i].coefficient, first, n, coefficient))
+            return false;
+    return true;
 }
 
-static tvi_status record_force(tvi_system *system, const jet input[], tvi_force_fn *function, void *ctx)
+/* Marks the nodes that depend on one of the inputs first .. first + n - 1. */
+static void mark_dependents(const jet_graph *graph, int first, int n)
 {
-    const int n = system->n;
-    jet *force = malloc((size_t)n * sizeof *force);
-    if (!force) return TVI_ENOMEM;
-    for (int i = 0; i < n; i++) force[i] = jet_unset();
-    function(input, input[n], force, ctx);
-    const tvi_status status = close_system(system, force, NULL);
-    free(force);
-    return status;
+    for (int i = 0; i < jet_graph_count(graph); i++) {
+        struct jet_node *z = jet_graph_node(graph, i);
+        bool depends = z->op == OP_INPUT && i >= first && i < first + n;
+        depends = depends || (z->a && z->a->mark) || ((z->op == OP_MUL || z->op == OP_DIV) && z->b->mark);
+        for (int term = 0; term < z->count; term++) depends = depends || z->terms[term].node->mark;
+        z->mark = depends;
+    }
+}
+
+/* Whether `linear` = diag(d) v with d > 0, and no component of `other` depends on v. Then sets d. */
+static bool is_separable(const recording *rec, const jet linear[], const jet other[], double d[])
+{
+    const int n = rec->system->n;
+    double *row = malloc((size_t)n * sizeof *row);
+    bool separable = row != NULL;
+    mark_dependents(rec->system->graph, n, n);
+    for (int i = 0; i < n && separable; i++) {
+        for (int j = 0; j < n; j++) row[j] = 0;
+        separable = add_linear_form(linear[i], 1, n, n, row) && row[i] > 0 && isfinite(1 / row[i]) &&
+                    !(other[i].node && other[i].node->mark);
+        for (int j = 0; j < n; j++) separable = separable && (j == i || row[j] == 0);
+        d[i] = row[i];
+    }
+    free(row);
+    return separable;
+}
+
+/* ---- From each statement to a form --------------------------------------------------------------------------------- */
+
+static tvi_status gradient(const recording *rec, jet x, jet out[])
+{
+    const int n = rec->system->n;
+    jet *all = malloc(3 * (size_t)n * sizeof *all);
+    if (!all) return TVI_ENOMEM;
+    const bool done = jet_gradient(rec->system->graph, x, 2 * n, all);
+    for (int i = 0; i < 2 * n; i++) out[i] = all[i];
+    free(all);
+    return done ? TVI_OK : TVI_ENOMEM;
+}
+
+static void negate(int n, jet x[])
+{
+    for (int i = 0; i < n; i++) x[i] = jet_neg(x[i]);
 }
 
 /* F = -dV/dq. */
-static tvi_status record_potential(tvi_system *system, const jet input[], tvi_potential_fn *function, void *ctx)
+static tvi_status record_potential(recording *rec, const statement *given)
 {
-    const int n = system->n;
-    jet V = function(input, input[n], ctx);
-    tvi_status status = jet_graph_accept(system->graph, 1, &V);
+    tvi_system *system = rec->system;
+    rec->scalar = given->potential(rec->q, rec->t, given->ctx);
+    const tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status != TVI_OK) return status;
-    jet *force = malloc((size_t)n * sizeof *force);
-    if (!force) return TVI_ENOMEM;
-    status = jet_gradient(system->graph, V, n, force) ? TVI_OK : TVI_ENOMEM;
-    for (int i = 0; i < n; i++) force[i] = jet_neg(force[i]);
-    if (status == TVI_OK) status = close_system(system, force, &V);
-    free(force);
-    return status;
+    if (!jet_gradient(system->graph, rec->scalar, system->n, rec->field)) return TVI_ENOMEM;
+    negate(system->n, rec->field);
+    return TVI_OK;
 }
 
-static tvi_status make_system(tvi_system **out, int n, const double mass[], tvi_force_fn *force,
-                              tvi_potential_fn *potential, void *ctx)
+/* field = (L_q, L_v); separable where L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
+static tvi_status record_lagrangian(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    rec->scalar = given->lagrangian(rec->q, rec->v, rec->t, given->ctx);
+    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
+    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    if (status != TVI_OK) return status;
+    system->energy_sign = -1;
+    if (!is_separable(rec, rec->field + system->n, rec->field, system->mass)) system->form = TVI_LAGRANGIAN;
+    return TVI_OK;
+}
+
+/* field = (H_q, H_p), bend = gradient of r.H_p; separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
+static tvi_status record_hamiltonian(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n;
+    rec->scalar = given->hamiltonian(rec->q, rec->v, rec->t, given->ctx);
+    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
+    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    if (status != TVI_OK) return status;
+    if (is_separable(rec, rec->field + n, rec->field, system->mass)) {
+        for (int i = 0; i < n; i++) system->mass[i] = 1 / system->mass[i];
+        negate(n, rec->field);
+        return TVI_OK;
+    }
+    system->form = TVI_HAMILTONIAN;
+    status = gradient(rec, jet_dot(rec->r, rec->field + n, n), rec->bend);
+    return status == TVI_OK ? jet_graph_accept(system->graph, 2 * n, rec->bend) : status;
+}
+
+static tvi_status record_statement(recording *rec, const statement *given)
+{
+    rec->system->energy_sign = 1;
+    if (given->lagrangian) return record_lagrangian(rec, given);
+    if (given->hamiltonian) return record_hamiltonian(rec, given);
+    if (given->potential) return record_potential(rec, given);
+    given->force(rec->q, rec->t, rec->field, given->ctx);
+    return TVI_OK;
+}
+
+static tvi_status lower(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n, outputs = system->form == TVI_SEPARABLE ? n : 2 * n;
+    const tvi_status status = jet_graph_accept(system->graph, outputs, rec->field);
+    if (status != TVI_OK) return status;
+    jet_graph_close(system->graph);
+    system->inputs = outputs;
+    system->field_series = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_SERIES);
+    system->field_values = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_VALUES);
+    if (!system->field_series || !system->field_values) return TVI_ENOMEM;
+    system->uses_time = system->field_series->inputs > outputs;
+    if (system->form == TVI_HAMILTONIAN) {
+        system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);
+        if (!system->bend_values) return TVI_ENOMEM;
+    }
+    if (given->force) return TVI_OK;
+    system->energy_inputs = given->potential ? n : 2 * n;
+    system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &rec->scalar, JET_TAPE_VALUES);
+    return system->energy ? TVI_OK : TVI_ENOMEM;
+}
+
+static tvi_status make_system(tvi_system **out, int n, const statement *given)
 {
     if (!out) return TVI_EINVAL;
     *out = NULL;
-    if (n < 1 || (!force && !potential)) return TVI_EINVAL;
-    tvi_status status = check_masses(n, mass);
+    if (n < 1 || n > TVI_MAX_DIMENSION || (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian)) return TVI_EINVAL;
+    tvi_status status = check_masses(n, given->mass);
     if (status != TVI_OK) return status;
-    tvi_system *system;
-    jet *input;
-    status = open_system(&system, n, mass, &input);
-    if (status != TVI_OK) return status;
-    status = force ? record_force(system, input, force, ctx) : record_potential(system, input, potential, ctx);
-    free(input);
-    if (status == TVI_OK) *out = system;
-    else tvi_system_free(system);
+    recording rec = {0};
+    status = open_recording(&rec, n, given);
+    if (status == TVI_OK) status = record_statement(&rec, given);
+    if (status == TVI_OK) status = lower(&rec, given);
+    if (status == TVI_OK) status = tvi_legendre_probe(rec.system);
+    free(rec.q);
+    free(rec.field);
+    free(rec.bend);
+    if (status == TVI_OK) *out = rec.system;
+    else tvi_system_free(rec.system);
     return status;
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)
 {
-    return make_system(out, n, mass, force, NULL, ctx);
+    return make_system(out, n, &(statement){.force = force, .mass = mass, .ctx = ctx});
 }
 
 tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential, void *ctx)
 {
-    return make_system(out, n, mass, NULL, potential, ctx);
+    return make_system(out, n, &(statement){.potential = potential, .mass = mass, .ctx = ctx});
+}
+
+tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx)
+{
+    return make_system(out, n, &(statement){.lagrangian = lagrangian, .ctx = ctx});
+}
+
+tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)
+{
+    return make_system(out, n, &(statement){.hamiltonian = hamiltonian, .ctx = ctx});
 }
 
 void tvi_system_free(tvi_system *system)
 {
     if (!system) return;
-    jet_tape_free(system->force_series);
-    jet_tape_free(system->force_values);
-    jet_tape_free(system->potential);
+    jet_tape_free(system->field_series);
+    jet_tape_free(system->field_values);
+    jet_tape_free(system->bend_values);
+    jet_tape_free(system->energy);
     jet_graph_free(system->graph);
     free(system->mass);
     free(system);
 }
 
-/* ---- Asking a system ---------------------------------------------------------------------------------------------- */
-
 int tvi_system_dimension(const tvi_system *system) { return system ? system->n : 0; }
-
-static bool all_finite(int n, const double x[])
-{
-    for (int i = 0; i < n; i++)
-        if (!isfinite(x[i])) return false;
-    return true;
-}
-
-static tvi_status potential_energy(const tvi_system *system, double t, const double q[], double *V)
-{
-    const jet_tape *tape = system->potential;
-    double *x = malloc((size_t)tape->slots * sizeof *x);
-    if (!x) return TVI_ENOMEM;
-    jet_tape_prepare(tape, x, 1, 1);
-    memcpy(x, q, (size_t)system->n * sizeof *x);
-    if (tape->inputs > system->n) x[system->n] = t;
-    const bool inside = jet_sweep_values(tape, x, 1);
-    *V = x[tape->output[0]];
-    free(x);
-    return inside ? TVI_OK : TVI_EDOMAIN;
-}
-
-tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
-{
-    if (!system || !q || !p || !H) return TVI_EINVAL;
-    if (!system->potential) return TVI_EUNSUPPORTED;
-    if (!isfinite(t) || !all_finite(system->n, q) || !all_finite(system->n, p)) return TVI_ENONFINITE;
-    double V;
-    const tvi_status status = potential_energy(system, t, q, &V);
-    if (status != TVI_OK) return status;
-    double T = 0;
-    for (int i = 0; i < system->n; i++) T += p[i] * p[i] / (2 * system->mass[i]);
-    if (!isfinite(T + V)) return TVI_ENONFINITE;
-    *H = T + V;
-    return TVI_OK;
-}
-
-/* out = in * mass^power, power = 1 or -1. */
-static tvi_status legendre(const tvi_system *system, double t, const double q[], const double in[], double out[], int power)
-{
-    if (!system || !q || !in || !out) return TVI_EINVAL;
-    if (!isfinite(t) || !all_finite(system->n, q) || !all_finite(system->n, in)) return TVI_ENONFINITE;
-    for (int i = 0; i < system->n; i++) out[i] = power > 0 ? in[i] * system->mass[i] : in[i] / system->mass[i];
-    return TVI_OK;
-}
-
-tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[])
-{
-    return legendre(system, t, q, v, p, 1);
-}
-
-tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[])
-{
-    return legendre(system, t, q, p, v, -1);
-}

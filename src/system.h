@@ -5,14 +5,37 @@
 #include "tape.h"
 #include "tvi.h"
 
+/* The forms in which equations of motion reach the steppers. A Lagrangian or a Hamiltonian whose structure allows it
+ * becomes separable when it is made, and costs what a potential costs. */
+typedef enum {
+    TVI_SEPARABLE,  /* M q'' = F(q, t), M diagonal and constant */
+    TVI_LAGRANGIAN, /* d/dt L_v = L_q                           */
+    TVI_HAMILTONIAN /* q' = H_p, p' = -H_q                      */
+} tvi_form;
+
+/* Inputs of the field tapes, and of the energy: separable q (and t); Lagrangian q, v (and t); Hamiltonian q, p (and t).
+ * Outputs of the field: separable F; Lagrangian L_q, L_v; Hamiltonian H_q, H_p. */
 struct tvi_system {
     int n;
-    bool uses_time;         /* the tapes of the force then have the time as input n */
-    double *mass;           /* [n] */
+    tvi_form form;
+    int inputs;             /* q and, unless separable, v or p: where the time stands, if it is used */
+    bool uses_time;         /* the field depends on t */
+    double *mass;           /* [n], separable only */
+    bool regular;           /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
     jet_graph *graph;       /* closed; kept so that jets that outlive it are recognised */
-    jet_tape *force_series; /* inputs q (and t), outputs F[n] */
-    jet_tape *force_values;
-    jet_tape *potential;    /* inputs q (and t), output V; NULL for a force */
+    jet_tape *field_series;
+    jet_tape *field_values;
+    jet_tape *bend_values;  /* Hamiltonian: inputs q, p, t, r; outputs the gradient of r.H_p in q and p, for truncated nodes */
+    jet_tape *energy;       /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
+    double energy_sign;     /* separable from a Lagrangian: the energy tape gives -V */
+    int energy_inputs;      /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
 };
+
+/* Writes the time to all lanes of order 0 of a block of a tape whose first inputs are the system's. */
+static inline void tvi_system_set_time(const tvi_system *system, double *x, int lanes, const double t[])
+{
+    if (!system->uses_time) return;
+    for (int lane = 0; lane < lanes; lane++) x[system->inputs * lanes + lane] = t[lane];
+}
 
 #endif

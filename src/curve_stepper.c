@@ -1,0 +1,300 @@
+/* curve_stepper.c - the step of every method that expands one curve: predictor, residual of the passes, increments. The
+ * generating function is data: where the curve is expanded, and how its equations are closed (generating.h). Without
+ * passes the corrections are left out; at the start that is the plain Taylor method. */
+#include "generating.h"
+#include "legendre.h"
+#include "method.h"
+#include "newton.h"
+#include "stepper.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+    tvi_closure closure;
+    tvi_close_fn *close; /* NULL: no corrections */
+    const tvi_options *options;
+    tvi_stats *stats; /* of the step at hand */
+    const tvi_origin *origin;
+    int q_degree, p_degree;
+    tvi_action action;
+    tvi_newton newton;
+    tvi_legendre legendre;
+    tvi_combination q_back;            /* q- - Q_0 */
+    tvi_combination q_unit, z_unit;    /* the centre data a unit of scaled time later */
+    tvi_combination dense_q, dense_u;  /* for one point of dense output */
+    double *seed_Q, *seed_U;           /* [top + 1][n] */
+    double *z;                         /* [2n] predictor */
+    double *dz;                        /* [2n] what z lacks at the end of the passes */
+    double *velocity;                  /* [n] of the last predictor, Lagrangian */
+    double *shift;                     /* [n] */
+} work;
+
+static tvi_span span_of(tvi_expansion expansion)
+{
+    switch (expansion) {
+    case TVI_AT_MIDPOINT: return (tvi_span){-1, 1, 0.5};
+    case TVI_AT_END: return (tvi_span){-1, 0, 1};
+    default: return (tvi_span){0, 1, 1};
+    }
+}
+
+static tvi_close_fn *close_of(const tvi_options *options)
+{
+    const bool start = options->expansion == TVI_AT_START, end = options->expansion == TVI_AT_END;
+    if (options->passes == TVI_PREDICT_ONLY) return NULL;
+    switch (options->method) {
+    case TVI_TYPE1: return start ? tvi_close_type1_start : end ? tvi_close_type1_end : tvi_close_type1_midpoint;
+    case TVI_TYPE2: return start ? tvi_close_type2_start : tvi_close_type2_end;
+    case TVI_TYPE3: return start ? tvi_close_type3_start : tvi_close_type3_end;
+    case TVI_POINCARE: return tvi_close_poincare;
+    default: return NULL;
+    }
+}
+
+/* Type I and II, III use q to degree N and p to degree N - 1; Poincare both to degree N. */
+static int momentum_degree(const tvi_options *options)
+{
+    return options->method == TVI_POINCARE ? options->degree : options->degree - 1;
+}
+
+static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options, bool corrects)
+{
+    const size_t n = (size_t)system->n;
+    const bool one_more = options->method == TVI_POINCARE && system->form == TVI_SEPARABLE; /* p_K is from Q_{K+1} */
+    c->system = system;
+    c->n = system->n;
+    c->span = span_of(options->expansion);
+    tvi_curve_take(&c->curve, arena, system, options->degree + one_more, corrects);
+    tvi_combination *const combinations[] = {&c->q_from, &c->q_to, &c->q_rise, &c->q_mean,
+                                             &c->u_from, &c->u_to, &c->u_rise, &c->u_mean};
+    for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
+        *combinations[i] = tvi_combination_take(&c->curve, arena);
+    double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
+    for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++) *corrections[i] = tvi_arena_doubles(arena, n);
+    if (!corrects) return;
+    c->D = tvi_arena_doubles(arena, 2 * n);
+    c->G = tvi_arena_doubles(arena, n * 2 * n);
+    tvi_factor_take(&c->half, arena, system->n);
+    tvi_factor_take(&c->full, arena, 2 * system->n);
+}
+
+static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+{
+    work *taken = tvi_arena_take(arena, sizeof *taken);
+    work w = {.close = close_of(options), .options = options, .q_degree = options->degree};
+    const bool corrects = w.close != NULL;
+    const size_t n = (size_t)system->n;
+    w.p_degree = momentum_degree(options);
+    take_closure(&w.closure, arena, system, options, corrects);
+    const tvi_curve *curve = &w.closure.curve;
+    const size_t seeds = ((size_t)curve->top + 1) * n;
+    tvi_combination *const combinations[] = {&w.q_back, &w.q_unit, &w.z_unit, &w.dense_q, &w.dense_u};
+    for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
+        *combinations[i] = tvi_combination_take(curve, arena);
+    if (system->form == TVI_LAGRANGIAN) tvi_legendre_take(&w.legendre, arena, system);
+    w.velocity = tvi_arena_doubles(arena, n);
+    w.shift = tvi_arena_doubles(arena, n);
+    w.z = tvi_arena_doubles(arena, 2 * n);
+    w.dz = tvi_arena_doubles(arena, 2 * n);
+    if (corrects) {
+        const tvi_action_kind kind = options->method == TVI_TYPE1 ? TVI_ACTION_LAGRANGE : TVI_ACTION_HAMILTON;
+        tvi_action_take(&w.action, arena, system, options, kind, w.q_degree, w.p_degree, curve->top);
+        tvi_newton_take(&w.newton, arena, 2 * system->n, system->n);
+        w.seed_Q = tvi_arena_doubles(arena, seeds);
+        w.seed_U = tvi_arena_doubles(arena, seeds);
+    }
+    if (taken) *taken = w;
+    return taken;
+}
+
+/* ---- The weights of the ends ---------------------------------------------------------------------------------------- */
+
+/* z_unit: tau v = sum k Q_k, but p of a Hamiltonian. */
+static void set_unit_step(work *w)
+{
+    const tvi_curve *curve = &w->closure.curve;
+    const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
+    double weight[TVI_MAX_DEGREE + 2];
+    for (int k = 0; k <= curve->top; k++) weight[k] = hamiltonian ? 1 : k;
+    tvi_combination_set(&w->z_unit, curve, hamiltonian, weight);
+    tvi_combination_set_powers(&w->q_unit, curve, false, curve->top, 1, 1, 0, 0);
+}
+
+static void prepare(void *taken)
+{
+    work *w = taken;
+    tvi_closure *c = &w->closure;
+    tvi_combination *const ends[2][4] = {{&c->q_from, &c->q_to, &c->q_rise, &c->q_mean},
+                                         {&c->u_from, &c->u_to, &c->u_rise, &c->u_mean}};
+    const double from = c->span.from, to = c->span.to;
+    tvi_curve_prepare(&c->curve);
+    for (int of_momentum = 0; of_momentum < 2; of_momentum++) {
+        const int degree = of_momentum ? w->p_degree : w->q_degree;
+        tvi_combination_set_powers(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
+        tvi_combination_set_powers(ends[of_momentum][1], &c->curve, of_momentum, degree, 1, to, 0, 0);
+        tvi_combination_set_powers(ends[of_momentum][2], &c->curve, of_momentum, degree, 1, to, -1, from);
+        tvi_combination_set_powers(ends[of_momentum][3], &c->curve, of_momentum, degree, 0.5, to, 0.5, from);
+    }
+    tvi_combination_set_powers(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
+    set_unit_step(w);
+    if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
+    if (w->close) tvi_action_prepare(&w->action, c->system, w->options, c->span, c->curve.top);
+}
+
+/* ---- The predictor -------------------------------------------------------------------------------------------------- */
+
+static tvi_status expand(work *w, const double z[], double centre)
+{
+    w->stats->expansions++;
+    tvi_curve_set(&w->closure.curve, z);
+    return tvi_curve_expand(&w->closure.curve, centre);
+}
+
+/* z at the centre: at the start, or where the curve that starts at (q0, p0) is a unit of scaled time later. */
+static tvi_status predict(work *w)
+{
+    tvi_status status = tvi_legendre_start(&w->legendre, w->closure.system, w->closure.curve.tau, w->origin, w->velocity, w->z);
+    if (status != TVI_OK || w->closure.span.from == 0) return status;
+    status = expand(w, w->z, w->origin->t + w->origin->t_low);
+    tvi_curve_sum(&w->closure.curve, &w->q_unit, w->z);
+    tvi_curve_sum(&w->closure.curve, &w->z_unit, w->z + w->closure.n);
+    return status;
+}
+
+static double centre(const work *w)
+{
+    return w->origin->t + (w->origin->t_low - w->closure.span.from * w->closure.curve.tau);
+}
+
+/* ---- The residual --------------------------------------------------------------------------------------------------- */
+
+/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
+static void set_scale(const work *w, double scale[])
+{
+    const tvi_curve *curve = &w->closure.curve;
+    const int n = w->closure.n;
+    const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
+    memset(scale, 0, 2 * (size_t)n * sizeof *scale);
+    for (int k = curve->top; k >= 0; k--) {
+        const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + n : Q;
+        for (int i = 0; i < n; i++) {
+            scale[i] += fabs(Q[i]);
+            if (k > 0 || hamiltonian) scale[n + i] += fabs(second[i]);
+        }
+    }
+}
+
+/* r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
+static void form_residual(work *w, double r[])
+{
+    const tvi_closure *c = &w->closure;
+    const tvi_origin *origin = w->origin;
+    const int n = c->n;
+    const double *Q0 = tvi_curve_Q(&c->curve, 0);
+    tvi_curve_sum(&c->curve, &w->q_back, r);
+    tvi_curve_sum(&c->curve, &c->u_from, r + n);
+    for (int i = 0; i < n; i++) {
+        const double kappa = c->curve.kappa[i];
+        r[i] += (Q0[i] - origin->q[i]) + (c->from_q[i] - origin->q_low[i]);
+        r[n + i] = (r[n + i] - kappa * origin->p[i]) + kappa * (c->from_p[i] - origin->p_low[i]);
+    }
+}
+
+static tvi_status residual(void *self, const double z[], double r[], double scale[])
+{
+    work *w = self;
+    tvi_closure *c = &w->closure;
+    tvi_status status = expand(w, z, centre(w));
+    if (status != TVI_OK) return status;
+    tvi_curve_differentiate(&c->curve);
+    w->stats->force_evaluations += w->action.points;
+    status = tvi_action_seed(&w->action, &c->curve, w->seed_Q, w->seed_U);
+    if (status != TVI_OK) return status;
+    tvi_curve_pull(&c->curve, w->seed_Q, w->seed_U, c->D);
+    w->stats->factorisations++;
+    status = w->close(c);
+    if (status != TVI_OK) return status;
+    form_residual(w, r);
+    set_scale(w, scale);
+    return TVI_OK;
+}
+
+/* d(q-, kappa p-)/dz: the residual's without the change of the small corrections. */
+static void jacobian(void *self, double matrix[])
+{
+    const tvi_closure *c = &((work *)self)->closure;
+    tvi_curve_sum_jacobian(&c->curve, &c->q_from, matrix);
+    tvi_curve_sum_jacobian(&c->curve, &c->u_from, matrix + 2 * (size_t)c->n * (size_t)c->n);
+}
+
+/* ---- The step -------------------------------------------------------------------------------------------------------- */
+
+static tvi_status correct(work *w)
+{
+    const size_t unknowns = 2 * (size_t)w->closure.n;
+    /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
+    const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
+    const tvi_equations equations = {w, residual, is_identity ? NULL : jacobian};
+    memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
+    const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, w->stats);
+    memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
+    return status;
+}
+
+/* out = sum of the combination at z + dz, to first order in dz. */
+static void sum_and_push(work *w, const tvi_combination *combination, double out[])
+{
+    tvi_curve_sum(&w->closure.curve, combination, out);
+    if (!w->close) return;
+    tvi_curve_push(&w->closure.curve, combination, w->dz, w->shift);
+    for (int i = 0; i < w->closure.n; i++) out[i] += w->shift[i];
+}
+
+/* dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
+static void increments(work *w, const tvi_combination *q_rise, const tvi_combination *u_rise, double part, double dq[], double dp[])
+{
+    const tvi_closure *c = &w->closure;
+    sum_and_push(w, q_rise, dq);
+    sum_and_push(w, u_rise, dp);
+    for (int i = 0; i < c->n; i++) {
+        dp[i] /= c->curve.kappa[i];
+        if (!w->close) continue;
+        dq[i] += part * c->rise_q[i];
+        dp[i] += part * c->rise_p[i];
+    }
+}
+
+static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+{
+    work *w = taken;
+    w->origin = origin;
+    w->stats = stats;
+    w->closure.curve.tau = w->closure.span.tau * h;
+    tvi_status status = predict(w);
+    if (status == TVI_OK) status = w->close ? correct(w) : expand(w, w->z, centre(w));
+    if (status != TVI_OK) return status;
+    increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
+    stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree);
+    return TVI_OK;
+}
+
+/* The curve, with the corrections growing linearly. */
+static void dense(void *taken, double theta, double dq[], double dp[])
+{
+    work *w = taken;
+    const tvi_closure *c = &w->closure;
+    const double at = c->span.from + theta * (c->span.to - c->span.from);
+    tvi_combination_set_powers(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.from);
+    tvi_combination_set_powers(&w->dense_u, &c->curve, true, w->p_degree, 1, at, -1, c->span.from);
+    increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
+}
+
+static void forget(void *taken)
+{
+    work *w = taken;
+    if (w->close) tvi_newton_forget(&w->newton);
+    memset(w->velocity, 0, (size_t)w->closure.n * sizeof *w->velocity);
+}
+
+const tvi_stepper tvi_stepper_curve = {take, prepare, step, forget, dense};
