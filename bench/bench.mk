@@ -1,0 +1,31 @@
+# The order sweeps and the quadruple-precision references. Included by the Makefile.
+
+SCENES       := $(wildcard bench/scenes/*.c)
+SCENE_OBJECTS = $(patsubst %.c,$(BUILD)/%.o,$(SCENES))
+BENCH_OBJECTS = $(patsubst %,$(BUILD)/bench/%.o,bench run report)
+
+# CSV, tables and plots in $(BUILD)/bench; SCENE=name for one scene, BUDGET=seconds for all of it.
+bench: need-bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/sweep
+	$(BUILD)/bench/sweep --out $(BUILD)/bench $(if $(SCENE),--scene $(SCENE)) $(if $(BUDGET),--budget $(BUDGET))
+	gnuplot -c bench/plot.gp $(BUILD)/bench
+	@echo "Tables and plots: $(BUILD)/bench/*.csv, *.png, *.svg"
+
+references: need-library
+	@$(MAKE) --no-print-directory $(BUILD)/bench/reference
+	$(BUILD)/bench/reference > $(BUILD)/bench/references.h
+	mv $(BUILD)/bench/references.h bench/scenes/references.h
+
+$(BUILD)/bench/sweep: $(BENCH_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
+
+$(BUILD)/bench/reference: $(BUILD)/bench/reference.o $(BUILD)/bench/quad.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LIBS) -lquadmath
+
+$(BUILD)/bench/quad.o $(BUILD)/bench/reference.o: $(BUILD)/bench/%.o: bench/%.c
+	@mkdir -p $(@D)
+	$(QUADCC) $(QUAD) -MMD -c -o $@ $<
+
+$(BUILD)/bench/%.o: bench/%.c
+	@mkdir -p $(@D)
+	$(CC) $(TOOL) $(CFLAGS) -DBENCH_CFLAGS='"$(BASE) $(CFLAGS)"' -MMD -c -o $@ $<

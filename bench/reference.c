@@ -1,0 +1,117 @@
+/* reference.c - prints scenes/references.h: where each scene is at t_end, to 26 digits, in quadruple precision.
+ *
+ * Two runs of the Taylor method of different degree and step are refined until they agree to DIGITS digits in q and in
+ * p, each relative to its largest component. The force is the scene's, with the coefficients that the recording rounds
+ * to double, from the start as given in double. The values in scenes/references.h are not used. */
+#include "quad.h"
+#include "scenes/scene.h"
+
+#include <quadmath.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { DIGITS = 25, ROUNDS = 6, COARSE_DEGREE = 30, FINE_DEGREE = 36 };
+
+typedef struct {
+    int degree;
+    long steps;
+    quad *q, *p;
+    quad energy_error; /* |H(t_end) - H0| / energy_scale */
+} taylor_run;
+
+/* h that the series at the start allows: a tenth of min_i (|q| / |c_N,i|)^(1/N), N the coarse degree. */
+static quad first_step(const scene *problem, const quad_system *system)
+{
+    const int n = problem->n, N = COARSE_DEGREE;
+    quad q[n], v[n], c[(N + 1) * n], size = 0, last = 0;
+    for (int i = 0; i < n; i++) {
+        q[i] = problem->q[i];
+        v[i] = problem->p[i] / (quad)(problem->mass ? problem->mass[i] : 1);
+    }
+    quad_expand(system, 0, q, v, N, c);
+    for (int i = 0; i < n; i++) {
+        size = fmaxq(size, fabsq(q[i]));
+        last = fmaxq(last, fmaxq(fabsq(c[N * n + i]), fabsq(c[(N - 1) * n + i])));
+    }
+    return powq(size / last, (quad)1 / N) / 10;
+}
+
+static void integrate(const scene *problem, const quad_system *system, taylor_run *run)
+{
+    quad t = 0;
+    for (int i = 0; i < problem->n; i++) {
+        run->q[i] = problem->q[i];
+        run->p[i] = problem->p[i];
+    }
+    const quad H0 = quad_energy(system, t, run->q, run->p);
+    quad_taylor(system, run->degree, problem->t_end / (quad)run->steps, run->steps, &t, run->q, run->p);
+    run->energy_error = fabsq(quad_energy(system, t, run->q, run->p) - H0) / problem->energy_scale;
+}
+
+/* -log10 (max |a - b| / max |b|), 34 at most. */
+static quad agreement(int n, const quad a[], const quad b[])
+{
+    quad difference = 0, size = 0;
+    for (int i = 0; i < n; i++) {
+        difference = fmaxq(difference, fabsq(a[i] - b[i]));
+        size = fmaxq(size, fabsq(b[i]));
+    }
+    return -log10q(fmaxq(difference / size, 1e-34));
+}
+
+static void print_numbers(int n, const quad x[])
+{
+    for (int i = 0; i < n; i++) {
+        char text[64];
+        quadmath_snprintf(text, sizeof text, "%.25Qe", x[i]);
+        printf("    %s,\n", text);
+    }
+}
+
+static void print_reference(const scene *problem, const taylor_run *coarse, const taylor_run *fine, quad digits)
+{
+    printf("\n/* %.1f digits agree: degree %d, %ld steps and degree %d, %ld steps. */\n", (double)digits,
+           coarse->degree, coarse->steps, fine->degree, fine->steps);
+    printf("static const double reference_%s[%d] = {\n", problem->name, 2 * problem->n);
+    print_numbers(problem->n, fine->q);
+    print_numbers(problem->n, fine->p);
+    printf("};\n");
+    fprintf(stderr, "%-16s %.1f digits, degree %d with %ld steps, energy error %.1e\n", problem->name, (double)digits,
+            fine->degree, fine->steps, (double)fine->energy_error);
+}
+
+static bool make_reference(const scene *problem)
+{
+    const int n = problem->n;
+    quad_system *system = quad_system_potential(n, problem->mass, problem->potential, NULL);
+    if (!system) return false;
+    quad a[2 * n], b[2 * n];
+    taylor_run coarse = {.degree = COARSE_DEGREE, .q = a, .p = a + n};
+    taylor_run fine = {.degree = FINE_DEGREE, .q = b, .p = b + n};
+    coarse.steps = (long)(problem->t_end / first_step(problem, system)) + 1;
+    quad digits = 0;
+    for (int round = 0; round < ROUNDS && !(digits >= DIGITS); round++) {
+        if (round > 0) coarse.steps = fine.steps;
+        fine.steps = coarse.steps * 3 / 2 + 1;
+        integrate(problem, system, &coarse);
+        integrate(problem, system, &fine);
+        digits = fminq(agreement(n, coarse.q, fine.q), agreement(n, coarse.p, fine.p));
+    }
+    quad_system_free(system);
+    if (!(digits >= DIGITS)) return false;
+    print_reference(problem, &coarse, &fine, digits);
+    return true;
+}
+
+int main(void)
+{
+    printf("/* references.h - q then p of each scene at its t_end. Printed by bench/reference.c: do not edit. */\n"
+           "#ifndef REFERENCES_H\n#define REFERENCES_H\n");
+    for (const scene *const *s = scenes; *s; s++)
+        if (!make_reference(*s)) {
+            fprintf(stderr, "%s: no reference\n", (*s)->name);
+            return EXIT_FAILURE;
+        }
+    printf("\n#endif\n");
+    return EXIT_SUCCESS;
+}
