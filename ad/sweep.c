@@ -1,4 +1,5 @@
 /* sweep.c - runs a tape. Each kind of sweep walks the runs once and calls the operation's rule. */
+#include "convolve.h"
 #include "rule.h"
 #include "tape.h"
 
@@ -12,18 +13,23 @@ void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
 }
 
 /* z = sum_i coefficient_i x_i, at one order of a block: the same for values, series and tangents. */
+#define LINEAR_BLOCK(type)                                                                                             \
+    do {                                                                                                               \
+        type sum = tape->term_coefficient[begin] * *(const type *)(x + (size_t)tape->term_slot[begin] * width + w);    \
+        for (int term = begin + 1; term < end; term++)                                                                 \
+            sum += tape->term_coefficient[term] * *(const type *)(x + (size_t)tape->term_slot[term] * width + w);      \
+        *(type *)(z + w) = sum;                                                                                        \
+    } while (0)
+
 static void linear_sums(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
+    const size_t width = (size_t)lanes;
     for (int i = 0; i < run->count; i++) {
-        double *z = x + (size_t)(run->z + i) * (size_t)lanes;
         const int begin = tape->row[run->first + i], end = tape->row[run->first + i + 1];
-        const double *first = x + (size_t)tape->term_slot[begin] * (size_t)lanes;
-        for (int w = 0; w < lanes; w++) z[w] = tape->term_coefficient[begin] * first[w];
-        for (int term = begin + 1; term < end; term++) {
-            const double coefficient = tape->term_coefficient[term];
-            const double *operand = x + (size_t)tape->term_slot[term] * (size_t)lanes;
-            for (int w = 0; w < lanes; w++) z[w] += coefficient * operand[w];
-        }
+        double *z = x + (size_t)(run->z + i) * width;
+        int w = 0;
+        for (; w + JET_WIDTH <= lanes; w += JET_WIDTH) LINEAR_BLOCK(jet_vector);
+        for (; w < lanes; w++) LINEAR_BLOCK(double);
     }
 }
 

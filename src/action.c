@@ -305,12 +305,16 @@ static void seed_velocities(const tvi_action *action, int n, double seed[])
             seed[k * n + i] += weighted(action, action->slope, k, action->on_v + i * action->points);
 }
 
-static void seed_momenta(const tvi_action *action, const tvi_curve *curve, double seed[])
+/* dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
+static void seed_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const int n = curve->n;
     for (int i = 0; i < n; i++)
-        for (int k = 0; k <= action->p_degree; k++)
-            seed[k * n + i] = weighted(action, action->power, k, action->on_p + i * action->points) / curve->kappa[i];
+        for (int k = 0; k <= action->p_degree; k++) {
+            const double seed = weighted(action, action->power, k, action->on_p + i * action->points) / curve->kappa[i];
+            if (curve->system->form != TVI_SEPARABLE) seed_U[k * n + i] = seed;
+            else if (k < curve->top) seed_Q[(k + 1) * n + i] += (k + 1) * seed;
+        }
 }
 
 static void seed_by_parts(const tvi_action *action, const tvi_curve *curve, double seed[])
@@ -338,7 +342,7 @@ tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[]
     if (status != TVI_OK) return status;
     seed_positions(action, n, seed_Q);
     if (bent || (action->kind == TVI_ACTION_LAGRANGE && !separable)) seed_velocities(action, n, seed_Q);
-    if (bent || action->has_momentum_defect) seed_momenta(action, curve, seed_U);
+    if (bent || action->has_momentum_defect) seed_momenta(action, curve, seed_Q, seed_U);
     if (action->by_parts) seed_by_parts(action, curve, seed_Q);
     for (int i = 0; i < seeds; i++)
         if (!isfinite(seed_Q[i]) || !isfinite(seed_U[i])) return TVI_ENONFINITE;

@@ -324,7 +324,7 @@ static tvi_status residual(void *self, const double x[], double r[], double scal
 
 /* Without the change of the small corrections, the columns v0, q1, v1 of the rows of r are
  *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
-static void jacobian(void *self, double matrix[])
+static bool jacobian(void *self, double matrix[])
 {
     const work *w = self;
     const size_t n = (size_t)w->n, row = 3 * n;
@@ -339,6 +339,7 @@ static void jacobian(void *self, double matrix[])
         memcpy(matrix + (n + i) * row + n, w->b.G + i * 2 * n, 2 * n * sizeof *matrix);
         matrix[(n + i) * row + n + i] += 1;
     }
+    return true;
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------------- */

@@ -379,14 +379,10 @@ static void pull_rows(const tvi_curve *curve, const double jacobian[], const dou
     }
 }
 
-void tvi_curve_pull(const tvi_curve *curve, double seed_Q[], const double seed_U[], double out[])
+void tvi_curve_pull(const tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    const int n = curve->n;
-    memset(out, 0, 2 * (size_t)n * sizeof *out);
-    if (seed_U && curve->dU) pull_rows(curve, curve->dU, seed_U, out);
-    if (seed_U && !curve->dU)
-        for (int k = 0; k < curve->top; k++)
-            for (int i = 0; i < n; i++) seed_Q[(k + 1) * n + i] += (k + 1) * seed_U[k * n + i];
+    memset(out, 0, 2 * (size_t)curve->n * sizeof *out);
+    if (curve->dU && seed_U) pull_rows(curve, curve->dU, seed_U, out);
     pull_rows(curve, curve->dQ, seed_Q, out);
 }
 

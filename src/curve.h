@@ -67,8 +67,9 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
 /* out[n] = Jacobian of the combination times dz. */
 void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, const double dz[], double out[]);
 
-/* out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]; seeds [top + 1][n], which it may use up; seed_U may be NULL. */
-void tvi_curve_pull(const tvi_curve *curve, double seed_Q[], const double seed_U[], double out[]);
+/* out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]; seeds [top + 1][n]. seed_U may be NULL, and is
+ * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
+void tvi_curve_pull(const tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
 /* |Q_degree| / |Q_0|: the size of the curve's last term a unit of scaled time from the centre. */
 double tvi_curve_tail(const tvi_curve *curve, int degree);

@@ -7,8 +7,12 @@
 #include "newton.h"
 #include "stepper.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* What reused Jacobians may do to the state, relative to it: well below the roundoff of a step. */
+static const double STALE = DBL_EPSILON / 16;
 
 typedef struct {
     tvi_closure closure;
@@ -26,6 +30,10 @@ typedef struct {
     double *seed_Q, *seed_U;           /* [top + 1][n] */
     double *z;                         /* [2n] predictor */
     double *dz;                        /* [2n] what z lacks at the end of the passes */
+    double *z_jacobian;                /* [2n] where the Jacobians of the curve were taken */
+    bool has_jacobian;                 /* they were, in the step at hand */
+    bool is_new_jacobian;              /* they were, since the corrector last asked */
+    double *p_size;                    /* [n] sum_k |P_k| */
     double *velocity;                  /* [n] of the last predictor, Lagrangian */
     double *shift;                     /* [n] */
 } work;
@@ -97,6 +105,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.shift = tvi_arena_doubles(arena, n);
     w.z = tvi_arena_doubles(arena, 2 * n);
     w.dz = tvi_arena_doubles(arena, 2 * n);
+    w.z_jacobian = tvi_arena_doubles(arena, 2 * n);
+    w.p_size = tvi_arena_doubles(arena, n);
     if (corrects) {
         const tvi_action_kind kind = options->method == TVI_TYPE1 ? TVI_ACTION_LAGRANGE : TVI_ACTION_HAMILTON;
         tvi_action_take(&w.action, arena, system, options, kind, w.q_degree, w.p_degree, curve->top);
@@ -201,31 +211,83 @@ static void form_residual(work *w, double r[])
     }
 }
 
+static void set_momentum_size(work *w)
+{
+    const tvi_curve *curve = &w->closure.curve;
+    memset(w->p_size, 0, (size_t)w->closure.n * sizeof *w->p_size);
+    for (int k = w->p_degree; k >= 0; k--) {
+        tvi_curve_momentum(curve, k, w->shift);
+        for (int i = 0; i < w->closure.n; i++) w->p_size[i] += fabs(w->shift[i]);
+    }
+}
+
+static void differentiate(work *w, const double z[])
+{
+    tvi_curve_differentiate(&w->closure.curve);
+    memcpy(w->z_jacobian, z, 2 * (size_t)w->closure.n * sizeof *z);
+    w->has_jacobian = w->is_new_jacobian = w->closure.is_fresh = true;
+}
+
+/* D_z, and the corrections of the generating function. */
+static tvi_status close_equations(work *w)
+{
+    tvi_closure *c = &w->closure;
+    tvi_curve_pull(&c->curve, w->seed_Q, w->seed_U, c->D);
+    if (c->is_fresh) w->stats->factorisations++;
+    const tvi_status status = w->close(c);
+    c->is_fresh = false;
+    return status;
+}
+
+static double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
+
+/* The relative error of the corrections from Jacobians that were taken at another z is about the relative distance to
+ * it; this bounds what that does to the state, relative to the state. */
+static double staleness(work *w, const double z[], const double scale[])
+{
+    const tvi_closure *c = &w->closure;
+    double distance = 0, correction = 0;
+    set_momentum_size(w);
+    for (int i = 0; i < 2 * c->n; i++) distance = fmax(distance, ratio(fabs(z[i] - w->z_jacobian[i]), scale[i]));
+    for (int i = 0; i < c->n; i++) {
+        correction = fmax(correction, ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]), scale[i]));
+        correction = fmax(correction, ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]), w->p_size[i]));
+    }
+    return distance * correction;
+}
+
+/* The Jacobians of the first pass serve the later ones as long as that shows nowhere. */
 static tvi_status residual(void *self, const double z[], double r[], double scale[])
 {
     work *w = self;
     tvi_closure *c = &w->closure;
     tvi_status status = expand(w, z, centre(w));
     if (status != TVI_OK) return status;
-    tvi_curve_differentiate(&c->curve);
     w->stats->force_evaluations += w->action.points;
     status = tvi_action_seed(&w->action, &c->curve, w->seed_Q, w->seed_U);
     if (status != TVI_OK) return status;
-    tvi_curve_pull(&c->curve, w->seed_Q, w->seed_U, c->D);
-    w->stats->factorisations++;
-    status = w->close(c);
-    if (status != TVI_OK) return status;
-    form_residual(w, r);
     set_scale(w, scale);
-    return TVI_OK;
+    const bool reuses = w->has_jacobian;
+    if (!reuses) differentiate(w, z);
+    status = close_equations(w);
+    if (reuses && (status != TVI_OK || staleness(w, z, scale) > STALE)) {
+        differentiate(w, z);
+        status = close_equations(w);
+    }
+    if (status == TVI_OK) form_residual(w, r);
+    return status;
 }
 
 /* d(q-, kappa p-)/dz: the residual's without the change of the small corrections. */
-static void jacobian(void *self, double matrix[])
+static bool jacobian(void *self, double matrix[])
 {
-    const tvi_closure *c = &((work *)self)->closure;
+    work *w = self;
+    const tvi_closure *c = &w->closure;
+    if (!w->is_new_jacobian) return false;
+    w->is_new_jacobian = false;
     tvi_curve_sum_jacobian(&c->curve, &c->q_from, matrix);
     tvi_curve_sum_jacobian(&c->curve, &c->u_from, matrix + 2 * (size_t)c->n * (size_t)c->n);
+    return true;
 }
 
 /* ---- The step -------------------------------------------------------------------------------------------------------- */
@@ -270,6 +332,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     work *w = taken;
     w->origin = origin;
     w->stats = stats;
+    w->has_jacobian = false;
     w->closure.curve.tau = w->closure.span.tau * h;
     tvi_status status = predict(w);
     if (status == TVI_OK) status = w->close ? correct(w) : expand(w, w->z, centre(w));

@@ -3,13 +3,19 @@
 
 #include <string.h>
 
-tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double b[])
+static tvi_status factor_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {
     const size_t n = (size_t)closure->n;
+    if (!closure->is_fresh) return TVI_OK;
     tvi_curve_sum_jacobian(&closure->curve, combination, closure->G);
     for (size_t i = 0; i < n; i++)
         memcpy(closure->half.lu + i * n, closure->G + i * 2 * n + (half == TVI_FIRST ? 0 : n), n * sizeof(double));
-    const tvi_status status = tvi_factor_compute(&closure->half);
+    return tvi_factor_compute(&closure->half);
+}
+
+tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double b[])
+{
+    const tvi_status status = factor_half(closure, combination, half);
     if (status == TVI_OK) tvi_factor_solve_transposed(&closure->half, b);
     return status;
 }
@@ -25,12 +31,18 @@ void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi
     }
 }
 
-tvi_status tvi_close_solve_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
+static tvi_status factor_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
 {
     const size_t n = (size_t)closure->n;
+    if (!closure->is_fresh) return TVI_OK;
     tvi_curve_sum_jacobian(&closure->curve, first, closure->full.lu);
     tvi_curve_sum_jacobian(&closure->curve, second, closure->full.lu + 2 * n * n);
-    const tvi_status status = tvi_factor_compute(&closure->full);
+    return tvi_factor_compute(&closure->full);
+}
+
+tvi_status tvi_close_solve_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
+{
+    const tvi_status status = factor_full(closure, first, second);
     if (status == TVI_OK) tvi_factor_solve_transposed(&closure->full, closure->D);
     return status;
 }

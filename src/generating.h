@@ -20,6 +20,7 @@ typedef struct {
     double *G;           /* [n][2n] scratch for Jacobians of the ends */
     tvi_factor half;     /* n x n */
     tvi_factor full;     /* 2n x 2n */
+    bool is_fresh;       /* the Jacobians are new: the factors must be, too */
     double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
 } tvi_closure;
 
@@ -28,7 +29,8 @@ typedef tvi_status tvi_close_fn(tvi_closure *closure);
 /* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
-/* Solves J^T x = b in place, J the n x n block of the combination's Jacobian. TVI_ESINGULAR, TVI_ENONFINITE. */
+/* Solves J^T x = b in place, J the n x n block of the combination's Jacobian; one such matrix a generating function, whose
+ * factor is kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double b[]);
 
 /* out += factor J^T x. */

@@ -38,13 +38,17 @@ static void equilibrate(tvi_factor *factor)
     const int n = factor->n;
     for (int i = 0; i < n; i++) {
         double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
-        for (int j = 0; j < n; j++) size = fmax(size, fabs(row[j]));
+        for (int j = 0; j < n; j++)
+            if (fabs(row[j]) > size) size = fabs(row[j]);
         factor->row_scale[i] = inverse_power(size);
         for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
     }
     for (int j = 0; j < n; j++) {
         double size = 0;
-        for (int i = 0; i < n; i++) size = fmax(size, fabs(factor->lu[(size_t)i * (size_t)n + (size_t)j]));
+        for (int i = 0; i < n; i++) {
+            const double entry = fabs(factor->lu[(size_t)i * (size_t)n + (size_t)j]);
+            if (entry > size) size = entry;
+        }
         factor->column_scale[j] = inverse_power(size);
         for (int i = 0; i < n; i++) factor->lu[(size_t)i * (size_t)n + (size_t)j] *= factor->column_scale[j];
     }

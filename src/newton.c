@@ -71,8 +71,8 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
     if (fresh) {
         const tvi_status status = difference_jacobian(newton, equations);
         if (status != TVI_OK) return status;
-    } else {
-        equations->jacobian(equations->self, newton->factor.lu);
+    } else if (!equations->jacobian(equations->self, newton->factor.lu)) {
+        return TVI_OK;
     }
     stats->factorisations++;
     return tvi_factor_compute(&newton->factor);

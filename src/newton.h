@@ -9,8 +9,9 @@ typedef struct {
     void *self;
     /* r(x) [size]; sets scale[size], the natural size of each unknown: a correction below roundoff of it is none. */
     tvi_status (*residual)(void *self, const double x[], double r[], double scale[]);
-    /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. */
-    void (*jacobian)(void *self, double matrix[]);
+    /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. false: the one last
+     * given still serves, and the matrix is left alone. */
+    bool (*jacobian)(void *self, double matrix[]);
 } tvi_equations;
 
 typedef struct {
