@@ -283,6 +283,11 @@ static void set_scale(const work *w, double scale[])
             scale[2 * n + i] += fabs(b[i + (hamiltonian ? n : 0)]);
         }
     }
+    for (int i = 0; i < n; i++) { /* what curves of degree 1 know of a body at rest */
+        const double change = w->a.curve.kappa[i] * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
+        scale[i] += change;
+        scale[2 * n + i] += change;
+    }
 }
 
 /* r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */

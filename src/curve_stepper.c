@@ -179,9 +179,11 @@ static double centre(const work *w)
 
 /* ---- The residual --------------------------------------------------------------------------------------------------- */
 
-/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
+/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p, with the corrections,
+ * which are all that a curve of degree 1 knows of a body that starts at rest. */
 static void set_scale(const work *w, double scale[])
 {
+    const tvi_closure *c = &w->closure;
     const tvi_curve *curve = &w->closure.curve;
     const int n = w->closure.n;
     const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
@@ -192,6 +194,10 @@ static void set_scale(const work *w, double scale[])
             scale[i] += fabs(Q[i]);
             if (k > 0 || hamiltonian) scale[n + i] += fabs(second[i]);
         }
+    }
+    for (int i = 0; i < n; i++) {
+        scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
+        scale[n + i] += c->curve.kappa[i] * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
     }
 }
 
@@ -266,13 +272,14 @@ static tvi_status residual(void *self, const double z[], double r[], double scal
     w->stats->force_evaluations += w->action.points;
     status = tvi_action_seed(&w->action, &c->curve, w->seed_Q, w->seed_U);
     if (status != TVI_OK) return status;
-    set_scale(w, scale);
     const bool reuses = w->has_jacobian;
     if (!reuses) differentiate(w, z);
     status = close_equations(w);
+    set_scale(w, scale);
     if (reuses && (status != TVI_OK || staleness(w, z, scale) > STALE)) {
         differentiate(w, z);
         status = close_equations(w);
+        set_scale(w, scale);
     }
     if (status == TVI_OK) form_residual(w, r);
     return status;

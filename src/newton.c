@@ -10,6 +10,7 @@ enum { MAX_PASSES = 50, MAX_REFRESHES = 3, CHECK_EVERY = 16 };
 /* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns. */
 static const double STAGNATION = 256 * DBL_EPSILON;
 static const double ROUNDOFF = DBL_EPSILON / 2;
+static const double MOST_SLACK = 1e6;
 /* Corrections above this are no roundoff. */
 static const double NOISE = 1e-13;
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
@@ -95,8 +96,9 @@ static void expect(progress *at, double slack)
 
 static void learn(tvi_newton *newton, const progress *at)
 {
-    if (at->expected < INFINITY && at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative)
-        newton->slack = fmax(newton->slack, newton->slack * at->size.relative / at->expected);
+    const double slack = newton->slack * at->size.relative / at->expected; /* 0 where nothing was expected */
+    if (at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative && slack > newton->slack)
+        newton->slack = fmin(slack, MOST_SLACK);
 }
 
 /* Whether the passes may end here. */
