@@ -391,7 +391,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
 {
     work *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *dq;
-    const tvi_equations equations = {w, residual, jacobian};
+    const tvi_equations equations = {w, residual, jacobian, true};
     w->origin = origin;
     w->stats = stats;
     w->tau = h;

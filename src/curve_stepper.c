@@ -304,7 +304,7 @@ static tvi_status correct(work *w)
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    const tvi_equations equations = {w, residual, is_identity ? NULL : jacobian};
+    const tvi_equations equations = {w, residual, is_identity ? NULL : jacobian, false};
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, w->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);

@@ -144,7 +144,7 @@ void tvi_newton_forget(tvi_newton *newton)
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options, tvi_stats *stats)
 {
     const int max_passes = options->max_passes > 0 ? options->max_passes : MAX_PASSES;
-    progress at = {.expected = INFINITY, .checks = newton->solves++ % CHECK_EVERY == 0};
+    progress at = {.expected = INFINITY, .checks = newton->solves++ % CHECK_EVERY == 0 || equations->is_rough};
     int refreshes = 0;
     bool refresh = false;
     for (int count = 1; options->passes > 0 || count <= max_passes; count++) {

@@ -12,6 +12,8 @@ typedef struct {
     /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. false: the one last
      * given still serves, and the matrix is left alone. */
     bool (*jacobian)(void *self, double matrix[]);
+    /* The first contraction tells little of the later ones: one more pass than seems needed, always. */
+    bool is_rough;
 } tvi_equations;
 
 typedef struct {
