@@ -32,6 +32,7 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     action->q_degree = q_degree;
     action->p_degree = p_degree;
     action->points = options->quadrature_points;
+    action->has_velocity_defect = kind == TVI_ACTION_LAGRANGE && system->form != TVI_SEPARABLE;
     action->has_momentum_defect = kind == TVI_ACTION_HAMILTON && (system->form != TVI_SEPARABLE || p_degree >= q_degree);
     action->s = tvi_arena_doubles(arena, points);
     action->weight = tvi_arena_doubles(arena, points);
@@ -193,6 +194,14 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
+/* Separable: on_q = tau F; L_v = p on the curve. */
+static tvi_status force_terms(tvi_action *action, const tvi_curve *curve)
+{
+    const tvi_status status = run_field(action, curve);
+    copy_outputs(action, curve, 0, curve->tau, action->on_q);
+    return status;
+}
+
 tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
@@ -330,18 +339,19 @@ static void seed_by_parts(const tvi_action *action, const tvi_curve *curve, doub
 tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const int n = curve->n, seeds = (curve->top + 1) * n;
-    const bool separable = curve->system->form == TVI_SEPARABLE, bent = action->kind == TVI_ACTION_HAMILTON && action->truncated;
+    const bool bent = action->kind == TVI_ACTION_HAMILTON && action->truncated;
     memset(seed_Q, 0, (size_t)seeds * sizeof *seed_Q);
     memset(seed_U, 0, (size_t)seeds * sizeof *seed_U);
     momenta_at_nodes(action, curve);
     place_positions(action, curve, action->x);
-    if (action->kind == TVI_ACTION_LAGRANGE) place_velocities(action, curve, action->on_v);
-    const tvi_status status = action->kind == TVI_ACTION_LAGRANGE ? tvi_action_lagrange(action, curve)
-                              : bent                              ? bent_terms(action, curve)
-                                                                  : hamilton_terms(action, curve);
+    if (action->has_velocity_defect) place_velocities(action, curve, action->on_v);
+    const tvi_status status = bent                                  ? bent_terms(action, curve)
+                              : action->kind == TVI_ACTION_HAMILTON ? hamilton_terms(action, curve)
+                              : action->has_velocity_defect         ? tvi_action_lagrange(action, curve)
+                                                                    : force_terms(action, curve);
     if (status != TVI_OK) return status;
     seed_positions(action, n, seed_Q);
-    if (bent || (action->kind == TVI_ACTION_LAGRANGE && !separable)) seed_velocities(action, n, seed_Q);
+    if (bent || action->has_velocity_defect) seed_velocities(action, n, seed_Q);
     if (bent || action->has_momentum_defect) seed_momenta(action, curve, seed_Q, seed_U);
     if (action->by_parts) seed_by_parts(action, curve, seed_Q);
     for (int i = 0; i < seeds; i++)

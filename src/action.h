@@ -19,6 +19,7 @@ typedef enum {
 typedef struct {
     tvi_action_kind kind;
     bool truncated;
+    bool has_velocity_defect; /* L_v - p is not 0 by construction */
     bool has_momentum_defect; /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points;
     double *s, *weight;       /* [points] in scaled time, sum of the weights = to - from */

@@ -42,7 +42,7 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     if (!out) return TVI_EINVAL;
     *out = NULL;
     if (!system) return TVI_EINVAL;
-    tvi_options resolved = options ? *options : tvi_options_default();
+    tvi_options resolved = options ? *options : tvi_method_default(system);
     const tvi_status status = tvi_method_resolve(&resolved, system, NULL);
     if (status != TVI_OK) return status;
     const tvi_stepper *stepper = tvi_method_stepper(&resolved);
