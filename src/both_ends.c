@@ -353,9 +353,11 @@ static bool jacobian(void *self, double matrix[])
 static tvi_status predict(work *w)
 {
     const size_t n = (size_t)w->n;
-    tvi_status status = tvi_legendre_start(&w->legendre, w->system, w->tau, w->origin, w->velocity, w->z);
+    const tvi_origin *origin = w->origin;
+    tvi_status status =
+        tvi_legendre_start(&w->legendre, w->system, w->tau, origin->t, origin->q, origin->p, w->velocity, w->z);
     if (status != TVI_OK) return status;
-    status = expand(w, &w->a, w->z, w->origin->t + w->origin->t_low);
+    status = expand(w, &w->a, w->z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z + n, n * sizeof(double));
     tvi_curve_sum(&w->a.curve, &w->q_unit, w->newton.x + n);
     tvi_curve_sum(&w->a.curve, &w->z_unit, w->newton.x + 2 * n);

@@ -164,9 +164,11 @@ static tvi_status expand(work *w, const double z[], double centre)
 /* z at the centre: at the start, or where the curve that starts at (q0, p0) is a unit of scaled time later. */
 static tvi_status predict(work *w)
 {
-    tvi_status status = tvi_legendre_start(&w->legendre, w->closure.system, w->closure.curve.tau, w->origin, w->velocity, w->z);
+    const tvi_origin *origin = w->origin;
+    tvi_status status = tvi_legendre_start(&w->legendre, w->closure.system, w->closure.curve.tau, origin->t, origin->q,
+                                           origin->p, w->velocity, w->z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
-    status = expand(w, w->z, w->origin->t + w->origin->t_low);
+    status = expand(w, w->z, origin->t + origin->t_low);
     tvi_curve_sum(&w->closure.curve, &w->q_unit, w->z);
     tvi_curve_sum(&w->closure.curve, &w->z_unit, w->z + w->closure.n);
     return status;

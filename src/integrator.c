@@ -1,4 +1,5 @@
 /* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated summation. */
+#include "finite.h"
 #include "method.h"
 
 #include <math.h>
@@ -71,13 +72,6 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     if (integrator) integrator->continues = false;
 }
 
-static bool all_finite(int n, const double x[])
-{
-    for (int i = 0; i < n; i++)
-        if (!isfinite(x[i])) return false;
-    return true;
-}
-
 /* Whether the state is bitwise what the last successful step returned. */
 static bool is_continued(const tvi_integrator *it, double t, const double q[], const double p[])
 {
@@ -109,7 +103,7 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 {
     if (!it || !t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
     const int n = it->system->n;
-    if (!isfinite(*t) || !all_finite(n, q) || !all_finite(n, p)) return TVI_ENONFINITE;
+    if (!isfinite(*t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return TVI_ENONFINITE;
     if (!is_continued(it, *t, q, p)) {
         it->continues = false;
         it->stepper->forget(it->work);

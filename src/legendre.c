@@ -1,4 +1,4 @@
-/* legendre.c - velocities, momenta and the energy at a point. */
+/* legendre.c - between velocities and momenta, at a point. */
 #include "legendre.h"
 
 #include <float.h>
@@ -102,22 +102,22 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
 
-tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, double tau, const tvi_origin *origin,
-                              double velocity[], double z[])
+tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, double tau, double t, const double q[],
+                              const double p[], double velocity[], double z[])
 {
     const int n = system->n;
     double *second = z + n;
-    memcpy(z, origin->q, (size_t)n * sizeof *z);
+    memcpy(z, q, (size_t)n * sizeof *z);
     switch (system->form) {
     case TVI_SEPARABLE:
-        for (int i = 0; i < n; i++) second[i] = tau / system->mass[i] * origin->p[i];
+        for (int i = 0; i < n; i++) second[i] = tau / system->mass[i] * p[i];
         return TVI_OK;
     case TVI_HAMILTONIAN:
-        memcpy(second, origin->p, (size_t)n * sizeof *second);
+        memcpy(second, p, (size_t)n * sizeof *second);
         return TVI_OK;
     default: break;
     }
-    const tvi_status status = tvi_legendre_solve(legendre, origin->t, origin->q, origin->p, velocity);
+    const tvi_status status = tvi_legendre_solve(legendre, t, q, p, velocity);
     for (int i = 0; i < n; i++) {
         second[i] = tau * velocity[i];
         if (status != TVI_OK) velocity[i] = 0; /* do not start from there again */
@@ -125,9 +125,7 @@ tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, 
     return status;
 }
 
-/* ---- What is asked of a system, outside of steps -------------------------------------------------------------------- */
-
-static tvi_status legendre_create(tvi_legendre *legendre, const tvi_system *system, void **memory)
+tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, void **memory)
 {
     tvi_arena arena = {NULL, 0};
     tvi_legendre_take(legendre, &arena, system);
@@ -148,7 +146,7 @@ tvi_status tvi_legendre_probe(tvi_system *system)
     if (system->form == TVI_SEPARABLE) return TVI_OK;
     tvi_legendre legendre;
     void *memory;
-    const tvi_status status = legendre_create(&legendre, system, &memory);
+    const tvi_status status = tvi_legendre_create(&legendre, system, &memory);
     double *point = malloc(3 * (size_t)system->n * sizeof *point);
     if (status == TVI_OK && point) {
         unsigned random = 1;
@@ -168,99 +166,4 @@ tvi_status tvi_legendre_probe(tvi_system *system)
     free(point);
     if (status != TVI_OK || !point) return TVI_ENOMEM;
     return system->form == TVI_LAGRANGIAN && !system->regular ? TVI_ESINGULAR : TVI_OK;
-}
-
-static bool all_finite(int n, const double x[])
-{
-    for (int i = 0; i < n; i++)
-        if (!isfinite(x[i])) return false;
-    return true;
-}
-
-/* out = momenta of velocities, or velocities of momenta. */
-static tvi_status transform(const tvi_system *system, double t, const double q[], const double in[], double out[],
-                            bool to_momenta)
-{
-    if (!system || !q || !in || !out) return TVI_EINVAL;
-    const int n = system->n;
-    if (!isfinite(t) || !all_finite(n, q) || !all_finite(n, in)) return TVI_ENONFINITE;
-    tvi_legendre legendre;
-    void *memory;
-    tvi_status status = legendre_create(&legendre, system, &memory);
-    if (status != TVI_OK) return status;
-    double *result = calloc((size_t)n, sizeof *result);
-    if (!result) status = TVI_ENOMEM;
-    else if (to_momenta == (system->form != TVI_HAMILTONIAN)) status = tvi_legendre_state(&legendre, t, q, in, result);
-    else status = tvi_legendre_solve(&legendre, t, q, in, result);
-    if (status == TVI_OK && !all_finite(n, result)) status = TVI_ENONFINITE;
-    if (status == TVI_OK) memcpy(out, result, (size_t)n * sizeof *out);
-    free(result);
-    free(memory);
-    return status;
-}
-
-tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[])
-{
-    return transform(system, t, q, v, p, true);
-}
-
-tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[])
-{
-    return transform(system, t, q, p, v, false);
-}
-
-/* The value of the energy tape at (q, second, t); second NULL: zeros. */
-static tvi_status energy_value(const tvi_system *system, double t, const double q[], const double second[], double *value)
-{
-    const jet_tape *tape = system->energy;
-    const size_t n = (size_t)system->n;
-    double *x = malloc((size_t)tape->slots * sizeof *x);
-    if (!x) return TVI_ENOMEM;
-    jet_tape_prepare(tape, x, 1, 1);
-    memcpy(x, q, n * sizeof *x);
-    if (second) memcpy(x + n, second, n * sizeof *x);
-    if (tape->inputs > system->energy_inputs) x[system->energy_inputs] = t;
-    const bool inside = jet_sweep_values(tape, x, 1);
-    *value = x[tape->output[0]];
-    free(x);
-    return inside ? TVI_OK : TVI_EDOMAIN;
-}
-
-/* V is the energy tape at v = 0 or p = 0, up to the sign. */
-static tvi_status separable_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
-{
-    const tvi_status status = energy_value(system, t, q, NULL, H);
-    *H *= system->energy_sign;
-    for (int i = 0; i < system->n; i++) *H += p[i] * p[i] / (2 * system->mass[i]);
-    return status;
-}
-
-/* H = p.v - L(q, v). */
-static tvi_status lagrangian_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
-{
-    double *v = malloc((size_t)system->n * sizeof *v);
-    if (!v) return TVI_ENOMEM;
-    tvi_status status = tvi_velocity(system, t, q, p, v);
-    if (status == TVI_OK) status = energy_value(system, t, q, v, H);
-    *H = -*H;
-    for (int i = 0; status == TVI_OK && i < system->n; i++) *H += p[i] * v[i];
-    free(v);
-    return status;
-}
-
-tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
-{
-    if (!system || !q || !p || !H) return TVI_EINVAL;
-    if (!system->energy) return TVI_EUNSUPPORTED;
-    if (!isfinite(t) || !all_finite(system->n, q) || !all_finite(system->n, p)) return TVI_ENONFINITE;
-    double energy = 0;
-    tvi_status status;
-    switch (system->form) {
-    case TVI_SEPARABLE: status = separable_energy(system, t, q, p, &energy); break;
-    case TVI_LAGRANGIAN: status = lagrangian_energy(system, t, q, p, &energy); break;
-    default: status = energy_value(system, t, q, p, &energy);
-    }
-    if (status == TVI_OK && !isfinite(energy)) status = TVI_ENONFINITE;
-    if (status == TVI_OK) *H = energy;
-    return status;
 }

@@ -3,7 +3,7 @@
 #define TVI_SRC_LEGENDRE_H
 
 #include "linear.h"
-#include "stepper.h"
+#include "system.h"
 
 /* The transform that the system states, y = f(x): Lagrangian p = L_v(q, v), Hamiltonian v = H_p(q, p), separable p = M v. */
 typedef struct {
@@ -23,10 +23,13 @@ TVI_NODISCARD tvi_status tvi_legendre_state(tvi_legendre *legendre, double t, co
 /* x with f(x) = y by Newton's method from the x given. Also TVI_ESINGULAR, TVI_ENOCONV; x is then undefined. */
 TVI_NODISCARD tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[]);
 
-/* z [2n] of a curve that starts at the origin: (q, tau v), or (q, p) of a Hamiltonian. velocity [n] is where Newton's method
+/* z [2n] of a curve that starts at (q, p): (q, tau v), or (q, p) of a Hamiltonian. velocity [n] is where Newton's method
  * starts, and its result; the legendre is used for a Lagrangian only. */
-TVI_NODISCARD tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, double tau,
-                                            const tvi_origin *origin, double velocity[], double z[]);
+TVI_NODISCARD tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, double tau, double t,
+                                            const double q[], const double p[], double velocity[], double z[]);
+
+/* One outside of an integrator: *memory is to be freed. TVI_ENOMEM. */
+TVI_NODISCARD tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, void **memory);
 
 /* Whether the slope is regular somewhere: sets system->regular. TVI_ESINGULAR for a Lagrangian where it is not. */
 TVI_NODISCARD tvi_status tvi_legendre_probe(tvi_system *system);
