@@ -284,7 +284,7 @@ static void set_scale(const work *w, double scale[])
         }
     }
     for (int i = 0; i < n; i++) { /* what curves of degree 1 know of a body at rest */
-        const double change = w->a.curve.kappa[i] * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
+        const double change = fabs(w->a.curve.kappa[i]) * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
         scale[i] += change;
         scale[2 * n + i] += change;
     }

@@ -199,7 +199,7 @@ static void set_scale(const work *w, double scale[])
     }
     for (int i = 0; i < n; i++) {
         scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
-        scale[n + i] += c->curve.kappa[i] * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
+        scale[n + i] += fabs(c->curve.kappa[i]) * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
     }
 }
 

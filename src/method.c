@@ -215,7 +215,7 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     return TVI_OK;
 }
 
-enum { DEFAULT_ORDER = 16 };
+enum { DEFAULT_ORDER = 20 };
 
 tvi_options tvi_options_default(void)
 {

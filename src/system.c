@@ -90,22 +90,31 @@ static void mark_dependents(const jet_graph *graph, int first, int n)
     }
 }
 
-/* Whether `linear` = diag(d) v with d > 0, and no component of `other` depends on v. Then sets d. */
-static bool is_separable(const recording *rec, const jet linear[], const jet other[], double d[])
+/* Whether row i of `linear` is d v_i with d > 0. row[n] is scratch. */
+static bool is_diagonal(jet linear, int i, int n, double row[])
 {
-    const int n = rec->system->n;
+    for (int j = 0; j < n; j++) row[j] = 0;
+    if (!add_linear_form(linear, 1, n, n, row)) return false;
+    for (int j = 0; j < n; j++)
+        if (j != i && row[j] != 0) return false;
+    return row[i] > 0 && isfinite(1 / row[i]);
+}
+
+/* Whether `linear` = diag(d) v with d > 0, and no component of `other` depends on v: then system->mass = d. */
+static tvi_status find_separable(recording *rec, const jet linear[], const jet other[], bool *separable)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n;
     double *row = malloc((size_t)n * sizeof *row);
-    bool separable = row != NULL;
-    mark_dependents(rec->system->graph, n, n);
-    for (int i = 0; i < n && separable; i++) {
-        for (int j = 0; j < n; j++) row[j] = 0;
-        separable = add_linear_form(linear[i], 1, n, n, row) && row[i] > 0 && isfinite(1 / row[i]) &&
-                    !(other[i].node && other[i].node->mark);
-        for (int j = 0; j < n; j++) separable = separable && (j == i || row[j] == 0);
-        d[i] = row[i];
+    if (!row) return TVI_ENOMEM;
+    *separable = true;
+    mark_dependents(system->graph, n, n);
+    for (int i = 0; i < n && *separable; i++) {
+        *separable = is_diagonal(linear[i], i, n, row) && !(other[i].node && other[i].node->mark);
+        system->mass[i] = row[i];
     }
     free(row);
-    return separable;
+    return TVI_OK;
 }
 
 /* ---- From each statement to a form --------------------------------------------------------------------------------- */
@@ -145,10 +154,11 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     rec->scalar = given->lagrangian(rec->q, rec->v, rec->t, given->ctx);
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
-    if (status != TVI_OK) return status;
+    bool separable = false;
+    if (status == TVI_OK) status = find_separable(rec, rec->field + system->n, rec->field, &separable);
+    if (!separable) system->form = TVI_LAGRANGIAN;
     system->energy_sign = -1;
-    if (!is_separable(rec, rec->field + system->n, rec->field, system->mass)) system->form = TVI_LAGRANGIAN;
-    return TVI_OK;
+    return status;
 }
 
 /* field = (H_q, H_p), bend = gradient of r.H_p; separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
@@ -159,8 +169,10 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
     rec->scalar = given->hamiltonian(rec->q, rec->v, rec->t, given->ctx);
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    bool separable = false;
+    if (status == TVI_OK) status = find_separable(rec, rec->field + n, rec->field, &separable);
     if (status != TVI_OK) return status;
-    if (is_separable(rec, rec->field + n, rec->field, system->mass)) {
+    if (separable) {
         for (int i = 0; i < n; i++) system->mass[i] = 1 / system->mass[i];
         negate(n, rec->field);
         return TVI_OK;
