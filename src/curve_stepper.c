@@ -181,8 +181,8 @@ static double centre(const work *w)
 
 /* ---- The residual --------------------------------------------------------------------------------------------------- */
 
-/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p, with the corrections,
- * which are all that a curve of degree 1 knows of a body that starts at rest. */
+/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve of
+ * degree 1 knows of a body that starts at rest is the corrections. */
 static void set_scale(const work *w, double scale[])
 {
     const tvi_closure *c = &w->closure;
@@ -197,7 +197,7 @@ static void set_scale(const work *w, double scale[])
             if (k > 0 || hamiltonian) scale[n + i] += fabs(second[i]);
         }
     }
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; curve->top == 1 && i < n; i++) {
         scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
         scale[n + i] += fabs(c->curve.kappa[i]) * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
     }
