@@ -9,7 +9,8 @@
  *   1. Every slot for a jet takes a jet or an ordinary number: jet_mul(2, x), jet_sub(x, 0.5). Operations on numbers
  *      alone are done at once and record nothing.
  *   2. A jet lives as long as the call that received it. Kept longer, or mixed with the jets of another recording, it makes
- *      a poison jet, and the system whose function returns one is refused with TVI_EINVAL.
+ *      a poison jet, and the system whose function returns one is refused with TVI_EINVAL. A jet kept after its system was
+ *      freed must not be used at all, like any freed memory.
  *   3. An operation is refused with TVI_EDOMAIN wherever its power series does not exist: sqrt at 0, asin at 1,
  *      pow(0, 1.5), log at 0, division by 0. That happens at once where the operand is a number, else at the step.
  */

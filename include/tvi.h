@@ -121,7 +121,7 @@ void tvi_integrator_free(tvi_integrator *integrator);                           
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator);        /* as resolved: degree, points */
 
 /* One step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
- *   TVI_EINVAL      NULL, h = 0 or not finite, a time so large that t + h = t
+ *   TVI_EINVAL      NULL, h = 0 or not finite
  *   TVI_ENONFINITE  a state that is not finite, or a step that overflows
  *   TVI_EDOMAIN     the function was evaluated outside its domain
  *   TVI_ENOCONV     the corrector did not converge, TVI_ESINGULAR its matrix is singular: the step is too large */
@@ -139,7 +139,7 @@ TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, lon
                                        tvi_observer *observer, void *ctx);
 
 /* The state at t0 + theta h, 0 <= theta <= 1, of the last step, on the step's own curve; at theta = 0 and 1 it is the state before
- * and after the step. TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1]. */
+ * and after the step. TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1]; TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 
 /* Counts since the integrator was made. A pass is one evaluation of the residual followed by one correction, an

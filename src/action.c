@@ -15,8 +15,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { POINTS_MAX = TVI_MAX_DEGREE + 2 };
-
 static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *options)
 {
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
@@ -72,7 +70,7 @@ static void fill_powers(tvi_action *action, int node, long double s, bool at_end
 void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span, int top)
 {
     const int points = action->points, order = tvi_quadrature_order(options->quadrature, points);
-    long double s[POINTS_MAX], weight[POINTS_MAX];
+    long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
     tvi_quadrature_nodes(options->quadrature, points, s, weight);
     for (int i = 0; i < points; i++) { /* from [-1, 1] to the span */
         s[i] = span.from + (span.to - span.from) * (1 + s[i]) / 2;
@@ -171,8 +169,9 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
 {
     const jet_tape *tape = curve->system->field_values;
     const int n = curve->n, points = action->points;
-    double *p = action->x + n * points, before = INFINITY;
+    double *p = action->x + n * points, before = INFINITY, size = DBL_MIN;
     memcpy(p, action->momentum, (size_t)(n * points) * sizeof *p);
+    for (int i = 0; i < n * points; i++) size = fmax(size, fabs(p[i]));
     tvi_status status = tvi_curve_factor_slope(curve);
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         status = run_field(action, curve);
@@ -182,9 +181,8 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
                 action->correction[i] = action->on_v[i * points + node] - output_row(action, tape, action->x, n + i)[node];
             tvi_factor_solve(&curve->slope, action->correction);
             for (int i = 0; i < n; i++) {
-                double *component = &p[i * points + node];
-                *component += action->correction[i];
-                largest = fmax(largest, fabs(action->correction[i]) / (fabs(*component) + DBL_MIN));
+                p[i * points + node] += action->correction[i];
+                largest = fmax(largest, fabs(action->correction[i]) / size);
             }
         }
         if (!isfinite(largest)) return TVI_ENONFINITE;

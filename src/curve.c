@@ -277,7 +277,9 @@ static void differentiate_block(tvi_curve *curve, const block *b)
 {
     const tvi_system *system = curve->system;
     const int n = curve->n;
-    for (int k = 0; k <= curve->top; k++) memset(tangent(curve, b, k, 0), 0, (size_t)(system->inputs + system->uses_time) * b->lanes * sizeof(double));
+    /* the layout depends on the number of lanes, so that constants too must be cleared */
+    const size_t fixed = (size_t)(system->field_series->inputs + system->field_series->constants) * b->lanes;
+    for (int k = 0; k <= curve->top; k++) memset(tangent(curve, b, k, 0), 0, fixed * sizeof(double));
     seed_directions(curve, b);
     switch (system->form) {
     case TVI_SEPARABLE: differentiate_separable(curve, b); break;
@@ -304,11 +306,6 @@ void tvi_curve_differentiate(tvi_curve *curve)
 }
 
 /* ---- Sums over the coefficients ------------------------------------------------------------------------------------- */
-
-void tvi_curve_position(const tvi_curve *curve, int k, double out[])
-{
-    memcpy(out, first_input(curve, k), (size_t)curve->n * sizeof *out);
-}
 
 void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
 {

@@ -3,7 +3,7 @@
  * Time is scaled: t = centre + tau s, and
  *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
  * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all is in the unit of
- * q; for the others kappa = 1. The centre data z (2n numbers) are (q, tau v) for a Lagrangian, else (q, kappa p). */
+ * q (kappa has the sign of tau); for the others kappa = 1. The centre data z (2n numbers) are (q, tau v) for a Lagrangian, else (q, kappa p). */
 #ifndef TVI_SRC_CURVE_H
 #define TVI_SRC_CURVE_H
 
@@ -52,8 +52,7 @@ TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 /* The Jacobians of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
-/* Q_k and U_k / kappa [n], natural units. */
-void tvi_curve_position(const tvi_curve *curve, int k, double out[]);
+/* P_k [n]. */
 void tvi_curve_momentum(const tvi_curve *curve, int k, double out[]);
 /* Q_k where it stands. */
 static inline const double *tvi_curve_Q(const tvi_curve *curve, int k)

@@ -13,8 +13,8 @@ struct tvi_integrator {
     const tvi_stepper *stepper;
     void *work;
     bool continues;        /* t, q, p hold what the last successful step returned */
-    bool has_dense;        /* the work holds the last step, which started at */
-    double *q_start, *p_start; /* [n]: */
+    bool has_dense;        /* the work holds the last step */
+    double *q_start, *p_start; /* [n] where that started */
     double t, t_low;
     double *q, *p;         /* [n] */
     double *q_low, *p_low; /* [n] */
@@ -101,7 +101,9 @@ static bool increments_are_finite(const tvi_integrator *it, double h, double t, 
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
+    if (!it) return TVI_EINVAL;
+    it->has_dense = false;
+    if (!t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
     const int n = it->system->n;
     if (!isfinite(*t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return TVI_ENONFINITE;
     if (!is_continued(it, *t, q, p)) {
@@ -111,7 +113,6 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
         memset(it->q_low, 0, (size_t)n * sizeof *q);
         memset(it->p_low, 0, (size_t)n * sizeof *p);
     }
-    it->has_dense = false;
     const tvi_origin origin = {*t, it->t_low, q, it->q_low, p, it->p_low};
     const tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     if (status != TVI_OK) return status;
@@ -131,10 +132,14 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 {
     if (!it || !q || !p || !(theta >= 0 && theta <= 1) || !it->has_dense) return TVI_EINVAL;
     it->stepper->dense(it->work, theta, it->dq, it->dp);
-    for (int i = 0; i < it->system->n; i++) {
-        q[i] = it->q_start[i] + it->dq[i];
-        p[i] = it->p_start[i] + it->dp[i];
+    const int n = it->system->n;
+    for (int i = 0; i < n; i++) {
+        it->dq[i] += it->q_start[i];
+        it->dp[i] += it->p_start[i];
     }
+    if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp)) return TVI_ENONFINITE;
+    memcpy(q, it->dq, (size_t)n * sizeof *q);
+    memcpy(p, it->dp, (size_t)n * sizeof *p);
     return TVI_OK;
 }
 

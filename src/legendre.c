@@ -59,20 +59,38 @@ static tvi_status factor_slope(tvi_legendre *legendre)
     return tvi_factor_compute(&legendre->slope);
 }
 
-enum { NEWTON_STEPS = 50, HALVINGS = 40 };
+enum { NEWTON_STEPS = 100, HALVINGS = 40, GROWTH_HALVINGS = 12 };
 
-/* x += correction, halved until the transform has a value there. */
-static tvi_status move(tvi_legendre *legendre, double t, const double q[], double x[])
+/* |y - f(x)| with f(x) in legendre->value, in the maximum norm. */
+static double distance(const tvi_legendre *legendre, const double y[])
+{
+    double largest = 0;
+    for (int i = 0; i < legendre->system->n; i++) largest = fmax(largest, fabs(y[i] - legendre->value[i]));
+    return largest;
+}
+
+/* x += correction, halved until the transform has a value there that is nearer to y than `from`; at roundoff it may not be. */
+static tvi_status move(tvi_legendre *legendre, double t, const double q[], const double y[], double from, double x[])
 {
     const int n = legendre->system->n;
     tvi_status status = TVI_OK;
     for (int halving = 0; halving < HALVINGS; halving++) {
         for (int i = 0; i < n; i++) legendre->moved[i] = x[i] + legendre->correction[i];
         status = tvi_legendre_state(legendre, t, q, legendre->moved, legendre->value);
-        if (status == TVI_OK) break;
+        if (status == TVI_OK && (distance(legendre, y) < from || halving >= GROWTH_HALVINGS)) break;
         for (int i = 0; i < n; i++) legendre->correction[i] /= 2;
     }
     if (status == TVI_OK) memcpy(x, legendre->moved, (size_t)n * sizeof *x);
+    return status;
+}
+
+/* The Newton correction at x. Where the slope is singular, as for v^4 at rest, that of the identity. */
+static tvi_status find_correction(tvi_legendre *legendre, const double y[])
+{
+    const int n = legendre->system->n;
+    for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->value[i];
+    const tvi_status status = factor_slope(legendre);
+    if (status == TVI_OK) tvi_factor_solve(&legendre->slope, legendre->correction);
     return status;
 }
 
@@ -84,20 +102,24 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         return TVI_OK;
     }
     double before = INFINITY;
+    bool was_singular = false;
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
-        for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->value[i];
-        status = factor_slope(legendre);
+        status = find_correction(legendre, y);
+        if (status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0) {
+            was_singular = true;
+            status = TVI_OK;
+        }
         if (status != TVI_OK) return status;
-        tvi_factor_solve(&legendre->slope, legendre->correction);
-        status = move(legendre, t, q, x);
         double size = 0, correction = 0;
         for (int i = 0; i < n; i++) {
             size = fmax(size, fabs(x[i]));
             correction = fmax(correction, fabs(legendre->correction[i]));
         }
-        if (correction <= DBL_EPSILON * size || (correction >= before && correction <= 1e-12 * size)) return status;
+        const bool is_last = correction <= DBL_EPSILON * size || (correction >= before && correction <= 1e-12 * size);
         before = correction;
+        status = move(legendre, t, q, y, is_last ? INFINITY : distance(legendre, y), x);
+        if (is_last) return status;
     }
     return status == TVI_OK ? TVI_ENOCONV : status;
 }

@@ -29,7 +29,7 @@ static double inverse_power(double size)
     int exponent;
     if (size == 0 || !isfinite(size)) return 1;
     (void)frexp(size, &exponent);
-    return ldexp(1, -exponent);
+    return ldexp(1, exponent < -1000 ? 1000 : -exponent);
 }
 
 /* A <- R A C with rows, then columns, of size about 1: rows and columns may have different units. */

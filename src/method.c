@@ -50,7 +50,7 @@ static const method_row method_table[] = {
     {"taylor", TVI_TAYLOR, TVI_AT_START, ON_CURVE, 1, -1, false, 2, MOST, ALL_SERVES},
     {"stormer-verlet", TVI_STORMER_VERLET, TVI_AT_START, ON_CURVE, 0, 2, true, 1, 1, SERVES_SEPARABLE},
 };
-enum { METHOD_COUNT = sizeof method_table / sizeof *method_table, POINTS_MAX = TVI_MAX_DEGREE + 2 };
+enum { METHOD_COUNT = sizeof method_table / sizeof *method_table };
 
 /* "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
 static const tvi_options svhd = {.method = TVI_TYPE2, .nodes = TVI_NODES_TRUNCATED, .degree = 1, .order = 2,
@@ -89,7 +89,7 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
         return refuse(TVI_EINVAL, "quadrature is not a tvi_quadrature", why);
     if (options->order < 0) return refuse(TVI_EINVAL, "order is negative", why);
     if (options->degree < 0) return refuse(TVI_EINVAL, "degree is negative", why);
-    if (options->quadrature_points < 0 || options->quadrature_points > POINTS_MAX)
+    if (options->quadrature_points < 0 || options->quadrature_points > TVI_MAX_POINTS)
         return refuse(TVI_EINVAL, "quadrature_points is negative or above TVI_MAX_DEGREE + 2", why);
     if (!(options->tolerance >= 0) || !isfinite(options->tolerance))
         return refuse(TVI_EINVAL, "tolerance is negative or not finite", why);
@@ -140,7 +140,7 @@ static tvi_status resolve_quadrature(tvi_options *options, bool order_was_asked,
     if (options->quadrature_points == 0) {
         int points = tvi_quadrature_least_points(options->quadrature);
         while (tvi_quadrature_order(options->quadrature, points) < options->order) points++;
-        options->quadrature_points = points + 1;
+        options->quadrature_points = points < TVI_MAX_POINTS ? points + 1 : points;
     }
     if (options->quadrature_points < tvi_quadrature_least_points(options->quadrature))
         return refuse(TVI_EINVAL, "the quadrature needs more points", why);

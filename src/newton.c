@@ -31,7 +31,7 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group)
 
 typedef struct {
     double relative; /* max_i |correction_i| / scale_i */
-    double absolute; /* the largest correction of a group against the largest scale of the group */
+    double of_group; /* the largest correction of a group against the largest scale of the group */
 } correction_size;
 
 static correction_size measure(const tvi_newton *newton)
@@ -45,9 +45,18 @@ static correction_size measure(const tvi_newton *newton)
             largest = fmax(largest, correction);
             scale = fmax(scale, newton->scale[i]);
         }
-        if (largest > 0) size.absolute = fmax(size.absolute, largest / scale);
+        if (largest > 0) size.of_group = fmax(size.of_group, largest / scale);
     }
     return size;
+}
+
+/* The scale of an unknown; where it has none, the largest of its group. */
+static double typical_size(const tvi_newton *newton, int i)
+{
+    double size = newton->scale[i];
+    const int first = i / newton->group * newton->group;
+    for (int j = first; newton->scale[i] == 0 && j < first + newton->group; j++) size = fmax(size, newton->scale[j]);
+    return size > 0 ? size : 1;
 }
 
 /* dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not contract.
@@ -57,7 +66,7 @@ static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *e
     const int size = newton->size;
     for (int column = 0; column < size; column++) {
         memcpy(newton->trial, newton->x, (size_t)size * sizeof *newton->x);
-        newton->trial[column] += sqrt(DBL_EPSILON) * (newton->scale[column] > 0 ? newton->scale[column] : 1);
+        newton->trial[column] += sqrt(DBL_EPSILON) * typical_size(newton, column);
         const double step = newton->trial[column] - newton->x[column];
         const tvi_status status = equations->residual(equations->self, newton->trial, newton->difference, newton->scale);
         if (status != TVI_OK) return status;
@@ -90,7 +99,7 @@ typedef struct {
  * correction was small make later contractions slower than the first one. */
 static void expect(progress *at, double slack)
 {
-    const double contraction = at->size.relative / at->before.relative;
+    const double contraction = at->size.relative / fmin(at->before.relative, 1);
     at->expected = slack * fmin(contraction, 1) * at->size.relative;
 }
 
@@ -105,10 +114,11 @@ static void learn(tvi_newton *newton, const progress *at)
 static bool is_enough(tvi_newton *newton, const tvi_options *options, int count, progress *at)
 {
     if (options->passes > 0) return count == options->passes;
-    if (options->tolerance > 0) return at->size.relative <= options->tolerance;
-    if (count == 1) return at->size.relative <= ROUNDOFF;
+    const double goal = options->tolerance > 0 ? options->tolerance : ROUNDOFF;
+    if (count == 1) return at->size.relative <= goal;
     const bool contracts = at->size.relative <= CONTRACTION * at->before.relative;
-    if (!contracts && at->size.absolute <= STAGNATION) return true;
+    if (!contracts && at->size.of_group <= STAGNATION) return true;
+    if (options->tolerance > 0) return at->size.relative <= goal;
     learn(newton, at);
     const bool was_expected = at->expected <= ROUNDOFF;
     expect(at, newton->slack);

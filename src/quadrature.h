@@ -4,6 +4,8 @@
 
 #include "tvi.h"
 
+enum { TVI_MAX_POINTS = TVI_MAX_DEGREE + 2 }; /* enough for every order of every rule */
+
 /* The number of nodes of a rule that has only one size; 0 for Gauss and Lobatto, which take any. */
 int tvi_quadrature_fixed_points(tvi_quadrature rule);
 

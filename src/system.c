@@ -62,19 +62,21 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
 
 /* ---- The structure that is there ---------------------------------------------------------------------------------- */
 
-/* Adds factor * x to the coefficients of a linear form in the inputs first .. first + n - 1; false where it is none. */
-static bool add_linear_form(jet x, double factor, int first, int n, double coefficient[])
+/* Whether x = sum_j row_j v_j, v_j the input first + j: its coefficients, by one walk back through the graph. share is
+ * scratch for each node. */
+static bool is_linear_form(const jet_graph *graph, jet x, int first, int n, double share[], double row[])
 {
+    for (int j = 0; j < n; j++) row[j] = 0;
     if (!x.node) return x.number == 0;
-    const struct jet_node *node = x.node;
-    if (node->op == OP_INPUT && node->index >= first && node->index < first + n) {
-        coefficient[node->index - first] += factor;
-        return true;
+    for (int i = 0; i <= x.node->index; i++) share[i] = 0;
+    share[x.node->index] = 1;
+    for (int i = x.node->index; i >= 0; i--) {
+        const struct jet_node *z = jet_graph_node(graph, i);
+        if (share[i] == 0) continue;
+        if (z->op == OP_INPUT && i >= first && i < first + n) row[i - first] = share[i];
+        else if (z->op != OP_LINEAR || z->number != 0) return false;
+        for (int term = 0; term < z->count; term++) share[z->terms[term].node->index] += share[i] * z->terms[term].coefficient;
     }
-    if (node->op != OP_LINEAR || node->number != 0) return false;
-    for (int i = 0; i < node->count; i++)
-        if (!add_linear_form(jet_of_node(node->terms[i].node), factor * node->terms[i].coefficient, first, n, coefficient))
-            return false;
     return true;
 }
 
@@ -90,11 +92,9 @@ static void mark_dependents(const jet_graph *graph, int first, int n)
     }
 }
 
-/* Whether row i of `linear` is d v_i with d > 0. row[n] is scratch. */
-static bool is_diagonal(jet linear, int i, int n, double row[])
+/* Whether the row is d_i at i, d_i > 0, and 0 elsewhere. */
+static bool is_diagonal(int n, const double row[], int i)
 {
-    for (int j = 0; j < n; j++) row[j] = 0;
-    if (!add_linear_form(linear, 1, n, n, row)) return false;
     for (int j = 0; j < n; j++)
         if (j != i && row[j] != 0) return false;
     return row[i] > 0 && isfinite(1 / row[i]);
@@ -105,12 +105,13 @@ static tvi_status find_separable(recording *rec, const jet linear[], const jet o
 {
     tvi_system *system = rec->system;
     const int n = system->n;
-    double *row = malloc((size_t)n * sizeof *row);
+    double *row = malloc(((size_t)n + (size_t)jet_graph_count(system->graph)) * sizeof *row);
     if (!row) return TVI_ENOMEM;
     *separable = true;
     mark_dependents(system->graph, n, n);
     for (int i = 0; i < n && *separable; i++) {
-        *separable = is_diagonal(linear[i], i, n, row) && !(other[i].node && other[i].node->mark);
+        *separable = is_linear_form(system->graph, linear[i], n, n, row + n, row) && is_diagonal(n, row, i) &&
+                     !(other[i].node && other[i].node->mark);
         system->mass[i] = row[i];
     }
     free(row);
@@ -119,15 +120,10 @@ static tvi_status find_separable(recording *rec, const jet linear[], const jet o
 
 /* ---- From each statement to a form --------------------------------------------------------------------------------- */
 
+/* out[2n] = dx/d(q, v). */
 static tvi_status gradient(const recording *rec, jet x, jet out[])
 {
-    const int n = rec->system->n;
-    jet *all = malloc(3 * (size_t)n * sizeof *all);
-    if (!all) return TVI_ENOMEM;
-    const bool done = jet_gradient(rec->system->graph, x, 2 * n, all);
-    for (int i = 0; i < 2 * n; i++) out[i] = all[i];
-    free(all);
-    return done ? TVI_OK : TVI_ENOMEM;
+    return jet_gradient(rec->system->graph, x, 2 * rec->system->n, out) ? TVI_OK : TVI_ENOMEM;
 }
 
 static void negate(int n, jet x[])
