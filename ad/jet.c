@@ -257,11 +257,19 @@ jet jet_linear(int count, const double coefficient[], const jet x[])
 jet jet_record_add(jet a, jet b) { return jet_linear(2, (const double[]){1, 1}, (const jet[]){a, b}); }
 jet jet_record_sub(jet a, jet b) { return jet_linear(2, (const double[]){1, -1}, (const jet[]){a, b}); }
 
+/* An operation on x that there is no memory for: no output of their graph is accepted any more. */
+static jet out_of_memory(int count, const jet x[])
+{
+    jet_graph *graph;
+    if (find_graph(count, x, &graph) == TVI_OK && graph) graph->out_of_memory = true;
+    return poison(TVI_ENOMEM);
+}
+
 jet jet_sum(const jet x[], int count)
 {
     if (count <= 0) return jet_const(0);
     double *ones = malloc((size_t)count * sizeof *ones);
-    if (!ones) return poison(TVI_ENOMEM);
+    if (!ones) return out_of_memory(count, x);
     for (int i = 0; i < count; i++) ones[i] = 1;
     const jet sum = jet_linear(count, ones, x);
     free(ones);
@@ -272,7 +280,7 @@ jet jet_dot(const jet x[], const jet y[], int count)
 {
     if (count <= 0) return jet_const(0);
     jet *products = malloc((size_t)count * sizeof *products);
-    if (!products) return poison(TVI_ENOMEM);
+    if (!products) return out_of_memory(count, x);
     for (int i = 0; i < count; i++) products[i] = jet_mul(x[i], y[i]);
     const jet sum = jet_sum(products, count);
     free(products);

@@ -160,6 +160,7 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
 }
 
 enum { PROBES = 8 };
+static const double CLEARLY_REGULAR = 1e-9; /* a pivot of a singular matrix is roundoff, which may not be exactly 0 */
 
 /* At points from a fixed pseudo-random sequence in (-1, 1); a point where the function has no value tells nothing. */
 tvi_status tvi_legendre_probe(tvi_system *system)
@@ -180,7 +181,7 @@ tvi_status tvi_legendre_probe(tvi_system *system)
             }
             if (tvi_legendre_state(&legendre, 0.5, point, point + system->n, point + 2 * system->n) != TVI_OK) continue;
             stated = true;
-            regular = factor_slope(&legendre) == TVI_OK;
+            regular = factor_slope(&legendre) == TVI_OK && tvi_factor_least_pivot(&legendre.slope) > CLEARLY_REGULAR;
         }
         system->regular = regular || !stated;
     }

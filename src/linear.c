@@ -62,10 +62,17 @@ tvi_status tvi_factor_compute(tvi_factor *factor)
     equilibrate(factor);
     int info = 0;
     (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
-    if (info != 0) return TVI_ESINGULAR;
-    for (int i = 0; i < n; i++) /* a pivot that is roundoff of a matrix of size 1 */
-        if (fabs(factor->lu[(size_t)i * (size_t)n + (size_t)i]) <= n * DBL_EPSILON) return TVI_ESINGULAR;
-    return TVI_OK;
+    return info == 0 && tvi_factor_least_pivot(factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
+}
+
+double tvi_factor_least_pivot(const tvi_factor *factor)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < (size_t)factor->n; i++) {
+        const double pivot = fabs(factor->lu[i * (size_t)factor->n + i]);
+        if (pivot < least) least = pivot;
+    }
+    return least;
 }
 
 /* x <- scale x, component by component. */

@@ -174,7 +174,9 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
         return TVI_OK;
     }
     system->form = TVI_HAMILTONIAN;
-    status = gradient(rec, jet_dot(rec->r, rec->field + n, n), rec->bend);
+    jet along = jet_dot(rec->r, rec->field + n, n);
+    status = jet_graph_accept(system->graph, 1, &along);
+    if (status == TVI_OK) status = gradient(rec, along, rec->bend);
     return status == TVI_OK ? jet_graph_accept(system->graph, 2 * n, rec->bend) : status;
 }
 
