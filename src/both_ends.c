@@ -49,7 +49,7 @@ typedef struct {
     double *pi_rate;                  /* [n][points] pi. */
     double *row;                      /* [points] */
     double *z;                        /* [2n] */
-    double *velocity;                 /* [n] of the last predictor, Lagrangian */
+    double *velocity, *velocity_before; /* [n] of the last predictor and the one before, Lagrangian */
     double *from_p;                   /* [n] p0 - p_a(0) */
     double *rise_p;                   /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
     double *dq, *dp;                  /* [n] of the last step */
@@ -93,7 +93,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.z_unit = tvi_combination_take(&w.a.curve, arena);
     w.pi_rate = tvi_arena_doubles(arena, n * points);
     w.row = tvi_arena_doubles(arena, points);
-    double **const vectors[] = {&w.z, &w.velocity, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.shift};
+    double **const vectors[] = {&w.z, &w.velocity, &w.velocity_before, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.shift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, 2 * n);
     if (taken) *taken = w;
     return taken;
@@ -269,8 +269,9 @@ static tvi_status expand(work *w, side *x, const double z[], double centre)
     return tvi_curve_expand(&x->curve, centre);
 }
 
-static void set_scale(const work *w, double scale[])
+static void set_scale(void *self, double scale[])
 {
+    const work *w = self;
     const int n = w->n;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 3 * (size_t)n * sizeof *scale);
@@ -307,7 +308,7 @@ static void form_residual(work *w, const double q1[], double r[])
     }
 }
 
-static tvi_status residual(void *self, const double x[], double r[], double scale[])
+static tvi_status residual(void *self, const double x[], double r[])
 {
     work *w = self;
     const size_t n = (size_t)w->n;
@@ -323,7 +324,6 @@ static tvi_status residual(void *self, const double x[], double r[], double scal
     if (status == TVI_OK) status = close_equations(w);
     if (status != TVI_OK) return status;
     form_residual(w, x + n, r);
-    set_scale(w, scale);
     return TVI_OK;
 }
 
@@ -393,10 +393,12 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
 {
     work *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *dq;
-    const tvi_equations equations = {w, residual, jacobian, true};
+    const tvi_equations equations = {w, residual, set_scale, jacobian, true};
     w->origin = origin;
     w->stats = stats;
     w->tau = h;
+    tvi_newton_mark(&w->newton);
+    memcpy(w->velocity_before, w->velocity, bytes);
     tvi_status status = predict(w);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, w->options, stats);
     if (status != TVI_OK) return status;
@@ -431,6 +433,13 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
+static void undo(void *taken)
+{
+    work *w = taken;
+    tvi_newton_undo(&w->newton);
+    memcpy(w->velocity, w->velocity_before, (size_t)w->n * sizeof *w->velocity);
+}
+
 static void forget(void *taken)
 {
     work *w = taken;
@@ -438,4 +447,4 @@ static void forget(void *taken)
     memset(w->velocity, 0, (size_t)w->n * sizeof *w->velocity);
 }
 
-const tvi_stepper tvi_stepper_both_ends = {take, prepare, step, forget, dense};
+const tvi_stepper tvi_stepper_both_ends = {take, prepare, step, undo, forget, dense};

@@ -34,7 +34,7 @@ typedef struct {
     bool has_jacobian;                 /* they were, in the step at hand */
     bool is_new_jacobian;              /* they were, since the corrector last asked */
     double *p_size;                    /* [n] sum_k |P_k| */
-    double *velocity;                  /* [n] of the last predictor, Lagrangian */
+    double *velocity, *velocity_before; /* [n] of the last predictor and the one before, Lagrangian */
     double *shift;                     /* [n] */
 } work;
 
@@ -102,6 +102,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
         *combinations[i] = tvi_combination_take(curve, arena);
     if (system->form == TVI_LAGRANGIAN) tvi_legendre_take(&w.legendre, arena, system);
     w.velocity = tvi_arena_doubles(arena, n);
+    w.velocity_before = tvi_arena_doubles(arena, n);
     w.shift = tvi_arena_doubles(arena, n);
     w.z = tvi_arena_doubles(arena, 2 * n);
     w.dz = tvi_arena_doubles(arena, 2 * n);
@@ -183,8 +184,9 @@ static double centre(const work *w)
 
 /* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve of
  * degree 1 knows of a body that starts at rest is the corrections. */
-static void set_scale(const work *w, double scale[])
+static void set_scale(void *self, double scale[])
 {
+    const work *w = self;
     const tvi_closure *c = &w->closure;
     const tvi_curve *curve = &w->closure.curve;
     const int n = w->closure.n;
@@ -251,9 +253,10 @@ static double ratio(double part, double whole) { return part == 0 ? 0 : part / w
 
 /* The relative error of the corrections from Jacobians that were taken at another z is about the relative distance to
  * it; this bounds what that does to the state, relative to the state. */
-static double staleness(work *w, const double z[], const double scale[])
+static double staleness(work *w, const double z[])
 {
     const tvi_closure *c = &w->closure;
+    const double *scale = w->newton.scale;
     double distance = 0, correction = 0;
     set_momentum_size(w);
     for (int i = 0; i < 2 * c->n; i++) distance = fmax(distance, ratio(fabs(z[i] - w->z_jacobian[i]), scale[i]));
@@ -265,7 +268,7 @@ static double staleness(work *w, const double z[], const double scale[])
 }
 
 /* The Jacobians of the first pass serve the later ones as long as that shows nowhere. */
-static tvi_status residual(void *self, const double z[], double r[], double scale[])
+static tvi_status residual(void *self, const double z[], double r[])
 {
     work *w = self;
     tvi_closure *c = &w->closure;
@@ -277,11 +280,9 @@ static tvi_status residual(void *self, const double z[], double r[], double scal
     const bool reuses = w->has_jacobian;
     if (!reuses) differentiate(w, z);
     status = close_equations(w);
-    set_scale(w, scale);
-    if (reuses && (status != TVI_OK || staleness(w, z, scale) > STALE)) {
+    if (reuses && (status != TVI_OK || staleness(w, z) > STALE)) {
         differentiate(w, z);
         status = close_equations(w);
-        set_scale(w, scale);
     }
     if (status == TVI_OK) form_residual(w, r);
     return status;
@@ -306,7 +307,7 @@ static tvi_status correct(work *w)
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    const tvi_equations equations = {w, residual, is_identity ? NULL : jacobian, false};
+    const tvi_equations equations = {w, residual, set_scale, is_identity ? NULL : jacobian, false};
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, w->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
@@ -342,6 +343,8 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     w->origin = origin;
     w->stats = stats;
     w->has_jacobian = false;
+    if (w->close) tvi_newton_mark(&w->newton);
+    memcpy(w->velocity_before, w->velocity, (size_t)w->closure.n * sizeof *w->velocity);
     w->closure.curve.tau = w->closure.span.tau * h;
     tvi_status status = predict(w);
     if (status == TVI_OK) status = w->close ? correct(w) : expand(w, w->z, centre(w));
@@ -362,6 +365,13 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
+static void undo(void *taken)
+{
+    work *w = taken;
+    if (w->close) tvi_newton_undo(&w->newton);
+    memcpy(w->velocity, w->velocity_before, (size_t)w->closure.n * sizeof *w->velocity);
+}
+
 static void forget(void *taken)
 {
     work *w = taken;
@@ -369,4 +379,4 @@ static void forget(void *taken)
     memset(w->velocity, 0, (size_t)w->closure.n * sizeof *w->velocity);
 }
 
-const tvi_stepper tvi_stepper_curve = {take, prepare, step, forget, dense};
+const tvi_stepper tvi_stepper_curve = {take, prepare, step, undo, forget, dense};

@@ -114,9 +114,12 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
         memset(it->p_low, 0, (size_t)n * sizeof *p);
     }
     const tvi_origin origin = {*t, it->t_low, q, it->q_low, p, it->p_low};
-    const tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
-    if (status != TVI_OK) return status;
-    if (!increments_are_finite(it, h, *t, q, p)) return TVI_ENONFINITE;
+    tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
+    if (status == TVI_OK && !increments_are_finite(it, h, *t, q, p)) status = TVI_ENONFINITE;
+    if (status != TVI_OK) {
+        it->stepper->undo(it->work);
+        return status;
+    }
     memcpy(it->q_start, q, (size_t)n * sizeof *q);
     memcpy(it->p_start, p, (size_t)n * sizeof *p);
     it->has_dense = true;

@@ -68,7 +68,7 @@ static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *e
         memcpy(newton->trial, newton->x, (size_t)size * sizeof *newton->x);
         newton->trial[column] += sqrt(DBL_EPSILON) * typical_size(newton, column);
         const double step = newton->trial[column] - newton->x[column];
-        const tvi_status status = equations->residual(equations->self, newton->trial, newton->difference, newton->scale);
+        const tvi_status status = equations->residual(equations->self, newton->trial, newton->difference);
         if (status != TVI_OK) return status;
         for (int row = 0; row < size; row++)
             newton->factor.lu[row * size + column] = (newton->difference[row] + newton->correction[row]) / step;
@@ -105,9 +105,9 @@ static void expect(progress *at, double slack)
 
 static void learn(tvi_newton *newton, const progress *at)
 {
-    const double slack = newton->slack * at->size.relative / at->expected; /* 0 where nothing was expected */
-    if (at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative && slack > newton->slack)
-        newton->slack = fmin(slack, MOST_SLACK);
+    const double slack = newton->history.slack * at->size.relative / at->expected; /* 0 where nothing was expected */
+    if (at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative && slack > newton->history.slack)
+        newton->history.slack = fmin(slack, MOST_SLACK);
 }
 
 /* Whether the passes may end here. */
@@ -121,21 +121,23 @@ static bool is_enough(tvi_newton *newton, const tvi_options *options, int count,
     if (options->tolerance > 0) return at->size.relative <= goal;
     learn(newton, at);
     const bool was_expected = at->expected <= ROUNDOFF;
-    expect(at, newton->slack);
+    expect(at, newton->history.slack);
     return at->expected <= ROUNDOFF && (!at->checks || was_expected);
 }
 
 /* One pass: correction = -K^-1 r(x), with K the approximate Jacobian or, once it was needed, a fresh one. */
-static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, int refreshes, bool refresh, tvi_stats *stats)
+static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool is_first, int refreshes, bool refresh,
+                       tvi_stats *stats)
 {
-    tvi_status status = equations->residual(equations->self, newton->x, newton->correction, newton->scale);
+    tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
     if (status != TVI_OK) return status;
+    if (is_first) equations->scale(equations->self, newton->scale);
     for (int i = 0; i < newton->size; i++) newton->correction[i] = -newton->correction[i];
     if (refresh || (refreshes == 0 && equations->jacobian)) {
         status = factor_jacobian(newton, equations, refresh, stats);
         /* differencing moved the equations away from x: bring them back */
         if (status == TVI_OK && refresh)
-            status = equations->residual(equations->self, newton->x, newton->difference, newton->scale);
+            status = equations->residual(equations->self, newton->x, newton->difference);
         if (status != TVI_OK) return status;
     }
     if (refreshes > 0 || equations->jacobian) tvi_factor_solve(&newton->factor, newton->correction);
@@ -145,21 +147,19 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, int r
     return TVI_OK;
 }
 
-void tvi_newton_forget(tvi_newton *newton)
-{
-    newton->solves = 0;
-    newton->slack = 1;
-}
+void tvi_newton_forget(tvi_newton *newton) { newton->history = (tvi_newton_history){0, 1}; }
+void tvi_newton_mark(tvi_newton *newton) { newton->before = newton->history; }
+void tvi_newton_undo(tvi_newton *newton) { newton->history = newton->before; }
 
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options, tvi_stats *stats)
 {
     const int max_passes = options->max_passes > 0 ? options->max_passes : MAX_PASSES;
-    progress at = {.expected = INFINITY, .checks = newton->solves++ % CHECK_EVERY == 0 || equations->is_rough};
+    progress at = {.expected = INFINITY, .checks = newton->history.solves++ % CHECK_EVERY == 0 || equations->is_rough};
     int refreshes = 0;
     bool refresh = false;
     for (int count = 1; options->passes > 0 || count <= max_passes; count++) {
         refreshes += refresh;
-        const tvi_status status = pass(newton, equations, refreshes, refresh, stats);
+        const tvi_status status = pass(newton, equations, count == 1, refreshes, refresh, stats);
         if (status != TVI_OK) return status;
         at.before = at.size;
         at.size = measure(newton);

@@ -7,8 +7,11 @@
 /* The equations r(x) = 0 of a method. The functions are called with `self`. */
 typedef struct {
     void *self;
-    /* r(x) [size]; sets scale[size], the natural size of each unknown: a correction below roundoff of it is none. */
-    tvi_status (*residual)(void *self, const double x[], double r[], double scale[]);
+    /* r(x) [size]. */
+    tvi_status (*residual)(void *self, const double x[], double r[]);
+    /* The natural size of each unknown [size], asked after the residual of the predictor: a correction below roundoff of
+     * it is none. */
+    void (*scale)(void *self, double scale[]);
     /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. false: the one last
      * given still serves, and the matrix is left alone. */
     bool (*jacobian)(void *self, double matrix[]);
@@ -16,19 +19,26 @@ typedef struct {
     bool is_rough;
 } tvi_equations;
 
+/* What earlier solutions taught. */
+typedef struct {
+    long solves;
+    double slack; /* how much slower a later pass was seen to contract than the one before it, >= 1 */
+} tvi_newton_history;
+
 typedef struct {
     int size, group; /* unknowns come in groups that share a unit */
     double *x, *correction, *scale; /* [size] */
     double *trial, *difference;     /* [size] scratch of the difference Jacobian */
     tvi_factor factor;
-    long solves;      /* since tvi_newton_forget */
-    double slack;     /* how much slower a later pass was seen to contract than the one before it, >= 1 */
+    tvi_newton_history history, before; /* now, and before the step at hand */
 } tvi_newton;
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group);
 
-/* Forgets what earlier solutions taught. */
+/* Forgets what earlier solutions taught; marks what is known before a step; goes back to the mark when the step failed. */
 void tvi_newton_forget(tvi_newton *newton);
+void tvi_newton_mark(tvi_newton *newton);
+void tvi_newton_undo(tvi_newton *newton);
 
 /* From the predictor in newton->x. On success newton->x is the point of the last residual and newton->correction what
  * the last pass found to be missing from it: the caller applies it to first order, which leaves an error of

@@ -29,6 +29,8 @@ typedef struct {
     /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
      * dq and dp are undefined. */
     tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
+    /* After a step that failed: what it taught is forgotten, as if it had not been tried. */
+    void (*undo)(void *work);
     /* Forgets what earlier steps taught: the next one is as the first. */
     void (*forget)(void *work);
     /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
