@@ -183,7 +183,7 @@ static double centre(const work *w)
 /* ---- The residual --------------------------------------------------------------------------------------------------- */
 
 /* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve of
- * degree 1 knows of a body that starts at rest is the corrections. */
+ * degree 0 or 1 knows of a body that starts at rest is the corrections. */
 static void set_scale(void *self, double scale[])
 {
     const work *w = self;
@@ -199,7 +199,7 @@ static void set_scale(void *self, double scale[])
             if (k > 0 || hamiltonian) scale[n + i] += fabs(second[i]);
         }
     }
-    for (int i = 0; curve->top == 1 && i < n; i++) {
+    for (int i = 0; curve->top <= 1 && i < n; i++) {
         scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
         scale[n + i] += fabs(c->curve.kappa[i]) * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
     }

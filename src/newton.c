@@ -50,15 +50,6 @@ static correction_size measure(const tvi_newton *newton)
     return size;
 }
 
-/* The scale of an unknown; where it has none, the largest of its group. */
-static double typical_size(const tvi_newton *newton, int i)
-{
-    double size = newton->scale[i];
-    const int first = i / newton->group * newton->group;
-    for (int j = first; newton->scale[i] == 0 && j < first + newton->group; j++) size = fmax(size, newton->scale[j]);
-    return size > 0 ? size : 1;
-}
-
 /* dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not contract.
  * correction holds -r(x). */
 static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *equations)
@@ -66,7 +57,7 @@ static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *e
     const int size = newton->size;
     for (int column = 0; column < size; column++) {
         memcpy(newton->trial, newton->x, (size_t)size * sizeof *newton->x);
-        newton->trial[column] += sqrt(DBL_EPSILON) * typical_size(newton, column);
+        newton->trial[column] += sqrt(DBL_EPSILON) * newton->scale[column];
         const double step = newton->trial[column] - newton->x[column];
         const tvi_status status = equations->residual(equations->self, newton->trial, newton->difference);
         if (status != TVI_OK) return status;
@@ -86,6 +77,17 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
     }
     stats->factorisations++;
     return tvi_factor_compute(&newton->factor);
+}
+
+/* An unknown without a size has the largest of its group, or 1. */
+static void fill_scale(tvi_newton *newton)
+{
+    for (int first = 0; first < newton->size; first += newton->group) {
+        double largest = 0;
+        for (int i = first; i < first + newton->group; i++) largest = fmax(largest, newton->scale[i]);
+        for (int i = first; i < first + newton->group; i++)
+            if (newton->scale[i] == 0) newton->scale[i] = largest > 0 ? largest : 1;
+    }
 }
 
 /* What the passes have shown so far. */
@@ -131,7 +133,10 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
 {
     tvi_status status = equations->residual(equations->self, newton->x, newton->correction);
     if (status != TVI_OK) return status;
-    if (is_first) equations->scale(equations->self, newton->scale);
+    if (is_first) {
+        equations->scale(equations->self, newton->scale);
+        fill_scale(newton);
+    }
     for (int i = 0; i < newton->size; i++) newton->correction[i] = -newton->correction[i];
     if (refresh || (refreshes == 0 && equations->jacobian)) {
         status = factor_jacobian(newton, equations, refresh, stats);
