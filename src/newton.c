@@ -93,16 +93,18 @@ static void fill_scale(tvi_newton *newton)
 /* What the passes have shown so far. */
 typedef struct {
     correction_size size, before; /* of the last two corrections */
+    double contraction;           /* of the last correction, 0: none yet */
     double expected;              /* what the next correction should be; INFINITY: nobody knows */
     bool checks;                  /* one more pass than seems needed, to see how far the expectation can be trusted */
 } progress;
 
-/* The correction times the last contraction, and the slack: passes that gain little in the directions where the first
- * correction was small make later contractions slower than the first one. */
+/* The correction times the slower of the last two contractions, and the slack: passes that gain little in the directions
+ * where the first correction was small make later contractions slower than the first one. */
 static void expect(progress *at, double slack)
 {
-    const double contraction = at->size.relative / fmin(at->before.relative, 1);
-    at->expected = slack * fmin(contraction, 1) * at->size.relative;
+    const double contraction = fmin(at->size.relative / fmin(at->before.relative, 1), 1);
+    at->expected = slack * fmax(contraction, at->contraction) * at->size.relative;
+    at->contraction = contraction;
 }
 
 static void learn(tvi_newton *newton, const progress *at)
