@@ -2,6 +2,7 @@
 # make check      the tests (installs what they need from Debian, as root)
 # make bench      the order sweeps over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
 # make install    headers, libraries and tvi.pc below PREFIX (and DESTDIR)
+# make choose     the tables of docs/choosing.md: the fastest method for each scene and error
 # make references bench/scenes/references.h anew, in quadruple precision
 
 BUILD   ?= build
@@ -25,7 +26,7 @@ OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
 .DELETE_ON_ERROR:
-.PHONY: all check bench install references clean need-library need-check need-bench
+.PHONY: all check bench choose install references clean need-library need-check need-bench
 
 all: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a $(BUILD)/libtvi.so

@@ -11,12 +11,20 @@ bench: need-bench
 	gnuplot -c bench/plot.gp $(BUILD)/bench
 	@echo "Tables and plots: $(BUILD)/bench/*.csv, *.png, *.svg"
 
+# the tables of docs/choosing.md, ten minutes
+choose: need-library
+	@$(MAKE) --no-print-directory $(BUILD)/bench/choose
+	$(BUILD)/bench/choose
+
 references: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/bench/reference
 	$(BUILD)/bench/reference > $(BUILD)/bench/references.h
 	mv $(BUILD)/bench/references.h bench/scenes/references.h
 
 $(BUILD)/bench/sweep: $(BENCH_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
+
+$(BUILD)/bench/choose: $(BUILD)/bench/choose.o $(BUILD)/bench/run.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
 
 $(BUILD)/bench/reference: $(BUILD)/bench/reference.o $(BUILD)/bench/quad.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
