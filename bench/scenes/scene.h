@@ -1,4 +1,5 @@
-/* scene.h - the problems of the bench and the tests: a potential, a start, an end, and where the exact solution is then. */
+/* scene.h - the problems of the bench and the tests: a potential, a Lagrangian or a Hamiltonian, a start, an end, and where
+ * the exact solution is then. */
 #ifndef SCENE_H
 #define SCENE_H
 
@@ -8,8 +9,10 @@ typedef struct {
     const char *name, *title;
     const char *time_unit;       /* of h and t; "" where the problem has no unit */
     int n;
-    const double *mass;          /* [n], NULL = all 1 */
+    const double *mass;          /* [n], NULL = all 1; of a potential only */
     tvi_potential_fn *potential; /* V; the scene's force is derived from it */
+    tvi_lagrangian_fn *lagrangian;
+    tvi_hamiltonian_fn *hamiltonian; /* exactly one of the three is not NULL */
     const double *q, *p;         /* [n] the start at t = 0 */
     double t_end;
     double energy_scale;         /* the energy error is relative to max(|H0|, this) */
@@ -19,7 +22,14 @@ typedef struct {
 
 extern const scene scene_pendulum, scene_kepler, scene_henon_heiles_12, scene_henon_heiles_8, scene_fpu, scene_solar;
 
-extern const scene *const scenes[];         /* all of them, the cheapest first; NULL ends */
-const scene *scene_find(const char *name);  /* NULL: no such scene */
+/* What a potential does not state: a mass that is no constant diagonal, velocities in the force, no mass at all. */
+extern const scene scene_double_pendulum, scene_magnetic, scene_nonseparable, scene_vortices, scene_degenerate;
+
+extern const scene *const scenes[];         /* those with a potential, for the order sweeps: the cheapest first; NULL ends */
+extern const scene *const general_scenes[]; /* the others; NULL ends */
+const scene *scene_find(const char *name);  /* among scenes; NULL: no such scene */
+
+/* The scene's system; *out is NULL on failure. */
+TVI_NODISCARD tvi_status scene_system(const scene *s, tvi_system **out);
 
 #endif
