@@ -307,7 +307,9 @@ static tvi_status correct(work *w)
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    const tvi_equations equations = {w, residual, set_scale, is_identity ? NULL : jacobian, false};
+    /* types II and III, and the end, gain by much the most in the first pass */
+    const bool is_rough = w->options->method == TVI_TYPE2 || w->options->method == TVI_TYPE3 || w->closure.span.to == 0;
+    const tvi_equations equations = {w, residual, set_scale, is_identity ? NULL : jacobian, is_rough};
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, w->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
