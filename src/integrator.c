@@ -134,15 +134,21 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 {
     if (!it || !q || !p || !(theta >= 0 && theta <= 1) || !it->has_dense) return TVI_EINVAL;
-    it->stepper->dense(it->work, theta, it->dq, it->dp);
     const int n = it->system->n;
+    const size_t bytes = (size_t)n * sizeof *q;
+    if (theta == 1) { /* with the low-order parts */
+        memcpy(q, it->q, bytes);
+        memcpy(p, it->p, bytes);
+        return TVI_OK;
+    }
+    it->stepper->dense(it->work, theta, it->dq, it->dp);
     for (int i = 0; i < n; i++) {
         it->dq[i] += it->q_start[i];
         it->dp[i] += it->p_start[i];
     }
     if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp)) return TVI_ENONFINITE;
-    memcpy(q, it->dq, (size_t)n * sizeof *q);
-    memcpy(p, it->dp, (size_t)n * sizeof *p);
+    memcpy(q, it->dq, bytes);
+    memcpy(p, it->dp, bytes);
     return TVI_OK;
 }
 

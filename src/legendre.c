@@ -59,6 +59,7 @@ static tvi_status factor_slope(tvi_legendre *legendre)
     return tvi_factor_compute(&legendre->slope);
 }
 
+static const double SOLVED = 1e-6; /* what is left of y - f(x): where a solution runs off to infinity, much is */
 enum { NEWTON_STEPS = 100, HALVINGS = 40, GROWTH_HALVINGS = 12 };
 
 /* |y - f(x)| with f(x) in legendre->value, in the maximum norm. */
@@ -101,9 +102,10 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
         return TVI_OK;
     }
-    double before = INFINITY;
+    double before = INFINITY, reach = 0;
     bool was_singular = false;
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
+    for (int i = 0; i < n; i++) reach = fmax(reach, fmax(fabs(y[i]), fabs(legendre->value[i])));
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         status = find_correction(legendre, y);
         if (status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0) {
@@ -119,7 +121,7 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         const bool is_last = correction <= DBL_EPSILON * size || (correction >= before && correction <= 1e-12 * size);
         before = correction;
         status = move(legendre, t, q, y, is_last ? INFINITY : distance(legendre, y), x);
-        if (is_last) return status;
+        if (is_last && status == TVI_OK) return distance(legendre, y) <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
     }
     return status == TVI_OK ? TVI_ENOCONV : status;
 }
