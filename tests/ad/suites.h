@@ -1,0 +1,27 @@
+/* suites.h - the suites of the jets layer, one a file. */
+#ifndef TVI_TESTS_AD_SUITES_H
+#define TVI_TESTS_AD_SUITES_H
+
+#include <check.h>
+
+/* Seconds for one test: Check's 4 are too few under valgrind. */
+enum { TEST_TIMEOUT = 120 };
+
+Suite *record_suite(void);
+Suite *domain_suite(void);
+Suite *tape_suite(void);
+Suite *series_suite(void);
+Suite *identity_suite(void);
+Suite *tangent_suite(void);
+Suite *gradient_suite(void);
+
+/* An empty case of the suite. */
+static inline TCase *add_case(Suite *suite, const char *name)
+{
+    TCase *tests = tcase_create(name);
+    tcase_set_timeout(tests, TEST_TIMEOUT);
+    suite_add_tcase(suite, tests);
+    return tests;
+}
+
+#endif

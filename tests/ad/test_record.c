@@ -1,0 +1,504 @@
+/* test_record.c - from handles to nodes: slots, folding, sharing, refusals, long sums. */
+#include "record.h"
+#include "suites.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#define COUNT(table) ((int)(sizeof table / sizeof table[0]))
+
+/* ---- What is the same -------------------------------------------------------------------------------------------- */
+
+/* row(name, one, other): both are the same node, or the same number, for jets x and y. */
+#define SAME(row)                                                                                                      \
+    row(difference_of_equals, jet_sub(x, x), jet_const(0))                                                             \
+    row(sum_of_equals, jet_add(x, x), jet_mul(2, x))                                                                   \
+    row(times_one, jet_mul(x, 1), x)                                                                                   \
+    row(one_times, jet_mul(1, x), x)                                                                                   \
+    row(times_zero, jet_mul(0, x), jet_const(0))                                                                       \
+    row(plus_zero, jet_add(x, 0), x)                                                                                   \
+    row(minus_zero, jet_sub(x, 0), x)                                                                                  \
+    row(zero_minus, jet_sub(0, x), jet_neg(x))                                                                         \
+    row(negated_twice, jet_neg(jet_neg(x)), x)                                                                         \
+    row(over_one, jet_div(x, 1), x)                                                                                    \
+    row(over_number, jet_div(x, 4), jet_mul(0.25, x))                                                                  \
+    row(zero_over, jet_div(0, x), jet_const(0))                                                                        \
+    row(scaled_twice, jet_mul(2, jet_mul(-3, x)), jet_mul(-6, x))                                                      \
+    row(scaled_back, jet_mul(0.5, jet_add(x, x)), x)                                                                   \
+    row(multiples_collect, jet_add(jet_mul(2, x), jet_mul(3, x)), jet_mul(5, x))                                       \
+    row(multiples_cancel, jet_sub(jet_mul(2, x), jet_add(x, x)), jet_const(0))                                         \
+    row(sums_cancel, jet_sub(jet_add(x, y), jet_add(x, y)), jet_const(0))                                              \
+    row(sum_again, jet_add(x, jet_mul(2, y)), jet_add(x, jet_mul(2, y)))                                               \
+    row(affine_again, jet_add(jet_mul(2, x), 3), jet_add(3, jet_mul(2, x)))                                            \
+    row(terms_cancel, jet_sum((const jet[]){x, y, jet_neg(x), jet_const(0)}, 4), y)                                    \
+    row(later_terms_cancel, jet_sum((const jet[]){x, y, jet_neg(y)}, 3), x)                                            \
+    row(later_terms_collect, jet_sum((const jet[]){x, y, x, y}, 4), jet_add(jet_mul(2, x), jet_mul(2, y)))             \
+    row(all_cancel, jet_sum((const jet[]){x, jet_const(3), jet_neg(x)}, 3), jet_const(3))                              \
+    row(functions_cancel, jet_sub(jet_exp(x), jet_exp(x)), jet_const(0))                                               \
+    row(product_again, jet_mul(x, y), jet_mul(x, y))                                                                   \
+    row(product_commutes, jet_mul(x, y), jet_mul(y, x))                                                                \
+    row(square_is_product, jet_sqr(x), jet_mul(x, x))                                                                  \
+    row(quotient_again, jet_div(x, y), jet_div(x, y))                                                                  \
+    row(power_zero, jet_pow(x, 0), jet_const(1))                                                                       \
+    row(power_one, jet_pow(x, 1), x)                                                                                   \
+    row(power_two, jet_pow(x, 2), jet_sqr(x))                                                                          \
+    row(power_three, jet_pow(x, 3), jet_mul(x, jet_sqr(x)))                                                            \
+    row(power_four, jet_pow(x, 4), jet_sqr(jet_sqr(x)))                                                                \
+    row(power_half, jet_pow(x, 0.5), jet_sqrt(x))                                                                      \
+    row(power_minus_one, jet_pow(x, -1), jet_div(1, x))                                                                \
+    row(power_again, jet_pow(x, -1.5), jet_pow(x, -1.5))                                                               \
+    row(sin_again, jet_sin(x), jet_sin(x))                                                                             \
+    row(tanh_again, jet_tanh(x), jet_tanh(x))                                                                          \
+    row(int_and_double, jet_mul(2, x), jet_mul(2.0, x))                                                                \
+    row(float_and_double, jet_mul(0.5f, x), jet_mul(0.5, x))                                                           \
+    row(constant_and_double, jet_mul(jet_const(2), x), jet_mul(2, x))                                                  \
+    row(empty_sum, jet_sum(&x, 0), jet_const(0))                                                                       \
+    row(negative_sum, jet_sum(&x, -1), jet_const(0))                                                                   \
+    row(empty_dot, jet_dot(&x, &y, 0), jet_const(0))                                                                   \
+    row(negative_dot, jet_dot(&x, &y, -3), jet_const(0))                                                               \
+    row(sum_of_one, jet_sum(&x, 1), x)                                                                                 \
+    row(dot_of_one, jet_dot(&x, &y, 1), jet_mul(x, y))                                                                 \
+    row(dot_with_numbers, jet_dot((const jet[]){x, jet_const(2)}, (const jet[]){jet_const(0), jet_const(4)}, 2),       \
+        jet_const(8))                                                                                                  \
+    row(numbers_add, jet_add(2, 0.5), jet_const(2.5))                                                                  \
+    row(numbers_subtract, jet_sub(2, 0.5), jet_const(1.5))                                                             \
+    row(numbers_multiply, jet_mul(2, -3), jet_const(-6))                                                               \
+    row(numbers_divide, jet_div(3, 2), jet_const(1.5))                                                                 \
+    row(numbers_in_functions, jet_exp(jet_neg(jet_sqr(2))), jet_const(exp(-4)))                                        \
+    row(numbers_in_sums, jet_sum((const jet[]){jet_const(1), jet_const(2)}, 2), jet_const(3))                          \
+    row(number_to_power, jet_pow(3, 2), jet_const(9))                                                                  \
+    row(number_to_fraction, jet_pow(4, -1.5), jet_const(0.125))                                                        \
+    row(negative_to_power, jet_pow(-2, 3), jet_const(-8))                                                              \
+    row(zero_to_zero, jet_pow(0, 0), jet_const(1))
+
+/* row(name, one, other): these are not the same. */
+#define DIFFERENT(row)                                                                                                 \
+    row(inputs, x, y)                                                                                                  \
+    row(sum_and_difference, jet_add(x, y), jet_sub(x, y))                                                              \
+    row(coefficients, jet_mul(2, x), jet_mul(3, x))                                                                    \
+    row(scaled_nodes, jet_mul(2, x), jet_mul(2, y))                                                                    \
+    row(second_coefficients, jet_add(x, y), jet_add(x, jet_mul(2, y)))                                                 \
+    row(numbers_added, jet_add(x, 1), jet_add(x, 2))                                                                   \
+    row(lengths, jet_add(x, jet_mul(2, y)), jet_sum((const jet[]){x, jet_mul(2, y), jet_sin(x)}, 3))                   \
+    row(quotient_and_inverse, jet_div(x, y), jet_div(y, x))                                                            \
+    row(divisors, jet_div(x, y), jet_div(x, jet_sin(y)))                                                               \
+    row(dividends, jet_div(1, x), jet_div(2, x))                                                                       \
+    row(product_and_square, jet_mul(x, y), jet_mul(x, x))                                                              \
+    row(second_factors, jet_mul(x, y), jet_mul(x, jet_sin(y)))                                                         \
+    row(functions, jet_sin(x), jet_cos(x))                                                                             \
+    row(arguments, jet_exp(x), jet_exp(y))                                                                             \
+    row(inverses, jet_asin(x), jet_acos(x))                                                                            \
+    row(exponents, jet_pow(x, 1.5), jet_pow(x, 2.5))                                                                   \
+    row(not_zero, jet_mul(1e-300, x), jet_const(0))
+
+typedef void pair_fn(jet x, jet y, jet out[2]);
+
+#define PAIR(name, one, other)                                                                                         \
+    static void name(jet x, jet y, jet out[2])                                                                         \
+    {                                                                                                                  \
+        (void)x, (void)y;                                                                                              \
+        out[0] = one;                                                                                                  \
+        out[1] = other;                                                                                                \
+    }
+SAME(PAIR)
+DIFFERENT(PAIR)
+
+#define NAMED(name, one, other) {#name, name},
+static const struct {
+    const char *name;
+    pair_fn *build;
+} same[] = {SAME(NAMED)}, different[] = {DIFFERENT(NAMED)};
+
+static bool equal(const jet pair[2])
+{
+    return pair[0].node == pair[1].node && (pair[0].node || pair[0].number == pair[1].number);
+}
+
+/* Builds the pair over two inputs, or over two computed jets, which have no fixed place in the graph. */
+static bool build_equal(pair_fn *build, bool computed)
+{
+    jet_graph *graph = jet_graph_create(2);
+    const jet x = jet_graph_input(graph, 0), y = jet_graph_input(graph, 1);
+    jet pair[2];
+    if (computed)
+        build(jet_mul(x, y), jet_cosh(x), pair);
+    else
+        build(x, y, pair);
+    const bool result = equal(pair);
+    ck_assert_int_eq(jet_graph_accept(graph, 2, pair), TVI_OK);
+    jet_graph_free(graph);
+    return result;
+}
+
+START_TEST(same_is_shared)
+{
+    ck_assert_msg(build_equal(same[_i].build, false), "%s of inputs", same[_i].name);
+    ck_assert_msg(build_equal(same[_i].build, true), "%s of computed jets", same[_i].name);
+}
+END_TEST
+
+START_TEST(different_is_kept)
+{
+    ck_assert_msg(!build_equal(different[_i].build, false), "%s of inputs", different[_i].name);
+    ck_assert_msg(!build_equal(different[_i].build, true), "%s of computed jets", different[_i].name);
+}
+END_TEST
+
+/* Seconds: work linear in the length stays far below, quadratic work (1e9 comparisons and more) far above. */
+static const double LINEAR_TIME = 2;
+
+static double seconds_since(clock_t start) { return (double)(clock() - start) / CLOCKS_PER_SEC; }
+
+/* What was recorded first is found again, and fast, after thousands of nodes that differ in their numbers alone. */
+START_TEST(sharing_survives_growth)
+{
+    enum { MANY = 50000 };
+    static jet first[MANY];
+    const clock_t start = clock();
+    jet_graph *graph = jet_graph_create(1);
+    const jet x = jet_graph_input(graph, 0);
+    for (int i = 0; i < MANY; i++) first[i] = jet_pow(x, 0.25 + i);
+    ck_assert_int_eq(jet_graph_count(graph), 1 + MANY);
+    for (int i = 0; i < MANY; i++) ck_assert_ptr_eq(jet_pow(x, 0.25 + i).node, first[i].node);
+    ck_assert_int_eq(jet_graph_count(graph), 1 + MANY);
+    for (int i = 0; i < MANY; i++) ck_assert_int_eq(jet_graph_node(graph, 1 + i)->index, 1 + i);
+    ck_assert_double_lt(seconds_since(start), LINEAR_TIME);
+    jet_graph_free(graph);
+}
+END_TEST
+
+/* Sums of which one begins like the other are different: k terms, k = 1 .. MANY, of which one is an input. */
+START_TEST(beginnings_are_different)
+{
+    enum { MANY = 500 };
+    jet_graph *graph = jet_graph_create(MANY);
+    jet in[MANY];
+    for (int i = 0; i < MANY; i++) in[i] = jet_graph_input(graph, i);
+    for (int k = 1; k <= MANY; k++) {
+        const jet sum = jet_sum(in, k);
+        ck_assert_int_eq(jet_graph_count(graph), MANY + k - 1);
+        ck_assert_int_eq(sum.node->count, k == 1 ? 0 : k);
+        ck_assert_ptr_eq(jet_sum(in, k).node, sum.node);
+    }
+    jet_graph_free(graph);
+}
+END_TEST
+
+/* ---- Counts of nodes --------------------------------------------------------------------------------------------- */
+
+/* row(name, nodes, result): so many nodes are added to the two inputs, partners among them. */
+#define COUNTS(row)                                                                                                    \
+    row(of_numbers, 0, jet_sub(jet_tanh(jet_add(1, jet_exp(0.5))), jet_div(jet_pow(2, 0.5), jet_log(3))))              \
+    row(of_nothing, 0, jet_mul(0, x))                                                                                  \
+    row(of_addition, 1, jet_add(x, y))                                                                                 \
+    row(of_affine, 2, jet_add(jet_mul(2, x), 3))                                                                       \
+    row(of_long_sum, 1, jet_sum((const jet[]){x, y, x, y, jet_const(2)}, 5))                                           \
+    row(of_dot, 3, jet_dot((const jet[]){x, x}, (const jet[]){x, y}, 2))                                               \
+    row(of_equal_products, 2, jet_add(jet_mul(x, y), jet_mul(y, x)))                                                   \
+    row(of_reciprocal, 2, jet_div(1, x))                                                                               \
+    row(of_root, 1, jet_sqrt(x))                                                                                       \
+    row(of_power, 1, jet_pow(x, -1.5))                                                                                 \
+    row(of_eighth_power, 3, jet_pow(x, 8))                                                                             \
+    row(of_seventh_power, 4, jet_pow(x, 7))                                                                            \
+    row(of_exp, 1, jet_exp(x))                                                                                         \
+    row(of_log, 1, jet_log(x))                                                                                         \
+    row(of_sin, 2, jet_sin(x))                                                                                         \
+    row(of_sin_and_cos, 3, jet_mul(jet_sin(x), jet_cos(x)))                                                            \
+    row(of_sinh_and_cosh, 3, jet_mul(jet_cosh(x), jet_sinh(x)))                                                        \
+    row(of_tan, 3, jet_tan(x))                                                                                         \
+    row(of_tanh, 2, jet_tanh(x))                                                                                       \
+    row(of_atan, 3, jet_atan(x))                                                                                       \
+    row(of_asin, 5, jet_asin(x))                                                                                       \
+    row(of_asin_and_acos, 7, jet_mul(jet_asin(x), jet_acos(x)))
+
+#define SINGLE(name, nodes, result)                                                                                    \
+    static jet count_##name(jet x, jet y) { return (void)x, (void)y, result; }
+COUNTS(SINGLE)
+
+#define COUNTED(name, nodes, result) {#name, count_##name, nodes},
+static const struct {
+    const char *name;
+    jet (*build)(jet x, jet y);
+    int nodes;
+} counts[] = {COUNTS(COUNTED)};
+
+START_TEST(nodes_are_few)
+{
+    jet_graph *graph = jet_graph_create(2);
+    ck_assert_int_eq(jet_graph_inputs(graph), 2);
+    ck_assert_int_eq(jet_graph_count(graph), 2);
+    (void)counts[_i].build(jet_graph_input(graph, 0), jet_graph_input(graph, 1));
+    ck_assert_msg(jet_graph_count(graph) == 2 + counts[_i].nodes, "%d nodes %s instead of %d",
+                  jet_graph_count(graph) - 2, counts[_i].name, counts[_i].nodes);
+    jet_graph_free(graph);
+}
+END_TEST
+
+/* ---- Refusals ---------------------------------------------------------------------------------------------------- */
+
+/* row(name, result, status): x is a jet of the graph, other of another, closed of a closed one. */
+#define REFUSALS(row)                                                                                                  \
+    row(nothing_wrong, jet_sin(x), TVI_OK)                                                                             \
+    row(just_a_number, jet_const(3), TVI_OK)                                                                           \
+    row(an_input, x, TVI_OK)                                                                                           \
+    row(unset, jet_unset(), TVI_EINVAL)                                                                                \
+    row(unset_used, jet_add(x, jet_unset()), TVI_EINVAL)                                                               \
+    row(unset_alone, jet_exp(jet_unset()), TVI_EINVAL)                                                                 \
+    row(unset_to_power, jet_pow(jet_unset(), 0), TVI_EINVAL)                                                           \
+    row(unset_times_zero, jet_mul(0, jet_unset()), TVI_EINVAL)                                                         \
+    row(unset_in_sum, jet_sum((const jet[]){x, jet_unset(), x}, 3), TVI_EINVAL)                                        \
+    row(unset_in_dot, jet_dot((const jet[]){x, jet_unset()}, (const jet[]){x, x}, 2), TVI_EINVAL)                      \
+    row(unset_far_down, jet_sin(jet_mul(2, jet_sub(jet_unset(), x))), TVI_EINVAL)                                      \
+    row(another, other, TVI_EINVAL)                                                                                    \
+    row(another_alone, jet_sin(other), TVI_EINVAL)                                                                     \
+    row(mixed_sum, jet_add(x, other), TVI_EINVAL)                                                                      \
+    row(mixed_difference, jet_sub(other, x), TVI_EINVAL)                                                               \
+    row(mixed_product, jet_mul(x, other), TVI_EINVAL)                                                                  \
+    row(mixed_quotient, jet_div(other, x), TVI_EINVAL)                                                                 \
+    row(mixed_dot, jet_dot(&x, &other, 1), TVI_EINVAL)                                                                 \
+    row(mixed_far_down, jet_exp(jet_mul(x, jet_sin(other))), TVI_EINVAL)                                               \
+    row(closed_alone, closed, TVI_EINVAL)                                                                              \
+    row(closed_function, jet_sin(closed), TVI_EINVAL)                                                                  \
+    row(closed_scaled, jet_mul(2, closed), TVI_EINVAL)                                                                 \
+    row(closed_shared, jet_sqr(closed), TVI_EINVAL)                                                                    \
+    row(closed_power, jet_pow(closed, 1.5), TVI_EINVAL)                                                                \
+    row(closed_divisor, jet_div(1, closed), TVI_EINVAL)                                                                \
+    row(closed_sum, jet_sum(&closed, 1), TVI_EINVAL)                                                                   \
+    row(closed_and_open, jet_add(x, closed), TVI_EINVAL)                                                               \
+    row(not_finite, jet_const(INFINITY), TVI_ENONFINITE)                                                               \
+    row(not_a_number, jet_const(NAN), TVI_ENONFINITE)                                                                  \
+    row(not_finite_added, jet_add(x, INFINITY), TVI_ENONFINITE)                                                        \
+    row(not_a_number_times, jet_mul(NAN, x), TVI_ENONFINITE)                                                           \
+    row(not_a_number_in_function, jet_sqrt(NAN), TVI_ENONFINITE)                                                       \
+    row(over_infinity, jet_div(x, INFINITY), TVI_ENONFINITE)                                                           \
+    row(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                       \
+    row(exponent_not_a_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                        \
+    row(exp_overflows, jet_exp(1000), TVI_ENONFINITE)                                                                  \
+    row(power_overflows, jet_pow(1e200, 2), TVI_ENONFINITE)                                                            \
+    row(root_power_overflows, jet_pow(1e-200, -2.5), TVI_ENONFINITE)                                                   \
+    row(product_overflows, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                      \
+    row(quotient_overflows, jet_div(1e200, 1e-200), TVI_ENONFINITE)                                                    \
+    row(sum_overflows, jet_add(1.7e308, 1.7e308), TVI_ENONFINITE)                                                      \
+    row(added_overflows, jet_sum((const jet[]){x, jet_const(1.7e308), jet_const(1.7e308)}, 3), TVI_ENONFINITE)         \
+    row(coefficient_overflows, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                      \
+    row(overflow_used, jet_add(x, jet_exp(1000)), TVI_ENONFINITE)                                                      \
+    row(root_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                        \
+    row(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                          \
+    row(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                         \
+    row(power_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                                   \
+    row(reciprocal_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                               \
+    row(over_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                         \
+    row(jet_over_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                     \
+    row(domain_used, jet_sub(x, jet_mul(x, jet_log(-1))), TVI_EDOMAIN)                                                 \
+    row(domain_times_zero, jet_mul(0, jet_log(-1)), TVI_EDOMAIN)                                                       \
+    row(domain_in_sum, jet_sum((const jet[]){jet_log(-1), jet_sqr(x)}, 2), TVI_EDOMAIN)
+
+#define REFUSED(name, result, status)                                                                                  \
+    static jet refuse_##name(jet x, jet other, jet closed) { return (void)x, (void)other, (void)closed, result; }
+REFUSALS(REFUSED)
+
+#define REFUSAL(name, result, status) {#name, refuse_##name, status},
+static const struct {
+    const char *name;
+    jet (*build)(jet x, jet other, jet closed);
+    tvi_status status;
+} refusals[] = {REFUSALS(REFUSAL)};
+
+/* The status of the outputs (input, result): the first is right, so that the second is seen to be looked at. */
+static tvi_status refusal(int i, jet_graph *graph, jet_graph *other, jet_graph *closed)
+{
+    const jet x = jet_graph_input(graph, 1);
+    jet output[2] = {x, refusals[i].build(x, jet_graph_input(other, 0), jet_graph_input(closed, 0))};
+    return jet_graph_accept(graph, 2, output);
+}
+
+START_TEST(outputs_are_refused)
+{
+    jet_graph *graph = jet_graph_create(2), *other = jet_graph_create(1), *closed = jet_graph_create(1);
+    (void)jet_sqr(jet_graph_input(closed, 0));
+    jet_graph_close(closed);
+    const int closed_count = jet_graph_count(closed);
+    const tvi_status status = refusal(_i, graph, other, closed);
+    ck_assert_msg(status == refusals[_i].status, "%s: status %d instead of %d", refusals[_i].name, status,
+                  refusals[_i].status);
+    ck_assert_int_eq(jet_graph_count(closed), closed_count);
+    jet_graph_free(graph);
+    jet_graph_free(other);
+    jet_graph_free(closed);
+}
+END_TEST
+
+/* Not one byte of a closed recording changes, whatever is tried with its jets. */
+START_TEST(closed_recording_is_not_written)
+{
+    jet_graph *graph = jet_graph_create(2);
+    const jet x = jet_graph_input(graph, 0), y = jet_graph_input(graph, 1), u = jet_sin(jet_add(x, jet_mul(3, y)));
+    jet_graph_close(graph);
+    enum { MOST = 16 };
+    struct jet_node before[MOST];
+    const int count = jet_graph_count(graph);
+    ck_assert_int_le(count, MOST);
+    for (int i = 0; i < count; i++) before[i] = *jet_graph_node(graph, i);
+    jet gradient[2];
+    for (int i = 0; i < COUNT(same); i++) same[i].build(x, u, (jet[2]){jet_unset(), jet_unset()});
+    for (int i = 0; i < COUNT(different); i++) different[i].build(y, u, (jet[2]){jet_unset(), jet_unset()});
+    ck_assert(jet_gradient(graph, u, 2, gradient));
+    ck_assert_int_eq(jet_graph_accept(graph, 1, gradient), TVI_EINVAL);
+    ck_assert_int_eq(jet_graph_count(graph), count);
+    for (int i = 0; i < count; i++) ck_assert_mem_eq(&before[i], jet_graph_node(graph, i), sizeof before[i]);
+    jet_graph_free(graph);
+}
+END_TEST
+
+/* Numbers become constant nodes, equal ones the same. */
+START_TEST(accepted_numbers_are_constants)
+{
+    jet_graph *graph = jet_graph_create(1);
+    jet output[4] = {jet_const(2.5), jet_graph_input(graph, 0), jet_const(-1), jet_const(2.5)};
+    ck_assert_int_eq(jet_graph_accept(graph, 4, output), TVI_OK);
+    ck_assert_int_eq(jet_graph_count(graph), 3);
+    ck_assert_int_eq(output[0].node->op, OP_CONST);
+    ck_assert_double_eq(output[0].node->number, 2.5);
+    ck_assert_double_eq(output[2].node->number, -1);
+    ck_assert_ptr_eq(output[3].node, output[0].node);
+    ck_assert_ptr_eq(output[1].node, jet_graph_node(graph, 0));
+    jet_graph_free(graph);
+}
+END_TEST
+
+/* ---- Slots ------------------------------------------------------------------------------------------------------- */
+
+#define STEP(inner) jet_add(1, jet_mul(x[0], inner))
+#define STEP_5(inner) STEP(STEP(STEP(STEP(STEP(inner)))))
+
+/* 1 + x (1 + x (1 + ...)), nested 20 deep, written out by the preprocessor: it compiles at once, because no slot names
+ * its argument twice (2^40 copies otherwise). */
+static void record_nested(double c, const jet x[], jet z[])
+{
+    (void)c;
+    z[0] = STEP_5(STEP_5(STEP_5(STEP_5(1))));
+}
+
+/* 1 + x + .. + x^20 at 1 + s: coefficient k is binomial(21, k + 1). */
+START_TEST(nesting_is_free)
+{
+    enum { DEGREE = 20 };
+    const function f = {"nested", record_nested, 1, 1, 0, {1}, 0};
+    recording r = record_outputs(&f, JET_TAPE_SERIES);
+    double x[DEGREE + 1] = {1, 1}, z[DEGREE + 1], binomial = 21;
+    ck_assert(run_series(&r, DEGREE, 1, x, z));
+    for (int k = 0; k <= DEGREE; k++) {
+        ck_assert_double_eq(z[k], binomial);
+        binomial = binomial * (DEGREE - k) / (k + 2);
+    }
+    recording_free(&r);
+}
+END_TEST
+
+/* Every kind of ordinary number in every place of an operation, variables and expressions too. */
+static void record_slots(double c, const jet x[], jet z[])
+{
+    const int two = 2;
+    const double half = 0.5;
+    jet own = x[0];
+    z[0] = jet_mul(two, own);
+    z[1] = jet_mul(own, half);
+    z[2] = jet_add(two + 1, jet_sub(x[0], half * 3));
+    z[3] = jet_sub(c, own);
+    z[4] = jet_div(jet_add(x[0], 1), two);
+    z[5] = jet_div(6, jet_exp(0));
+    z[6] = two > 1 ? own : jet_const(0);
+    z[7] = jet_pow(jet_sqr(own), two - 1);
+}
+
+START_TEST(slots_take_numbers)
+{
+    const function f = {"slots", record_slots, 1, 8, 7, {3}, 0};
+    static const double want[] = {6, 1.5, 4.5, 4, 2, 6, 3, 9};
+    recording r = record_outputs(&f, JET_TAPE_VALUES);
+    double z[8];
+    ck_assert(run_values(&r, 1, f.centre, z));
+    for (int i = 0; i < 8; i++) ck_assert_double_eq(z[i], want[i]);
+    recording_free(&r);
+}
+END_TEST
+
+/* ---- Long sums --------------------------------------------------------------------------------------------------- */
+
+enum { LONG = 100000 };
+
+static void record_long(const jet in[], jet z[])
+{
+    z[0] = jet_sum(in, LONG);
+    z[1] = jet_dot(in, in, LONG);
+}
+
+START_TEST(long_sums_are_fast)
+{
+    jet_graph *graph = jet_graph_create(LONG);
+    jet *in = malloc(LONG * sizeof *in), z[2];
+    double *x = numbers(LONG), got[2], sum = 0, squares = 0;
+    ck_assert_ptr_nonnull(in);
+    for (int i = 0; i < LONG; i++) {
+        in[i] = jet_graph_input(graph, i);
+        x[i] = i % 1000 - 300;
+        sum += x[i];
+        squares += x[i] * x[i];
+    }
+    const clock_t start = clock();
+    record_long(in, z);
+    recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
+    ck_assert_double_lt(seconds_since(start), LINEAR_TIME);
+    ck_assert_int_eq(jet_graph_count(graph), LONG + LONG + 2);
+    ck_assert(run_values(&r, 1, x, got));
+    ck_assert_double_eq(got[0], sum);
+    ck_assert_double_eq(got[1], squares);
+    recording_free(&r);
+    free(in);
+    free(x);
+}
+END_TEST
+
+/* The same jet again and again, and jets added in the order in which they stand: (1e16 + 1) - 1e16 = 0 in doubles. */
+START_TEST(sums_keep_their_order)
+{
+    jet_graph *graph = jet_graph_create(3);
+    const jet a = jet_graph_input(graph, 0), b = jet_graph_input(graph, 1), c = jet_graph_input(graph, 2);
+    jet z[3] = {jet_sum((const jet[]){a, b, c}, 3), jet_sum((const jet[]){a, c, b}, 3),
+                jet_sum((const jet[]){b, a, b, b, a}, 5)};
+    const double x[] = {1e16, 1, -1e16};
+    double got[3];
+    recording r = record_close(graph, 3, z, JET_TAPE_VALUES);
+    ck_assert(run_values(&r, 1, x, got));
+    ck_assert_double_eq(got[0], 0);
+    ck_assert_double_eq(got[1], 1);
+    ck_assert_double_eq(got[2], 2e16 + 3);
+    recording_free(&r);
+}
+END_TEST
+
+/* ---- The suite --------------------------------------------------------------------------------------------------- */
+
+Suite *record_suite(void)
+{
+    Suite *suite = suite_create("record");
+    TCase *sharing = add_case(suite, "sharing");
+    tcase_add_loop_test(sharing, same_is_shared, 0, COUNT(same));
+    tcase_add_loop_test(sharing, different_is_kept, 0, COUNT(different));
+    tcase_add_loop_test(sharing, nodes_are_few, 0, COUNT(counts));
+    tcase_add_test(sharing, sharing_survives_growth);
+    tcase_add_test(sharing, beginnings_are_different);
+    TCase *refusing = add_case(suite, "refusals");
+    tcase_add_loop_test(refusing, outputs_are_refused, 0, COUNT(refusals));
+    tcase_add_test(refusing, closed_recording_is_not_written);
+    tcase_add_test(refusing, accepted_numbers_are_constants);
+    TCase *slots = add_case(suite, "slots");
+    tcase_add_test(slots, nesting_is_free);
+    tcase_add_test(slots, slots_take_numbers);
+    TCase *sums = add_case(suite, "sums");
+    tcase_add_test(sums, long_sums_are_fast);
+    tcase_add_test(sums, sums_keep_their_order);
+    return suite;
+}

@@ -1,0 +1,109 @@
+/* header.cpp - the headers from C++: every slot takes a jet, a double or an int, and C and C++ agree on what a jet is. */
+#include "tvi.h"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdio>
+#include <type_traits>
+
+/* C passes two plain words; C++ passes the same where copying is trivial. */
+static_assert(std::is_trivially_copyable<jet>::value, "a jet is passed in registers");
+static_assert(std::is_trivially_destructible<jet>::value, "a jet is passed in registers");
+static_assert(std::is_standard_layout<jet>::value, "a jet is laid out as in C");
+static_assert(sizeof(jet) == sizeof(double) + sizeof(void *), "a jet is laid out as in C");
+static_assert(offsetof(jet, number) == 0 && offsetof(jet, node) == sizeof(double), "a jet is laid out as in C");
+
+static int failures;
+
+static void expect(const char *what, bool holds)
+{
+    if (holds) return;
+    failures++;
+    std::printf("failed: %s\n", what);
+}
+
+static void expect_number(const char *what, jet x, double value)
+{
+    expect(what, x.node == nullptr && std::fabs(x.number - value) <= 1e-15 * std::fabs(value));
+}
+
+/* Numbers through the library, which is C: both arguments and the result arrive. */
+static void call_through()
+{
+    expect_number("double, int", jet_sub(1.5, 2), -0.5);
+    expect_number("int, jet", jet_div(3, jet(4)), 0.75);
+    expect_number("jet, float", jet_add(jet_const(1), 0.25f), 1.25);
+    expect_number("unsigned", jet_mul(2u, 3L), 6);
+    expect_number("pow", jet_pow(2, 10), 1024);
+    expect_number("default", jet(), 0);
+    const jet x[] = {1, 2.5, jet_const(4)}, y[] = {2, 2, 3};
+    expect_number("sum", jet_sum(x, 3), 7.5);
+    expect_number("dot", jet_dot(x, y, 3), 19);
+    expect_number("neg, sqr, sqrt", jet_neg(jet_sqr(jet_sqrt(2.25))), -2.25);
+    expect_number("exp, log", jet_exp(jet_log(3)), 3);
+    expect_number("sin, asin", jet_sin(jet_asin(0.5)), 0.5);
+    expect_number("cos, acos", jet_cos(jet_acos(0.5)), 0.5);
+    expect_number("tan, atan", jet_tan(jet_atan(2)), 2);
+    expect_number("sinh, cosh, tanh", jet_div(jet_sinh(2), jet_cosh(2)), jet_tanh(2).number);
+}
+
+struct pendulum {
+    double gravity;
+    int calls;
+};
+
+/* V = g (1 - cos q) + 0 t, in slots of every kind, through the library and back. */
+static jet potential(const jet q[], jet t, void *ctx)
+{
+    pendulum *self = static_cast<pendulum *>(ctx);
+    self->calls++;
+    const jet height = jet_sub(1, jet_cos(q[0]));
+    return jet_add(jet_mul(self->gravity, height), jet_mul(0, jet_sin(jet_mul(2, t))));
+}
+
+static void force(const jet q[], jet, jet F[], void *ctx)
+{
+    F[0] = jet_mul(-static_cast<pendulum *>(ctx)->gravity, jet_sin(q[0]));
+}
+
+static void swing(const char *what, const tvi_system *system, double q_end[1], double p_end[1])
+{
+    tvi_options options = tvi_options_default();
+    const char *why = "no reason";
+    expect(why, tvi_options_check(system, &options, &why) == TVI_OK);
+    tvi_integrator *integrator = nullptr;
+    expect(what, tvi_integrator_create(&integrator, system, &options) == TVI_OK);
+    double t = 0, q[] = {1}, p[] = {0};
+    expect(what, tvi_step(integrator, 0.01, &t, q, p) == TVI_OK);
+    expect(what, tvi_integrate(integrator, 0.01, 99, &t, q, p, nullptr, nullptr) == TVI_OK);
+    expect(what, tvi_integrator_stats(integrator)->steps == 100 && std::fabs(t - 1) < 1e-15);
+    q_end[0] = q[0], p_end[0] = p[0];
+    tvi_integrator_free(integrator);
+}
+
+static void pendulums()
+{
+    pendulum ctx = {9.8, 0};
+    tvi_system *of_potential = nullptr, *of_force = nullptr;
+    double q[1], p[1], q_force[1], p_force[1], start = 0, end = 0;
+    const double q0[] = {1}, p0[] = {0};
+    expect("potential", tvi_system_potential(&of_potential, 1, nullptr, potential, &ctx) == TVI_OK && ctx.calls == 1);
+    expect("force", tvi_system_force(&of_force, 1, nullptr, force, &ctx) == TVI_OK);
+    swing("potential", of_potential, q, p);
+    swing("force", of_force, q_force, p_force);
+    expect("q", std::fabs(q[0] - q_force[0]) < 1e-14 && q[0] < 0.9);
+    expect("p", std::fabs(p[0] - p_force[0]) < 1e-14);
+    expect("H at the start", tvi_energy(of_potential, 0, q0, p0, &start) == TVI_OK);
+    expect("H at the end", tvi_energy(of_potential, 1, q, p, &end) == TVI_OK);
+    expect("H", std::fabs(start - 9.8 * (1 - std::cos(1.0))) < 1e-14 && std::fabs(end - start) < 1e-13);
+    tvi_system_free(of_potential);
+    tvi_system_free(of_force);
+}
+
+int main()
+{
+    call_through();
+    pendulums();
+    std::printf("%s\n", failures ? "failed" : tvi_status_string(TVI_OK));
+    return failures != 0;
+}

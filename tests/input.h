@@ -1,0 +1,47 @@
+/* input.h - what the tests of bad input share: a state that is compared bit for bit, and the methods to go through. */
+#ifndef TVI_TESTS_INPUT_H
+#define TVI_TESTS_INPUT_H
+
+#include "scenes/scene.h"
+#include "tvi.h"
+
+#include <check.h>
+
+enum { STATE_MAX = 4 }; /* coordinates */
+
+typedef struct {
+    double t, q[STATE_MAX], p[STATE_MAX];
+} state;
+
+state start_of(const scene *s);
+bool state_is_finite(const state *s);
+void expect_same(const char *what, const state *is, const state *was); /* bit for bit */
+void expect(const char *what, tvi_status is, tvi_status wanted);
+
+/* Every method, at orders that it has. */
+typedef struct {
+    const char *name;
+    int order;
+} method;
+extern const method methods[];
+extern const int method_count;
+
+tvi_system *create_system(int n, tvi_potential_fn *potential);
+tvi_system *create_scene(const scene *s);
+tvi_options options_of(const method *m);
+tvi_integrator *create_integrator(const tvi_system *system, const method *m);
+
+/* With V = log q_0 + q_1^4 and n = 2: L = |v|^2/2 + (q_0 - 1) v_0 v_1 - V and H = |p|^2/2 + (q_0 - 1) p_0 p_1 + V, which are
+ * regular but at q_0 = 0 and 2. */
+tvi_lagrangian_fn mixed_lagrangian;
+tvi_hamiltonian_fn mixed_hamiltonian;
+
+TCase *tcase_options(void); /* in input_options.c */
+/* Steps that fail, in input_steps.c. */
+TCase *tcase_bad_steps(void);
+TCase *tcase_failed_steps(void);
+TCase *tcase_integrate(void);
+TCase *tcase_dense(void);
+TCase *tcase_stats(void);
+
+#endif

@@ -1,0 +1,709 @@
+/* input_steps.c - steps that cannot be made: each has its status, leaves the state bit for bit as it was, and leaves no
+ * trace in what follows. The contracts are those of tvi.h. */
+#include "input.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* ---- Problems ------------------------------------------------------------------------------------------------------ */
+
+/* V = q^2/2 - log q: a well that exists for q > 0 only, so that steps beyond it leave the domain. */
+static jet half_line(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_sub(jet_mul(0.5, jet_sqr(q[0])), jet_log(q[0]));
+}
+
+/* V = g q with a factor that exists for q > 0 only: everything falls out of the domain. */
+static jet slope(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(q[0], jet_mul(0.01, jet_pow(q[0], 1.5)));
+}
+
+static jet free_particle(const jet q[], jet t, void *ctx)
+{
+    (void)q, (void)t, (void)ctx;
+    return jet_const(0);
+}
+
+/* V = q^4 + q sin t. */
+static jet driven(const jet q[], jet t, void *ctx)
+{
+    (void)ctx;
+    return jet_add(jet_pow(q[0], 4), jet_mul(q[0], jet_sin(t)));
+}
+
+static const double one_q[] = {0.5}, one_p[] = {0.5};
+static const scene scene_half_line = {.name = "half line", .n = 1, .potential = half_line, .q = one_q, .p = one_p};
+static const scene scene_driven = {.name = "driven", .n = 1, .potential = driven, .q = one_q, .p = one_p};
+
+static const scene *const problems[] = {
+    &scene_pendulum,        &scene_kepler,   &scene_henon_heiles_12, &scene_half_line, &scene_driven,
+    &scene_double_pendulum, &scene_magnetic, &scene_nonseparable,    &scene_vortices,  &scene_degenerate,
+};
+enum { PROBLEMS = sizeof problems / sizeof *problems };
+static const double good_step = 1.0 / 64; /* which every method can make */
+
+/* Problem and method of a loop over all pairs; false where the method does not serve the problem. */
+typedef struct {
+    const scene *problem;
+    const method *m;
+    tvi_system *system;
+    char name[80];
+} pair;
+
+static bool open_pair(pair *x, int i)
+{
+    x->problem = problems[i / method_count];
+    x->m = &methods[i % method_count];
+    x->system = create_scene(x->problem);
+    snprintf(x->name, sizeof x->name, "%s, %s %d", x->problem->name, x->m->name, x->m->order);
+    const tvi_options options = options_of(x->m);
+    const bool serves = tvi_options_check(x->system, &options, NULL) == TVI_OK;
+    if (!serves) tvi_system_free(x->system);
+    return serves;
+}
+
+static void close_pair(pair *x) { tvi_system_free(x->system); }
+
+/* ---- Steps refused at once ----------------------------------------------------------------------------------------- */
+
+typedef struct {
+    const char *name;
+    double h;
+    state s;
+    tvi_status status;
+} bad_step;
+
+#define SOUND {0.5, 0.25}, {0.5, 0.5}
+
+static const bad_step bad_steps[] = {
+    {"h = 0", 0, {0, SOUND}, TVI_EINVAL},
+    {"h = -0", -0.0, {0, SOUND}, TVI_EINVAL},
+    {"h NaN", NAN, {0, SOUND}, TVI_EINVAL},
+    {"h infinite", INFINITY, {0, SOUND}, TVI_EINVAL},
+    {"h minus infinite", -INFINITY, {0, SOUND}, TVI_EINVAL},
+    {"t NaN", 0.1, {NAN, SOUND}, TVI_ENONFINITE},
+    {"t infinite", 0.1, {-INFINITY, SOUND}, TVI_ENONFINITE},
+    {"q NaN", 0.1, {0, {NAN, 0.25}, {0.5, 0.5}}, TVI_ENONFINITE},
+    {"the last q NaN", 0.1, {0, {0.5, NAN}, {0.5, 0.5}}, TVI_ENONFINITE},
+    {"q infinite", 0.1, {0, {0.5, INFINITY}, {0.5, 0.5}}, TVI_ENONFINITE},
+    {"p NaN", 0.1, {0, {0.5, 0.25}, {NAN, 0.5}}, TVI_ENONFINITE},
+    {"the last p NaN", 0.1, {0, {0.5, 0.25}, {0.5, NAN}}, TVI_ENONFINITE},
+    {"p infinite", 0.1, {0, {0.5, 0.25}, {0.5, -INFINITY}}, TVI_ENONFINITE},
+    {"t overflows", DBL_MAX, {DBL_MAX, SOUND}, TVI_ENONFINITE},
+    {"t overflows, back", -DBL_MAX, {-DBL_MAX, SOUND}, TVI_ENONFINITE},
+    {"q overflows", 1e10, {0, {1e300, 0.25}, {1e300, 0.5}}, TVI_ENONFINITE},
+    {"the force overflows", 0.1, {0, {1e308, 1e308}, {0, 0}}, TVI_ENONFINITE},
+};
+
+/* Calls tvi_step and tvi_integrate. */
+static void expect_bad_step(const char *method_name, tvi_integrator *integrator, const bad_step *bad)
+{
+    char what[100];
+    snprintf(what, sizeof what, "%s with %s", bad->name, method_name);
+    state s = bad->s;
+    expect(what, tvi_step(integrator, bad->h, &s.t, s.q, s.p), bad->status);
+    expect_same(what, &s, &bad->s);
+    expect(what, tvi_integrate(integrator, bad->h, 3, &s.t, s.q, s.p, NULL, NULL), bad->status);
+    expect_same(what, &s, &bad->s);
+    ck_assert_int_eq(tvi_integrator_stats(integrator)->steps, 0);
+}
+
+START_TEST(refused_steps)
+{
+    tvi_system *system = create_scene(&scene_henon_heiles_12);
+    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    for (size_t i = 0; i < sizeof bad_steps / sizeof *bad_steps; i++)
+        expect_bad_step(methods[_i].name, integrator, &bad_steps[i]);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* Steps that the time does not show are made, and add up: 16 steps of 1/4 where doubles are 4 apart. */
+START_TEST(steps_below_the_time)
+{
+    tvi_system *system = create_scene(&scene_henon_heiles_12);
+    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    const double start = 18014398509481984.0; /* 2^54 */
+    state s = {start, SOUND};
+    for (int step = 0; step < 16; step++) {
+        expect(methods[_i].name, tvi_step(integrator, 0.25, &s.t, s.q, s.p), TVI_OK);
+        ck_assert(s.t == start || s.t == start + 4);
+    }
+    ck_assert_double_eq(s.t, start + 4);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+START_TEST(null_arguments)
+{
+    tvi_system *system = create_scene(&scene_henon_heiles_12);
+    tvi_integrator *it = create_integrator(system, &methods[_i]);
+    const state was = {0, SOUND};
+    state s = was;
+    expect("integrator", tvi_step(NULL, 0.1, &s.t, s.q, s.p), TVI_EINVAL);
+    expect("t", tvi_step(it, 0.1, NULL, s.q, s.p), TVI_EINVAL);
+    expect("q", tvi_step(it, 0.1, &s.t, NULL, s.p), TVI_EINVAL);
+    expect("p", tvi_step(it, 0.1, &s.t, s.q, NULL), TVI_EINVAL);
+    for (long steps = 0; steps <= 2; steps++) {
+        expect("integrator", tvi_integrate(NULL, 0.1, steps, &s.t, s.q, s.p, NULL, NULL), TVI_EINVAL);
+        expect("t", tvi_integrate(it, 0.1, steps, NULL, s.q, s.p, NULL, NULL), TVI_EINVAL);
+        expect("q", tvi_integrate(it, 0.1, steps, &s.t, NULL, s.p, NULL, NULL), TVI_EINVAL);
+        expect("p", tvi_integrate(it, 0.1, steps, &s.t, s.q, NULL, NULL, NULL), TVI_EINVAL);
+        expect("h", tvi_integrate(it, 0, steps, &s.t, s.q, s.p, NULL, NULL), TVI_EINVAL);
+    }
+    expect("steps", tvi_integrate(it, 0.1, -1, &s.t, s.q, s.p, NULL, NULL), TVI_EINVAL);
+    expect_same("null", &s, &was);
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Steps where the force has no value ---------------------------------------------------------------------------- */
+
+static jet root(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_sqrt(jet_add(q[0], q[1]));
+}
+
+static jet quotient(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_div(q[1], q[0]);
+}
+
+static jet arc(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_asin(jet_mul(q[0], q[1]));
+}
+
+static jet late(const jet q[], jet t, void *ctx)
+{
+    (void)ctx;
+    return jet_mul(jet_log(t), q[0]);
+}
+
+static const struct {
+    const char *name;
+    tvi_potential_fn *potential;
+    state s;
+} no_force[] = {
+    {"sqrt of negative", root, {0, {-1, 0.5}, {0, 0}}},
+    {"sqrt of zero", root, {0, {-1, 1}, {0, 0}}},
+    {"division by zero", quotient, {0, {0, 1}, {0, 0}}},
+    {"asin of one", arc, {0, {1, 1}, {0, 0}}},
+    {"asin beyond one", arc, {0, {-2, 1}, {0, 0}}},
+    {"log of a negative time", late, {-1, {1, 1}, {0, 0}}},
+};
+
+static tvi_status step_once(tvi_integrator *integrator, double h, state *s)
+{
+    const state was = *s;
+    const tvi_status status = tvi_step(integrator, h, &s->t, s->q, s->p);
+    if (status == TVI_OK) ck_assert_msg(state_is_finite(s), "h = %g, t = %g: not finite", h, was.t);
+    else expect_same(tvi_status_string(status), s, &was);
+    return status;
+}
+
+START_TEST(no_force_at_the_start)
+{
+    for (size_t i = 0; i < sizeof no_force / sizeof *no_force; i++) {
+        tvi_system *system = create_system(2, no_force[i].potential);
+        tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+        state s = no_force[i].s;
+        expect(no_force[i].name, step_once(integrator, 0.1, &s), TVI_EDOMAIN);
+        expect(no_force[i].name, step_once(integrator, -0.1, &s), TVI_EDOMAIN);
+        expect(no_force[i].name, tvi_integrate(integrator, 0.1, 3, &s.t, s.q, s.p, NULL, NULL), TVI_EDOMAIN);
+        tvi_integrator_free(integrator);
+        tvi_system_free(system);
+    }
+}
+END_TEST
+
+START_TEST(kepler_at_the_centre)
+{
+    tvi_system *system = create_scene(&scene_kepler);
+    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    state s = {0, {0, 0}, {0, 0}};
+    expect(methods[_i].name, step_once(integrator, 0.1, &s), TVI_EDOMAIN);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* F = sqrt q - 1 has a value at q = 0, and no series. */
+static void root_force(const jet q[], jet t, jet force[], void *ctx)
+{
+    (void)t, (void)ctx;
+    force[0] = jet_sub(jet_sqrt(q[0]), 1);
+}
+
+/* At q = 0, and for Stormer-Verlet, which uses the force at both ends, one step away from it. */
+START_TEST(no_series_of_the_force)
+{
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_force(&system, 1, NULL, root_force, NULL), TVI_OK);
+    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    state at = {0}, before = {0, {1}, {-1}};
+    expect(methods[_i].name, step_once(integrator, 0.125, &at), TVI_EDOMAIN);
+    if (strcmp(methods[_i].name, "stormer-verlet") == 0) expect("end", step_once(integrator, 1, &before), TVI_EDOMAIN);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Steps far too large ------------------------------------------------------------------------------------------- */
+
+static bool is_step_failure(tvi_status status)
+{
+    return status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR || status == TVI_ENONFINITE;
+}
+
+/* h = 1e-3 .. 1e6 and back: each step is made with a finite result or fails with a reason. */
+START_TEST(large_steps)
+{
+    pair x;
+    if (!open_pair(&x, _i)) return;
+    tvi_integrator *integrator = create_integrator(x.system, x.m);
+    for (int j = 0; j <= 180; j++) {
+        const double h = pow(10, j / 10 / 2.0 - 3) * (j % 2 ? -1 : 1) * (1 + j % 10 / 20.0);
+        state s = start_of(x.problem);
+        const tvi_status status = step_once(integrator, h, &s);
+        ck_assert_msg(status == TVI_OK || is_step_failure(status), "%s, h = %g: %d", x.name, h, (int)status);
+        if (fabs(h) < 0.01) expect(x.name, status, TVI_OK);
+    }
+    tvi_integrator_free(integrator);
+    close_pair(&x);
+}
+END_TEST
+
+static const double extremes[] = {0, DBL_TRUE_MIN, -1e-300, 1e-8, 1, -30, 1e20, -1e150, 1e200, DBL_MAX};
+enum { EXTREMES = sizeof extremes / sizeof *extremes };
+
+/* The same from states and with steps of every size. */
+START_TEST(extreme_states)
+{
+    pair x;
+    if (!open_pair(&x, _i)) return;
+    tvi_integrator *integrator = create_integrator(x.system, x.m);
+    for (int i = 0; i < EXTREMES * EXTREMES * EXTREMES; i++) {
+        const double q = extremes[i % EXTREMES], p = extremes[i / EXTREMES % EXTREMES];
+        const double h = extremes[i / EXTREMES / EXTREMES];
+        state s = {.t = i % 7 ? 0 : q};
+        for (int j = 0; j < x.problem->n; j++) {
+            s.q[j] = j % 2 ? p : q;
+            s.p[j] = j % 2 ? q : p;
+        }
+        const tvi_status status = step_once(integrator, h, &s);
+        ck_assert_msg(status == TVI_OK || status == TVI_EINVAL || is_step_failure(status), "%s: %d", x.name, (int)status);
+    }
+    tvi_integrator_free(integrator);
+    close_pair(&x);
+}
+END_TEST
+
+/* A step that no contraction reaches ends with TVI_ENOCONV, and the bound on the passes is kept. */
+START_TEST(no_convergence)
+{
+    tvi_system *system = create_scene(&scene_kepler);
+    tvi_options options;
+    tvi_integrator *integrator;
+    ck_assert_int_eq(tvi_options_named("midpoint", 8, &options), TVI_OK);
+    options.max_passes = 1;
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    state s = start_of(&scene_kepler);
+    expect("one pass", step_once(integrator, 0.25, &s), TVI_ENOCONV);
+    ck_assert_int_eq(tvi_integrator_stats(integrator)->passes, 1);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- After a failure ----------------------------------------------------------------------------------------------- */
+
+enum { BEFORE_MOST = 20, AFTER = 20, LONG_RUN = BEFORE_MOST + AFTER };
+
+/* Step number `step` of a run: of changing size, back and forth. */
+static tvi_status next_step(tvi_integrator *integrator, int step, state *s)
+{
+    return step_once(integrator, (step % 24 < 16 ? good_step : -good_step) / (1 + step % 3), s);
+}
+
+/* The states of a run without failures, from the start on; with `resets` each step is as the first. */
+static void plain_run(const pair *x, bool resets, state s[LONG_RUN + 1])
+{
+    tvi_integrator *integrator = create_integrator(x->system, x->m);
+    s[0] = start_of(x->problem);
+    for (int step = 0; step < LONG_RUN; step++) {
+        s[step + 1] = s[step];
+        if (resets) tvi_integrator_reset(integrator);
+        expect(x->name, next_step(integrator, step, &s[step + 1]), TVI_OK);
+    }
+    tvi_integrator_free(integrator);
+}
+
+/* A run that tries h, and a state that is NaN, after some steps; the status of h. Where h fails, the steps that follow are
+ * bit for bit those of the plain run. */
+static tvi_status failing_run(const pair *x, int before, double h, const state plain[LONG_RUN + 1])
+{
+    tvi_integrator *integrator = create_integrator(x->system, x->m);
+    state s = plain[0], bad;
+    for (int step = 0; step < before; step++) expect(x->name, next_step(integrator, step, &s), TVI_OK);
+    bad = s;
+    bad.p[0] = NAN;
+    ck_assert_int_eq(tvi_step(integrator, h, &bad.t, bad.q, bad.p), isfinite(h) ? TVI_ENONFINITE : TVI_EINVAL);
+    const tvi_status status = step_once(integrator, h, &s);
+    for (int step = before; status != TVI_OK && step < before + AFTER; step++) {
+        expect(x->name, next_step(integrator, step, &s), TVI_OK);
+        expect_same(x->name, &s, &plain[step + 1]);
+    }
+    if (status != TVI_OK) ck_assert_int_eq(tvi_integrator_stats(integrator)->steps, before + AFTER);
+    tvi_integrator_free(integrator);
+    return status;
+}
+
+/* Control: forgetting the low-order parts does change what follows. */
+START_TEST(failures_leave_no_trace)
+{
+    static const int before[] = {0, 1, 5, 17, BEFORE_MOST};
+    static const double h[] = {0.7, -2.5, 30, -1e3, 1e6, 1e120, DBL_MAX, NAN};
+    pair x;
+    if (!open_pair(&x, _i)) return;
+    state plain[LONG_RUN + 1], resetting[LONG_RUN + 1];
+    long count[TVI_STATUS_COUNT] = {0};
+    plain_run(&x, false, plain);
+    plain_run(&x, true, resetting);
+    ck_assert_msg(memcmp(&resetting[LONG_RUN], &plain[LONG_RUN], sizeof *plain) != 0, "%s: the control", x.name);
+    for (size_t i = 0; i < sizeof before / sizeof *before; i++)
+        for (size_t j = 0; j < sizeof h / sizeof *h; j++) count[failing_run(&x, before[i], h[j], plain)]++;
+    const long tries = sizeof before / sizeof *before;
+    const long failed = count[TVI_ENOCONV] + count[TVI_EDOMAIN] + count[TVI_ESINGULAR] + count[TVI_ENONFINITE];
+    ck_assert_int_eq(count[TVI_EINVAL], tries);
+    /* DBL_MAX at least; far from the centre of Kepler a step of low order may be as large */
+    ck_assert_int_ge(failed, x.problem == &scene_kepler && x.m->order <= 2 ? 0 : tries);
+    close_pair(&x);
+}
+END_TEST
+
+/* ---- Many steps ---------------------------------------------------------------------------------------------------- */
+
+enum { RUN = 20 };
+
+typedef struct {
+    int n;
+    long calls, stop_at;
+    state last;
+} watcher;
+
+static int watch(long step, double t, const double q[], const double p[], void *ctx)
+{
+    watcher *w = ctx;
+    w->calls++;
+    ck_assert_int_eq(step, w->calls);
+    w->last = start_of(&(scene){.n = w->n, .q = q, .p = p});
+    w->last.t = t;
+    return w->calls == w->stop_at ? -1 : 0; /* any value but 0 stops */
+}
+
+/* Stopped and continued is the same as stepped one by one. */
+START_TEST(stopped_by_the_observer)
+{
+    const scene *x = &scene_henon_heiles_12;
+    tvi_system *system = create_scene(x);
+    tvi_integrator *one = create_integrator(system, &methods[_i]), *two = create_integrator(system, &methods[_i]);
+    state s = start_of(x), by_steps = s;
+    for (long stop = 1; stop <= 7; stop++) {
+        watcher w = {.n = x->n, .stop_at = stop};
+        const long before = tvi_integrator_stats(one)->steps;
+        expect("stop", tvi_integrate(one, good_step, stop == 7 ? 7 : RUN, &s.t, s.q, s.p, watch, &w), TVI_ESTOPPED);
+        ck_assert_int_eq(w.calls, stop);
+        ck_assert_int_eq(tvi_integrator_stats(one)->steps - before, stop);
+        expect_same("the state that was shown", &w.last, &s);
+        for (long step = 0; step < stop; step++) expect("step", step_once(two, good_step, &by_steps), TVI_OK);
+        expect_same("step by step", &s, &by_steps);
+    }
+    watcher w = {.n = x->n};
+    expect("to the end", tvi_integrate(one, good_step, RUN, &s.t, s.q, s.p, watch, &w), TVI_OK);
+    ck_assert_int_eq(w.calls, RUN);
+    expect_same("the last state", &w.last, &s);
+    tvi_integrator_free(one);
+    tvi_integrator_free(two);
+    tvi_system_free(system);
+}
+END_TEST
+
+START_TEST(no_steps)
+{
+    const scene *x = &scene_henon_heiles_12;
+    tvi_system *system = create_scene(x);
+    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    const state was = start_of(x);
+    state s = was;
+    watcher w = {.n = x->n, .stop_at = 1};
+    expect("no steps", tvi_integrate(integrator, good_step, 0, &s.t, s.q, s.p, watch, &w), TVI_OK);
+    expect_same("no steps", &s, &was);
+    ck_assert_int_eq(w.calls, 0);
+    ck_assert_int_eq(tvi_integrator_stats(integrator)->steps, 0);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* On failure the state is that of the last successful step. */
+START_TEST(failure_on_the_way)
+{
+    tvi_system *system = create_system(1, slope);
+    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    state s = {0, {0.5}, {0}};
+    watcher w = {.n = 1};
+    expect(methods[_i].name, tvi_integrate(integrator, 0.125, RUN, &s.t, s.q, s.p, watch, &w), TVI_EDOMAIN);
+    ck_assert_int_ge(w.calls, 5);
+    ck_assert_int_le(w.calls, 9); /* q = 0 at t = 1 or a little later */
+    ck_assert_int_eq(tvi_integrator_stats(integrator)->steps, w.calls);
+    expect_same("the last good state", &s, &w.last);
+    ck_assert_double_eq(s.t, 0.125 * (double)w.calls);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* A particle without force, which has no nodes in its recording but constants. */
+START_TEST(without_a_force)
+{
+    tvi_system *system = create_system(2, free_particle);
+    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    state s = {0, {1, 2}, {0.5, -0.25}};
+    for (int step = 0; step < 4; step++) expect(methods[_i].name, step_once(integrator, 2, &s), TVI_OK);
+    const double left = fabs(s.q[0] - 5) + fabs(s.q[1]) + fabs(s.p[0] - 0.5) + fabs(s.p[1] + 0.25);
+    ck_assert_msg(left < 1e-14 && s.t == 8, "%s: %g from the straight line", methods[_i].name, left);
+    state late = {DBL_MAX, {1, 2}, {0, 0}}; /* only the time overflows */
+    expect("late", step_once(integrator, DBL_MAX, &late), TVI_ENONFINITE);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Dense output -------------------------------------------------------------------------------------------------- */
+
+static void expect_no_dense(const char *what, tvi_integrator *integrator, double theta)
+{
+    state s = {.q = {42, 43}, .p = {44, 45}};
+    const state was = s;
+    expect(what, tvi_dense(integrator, theta, s.q, s.p), TVI_EINVAL);
+    expect_same(what, &s, &was);
+}
+
+/* At theta = 0 and 1 it is the state before and after the step, to roundoff. */
+static void expect_dense(const char *what, tvi_integrator *integrator, int n, double theta, const state *wanted)
+{
+    state s = {0};
+    expect(what, tvi_dense(integrator, theta, s.q, s.p), TVI_OK);
+    for (int i = 0; i < n; i++) {
+        ck_assert_msg(fabs(s.q[i] - wanted->q[i]) <= 1e-14 * (1 + fabs(wanted->q[i])), "%s: q at %g", what, theta);
+        ck_assert_msg(fabs(s.p[i] - wanted->p[i]) <= 1e-14 * (1 + fabs(wanted->p[i])), "%s: p at %g", what, theta);
+    }
+}
+
+START_TEST(dense_output)
+{
+    pair x;
+    if (!open_pair(&x, _i)) return;
+    tvi_integrator *integrator = create_integrator(x.system, x.m);
+    state s = start_of(x.problem);
+    const state before = s;
+    expect_no_dense("before a step", integrator, 0.5);
+    expect(x.name, step_once(integrator, good_step, &s), TVI_OK);
+    expect_no_dense("theta < 0", integrator, -1e-9);
+    expect_no_dense("theta > 1", integrator, 1 + 1e-9);
+    expect_no_dense("theta NaN", integrator, NAN);
+    expect("integrator", tvi_dense(NULL, 0.5, s.q, s.p), TVI_EINVAL);
+    expect("q", tvi_dense(integrator, 0.5, NULL, s.p), TVI_EINVAL);
+    expect("p", tvi_dense(integrator, 0.5, s.q, NULL), TVI_EINVAL);
+    expect_dense(x.name, integrator, x.problem->n, 0, &before);
+    expect_dense(x.name, integrator, x.problem->n, 1, &s);
+    if (step_once(integrator, DBL_MAX, &s) != TVI_OK) {
+        expect_no_dense("after a step that failed", integrator, 0.5);
+        expect(x.name, step_once(integrator, good_step, &s), TVI_OK);
+    }
+    expect_dense(x.name, integrator, x.problem->n, 1, &s);
+    tvi_integrator_free(integrator);
+    close_pair(&x);
+}
+END_TEST
+
+/* Between two steps it leaves no trace. */
+START_TEST(dense_leaves_no_trace)
+{
+    pair x;
+    if (!open_pair(&x, _i)) return;
+    tvi_integrator *with = create_integrator(x.system, x.m), *without = create_integrator(x.system, x.m);
+    state s = start_of(x.problem), wanted = s, dense = s;
+    for (int step = 0; step < RUN; step++) {
+        expect(x.name, step_once(with, good_step, &s), TVI_OK);
+        expect(x.name, step_once(without, good_step, &wanted), TVI_OK);
+        for (int i = 0; i <= 4; i++) expect(x.name, tvi_dense(with, i / 4.0, dense.q, dense.p), TVI_OK);
+        ck_assert(state_is_finite(&dense));
+    }
+    expect_same(x.name, &s, &wanted);
+    tvi_integrator_free(with);
+    tvi_integrator_free(without);
+    close_pair(&x);
+}
+END_TEST
+
+/* ---- Counts -------------------------------------------------------------------------------------------------------- */
+
+/* From the start of Henon-Heiles. */
+static tvi_stats stats_after(const tvi_options *options, long steps)
+{
+    tvi_system *system = create_scene(&scene_henon_heiles_12);
+    tvi_integrator *it;
+    ck_assert_int_eq(tvi_integrator_create(&it, system, options), TVI_OK);
+    const tvi_stats *stats = tvi_integrator_stats(it);
+    ck_assert(stats->steps == 0 && stats->passes == 0 && stats->expansions == 0 && stats->force_evaluations == 0 &&
+              stats->factorisations == 0 && stats->residual == 0 && stats->tail == 0 && stats->bytes > 0);
+    const size_t bytes = stats->bytes;
+    state s = start_of(&scene_henon_heiles_12);
+    ck_assert_int_eq(tvi_integrate(it, good_step, steps, &s.t, s.q, s.p, NULL, NULL), TVI_OK);
+    const tvi_stats after = *stats;
+    ck_assert_int_eq(after.steps, steps);
+    ck_assert_uint_eq(after.bytes, bytes);
+    ck_assert(after.residual >= 0 && after.residual < (options->passes > 0 ? 0.1 : fmax(1e-6, options->tolerance)));
+    ck_assert(after.tail >= 0 && after.tail < 0.1);
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+    return after;
+}
+
+static tvi_options options_named(const char *name, int order)
+{
+    tvi_options options;
+    ck_assert_int_eq(tvi_options_named(name, order, &options), TVI_OK);
+    return options;
+}
+
+START_TEST(counts_of_explicit_methods)
+{
+    const tvi_options taylor = options_named("taylor", 6), verlet = options_named("stormer-verlet", 2);
+    tvi_stats stats = stats_after(&taylor, RUN);
+    ck_assert_int_eq(stats.expansions, RUN);
+    ck_assert_int_eq(stats.passes, 0);
+    ck_assert_int_eq(stats.force_evaluations, 0);
+    ck_assert_int_eq(stats.factorisations, 0);
+    ck_assert_double_eq(stats.residual, 0);
+    ck_assert_double_gt(stats.tail, 0);
+    stats = stats_after(&verlet, RUN);
+    ck_assert_int_eq(stats.expansions, 0);
+    ck_assert_int_eq(stats.passes, 0);
+    ck_assert_int_eq(stats.force_evaluations, 2 * RUN);
+    ck_assert_double_eq(stats.residual, 0);
+}
+END_TEST
+
+/* Exactly k passes: k residuals, each a force value at each node and an expansion of each curve. Away from the start the
+ * predictor is one more expansion. */
+START_TEST(counts_of_fixed_passes)
+{
+    static const struct {
+        const char *name;
+        int curves, predictor;
+    } rows[] = {{"tvi", 1, 0},       {"start", 1, 0}, {"end", 1, 1},  {"midpoint", 1, 1},
+                {"both-ends", 2, 1}, {"right", 1, 0}, {"left", 1, 0}, {"poincare", 1, 1}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        for (int passes = 1; passes <= 4; passes++) {
+            tvi_options options = options_named(rows[i].name, 6);
+            options.passes = passes;
+            options.quadrature = TVI_GAUSS;
+            options.quadrature_points = 5;
+            const tvi_stats stats = stats_after(&options, RUN);
+            ck_assert_int_eq(stats.passes, passes * RUN);
+            ck_assert_int_eq(stats.force_evaluations, 5 * passes * RUN);
+            ck_assert_int_eq(stats.expansions, (rows[i].curves * passes + rows[i].predictor) * RUN);
+            ck_assert_int_ge(stats.factorisations, RUN);
+        }
+}
+END_TEST
+
+START_TEST(counts_of_prediction)
+{
+    tvi_options options = options_named("midpoint", 6);
+    options.passes = TVI_PREDICT_ONLY;
+    const tvi_stats stats = stats_after(&options, RUN);
+    ck_assert_int_eq(stats.passes, 0);
+    ck_assert_int_eq(stats.expansions, 2 * RUN);
+    ck_assert_double_eq(stats.residual, 0);
+}
+END_TEST
+
+/* Until converged: a tolerance is kept and costs fewer passes than roundoff. */
+START_TEST(counts_of_convergence)
+{
+    tvi_options options = options_named("midpoint", 4);
+    const tvi_stats roundoff = stats_after(&options, RUN);
+    options.tolerance = 1e-3;
+    const tvi_stats loose = stats_after(&options, RUN);
+    ck_assert_int_ge(loose.passes, RUN);
+    ck_assert_int_gt(roundoff.passes, loose.passes);
+    ck_assert_double_le(loose.residual, 1e-3);
+}
+END_TEST
+
+/* ---- The cases ----------------------------------------------------------------------------------------------------- */
+
+TCase *tcase_bad_steps(void)
+{
+    TCase *tcase = tcase_create("bad steps");
+    tcase_add_loop_test(tcase, refused_steps, 0, method_count);
+    tcase_add_loop_test(tcase, steps_below_the_time, 0, method_count);
+    tcase_add_loop_test(tcase, null_arguments, 0, method_count);
+    tcase_add_loop_test(tcase, no_force_at_the_start, 0, method_count);
+    tcase_add_loop_test(tcase, kepler_at_the_centre, 0, method_count);
+    tcase_add_loop_test(tcase, no_series_of_the_force, 0, method_count);
+    tcase_add_loop_test(tcase, large_steps, 0, PROBLEMS * method_count);
+    tcase_add_loop_test(tcase, extreme_states, 0, PROBLEMS * method_count);
+    tcase_add_test(tcase, no_convergence);
+    return tcase;
+}
+
+TCase *tcase_failed_steps(void)
+{
+    TCase *tcase = tcase_create("after a failure");
+    tcase_add_loop_test(tcase, failures_leave_no_trace, 0, PROBLEMS * method_count);
+    return tcase;
+}
+
+TCase *tcase_integrate(void)
+{
+    TCase *tcase = tcase_create("many steps");
+    tcase_add_loop_test(tcase, stopped_by_the_observer, 0, method_count);
+    tcase_add_loop_test(tcase, no_steps, 0, method_count);
+    tcase_add_loop_test(tcase, failure_on_the_way, 0, method_count);
+    tcase_add_loop_test(tcase, without_a_force, 0, method_count);
+    return tcase;
+}
+
+TCase *tcase_dense(void)
+{
+    TCase *tcase = tcase_create("dense");
+    tcase_add_loop_test(tcase, dense_output, 0, PROBLEMS * method_count);
+    tcase_add_loop_test(tcase, dense_leaves_no_trace, 0, PROBLEMS * method_count);
+    return tcase;
+}
+
+TCase *tcase_stats(void)
+{
+    TCase *tcase = tcase_create("counts");
+    tcase_add_test(tcase, counts_of_explicit_methods);
+    tcase_add_test(tcase, counts_of_fixed_passes);
+    tcase_add_test(tcase, counts_of_prediction);
+    tcase_add_test(tcase, counts_of_convergence);
+    return tcase;
+}

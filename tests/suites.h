@@ -1,0 +1,15 @@
+/* suites.h - the suites that main.c runs. */
+#ifndef TESTS_SUITES_H
+#define TESTS_SUITES_H
+
+#include <check.h>
+
+Suite *suite_order(void);
+Suite *suite_closed_forms(void);
+Suite *suite_structure(void);
+Suite *suite_stepping(void);
+Suite *suite_quad(void); /* gcc only: __float128 */
+Suite *suite_input(void);
+Suite *suite_faults(void);
+
+#endif

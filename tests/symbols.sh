@@ -1,0 +1,43 @@
+#!/bin/sh
+# symbols.sh LIBRARY.so LIBRARY.a HEADER...
+# The shared library exports what the headers declare and nothing else; the objects hold no data that can be written to,
+# and refer to nothing that prints, exits, or allocates where the tests would not see it.
+set -u
+shared=$1 static=$2
+shift 2
+failed=0
+complain() {
+    echo "$*"
+    failed=1
+}
+
+exported=$(nm -D --defined-only "$shared" | awk '{ print $3 }')
+for name in $exported; do
+    case $name in
+    tvi_* | jet_*) grep -qw "$name" "$@" || complain "$name is exported and not declared" ;;
+    *) complain "$name is exported" ;;
+    esac
+done
+
+# declarations stand at the beginning of a line; what is a typedef or a comment is none
+declared=$(grep -hE '^(TVI_NODISCARD |const )?[a-z_]+ \**(tvi|jet)_[a-z_0-9]+\(' "$@" |
+    sed -E 's/^[^(]*[ *]((tvi|jet)_[a-z_0-9]+)\(.*/\1/')
+[ -n "$declared" ] || complain "no declarations found in $*"
+for name in $declared; do
+    echo "$exported" | grep -qx "$name" || complain "$name is declared and not exported"
+done
+
+# data that only the loader writes to, to relocate it, is read-only afterwards
+writable=$(size -A "$static" | awk '$1 ~ /^\.(data|bss|tdata|tbss)/ && $1 !~ /^\.data\.rel\.ro/ && $2 > 0 { print $1, $2 }')
+[ -z "$writable" ] || complain "writable data: $writable"
+common=$(nm "$static" 2>/dev/null | awk '$2 == "C" { print $3 }')
+[ -z "$common" ] || complain "common symbols: $common"
+
+forbidden='v?[fs]?n?printf|puts|fputs|putc|putchar|fputc|fwrite|write|perror|std(in|out|err)|f?open|getenv'
+forbidden="$forbidden|exit|_exit|quick_exit|abort|__assert_fail|raise|longjmp|rand|random|time|clock"
+forbidden="$forbidden|strdup|strndup|posix_memalign|memalign|valloc|reallocarray|mmap|sbrk|alloca|dgesv_"
+refers=$(nm -u "$static" 2>/dev/null | awk '{ print $2 }' | sort -u | grep -xE "(__)?($forbidden)(_chk)?")
+[ -z "$refers" ] || complain "refers to $refers"
+
+echo "$exported" | wc -l | awk '{ print $1, "exported symbols" }'
+exit $failed

@@ -1,0 +1,155 @@
+# tests.mk - make check: what is claimed of the library, a line for each claim. Included by the Makefile.
+#
+# Everything is built once: test programs and logs in $(BUILD)/check, with the sanitizers below $(BUILD)/sanitize, with
+# -Werror below $(BUILD)/gcc and $(BUILD)/clang.
+
+FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
+CHECKS  := check-tests check-sanitizers $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc check-warnings-clang \
+           check-headers check-install check-readme check-symbols
+.PHONY: run-check $(CHECKS) $(CHECKS:check-%=do-%)
+
+check: need-check
+	@$(MAKE) --no-print-directory -s all
+	@$(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2) run-check
+
+run-check: $(CHECKS)
+
+REPORT = +@tests/report.sh
+LOG    = $(BUILD)/check/$@.log
+DO     = $(MAKE) --no-print-directory do-$(@:check-%=%)
+
+# ---- The test programs: tests/*.c, and one for each folder with a main.c ------------------------------------------------
+
+# what uses quadruple precision, which only gcc compiles, is called so
+quad_of       = $(foreach source,$(1),$(if $(findstring quad,$(notdir $(source))),$(source)))
+objects_of    = $(patsubst %.c,$(BUILD)/%.o,$(1))
+TEST_SOURCES := $(wildcard tests/*.c $(FOLDERS:%=tests/%/*.c))
+TEST_OBJECTS := $(call objects_of,$(TEST_SOURCES))
+QUAD_OBJECTS := $(call objects_of,$(call quad_of,$(TEST_SOURCES)))
+PROGRAMS     := $(addprefix $(BUILD)/check/,tvi $(FOLDERS))
+
+CHECK_CFLAGS = $(shell pkg-config --cflags check)
+CHECK_LIBS   = $(shell pkg-config --libs check) -lquadmath $(LIBS)
+TEST_FLAGS   = $(TOOL) -Itests $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
+QUAD_FLAGS   = $(QUAD) -Isrc -Itests $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
+
+$(filter-out $(QUAD_OBJECTS),$(TEST_OBJECTS)): $(BUILD)/%.o: %.c
+	@mkdir -p $(@D)
+	$(CC) $(TEST_FLAGS) -c -o $@ $<
+
+$(QUAD_OBJECTS): $(BUILD)/%.o: %.c
+	@mkdir -p $(@D)
+	$(QUADCC) $(QUAD_FLAGS) -c -o $@ $<
+
+# what the programs take from each other and from the bench
+HELPERS := $(call objects_of,tests/problems.c bench/quad.c $(wildcard bench/scenes/*.c bench/baselines/*.c))
+$(BUILD)/check/helpers.a: $(HELPERS)
+	@mkdir -p $(@D) && rm -f $@
+	$(AR) rcs $@ $^
+
+# the jets build and are tested without src/
+library_of = $(if $(filter ad,$(1)),$(AD_OBJECTS),$(BUILD)/check/helpers.a $(BUILD)/libtvi.a)
+define program
+$(BUILD)/check/$(1): $(call objects_of,$(wildcard tests/$(1)/*.c)) $(call library_of,$(1))
+endef
+$(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
+$(BUILD)/check/tvi: $(call objects_of,$(wildcard tests/*.c)) $(call library_of,)
+$(BUILD)/check/tvi: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+
+$(PROGRAMS):
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
+
+check-tests: ; $(REPORT) "tests of the library" $(LOG) $(DO)
+do-tests: $(BUILD)/check/tvi
+	$<
+
+$(FOLDERS:%=check-%): check-%: ; $(REPORT) "tests/$*" $(LOG) $(DO)
+$(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
+	$<
+
+# ---- Memory and undefined behaviour: the same programs, some of their suites -------------------------------------------
+
+SANITIZE       := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+SANITIZE_TVI   := input,faults
+SANITIZE_AD    := record,domain,tape,series,identity,gradient
+VALGRIND       := valgrind -q --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect
+VALGRIND_TVI   := input/systems,input/options,input/many steps,input/counts,faults/systems,faults/integrators
+VALGRIND_AD    := record,domain,tape
+
+check-sanitizers:
+	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
+	    $(MAKE) --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
+do-sanitizers: $(BUILD)/check/tvi $(BUILD)/check/ad
+	CK_FORK=no ASAN_OPTIONS=detect_leaks=1 tests/suites.sh '$(SANITIZE_TVI)' $(BUILD)/check/tvi
+	CK_FORK=no ASAN_OPTIONS=detect_leaks=1 tests/suites.sh '$(SANITIZE_AD)' $(BUILD)/check/ad
+
+check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)
+do-valgrind: $(BUILD)/check/tvi $(BUILD)/check/ad
+	CK_FORK=no tests/suites.sh '$(VALGRIND_TVI)' $(VALGRIND) $(BUILD)/check/tvi
+	CK_FORK=no tests/suites.sh '$(VALGRIND_AD)' $(VALGRIND) $(BUILD)/check/ad
+
+# ---- Warnings: all that is compiled --------------------------------------------------------------------------------------
+
+BENCH_SOURCES := $(wildcard bench/*.c bench/*/*.c)
+NO_CLANG      := $(QUAD_OBJECTS) $(call objects_of,$(call quad_of,$(BENCH_SOURCES)) bench/reference.c)
+
+check-warnings-gcc:
+	$(REPORT) "no warnings from gcc" $(LOG) \
+	    $(MAKE) --no-print-directory do-warnings-gcc BUILD=$(BUILD)/gcc CC=gcc QUADCC='gcc -Werror' CFLAGS='-O3 -g -Werror'
+do-warnings-gcc: $(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES))
+
+check-warnings-clang:
+	$(REPORT) "no warnings from clang" $(LOG) \
+	    $(MAKE) --no-print-directory do-warnings-clang BUILD=$(BUILD)/clang CC=clang CFLAGS='-O2 -g -Werror'
+do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
+
+# ---- What users get ----------------------------------------------------------------------------------------------------
+
+STRICT := -Wall -Wextra -Wpedantic -Wconversion -Werror
+
+# each header alone, in C and in C++, and a program in C++
+check-headers: ; $(REPORT) "headers in C and C++" $(LOG) $(DO)
+do-headers: tests/header.cpp $(BUILD)/libtvi.a
+	@mkdir -p $(BUILD)/check
+	for header in jet tvi; do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
+	    for compiler in 'gcc -std=c11' 'clang -std=c11' 'g++ -std=c++11 -x c++' 'clang++ -std=c++11 -x c++'; do \
+	        $$compiler $(STRICT) -Iinclude -fsyntax-only $(BUILD)/check/$$header.c || exit 1; done; done
+	for compiler in g++ clang++; do \
+	    $$compiler -std=c++17 $(STRICT) -Iinclude -o $(BUILD)/check/header tests/header.cpp $(BUILD)/libtvi.a $(LIBS) && \
+	    $(BUILD)/check/header || exit 1; done
+
+# a program outside, with what pkg-config says of the installed files, shared and static
+STAGE    = $(abspath $(BUILD))/check/stage
+CONSUMER = $(abspath tests/consumer/consumer.c)
+STAGED   = PKG_CONFIG_PATH=$(STAGE)/lib/pkgconfig pkg-config
+
+check-install: ; $(REPORT) "installed: shared and static, by pkg-config" $(LOG) $(DO)
+do-install: all
+	rm -rf $(STAGE)
+	$(MAKE) --no-print-directory install PREFIX=$(STAGE) DESTDIR=
+	cd $(STAGE) && ls include/jet.h include/tvi.h lib/libtvi.a lib/libtvi.so lib/libtvi.so.0 lib/pkgconfig/tvi.pc
+	test "$$($(STAGED) --modversion tvi)" = $(VERSION)
+	cd $(STAGE) && $(CC) -std=c11 $(STRICT) -o shared $(CONSUMER) $$($(STAGED) --cflags --libs tvi)
+	cd $(STAGE) && LD_LIBRARY_PATH=$(STAGE)/lib ldd shared | grep -F '$(STAGE)/lib/libtvi.so.0'
+	cd $(STAGE) && LD_LIBRARY_PATH=$(STAGE)/lib ./shared
+	mkdir $(STAGE)/static && cp $(STAGE)/lib/libtvi.a $(STAGE)/static
+	cd $(STAGE) && $(CC) -std=c11 $(STRICT) -o alone $(CONSUMER) \
+	    $$($(STAGED) --static --define-variable=libdir=$(STAGE)/static --cflags --libs tvi)
+	cd $(STAGE) && ! ldd alone | grep libtvi && ./alone
+	$(MAKE) --no-print-directory install PREFIX=/usr DESTDIR=$(STAGE)/package
+	grep -x 'prefix=/usr' $(STAGE)/package/usr/lib/pkgconfig/tvi.pc
+	cd $(STAGE)/package/usr && ls include/jet.h include/tvi.h lib/libtvi.a lib/libtvi.so
+
+# the first program of the README
+check-readme: ; $(REPORT) "the program of the README" $(LOG) $(DO)
+do-readme: $(BUILD)/libtvi.a
+	@mkdir -p $(BUILD)/check
+	tests/readme.sh README.md > $(BUILD)/check/readme.c
+	$(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/readme.c $(BUILD)/libtvi.a $(LIBS)
+	$(BUILD)/check/readme > $(BUILD)/check/readme.out
+	cat $(BUILD)/check/readme.out && test -s $(BUILD)/check/readme.out
+
+check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
+do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
+	tests/symbols.sh $^ include/jet.h include/tvi.h
