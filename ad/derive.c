@@ -82,6 +82,10 @@ bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])
 {
     for (int i = 0; i < inputs; i++) gradient[i] = jet_const(0);
     if (!output.node) return true;
+    if (output.node->graph != graph) { /* poison, or of another recording: so is its gradient */
+        for (int i = 0; i < inputs; i++) gradient[i] = output.node->graph ? jet_unset() : output;
+        return true;
+    }
     adjoints bar = {0};
     const int count = output.node->index + 1;
     bar.last = malloc((size_t)count * sizeof *bar.last);

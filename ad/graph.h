@@ -76,7 +76,7 @@ tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[]);
 jet jet_linear(int count, const double coefficient[], const jet x[]);
 
 /* gradient[i] = d output / d input_i, i < inputs, recorded into the same open graph (reverse accumulation).
- * false without memory. */
+ * Poison where the output is not a jet of the graph. false without memory. */
 bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
 
 #endif

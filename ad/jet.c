@@ -2,12 +2,13 @@
 #include "graph.h"
 #include "rule.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { CHUNK = 128, INTEGER_POWER_MAX = 1 << 20 };
+enum { CHUNK = 128, INTEGER_POWER_MAX = INT_MAX };
 
 struct jet_graph {
     bool open;

@@ -74,7 +74,7 @@ jet jet_record_div(jet a, jet b);
 jet jet_record_pow(jet a, double c);
 jet jet_record_function(jet_function f, jet a);
 
-/* x[0] + ... + x[count-1], added in that order; 0 where count <= 0. */
+/* x[0] + ... + x[count-1], added in that order, numbers last; 0 where count <= 0. */
 jet jet_sum(const jet x[], int count);
 /* x[0] y[0] + ... + x[count-1] y[count-1]; 0 where count <= 0. */
 jet jet_dot(const jet x[], const jet y[], int count);
@@ -117,7 +117,9 @@ struct jet_slot {
     _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wmissing-field-initializers\"")              \
     _Pragma("clang diagnostic ignored \"-Wmissing-braces\"")(((struct jet_slot){x}).jet) _Pragma("clang diagnostic pop")
 #else
-#define JET_SLOT(x) (((struct jet_slot){x}).jet)
+/* The index, always 0, is an initialiser of its own after x: without it gcc takes the missing braces of a number in the
+ * last slot for missing braces of the list in which the operation stands, as in jet z[] = {jet_add(x, 1)}. */
+#define JET_SLOT(x) ((&(struct jet_slot){x})[(int){0}].jet)
 #endif
 
 static inline jet jet_const(double value) { /* the number as a jet */

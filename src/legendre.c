@@ -105,7 +105,7 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
     double before = INFINITY, reach = 0;
     bool was_singular = false;
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
-    for (int i = 0; i < n; i++) reach = fmax(reach, fmax(fabs(y[i]), fabs(legendre->value[i])));
+    for (int i = 0; i < n && status == TVI_OK; i++) reach = fmax(reach, fmax(fabs(y[i]), fabs(legendre->value[i])));
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         status = find_correction(legendre, y);
         if (status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0) {

@@ -123,7 +123,14 @@ static tvi_status find_separable(recording *rec, const jet linear[], const jet o
 /* out[2n] = dx/d(q, v). */
 static tvi_status gradient(const recording *rec, jet x, jet out[])
 {
-    return jet_gradient(rec->system->graph, x, 2 * rec->system->n, out) ? TVI_OK : TVI_ENOMEM;
+    tvi_system *system = rec->system;
+    if (!jet_gradient(system->graph, x, 2 * system->n, out)) return TVI_ENOMEM;
+    tvi_status status = TVI_OK;
+    for (int i = 0; i < 2 * system->n && status == TVI_OK; i++) {
+        jet component = out[i]; /* a number among them stays one */
+        status = jet_graph_accept(system->graph, 1, &component);
+    }
+    return status;
 }
 
 static void negate(int n, jet x[])

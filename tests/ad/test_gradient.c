@@ -219,6 +219,28 @@ START_TEST(gradient_records_no_more_than_needed)
 }
 END_TEST
 
+/* The status of the gradient of an output as outputs of the graph. */
+static tvi_status gradient_status(jet_graph *graph, jet output)
+{
+    jet g[8];
+    ck_assert(jet_gradient(graph, output, 8, g));
+    return jet_graph_accept(graph, 8, g);
+}
+
+/* What is no jet of the graph has no gradient in it, and that shows at the outputs. */
+START_TEST(gradient_of_poison_is_poison)
+{
+    jet_graph *graph = jet_graph_create(8), *other = jet_graph_create(8);
+    ck_assert_int_eq(gradient_status(graph, jet_unset()), TVI_EINVAL);
+    ck_assert_int_eq(gradient_status(graph, jet_log(0)), TVI_EDOMAIN);
+    ck_assert_int_eq(gradient_status(graph, jet_exp(1000)), TVI_ENONFINITE);
+    ck_assert_int_eq(gradient_status(graph, jet_sqr(jet_graph_input(other, 1))), TVI_EINVAL);
+    ck_assert_int_eq(gradient_status(graph, jet_sqr(jet_graph_input(graph, 1))), TVI_OK);
+    jet_graph_free(graph);
+    jet_graph_free(other);
+}
+END_TEST
+
 /* With respect to the first inputs alone: the others stay what they are. */
 START_TEST(gradient_takes_the_first_inputs)
 {
@@ -282,6 +304,7 @@ Suite *gradient_suite(void)
     tcase_add_loop_test(tangents, second_gradient_agrees_with_tangents, 0, functions);
     TCase *graph = add_case(suite, "graph");
     tcase_add_loop_test(graph, gradient_records_no_more_than_needed, 0, COUNT(recorded));
+    tcase_add_test(graph, gradient_of_poison_is_poison);
     tcase_add_test(graph, gradient_takes_the_first_inputs);
     tcase_add_test(graph, gradient_of_long_dot);
     tcase_add_test(graph, gradient_of_many_uses);
