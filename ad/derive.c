@@ -54,7 +54,8 @@ static jet adjoint_of(adjoints *bar, int index)
     return jet_sum(bar->summing, count);
 }
 
-/* Takes a constant factor out of the jet, so that factors meet in the sums instead of being multiplied in one by one. */
+/* Takes a constant factor out of the jet, so that factors meet in the sums instead of being multiplied in one by one.
+ */
 static double take_factor(jet *x)
 {
     double factor = 1;

@@ -14,8 +14,8 @@ struct jet_graph {
     bool open;
     bool out_of_memory; /* some operation was lost: no output is accepted any more */
     int inputs, count, capacity;
-    struct jet_node **nodes;  /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
-    int slots;                /* of the hash table, a power of two > 2 count */
+    struct jet_node **nodes; /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
+    int slots;               /* of the hash table, a power of two > 2 count */
     struct jet_node **table;
 };
 
@@ -49,9 +49,13 @@ static tvi_status find_graph(int count, const jet x[], jet_graph **graph)
 
 static jet number_or_poison(double value) { return isfinite(value) ? jet_const(value) : poison(TVI_ENONFINITE); }
 
-/* ---- The graph ---------------------------------------------------------------------------------------------------- */
+/* ---- The graph ----------------------------------------------------------------------------------------------------
+ */
 
-struct jet_node *jet_graph_node(const jet_graph *graph, int index) { return &graph->nodes[index / CHUNK][index % CHUNK]; }
+struct jet_node *jet_graph_node(const jet_graph *graph, int index)
+{
+    return &graph->nodes[index / CHUNK][index % CHUNK];
+}
 
 int jet_graph_inputs(const jet_graph *graph) { return graph->inputs; }
 int jet_graph_count(const jet_graph *graph) { return graph->count; }
@@ -199,7 +203,8 @@ tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[])
     return TVI_OK;
 }
 
-/* ---- Linear combinations ------------------------------------------------------------------------------------------ */
+/* ---- Linear combinations ------------------------------------------------------------------------------------------
+ */
 
 /* Adds coefficient * node to the terms, to an equal node's term where there is one. */
 static void collect(struct jet_node *sum, double coefficient, struct jet_node *node)
@@ -250,7 +255,9 @@ jet jet_linear(int count, const double coefficient[], const jet x[])
     const bool is_number = sum.count == 0;
     const bool is_one_node = sum.count == 1 && sum.terms[0].coefficient == 1 && sum.number == 0;
     if (finite && !is_number && !is_one_node) return record_jet(graph, sum);
-    const jet result = !finite ? poison(TVI_ENONFINITE) : is_number ? jet_const(sum.number) : jet_of_node(sum.terms[0].node);
+    const jet result = !finite     ? poison(TVI_ENONFINITE)
+                       : is_number ? jet_const(sum.number)
+                                   : jet_of_node(sum.terms[0].node);
     free(sum.terms);
     return result;
 }
@@ -288,7 +295,8 @@ jet jet_dot(const jet x[], const jet y[], int count)
     return sum;
 }
 
-/* ---- Products, quotients, powers, functions ----------------------------------------------------------------------- */
+/* ---- Products, quotients, powers, functions -----------------------------------------------------------------------
+ */
 
 /* The operation on numbers alone, by the rule's own value. */
 static jet fold(jet_op op, double c, double a, double b)

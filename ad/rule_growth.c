@@ -41,7 +41,7 @@ static void growth_tangent(double s, const jet_tangent *x, int k)
         growth_series(s, k, stride, width, a, b, z);                                                                   \
     }                                                                                                                  \
     void jet_##name##_tangent(const jet_tangent *x, int k) { growth_tangent(s, x, k); }                                \
-    jet jet_##name##_pull(struct jet_node *z, jet zbar, int which)                                               \
+    jet jet_##name##_pull(struct jet_node *z, jet zbar, int which)                                                     \
     {                                                                                                                  \
         (void)which;                                                                                                   \
         return jet_mul(s, jet_mul(zbar, jet_of_node(z->b)));                                                           \

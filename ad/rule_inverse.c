@@ -47,15 +47,15 @@ static void inverse_tangent(double s, const jet_tangent *x, int k)
         inverse_series(s, k, stride, width, a, b, z);                                                                  \
     }                                                                                                                  \
     void jet_##name##_tangent(const jet_tangent *x, int k) { inverse_tangent(s, x, k); }                               \
-    jet jet_##name##_pull(struct jet_node *z, jet zbar, int which)                                               \
+    jet jet_##name##_pull(struct jet_node *z, jet zbar, int which)                                                     \
     {                                                                                                                  \
         (void)which;                                                                                                   \
         return jet_mul(s, jet_div(zbar, jet_of_node(z->b)));                                                           \
     }
 
 #define NOT_POSITIVE(a) ((a) <= 0)
-#define BEYOND_ONE(a) ((a) <= -1 || (a) >= 1)
-#define NOWHERE(a) ((void)(a), 0)
+#define BEYOND_ONE(a)   ((a) <= -1 || (a) >= 1)
+#define NOWHERE(a)      ((void)(a), 0)
 
 INVERSE_RULES(log, log, 1, NOT_POSITIVE) /* w = a                */
 INVERSE_RULES(asin, asin, 1, BEYOND_ONE) /* w = sqrt((1-a)(1+a)) */

@@ -60,8 +60,7 @@ bool jet_sweep_series(const jet_tape *tape, double *x, int k, int lanes)
     if (k == 0) return jet_sweep_values(tape, x, lanes);
     const size_t stride = (size_t)tape->slots * (size_t)lanes;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (run->op == OP_LINEAR)
-            linear_sums(tape, run, x + (size_t)k * stride, lanes);
+        if (run->op == OP_LINEAR) linear_sums(tape, run, x + (size_t)k * stride, lanes);
         else
             jet_rules[run->op].series(run->c, k, stride, run->count * lanes, x + (size_t)run->a * (size_t)lanes,
                                       x + (size_t)run->b * (size_t)lanes, x + (size_t)run->z * (size_t)lanes);
@@ -80,9 +79,16 @@ void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k
         for (int i = 0; i < run->count; i++) {
             const size_t a = (size_t)(run->a + i), b = (size_t)(run->b + i), z = (size_t)(run->z + i);
             const jet_tangent member = {
-                .c = run->c, .stride = stride, .dstride = dstride, .lanes = lanes,
-                .a = x + a, .b = x + b, .z = x + z,
-                .da = dx + a * (size_t)lanes, .db = dx + b * (size_t)lanes, .dz = dx + z * (size_t)lanes,
+                .c = run->c,
+                .stride = stride,
+                .dstride = dstride,
+                .lanes = lanes,
+                .a = x + a,
+                .b = x + b,
+                .z = x + z,
+                .da = dx + a * (size_t)lanes,
+                .db = dx + b * (size_t)lanes,
+                .dz = dx + z * (size_t)lanes,
             };
             jet_rules[run->op].tangent(&member, k);
         }

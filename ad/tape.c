@@ -64,7 +64,8 @@ static void find_levels(lowering *low)
         int level = 0;
         if (z->a) level = max(level, low->places[z->a->index].level + 1);
         if (reads_b(low, z)) level = max(level, low->places[z->b->index].level + 1);
-        for (int term = 0; term < z->count; term++) level = max(level, low->places[z->terms[term].node->index].level + 1);
+        for (int term = 0; term < z->count; term++)
+            level = max(level, low->places[z->terms[term].node->index].level + 1);
         low->places[i] = (place){.node = z, .level = level, .slot = -1};
         low->sorted[low->needed_count++] = &low->places[i];
     }
@@ -92,7 +93,10 @@ static int by_run(const void *first, const void *second)
     return x->node->index - y->node->index;
 }
 
-static int slot_of(const lowering *low, const struct jet_node *node) { return node ? low->places[node->index].slot : 0; }
+static int slot_of(const lowering *low, const struct jet_node *node)
+{
+    return node ? low->places[node->index].slot : 0;
+}
 
 /* Level by level, since the order within one depends on the slots of those below. */
 static void assign_slots(lowering *low)

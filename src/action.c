@@ -3,8 +3,8 @@
  * With p the curve's momentum series, w_i the weights in scaled time, and a dot for d/ds,
  *   Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]
  *   Hamilton   D_z = sum_i w_i [ dp_i^T (g. - tau H_p) - dg_i^T (p. + tau H_q) ]                             on-curve
- *              D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated, q'_i = H_p
- * and in both, with e_r the error of the quadrature for s^r,
+ *              D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated,
+ * q'_i = H_p and in both, with e_r the error of the quadrature for s^r,
  *            + sum_{j,k} (j+k) e_{j+k-1} (dQ_k/dz)^T P_j,
  * what summation by parts of (p^T dg). leaves when the quadrature is not exact to its degree: with it every quadrature
  * serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 where p has degree q_degree - 1. */
@@ -31,7 +31,8 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     action->p_degree = p_degree;
     action->points = options->quadrature_points;
     action->has_velocity_defect = kind == TVI_ACTION_LAGRANGE && system->form != TVI_SEPARABLE;
-    action->has_momentum_defect = kind == TVI_ACTION_HAMILTON && (system->form != TVI_SEPARABLE || p_degree >= q_degree);
+    action->has_momentum_defect =
+        kind == TVI_ACTION_HAMILTON && (system->form != TVI_SEPARABLE || p_degree >= q_degree);
     action->s = tvi_arena_doubles(arena, points);
     action->weight = tvi_arena_doubles(arena, points);
     action->power = tvi_arena_doubles(arena, orders * points);
@@ -48,7 +49,8 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
 }
 
 /* The error of the quadrature for s^r on the span; exactly 0 below its order. */
-static double quadrature_error(int order, int points, const long double s[], const long double weight[], int r, tvi_span span)
+static double quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
+                               tvi_span span)
 {
     if (r < order) return 0;
     long double error = -(powl(span.to, r + 1) - powl(span.from, r + 1)) / (r + 1);
@@ -67,7 +69,8 @@ static void fill_powers(tvi_action *action, int node, long double s, bool at_end
     }
 }
 
-void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span, int top)
+void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span,
+                        int top)
 {
     const int points = action->points, order = tvi_quadrature_order(options->quadrature, points);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
@@ -87,10 +90,12 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
     if (action->bend) jet_tape_prepare(system->bend_values, action->bend, 1, points);
 }
 
-/* ---- The curve at the nodes ----------------------------------------------------------------------------------------- */
+/* ---- The curve at the nodes -----------------------------------------------------------------------------------------
+ */
 
 /* row[node] = sum_{k <= degree} coefficient_k table[k][node], coefficient_k at first + k * stride. */
-static void at_nodes(const tvi_action *action, int degree, const double *first, size_t stride, const double *table, double row[])
+static void at_nodes(const tvi_action *action, int degree, const double *first, size_t stride, const double *table,
+                     double row[])
 {
     const int points = action->points;
     for (int node = 0; node < points; node++) row[node] = 0;
@@ -106,7 +111,8 @@ static void place_positions(const tvi_action *action, const tvi_curve *curve, do
     const tvi_system *system = curve->system;
     const size_t stride = (size_t)system->field_series->slots;
     for (int i = 0; i < curve->n; i++)
-        at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, action->node_power, x + i * action->points);
+        at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, action->node_power,
+                 x + i * action->points);
     double *t = x + system->inputs * action->points;
     for (int node = 0; system->uses_time && node < action->points; node++)
         t[node] = curve->centre + curve->tau * action->s[node];
@@ -139,7 +145,8 @@ static const double *output_row(const tvi_action *action, const jet_tape *tape, 
     return x + (size_t)tape->output[i] * (size_t)action->points;
 }
 
-/* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------------ */
+/* ---- What multiplies dq_i, dv_i and dp_i
+ * ------------------------------------------------------------------------------ */
 
 static tvi_status run_field(const tvi_action *action, const tvi_curve *curve)
 {
@@ -163,8 +170,8 @@ static void subtract(const tvi_action *action, int n, const double *other, doubl
 
 enum { NEWTON_STEPS = 50 };
 
-/* Momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by a Newton method with H_pp at the centre. v is
- * in action->on_v; the momenta are left in the second input. */
+/* Momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by a Newton method with H_pp at the centre. v
+ * is in action->on_v; the momenta are left in the second input. */
 static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
 {
     const jet_tape *tape = curve->system->field_values;
@@ -178,7 +185,8 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
         double largest = 0;
         for (int node = 0; node < points && status == TVI_OK; node++) {
             for (int i = 0; i < n; i++)
-                action->correction[i] = action->on_v[i * points + node] - output_row(action, tape, action->x, n + i)[node];
+                action->correction[i] =
+                    action->on_v[i * points + node] - output_row(action, tape, action->x, n + i)[node];
             tvi_factor_solve(&curve->slope, action->correction);
             for (int i = 0; i < n; i++) {
                 p[i * points + node] += action->correction[i];
@@ -281,7 +289,8 @@ static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
     return TVI_OK;
 }
 
-/* ---- The seeds ------------------------------------------------------------------------------------------------------ */
+/* ---- The seeds ------------------------------------------------------------------------------------------------------
+ */
 
 static double weighted(const tvi_action *action, const double *table, int k, const double *row)
 {

@@ -22,25 +22,26 @@ typedef struct {
     bool has_velocity_defect; /* L_v - p is not 0 by construction */
     bool has_momentum_defect; /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points;
-    double *s, *weight;       /* [points] in scaled time, sum of the weights = to - from */
-    double *power, *slope;    /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
-    double *node_power;       /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
-    double *by_parts;         /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
-    double *x;                /* block of the field's values at the nodes, a lane each */
-    double *bend;             /* truncated Hamiltonian: block of the bend's values */
-    double *P;                /* [p_degree + 1][n] */
-    double *momentum, *force; /* [n][points]: p and p' (in s) of the curve at the nodes */
+    double *s, *weight;    /* [points] in scaled time, sum of the weights = to - from */
+    double *power, *slope; /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
+    double *node_power;    /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
+    double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
+    double *x;        /* block of the field's values at the nodes, a lane each */
+    double *bend;     /* truncated Hamiltonian: block of the bend's values */
+    double *P;        /* [p_degree + 1][n] */
+    double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
     double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
-    double *correction;       /* [n] */
+    double *correction;         /* [n] */
 } tvi_action;
 
 /* Degrees of the curve that the action uses; everything in the options is resolved. */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                      tvi_action_kind kind, int q_degree, int p_degree, int top);
-void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span, int top);
+void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span,
+                        int top);
 
-/* seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. TVI_EDOMAIN, TVI_ENONFINITE,
- * TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */
+/* seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. TVI_EDOMAIN,
+ * TVI_ENONFINITE, TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */
 TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 
 /* The Lagrangian at the nodes: from the positions and the time in action->x, velocities in on_v and the curve's momenta

@@ -1,5 +1,5 @@
-/* arena.h - all memory of an integrator, in one piece. The layout is walked twice: first to measure (base NULL), then to
- * hand out. */
+/* arena.h - all memory of an integrator, in one piece. The layout is walked twice: first to measure (base NULL), then
+ * to hand out. */
 #ifndef TVI_SRC_ARENA_H
 #define TVI_SRC_ARENA_H
 

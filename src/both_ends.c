@@ -19,19 +19,19 @@
 /* What belongs to one of the two curves. */
 typedef struct {
     tvi_curve curve;
-    tvi_action action;       /* tables of powers at the nodes; that of a evaluates the nodes of both */
-    double sign;             /* of the curve in a - b */
-    double end;              /* the scaled time of the other end: 1 or -1 */
-    tvi_combination to_end;  /* a(1) - q0 or b(-1) - q1 */
-    tvi_combination near_u;  /* U_0 */
+    tvi_action action;      /* tables of powers at the nodes; that of a evaluates the nodes of both */
+    double sign;            /* of the curve in a - b */
+    double end;             /* the scaled time of the other end: 1 or -1 */
+    tvi_combination to_end; /* a(1) - q0 or b(-1) - q1 */
+    tvi_combination near_u; /* U_0 */
     tvi_combination q_dense, u_dense;
-    double *blend;           /* [points] w or 1 - w at the nodes */
-    double *seed;            /* [r + 1][n] */
-    double *R;               /* [2n] */
-    double *G;               /* [n][2n] Jacobian of to_end; the identity of Q_0 is not in it */
-    double *multiplier;      /* [n] l or m */
-    double *dz;              /* [2n] what z lacks at the end of the passes */
-    tvi_factor factor;       /* B */
+    double *blend;      /* [points] w or 1 - w at the nodes */
+    double *seed;       /* [r + 1][n] */
+    double *R;          /* [2n] */
+    double *G;          /* [n][2n] Jacobian of to_end; the identity of Q_0 is not in it */
+    double *multiplier; /* [n] l or m */
+    double *dz;         /* [2n] what z lacks at the end of the passes */
+    tvi_factor factor;  /* B */
 } side;
 
 typedef struct {
@@ -43,20 +43,21 @@ typedef struct {
     double tau;
     bool has_pi;
     side a, b;
-    tvi_newton newton;                /* unknowns v0, q1, v1, scaled as the z of the curves */
+    tvi_newton newton; /* unknowns v0, q1, v1, scaled as the z of the curves */
     tvi_legendre legendre;
-    tvi_combination q_unit, z_unit;   /* the centre data of a, a unit of scaled time later */
-    double *pi_rate;                  /* [n][points] pi. */
-    double *row;                      /* [points] */
-    double *z;                        /* [2n] */
+    tvi_combination q_unit, z_unit;     /* the centre data of a, a unit of scaled time later */
+    double *pi_rate;                    /* [n][points] pi. */
+    double *row;                        /* [points] */
+    double *z;                          /* [2n] */
     double *velocity, *velocity_before; /* [n] of the last predictor and the one before, Lagrangian */
-    double *from_p;                   /* [n] p0 - p_a(0) */
-    double *rise_p;                   /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
-    double *dq, *dp;                  /* [n] of the last step */
-    double *shift;                    /* [n] */
+    double *from_p;                     /* [n] p0 - p_a(0) */
+    double *rise_p;                     /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
+    double *dq, *dp;                    /* [n] of the last step */
+    double *shift;                      /* [n] */
 } work;
 
-/* ---- Memory and tables ----------------------------------------------------------------------------------------------- */
+/* ---- Memory and tables
+ * ----------------------------------------------------------------------------------------------- */
 
 static void take_side(side *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options, double sign)
 {
@@ -81,7 +82,10 @@ static void take_side(side *x, tvi_arena *arena, const tvi_system *system, const
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     work *taken = tvi_arena_take(arena, sizeof *taken);
-    work w = {.system = system, .options = options, .n = system->n, .degree = options->degree,
+    work w = {.system = system,
+              .options = options,
+              .n = system->n,
+              .degree = options->degree,
               .points = options->quadrature_points};
     const size_t n = (size_t)system->n, points = (size_t)options->quadrature_points;
     take_side(&w.a, arena, system, options, 1);
@@ -126,7 +130,8 @@ static void prepare(void *taken)
     if (w->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
 }
 
-/* ---- The nodes -------------------------------------------------------------------------------------------------------- */
+/* ---- The nodes
+ * -------------------------------------------------------------------------------------------------------- */
 
 /* row = sum_{least <= k <= degree} coefficient_k table_k, coefficient_k at first + k * stride. */
 static void sum_at_nodes(work *w, int least, int degree, const double *first, size_t stride, const double *table)
@@ -138,14 +143,16 @@ static void sum_at_nodes(work *w, int least, int degree, const double *first, si
 }
 
 /* out += w a or (1 - w) b of the sums. */
-static void add_blended(work *w, const side *x, int degree, const double *first, size_t stride, const double *table, double out[])
+static void add_blended(work *w, const side *x, int degree, const double *first, size_t stride, const double *table,
+                        double out[])
 {
     sum_at_nodes(w, 0, degree, first, stride, table);
     for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
 }
 
 /* out -= a or += b: a - b, whose coefficients 0 nearly cancel; `apart` is what is left of them, a_0 - b_0. */
-static void add_difference(work *w, const side *x, int degree, const double *first, size_t stride, double apart, double out[])
+static void add_difference(work *w, const side *x, int degree, const double *first, size_t stride, double apart,
+                           double out[])
 {
     sum_at_nodes(w, 1, degree, first, stride, x->action.power);
     for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
@@ -162,7 +169,8 @@ static void add_side_at_nodes(work *w, side *x, int i)
     const double p_apart = w->a.action.P[i] - w->b.action.P[i];
     add_blended(w, x, w->degree, Q, stride, power, nodes->x + place);
     add_blended(w, x, w->degree, Q, stride, slope, nodes->on_v + place);
-    if (w->options->nodes == TVI_NODES_ON_CURVE) add_difference(w, x, w->degree, Q, stride, q_apart, nodes->on_v + place);
+    if (w->options->nodes == TVI_NODES_ON_CURVE)
+        add_difference(w, x, w->degree, Q, stride, q_apart, nodes->on_v + place);
     add_blended(w, x, w->degree - 1, P, (size_t)w->n, power, nodes->momentum + place);
     add_blended(w, x, w->degree - 1, P, (size_t)w->n, slope, w->pi_rate + place);
     add_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->pi_rate + place);
@@ -225,7 +233,8 @@ static tvi_status gradient(work *w)
     return TVI_OK;
 }
 
-/* ---- The residual ------------------------------------------------------------------------------------------------------ */
+/* ---- The residual
+ * ------------------------------------------------------------------------------------------------------ */
 
 /* B^T multiplier = R_v;  out += sign (A - I)^T multiplier. */
 static tvi_status solve_multiplier(work *w, side *x)
@@ -347,7 +356,8 @@ static bool jacobian(void *self, double matrix[])
     return true;
 }
 
-/* ---- The step ---------------------------------------------------------------------------------------------------------- */
+/* ---- The step
+ * ---------------------------------------------------------------------------------------------------------- */
 
 /* The curve a from (q0, p0), and its end as the data of b. */
 static tvi_status predict(work *w)

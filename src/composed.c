@@ -6,7 +6,7 @@
 
 typedef struct {
     int n;
-    int tried; /* halves of the step at hand */
+    int tried;              /* halves of the step at hand */
     tvi_options options[2]; /* the method and its adjoint */
     const tvi_stepper *stepper[2];
     void *work[2];
@@ -20,7 +20,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     composed *taken = tvi_arena_take(arena, sizeof *taken);
     composed c = {.n = system->n, .options = {*options, tvi_options_adjoint(options)}};
     double **const vectors[] = {&c.q, &c.q_low, &c.p, &c.p_low, &c.dq, &c.dp, &c.half_q, &c.half_p};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
     for (int half = 0; half < 2; half++) {
         c.options[half].compose_adjoint = false;
         if (taken) taken->options[half] = c.options[half]; /* the halves refer to them */

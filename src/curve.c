@@ -1,8 +1,8 @@
 /* curve.c - the equations of motion as a recurrence for the coefficients of the curve (docs/method.md section 2):
  *     separable    (k+1)(k+2) Q_{k+2} = tau^2 M^-1 [s^k] F
- *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for the velocity's coefficient k+1 with L_vv at the centre
- *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
- * each with the field evaluated as a power series along the curve, one order after the other. */
+ *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for the velocity's coefficient k+1 with L_vv at the
+ * centre Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q each with the field evaluated as a
+ * power series along the curve, one order after the other. */
 #include "curve.h"
 
 #include <math.h>
@@ -43,7 +43,8 @@ void tvi_curve_prepare(tvi_curve *curve)
     for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
 }
 
-/* ---- Combinations --------------------------------------------------------------------------------------------------- */
+/* ---- Combinations ---------------------------------------------------------------------------------------------------
+ */
 
 tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena)
 {
@@ -58,15 +59,16 @@ void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, b
     for (int k = 1; k <= curve->top; k++) combination->weight[k] = shifts ? k * weight[k - 1] : weight[k];
 }
 
-void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree, double a,
-                                double at, double b, double from)
+void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
+                                double a, double at, double b, double from)
 {
     double weight[TVI_MAX_DEGREE + 2] = {0};
     for (int k = 0; k <= degree; k++) weight[k] = a * pow(at, k) + b * pow(from, k);
     tvi_combination_set(combination, curve, of_momentum, weight);
 }
 
-/* ---- The series ----------------------------------------------------------------------------------------------------- */
+/* ---- The series -----------------------------------------------------------------------------------------------------
+ */
 
 /* Coefficient k of the second input: velocity or momentum. */
 static double *second_input(const tvi_curve *curve, int k) { return curve->x + (size_t)k * slots(curve) + curve->n; }
@@ -135,8 +137,8 @@ tvi_status tvi_curve_factor_slope(tvi_curve *curve)
     return tvi_factor_compute(&curve->slope);
 }
 
-/* Velocity V = (1/tau) dQ/ds. Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v; the missing
- * part is solved for and the order run again. */
+/* Velocity V = (1/tau) dQ/ds. Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v; the
+ * missing part is solved for and the order run again. */
 static tvi_status expand_lagrangian(tvi_curve *curve)
 {
     const jet_tape *tape = curve->system->field_series;
@@ -178,7 +180,8 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
     return TVI_OK;
 }
 
-/* ---- The Jacobians -------------------------------------------------------------------------------------------------- */
+/* ---- The Jacobians --------------------------------------------------------------------------------------------------
+ */
 
 /* A block of directions: tangents of order k of slot i are at dx + k * order + i * lanes. */
 typedef struct {
@@ -221,7 +224,8 @@ static void differentiate_separable(tvi_curve *curve, const block *b)
         jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, (int)b->lanes);
         const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
         for (int i = 0; i < curve->n; i++)
-            scale_lanes(b->lanes, factor / curve->system->mass[i], field_tangent(curve, b, k, i), tangent(curve, b, k + 2, i));
+            scale_lanes(b->lanes, factor / curve->system->mass[i], field_tangent(curve, b, k, i),
+                        tangent(curve, b, k + 2, i));
     }
 }
 
@@ -253,7 +257,8 @@ static void differentiate_lagrangian(tvi_curve *curve, const block *b)
         jet_sweep_tangents(tape, curve->x, curve->dx, k, (int)b->lanes);
         for (size_t lane = 0; lane < b->lanes; lane++) {
             for (int i = 0; i < n; i++)
-                rest[i] = curve->tau / k * field_tangent(curve, b, k - 1, i)[lane] - field_tangent(curve, b, k, n + i)[lane];
+                rest[i] =
+                    curve->tau / k * field_tangent(curve, b, k - 1, i)[lane] - field_tangent(curve, b, k, n + i)[lane];
             tvi_factor_solve(&curve->slope, rest);
             for (int i = 0; i < n; i++) tangent(curve, b, k, n + i)[lane] = rest[i];
         }
@@ -262,7 +267,8 @@ static void differentiate_lagrangian(tvi_curve *curve, const block *b)
 }
 
 /* Copies the tangents of a slot for each coefficient and component into columns first .. of a Jacobian. */
-static void store(const tvi_curve *curve, const block *b, const int slot_of_component[], int first_slot, double *jacobian)
+static void store(const tvi_curve *curve, const block *b, const int slot_of_component[], int first_slot,
+                  double *jacobian)
 {
     const size_t n = (size_t)curve->n;
     for (int k = 0; k <= curve->top; k++)
@@ -305,7 +311,8 @@ void tvi_curve_differentiate(tvi_curve *curve)
     }
 }
 
-/* ---- Sums over the coefficients ------------------------------------------------------------------------------------- */
+/* ---- Sums over the coefficients -------------------------------------------------------------------------------------
+ */
 
 void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
 {

@@ -3,7 +3,8 @@
  * Time is scaled: t = centre + tau s, and
  *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
  * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all is in the unit of
- * q (kappa has the sign of tau); for the others kappa = 1. The centre data z (2n numbers) are (q, tau v) for a Lagrangian, else (q, kappa p). */
+ * q (kappa has the sign of tau); for the others kappa = 1. The centre data z (2n numbers) are (q, tau v) for a
+ * Lagrangian, else (q, kappa p). */
 #ifndef TVI_SRC_CURVE_H
 #define TVI_SRC_CURVE_H
 
@@ -12,14 +13,14 @@
 
 typedef struct {
     const tvi_system *system;
-    int n, top;             /* the highest order of Q that is computed */
+    int n, top; /* the highest order of Q that is computed */
     double centre, tau;
-    double *kappa;          /* [n] */
-    double *x;              /* block of the field's series, orders 0 .. top */
-    double *dx;             /* the same for CURVE_LANES directions */
-    double *dQ, *dU;        /* [top + 1][n][2n]: dQ_k/dz and dU_k/dz; dU NULL for a separable system */
-    tvi_factor slope;       /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
-    double *columns;        /* scratch of the slope: its directions, and right sides */
+    double *kappa;    /* [n] */
+    double *x;        /* block of the field's series, orders 0 .. top */
+    double *dx;       /* the same for CURVE_LANES directions */
+    double *dQ, *dU;  /* [top + 1][n][2n]: dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    tvi_factor slope; /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
+    double *columns;  /* scratch of the slope: its directions, and right sides */
 } tvi_curve;
 
 /* A combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. Made once for a method. */
@@ -37,8 +38,8 @@ tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena);
 void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[]);
 
 /* weight_k = a at^k + b from^k for k <= degree, 0 above. */
-void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree, double a,
-                                double at, double b, double from);
+void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
+                                double a, double at, double b, double from);
 
 /* Sets z; tau must be set before. */
 void tvi_curve_set(tvi_curve *curve, const double z[]);
@@ -46,7 +47,8 @@ void tvi_curve_set(tvi_curve *curve, const double z[]);
 /* Expands from z. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR (L_vv). */
 TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
 
-/* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so. TVI_ESINGULAR. */
+/* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so. TVI_ESINGULAR.
+ */
 TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 
 /* The Jacobians of the curve last expanded. */

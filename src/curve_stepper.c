@@ -24,18 +24,18 @@ typedef struct {
     tvi_action action;
     tvi_newton newton;
     tvi_legendre legendre;
-    tvi_combination q_back;            /* q- - Q_0 */
-    tvi_combination q_unit, z_unit;    /* the centre data a unit of scaled time later */
-    tvi_combination dense_q, dense_u;  /* for one point of dense output */
-    double *seed_Q, *seed_U;           /* [top + 1][n] */
-    double *z;                         /* [2n] predictor */
-    double *dz;                        /* [2n] what z lacks at the end of the passes */
-    double *z_jacobian;                /* [2n] where the Jacobians of the curve were taken */
-    bool has_jacobian;                 /* they were, in the step at hand */
-    bool is_new_jacobian;              /* they were, since the corrector last asked */
-    double *p_size;                    /* [n] sum_k |P_k| */
+    tvi_combination q_back;             /* q- - Q_0 */
+    tvi_combination q_unit, z_unit;     /* the centre data a unit of scaled time later */
+    tvi_combination dense_q, dense_u;   /* for one point of dense output */
+    double *seed_Q, *seed_U;            /* [top + 1][n] */
+    double *z;                          /* [2n] predictor */
+    double *dz;                         /* [2n] what z lacks at the end of the passes */
+    double *z_jacobian;                 /* [2n] where the Jacobians of the curve were taken */
+    bool has_jacobian;                  /* they were, in the step at hand */
+    bool is_new_jacobian;               /* they were, since the corrector last asked */
+    double *p_size;                     /* [n] sum_k |P_k| */
     double *velocity, *velocity_before; /* [n] of the last predictor and the one before, Lagrangian */
-    double *shift;                     /* [n] */
+    double *shift;                      /* [n] */
 } work;
 
 static tvi_span span_of(tvi_expansion expansion)
@@ -66,7 +66,8 @@ static int momentum_degree(const tvi_options *options)
     return options->method == TVI_POINCARE ? options->degree : options->degree - 1;
 }
 
-static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options, bool corrects)
+static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                         bool corrects)
 {
     const size_t n = (size_t)system->n;
     const bool one_more = options->method == TVI_POINCARE && system->form == TVI_SEPARABLE; /* p_K is from Q_{K+1} */
@@ -119,7 +120,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
-/* ---- The weights of the ends ---------------------------------------------------------------------------------------- */
+/* ---- The weights of the ends ----------------------------------------------------------------------------------------
+ */
 
 /* z_unit: tau v = sum k Q_k, but p of a Hamiltonian. */
 static void set_unit_step(work *w)
@@ -153,7 +155,8 @@ static void prepare(void *taken)
     if (w->close) tvi_action_prepare(&w->action, c->system, w->options, c->span, c->curve.top);
 }
 
-/* ---- The predictor -------------------------------------------------------------------------------------------------- */
+/* ---- The predictor --------------------------------------------------------------------------------------------------
+ */
 
 static tvi_status expand(work *w, const double z[], double centre)
 {
@@ -180,10 +183,11 @@ static double centre(const work *w)
     return w->origin->t + (w->origin->t_low - w->closure.span.from * w->closure.curve.tau);
 }
 
-/* ---- The residual --------------------------------------------------------------------------------------------------- */
+/* ---- The residual ---------------------------------------------------------------------------------------------------
+ */
 
-/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve of
- * degree 0 or 1 knows of a body that starts at rest is the corrections. */
+/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve
+ * of degree 0 or 1 knows of a body that starts at rest is the corrections. */
 static void set_scale(void *self, double scale[])
 {
     const work *w = self;
@@ -300,7 +304,8 @@ static bool jacobian(void *self, double matrix[])
     return true;
 }
 
-/* ---- The step -------------------------------------------------------------------------------------------------------- */
+/* ---- The step
+ * -------------------------------------------------------------------------------------------------------- */
 
 static tvi_status correct(work *w)
 {
@@ -326,7 +331,8 @@ static void sum_and_push(work *w, const tvi_combination *combination, double out
 }
 
 /* dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
-static void increments(work *w, const tvi_combination *q_rise, const tvi_combination *u_rise, double part, double dq[], double dp[])
+static void increments(work *w, const tvi_combination *q_rise, const tvi_combination *u_rise, double part, double dq[],
+                       double dp[])
 {
     const tvi_closure *c = &w->closure;
     sum_and_push(w, q_rise, dq);

@@ -39,7 +39,8 @@ tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], co
 }
 
 /* The value of the energy tape at (q, second, t); second NULL: zeros. */
-static tvi_status energy_value(const tvi_system *system, double t, const double q[], const double second[], double *value)
+static tvi_status energy_value(const tvi_system *system, double t, const double q[], const double second[],
+                               double *value)
 {
     const jet_tape *tape = system->energy;
     const size_t n = (size_t)system->n;

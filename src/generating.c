@@ -20,8 +20,8 @@ tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combinat
     return status;
 }
 
-void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double factor, const double x[],
-                   double out[])
+void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double factor,
+                   const double x[], double out[])
 {
     const size_t n = (size_t)closure->n;
     tvi_curve_sum_jacobian(&closure->curve, combination, closure->G);

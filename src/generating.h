@@ -2,8 +2,8 @@
  *
  * A step is the curve from one end to the other plus small corrections, which make it symplectic:
  *     q0 = q- + from_q,   p0 = p- + from_p,   q1 - q0 = (q+ - q-) + rise_q,   p1 - p0 = (p+ - p-) + rise_p.
- * A generating function closes the equations: it computes the corrections from D_z, the gradient of the discrete action in
- * defect form, and the Jacobians of the curve's ends. All else is common to all (curve_stepper.c). */
+ * A generating function closes the equations: it computes the corrections from D_z, the gradient of the discrete action
+ * in defect form, and the Jacobians of the curve's ends. All else is common to all (curve_stepper.c). */
 #ifndef TVI_SRC_GENERATING_H
 #define TVI_SRC_GENERATING_H
 
@@ -16,12 +16,12 @@ typedef struct {
     tvi_curve curve;
     tvi_combination q_from, q_to, q_rise, q_mean; /* q-, q+, q+ - q-, (q- + q+)/2 */
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
-    double *D;           /* [2n] D_z */
-    double *G;           /* [n][2n] scratch for Jacobians of the ends */
-    tvi_factor half;     /* n x n */
-    tvi_factor full;     /* 2n x 2n */
-    bool is_fresh;       /* the Jacobians are new: the factors must be, too */
-    double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
+    double *D;                                    /* [2n] D_z */
+    double *G;                                    /* [n][2n] scratch for Jacobians of the ends */
+    tvi_factor half;                              /* n x n */
+    tvi_factor full;                              /* 2n x 2n */
+    bool is_fresh;                                /* the Jacobians are new: the factors must be, too */
+    double *from_q, *from_p, *rise_q, *rise_p;    /* [n] the corrections */
 } tvi_closure;
 
 typedef tvi_status tvi_close_fn(tvi_closure *closure);
@@ -29,13 +29,14 @@ typedef tvi_status tvi_close_fn(tvi_closure *closure);
 /* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
-/* Solves J^T x = b in place, J the n x n block of the combination's Jacobian; one such matrix a generating function, whose
- * factor is kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double b[]);
+/* Solves J^T x = b in place, J the n x n block of the combination's Jacobian; one such matrix a generating function,
+ * whose factor is kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE. */
+TVI_NODISCARD tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combination, tvi_half half,
+                                         double b[]);
 
 /* out += factor J^T x. */
-void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double factor, const double x[],
-                   double out[]);
+void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double factor,
+                   const double x[], double out[]);
 
 /* Solves [J1; J2]^T (x, y) = D in place, in closure->D. */
 TVI_NODISCARD tvi_status tvi_close_solve_full(tvi_closure *closure, const tvi_combination *first,

@@ -1,4 +1,5 @@
-/* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated summation. */
+/* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated summation.
+ */
 #include "finite.h"
 #include "method.h"
 
@@ -12,8 +13,8 @@ struct tvi_integrator {
     tvi_stats stats;
     const tvi_stepper *stepper;
     void *work;
-    bool continues;        /* t, q, p hold what the last successful step returned */
-    bool has_dense;        /* the work holds the last step */
+    bool continues;            /* t, q, p hold what the last successful step returned */
+    bool has_dense;            /* the work holds the last step */
     double *q_start, *p_start; /* [n] where that started */
     double t, t_low;
     double *q, *p;         /* [n] */
@@ -28,8 +29,8 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
     tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
-    double **const vectors[] = {&laid.q, &laid.p, &laid.q_low, &laid.p_low, &laid.dq, &laid.dp,
-                                &laid.q_start, &laid.p_start};
+    double **const vectors[] = {&laid.q,  &laid.p,  &laid.q_low,   &laid.p_low,
+                                &laid.dq, &laid.dp, &laid.q_start, &laid.p_start};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
     laid.work = stepper->take(arena, system, options);
@@ -65,7 +66,10 @@ const tvi_options *tvi_integrator_options(const tvi_integrator *integrator)
     return integrator ? &integrator->options : NULL;
 }
 
-const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator) { return integrator ? &integrator->stats : NULL; }
+const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator)
+{
+    return integrator ? &integrator->stats : NULL;
+}
 
 void tvi_integrator_reset(tvi_integrator *integrator)
 {
@@ -152,8 +156,8 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
     return TVI_OK;
 }
 
-tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[], tvi_observer *observer,
-                         void *ctx)
+tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
+                         tvi_observer *observer, void *ctx)
 {
     if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0) return TVI_EINVAL;
     for (long step = 1; step <= steps; step++) {

@@ -70,7 +70,8 @@ static double distance(const tvi_legendre *legendre, const double y[])
     return largest;
 }
 
-/* x += correction, halved until the transform has a value there that is nearer to y than `from`; at roundoff it may not be. */
+/* x += correction, halved until the transform has a value there that is nearer to y than `from`; at roundoff it may not
+ * be. */
 static tvi_status move(tvi_legendre *legendre, double t, const double q[], const double y[], double from, double x[])
 {
     const int n = legendre->system->n;
@@ -136,9 +137,7 @@ tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, 
     case TVI_SEPARABLE:
         for (int i = 0; i < n; i++) second[i] = tau / system->mass[i] * p[i];
         return TVI_OK;
-    case TVI_HAMILTONIAN:
-        memcpy(second, p, (size_t)n * sizeof *second);
-        return TVI_OK;
+    case TVI_HAMILTONIAN: memcpy(second, p, (size_t)n * sizeof *second); return TVI_OK;
     default: break;
     }
     const tvi_status status = tvi_legendre_solve(legendre, t, q, p, velocity);

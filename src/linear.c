@@ -7,8 +7,8 @@
 /* LAPACK's own interface: Fortran, column-major; a character argument has a hidden length at the end. */
 void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
 void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
-void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv, double *b,
-             const int *ldb, int *info, size_t trans_length);
+void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
+             double *b, const int *ldb, int *info, size_t trans_length);
 
 /* Below this size OpenBLAS factors with one thread, so that dgetrf gives the same bits for any number of threads; above
  * it dgetf2 does. */

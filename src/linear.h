@@ -7,7 +7,7 @@
 
 typedef struct {
     int n;
-    double *lu; /* [n][n]: fill it, then factor; the factor replaces it */
+    double *lu;                       /* [n][n]: fill it, then factor; the factor replaces it */
     double *row_scale, *column_scale; /* [n] powers of two */
     int *pivot;
 } tvi_factor;

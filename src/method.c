@@ -25,9 +25,9 @@ typedef struct {
     int serves;
 } method_row;
 
-#define ON_CURVE TVI_NODES_ON_CURVE
+#define ON_CURVE  TVI_NODES_ON_CURVE
 #define TRUNCATED TVI_NODES_TRUNCATED
-#define MOST TVI_MAX_DEGREE
+#define MOST      TVI_MAX_DEGREE
 
 static const method_row method_table[] = {
     {"tvi", TVI_TYPE1, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, TYPE1_SERVES},
@@ -53,8 +53,12 @@ static const method_row method_table[] = {
 enum { METHOD_COUNT = sizeof method_table / sizeof *method_table };
 
 /* "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
-static const tvi_options svhd = {.method = TVI_TYPE2, .nodes = TVI_NODES_TRUNCATED, .degree = 1, .order = 2,
-                                 .compose_adjoint = true, .quadrature = TVI_TRAPEZOID};
+static const tvi_options svhd = {.method = TVI_TYPE2,
+                                 .nodes = TVI_NODES_TRUNCATED,
+                                 .degree = 1,
+                                 .order = 2,
+                                 .compose_adjoint = true,
+                                 .quadrature = TVI_TRAPEZOID};
 
 static bool has_adjoint(const method_row *row) { return row->method <= TVI_POINCARE; }
 
@@ -106,8 +110,10 @@ static const char *misfit(const method_row *row, const tvi_system *system)
                      : system->regular                ? SERVES_REGULAR
                                                       : SERVES_DEGENERATE;
     if (row->serves & form) return NULL;
-    if (row->method == TVI_STORMER_VERLET) return "Stormer-Verlet needs a constant diagonal mass and a force without velocities";
-    if (form == SERVES_LAGRANGIAN) return "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian";
+    if (row->method == TVI_STORMER_VERLET)
+        return "Stormer-Verlet needs a constant diagonal mass and a force without velocities";
+    if (form == SERVES_LAGRANGIAN)
+        return "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian";
     return "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare";
 }
 
@@ -128,8 +134,8 @@ static tvi_status resolve_degree(tvi_options *options, const method_row *row, co
     return refuse(TVI_EINVAL, "no degree gives the method this order", why);
 }
 
-/* The quadrature, and the order that is left with it: min(order of the curve, order of the quadrature). Without a number
- * of points, one more than the order needs. */
+/* The quadrature, and the order that is left with it: min(order of the curve, order of the quadrature). Without a
+ * number of points, one more than the order needs. */
 static tvi_status resolve_quadrature(tvi_options *options, bool order_was_asked, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;

@@ -14,8 +14,8 @@ tvi_options tvi_method_default(const tvi_system *system);
 /* The stepper of resolved options. */
 const tvi_stepper *tvi_method_stepper(const tvi_options *options);
 
-/* The adjoint Phi*_h = (Phi_-h)^-1 of a resolved generating function: start and end change places, types II and III too,
- * and the quadrature is mirrored. */
+/* The adjoint Phi*_h = (Phi_-h)^-1 of a resolved generating function: start and end change places, types II and III
+ * too, and the quadrature is mirrored. */
 tvi_options tvi_options_adjoint(const tvi_options *options);
 
 #endif

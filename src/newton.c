@@ -98,8 +98,8 @@ typedef struct {
     bool checks;                  /* one more pass than seems needed, to see how far the expectation can be trusted */
 } progress;
 
-/* The correction times the slower of the last two contractions, and the slack: passes that gain little in the directions
- * where the first correction was small make later contractions slower than the first one. */
+/* The correction times the slower of the last two contractions, and the slack: passes that gain little in the
+ * directions where the first correction was small make later contractions slower than the first one. */
 static void expect(progress *at, double slack)
 {
     const double contraction = fmin(at->size.relative / fmin(at->before.relative, 1), 1);
@@ -110,7 +110,8 @@ static void expect(progress *at, double slack)
 static void learn(tvi_newton *newton, const progress *at)
 {
     const double slack = newton->history.slack * at->size.relative / at->expected; /* 0 where nothing was expected */
-    if (at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative && slack > newton->history.slack)
+    if (at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative &&
+        slack > newton->history.slack)
         newton->history.slack = fmin(slack, MOST_SLACK);
 }
 
@@ -143,8 +144,7 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
     if (refresh || (refreshes == 0 && equations->jacobian)) {
         status = factor_jacobian(newton, equations, refresh, stats);
         /* differencing moved the equations away from x: bring them back */
-        if (status == TVI_OK && refresh)
-            status = equations->residual(equations->self, newton->x, newton->difference);
+        if (status == TVI_OK && refresh) status = equations->residual(equations->self, newton->x, newton->difference);
         if (status != TVI_OK) return status;
     }
     if (refreshes > 0 || equations->jacobian) tvi_factor_solve(&newton->factor, newton->correction);
@@ -158,7 +158,8 @@ void tvi_newton_forget(tvi_newton *newton) { newton->history = (tvi_newton_histo
 void tvi_newton_mark(tvi_newton *newton) { newton->before = newton->history; }
 void tvi_newton_undo(tvi_newton *newton) { newton->history = newton->before; }
 
-tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options, tvi_stats *stats)
+tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
+                            tvi_stats *stats)
 {
     const int max_passes = options->max_passes > 0 ? options->max_passes : MAX_PASSES;
     progress at = {.expected = INFINITY, .checks = newton->history.solves++ % CHECK_EVERY == 0 || equations->is_rough};

@@ -9,11 +9,11 @@ typedef struct {
     void *self;
     /* r(x) [size]. */
     tvi_status (*residual)(void *self, const double x[], double r[]);
-    /* The natural size of each unknown [size], asked after the residual of the predictor: a correction below roundoff of
-     * it is none. */
+    /* The natural size of each unknown [size], asked after the residual of the predictor: a correction below roundoff
+     * of it is none. */
     void (*scale)(void *self, double scale[]);
-    /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. false: the one last
-     * given still serves, and the matrix is left alone. */
+    /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. false: the one
+     * last given still serves, and the matrix is left alone. */
     bool (*jacobian)(void *self, double matrix[]);
     /* The first contraction tells little of the later ones: one more pass than seems needed, always. */
     bool is_rough;
@@ -26,7 +26,7 @@ typedef struct {
 } tvi_newton_history;
 
 typedef struct {
-    int size, group; /* unknowns come in groups that share a unit */
+    int size, group;                /* unknowns come in groups that share a unit */
     double *x, *correction, *scale; /* [size] */
     double *trial, *difference;     /* [size] scratch of the difference Jacobian */
     tvi_factor factor;
@@ -35,7 +35,8 @@ typedef struct {
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group);
 
-/* Forgets what earlier solutions taught; marks what is known before a step; goes back to the mark when the step failed. */
+/* Forgets what earlier solutions taught; marks what is known before a step; goes back to the mark when the step failed.
+ */
 void tvi_newton_forget(tvi_newton *newton);
 void tvi_newton_mark(tvi_newton *newton);
 void tvi_newton_undo(tvi_newton *newton);
@@ -45,7 +46,7 @@ void tvi_newton_undo(tvi_newton *newton);
  * second order in the correction and saves the evaluation that would confirm it.
  * TVI_ENOCONV where passes do not contract, even with a fresh Jacobian by differences; else the status of the equations
  * or of the factorisation. Counts passes and factorisations, and sets stats->residual. */
-TVI_NODISCARD tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
-                                          tvi_stats *stats);
+TVI_NODISCARD tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations,
+                                          const tvi_options *options, tvi_stats *stats);
 
 #endif

@@ -1,5 +1,6 @@
 /* poincare.c - the Poincare generating function of the mean of the ends (docs/method.md section 4):
- *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),   zbar the mean of the curve's ends. */
+ *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),   zbar the mean of the
+ * curve's ends. */
 #include "generating.h"
 
 tvi_status tvi_close_poincare(tvi_closure *c)

@@ -111,12 +111,8 @@ void tvi_quadrature_nodes(tvi_quadrature rule, int points, long double node[], l
         node[0] = -1, node[1] = 1;
         weight[0] = weight[1] = 1;
         break;
-    case TVI_RECTANGLE_START:
-        node[0] = -1, weight[0] = 2;
-        break;
-    case TVI_RECTANGLE_END:
-        node[0] = 1, weight[0] = 2;
-        break;
+    case TVI_RECTANGLE_START: node[0] = -1, weight[0] = 2; break;
+    case TVI_RECTANGLE_END: node[0] = 1, weight[0] = 2; break;
     default: symmetric_nodes(rule, points, node, weight);
     }
 }

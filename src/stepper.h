@@ -15,7 +15,8 @@ static inline double tvi_add_compensated(double x, double *low, double d)
     return sum;
 }
 
-/* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p + p_low). */
+/* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p +
+ * p_low). */
 typedef struct {
     double t, t_low;
     const double *q, *q_low, *p, *p_low;

@@ -60,7 +60,8 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
     return TVI_OK;
 }
 
-/* ---- The structure that is there ---------------------------------------------------------------------------------- */
+/* ---- The structure that is there ----------------------------------------------------------------------------------
+ */
 
 /* Whether x = sum_j row_j v_j, v_j the input first + j: its coefficients, by one walk back through the graph. share is
  * scratch for each node. */
@@ -75,7 +76,8 @@ static bool is_linear_form(const jet_graph *graph, jet x, int first, int n, doub
         if (share[i] == 0) continue;
         if (z->op == OP_INPUT && i >= first && i < first + n) row[i - first] = share[i];
         else if (z->op != OP_LINEAR || z->number != 0) return false;
-        for (int term = 0; term < z->count; term++) share[z->terms[term].node->index] += share[i] * z->terms[term].coefficient;
+        for (int term = 0; term < z->count; term++)
+            share[z->terms[term].node->index] += share[i] * z->terms[term].coefficient;
     }
     return true;
 }
@@ -118,7 +120,8 @@ static tvi_status find_separable(recording *rec, const jet linear[], const jet o
     return TVI_OK;
 }
 
-/* ---- From each statement to a form --------------------------------------------------------------------------------- */
+/* ---- From each statement to a form ---------------------------------------------------------------------------------
+ */
 
 /* out[2n] = dx/d(q, v). */
 static tvi_status gradient(const recording *rec, jet x, jet out[])
@@ -164,7 +167,8 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     return status;
 }
 
-/* field = (H_q, H_p), bend = gradient of r.H_p; separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
+/* field = (H_q, H_p), bend = gradient of r.H_p; separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q,
+ * 0). */
 static tvi_status record_hamiltonian(recording *rec, const statement *given)
 {
     tvi_system *system = rec->system;
@@ -223,7 +227,9 @@ static tvi_status make_system(tvi_system **out, int n, const statement *given)
 {
     if (!out) return TVI_EINVAL;
     *out = NULL;
-    if (n < 1 || n > TVI_MAX_DIMENSION || (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian)) return TVI_EINVAL;
+    if (n < 1 || n > TVI_MAX_DIMENSION ||
+        (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian))
+        return TVI_EINVAL;
     tvi_status status = check_masses(n, given->mass);
     if (status != TVI_OK) return status;
     recording rec = {0};

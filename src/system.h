@@ -18,17 +18,18 @@ typedef enum {
 struct tvi_system {
     int n;
     tvi_form form;
-    int inputs;             /* q and, unless separable, v or p: where the time stands, if it is used */
-    bool uses_time;         /* the field depends on t */
-    double *mass;           /* [n], separable only */
-    bool regular;           /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
-    jet_graph *graph;       /* closed; kept so that jets that outlive it are recognised */
+    int inputs;       /* q and, unless separable, v or p: where the time stands, if it is used */
+    bool uses_time;   /* the field depends on t */
+    double *mass;     /* [n], separable only */
+    bool regular;     /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
+    jet_graph *graph; /* closed; kept so that jets that outlive it are recognised */
     jet_tape *field_series;
     jet_tape *field_values;
-    jet_tape *bend_values;  /* Hamiltonian: inputs q, p, t, r; outputs the gradient of r.H_p in q and p, for truncated nodes */
-    jet_tape *energy;       /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
-    double energy_sign;     /* separable from a Lagrangian: the energy tape gives -V */
-    int energy_inputs;      /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
+    jet_tape *
+        bend_values; /* Hamiltonian: inputs q, p, t, r; outputs the gradient of r.H_p in q and p, for truncated nodes */
+    jet_tape *energy;   /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
+    double energy_sign; /* separable from a Lagrangian: the energy tape gives -V */
+    int energy_inputs;  /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
 };
 
 /* Writes the time to all lanes of order 0 of a block of a tape whose first inputs are the system's. */

@@ -5,7 +5,7 @@
 
 typedef struct {
     const tvi_system *system;
-    double *x;             /* block of the force's values at one point */
+    double *x;              /* block of the force's values at one point */
     double *before, *after; /* [n] forces at the ends of the step */
     double *dq, *dp;        /* [n] of the last step */
     double h;
