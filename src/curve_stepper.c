@@ -255,20 +255,30 @@ static tvi_status close_equations(work *w)
 
 static double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
 
-/* The relative error of the corrections from Jacobians that were taken at another z is about the relative distance to
- * it; this bounds what that does to the state, relative to the state. */
+/* sum_k |seed_k| of component i. */
+static double seed_size(const work *w, const double seed[], int i)
+{
+    double size = 0;
+    for (int k = 0; k <= w->closure.curve.top; k++) size += fabs(seed[k * w->closure.n + i]);
+    return size;
+}
+
+/* Jacobians that were taken at another z are wrong by about the relative distance to it. They multiply the seeds, which
+ * need not be as small as the D_z that they add up to, and the corrections: this bounds what that does to the state,
+ * relative to the state. */
 static double staleness(work *w, const double z[])
 {
     const tvi_closure *c = &w->closure;
     const double *scale = w->newton.scale;
-    double distance = 0, correction = 0;
+    double distance = 0, part = 0;
     set_momentum_size(w);
     for (int i = 0; i < 2 * c->n; i++) distance = fmax(distance, ratio(fabs(z[i] - w->z_jacobian[i]), scale[i]));
     for (int i = 0; i < c->n; i++) {
-        correction = fmax(correction, ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]), scale[i]));
-        correction = fmax(correction, ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]), w->p_size[i]));
+        const double of_q = fabs(c->curve.kappa[i]) * seed_size(w, w->seed_U, i), of_p = seed_size(w, w->seed_Q, i);
+        part = fmax(part, ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]));
+        part = fmax(part, ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, w->p_size[i]));
     }
-    return distance * correction;
+    return distance * part;
 }
 
 /* The Jacobians of the first pass serve the later ones as long as that shows nowhere. */

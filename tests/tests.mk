@@ -6,17 +6,21 @@
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-tests check-sanitizers $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc check-warnings-clang \
            check-headers check-install check-readme check-symbols
-.PHONY: run-check $(CHECKS) $(CHECKS:check-%=do-%)
+.PHONY: test-programs run-check $(CHECKS) $(CHECKS:check-%=do-%)
+JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
+# what several checks need is built before they run side by side; where that fails, they say so
 check: need-check
+	@echo "Building below $(BUILD), then checking"
 	@$(MAKE) --no-print-directory -s all
-	@$(MAKE) --no-print-directory -k $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2) run-check
+	@$(MAKE) --no-print-directory -s -k $(JOBS) test-programs >/dev/null 2>&1 || true
+	@$(MAKE) --no-print-directory -k $(JOBS) run-check
 
 run-check: $(CHECKS)
 
 REPORT = +@tests/report.sh
 LOG    = $(BUILD)/check/$@.log
-DO     = $(MAKE) --no-print-directory do-$(@:check-%=%)
+DO     = $(MAKE) -s --no-print-directory do-$(@:check-%=%)
 
 # ---- The test programs: tests/*.c, and one for each folder with a main.c ------------------------------------------------
 
@@ -30,8 +34,8 @@ PROGRAMS     := $(addprefix $(BUILD)/check/,tvi $(FOLDERS))
 
 CHECK_CFLAGS = $(shell pkg-config --cflags check)
 CHECK_LIBS   = $(shell pkg-config --libs check) -lquadmath $(LIBS)
-TEST_FLAGS   = $(TOOL) -Itests $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
-QUAD_FLAGS   = $(QUAD) -Isrc -Itests $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
+TEST_FLAGS   = $(TOOL) -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
+QUAD_FLAGS   = $(QUAD) -Isrc -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
 
 $(filter-out $(QUAD_OBJECTS),$(TEST_OBJECTS)): $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
@@ -56,6 +60,7 @@ $(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
 $(BUILD)/check/tvi: $(call objects_of,$(wildcard tests/*.c)) $(call library_of,)
 $(BUILD)/check/tvi: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
+test-programs: $(PROGRAMS)
 $(PROGRAMS):
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
@@ -70,24 +75,22 @@ $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 
 # ---- Memory and undefined behaviour: the same programs, some of their suites -------------------------------------------
 
-SANITIZE       := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
-SANITIZE_TVI   := input,faults
-SANITIZE_AD    := record,domain,tape,series,identity,gradient
-VALGRIND       := valgrind -q --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect
-VALGRIND_TVI   := input/systems,input/options,input/many steps,input/counts,faults/systems,faults/integrators
-VALGRIND_AD    := record,domain,tape
+SANITIZE   := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+VALGRIND   := valgrind -q --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect
+IN_ONE_GO  := CK_FORK=no tests/suites.sh
 
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
-	    $(MAKE) --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(BUILD)/check/tvi $(BUILD)/check/ad
-	CK_FORK=no ASAN_OPTIONS=detect_leaks=1 tests/suites.sh '$(SANITIZE_TVI)' $(BUILD)/check/tvi
-	CK_FORK=no ASAN_OPTIONS=detect_leaks=1 tests/suites.sh '$(SANITIZE_AD)' $(BUILD)/check/ad
+	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
+do-sanitizers: $(addprefix $(BUILD)/check/,tvi ad generating)
+	$(IN_ONE_GO) 'input,faults,stepping,closed forms' $(BUILD)/check/tvi
+	$(IN_ONE_GO) 'record,domain,tape,series,identity,gradient' $(BUILD)/check/ad
+	$(IN_ONE_GO) 'forms,serves,statements' $(BUILD)/check/generating
 
 check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)
-do-valgrind: $(BUILD)/check/tvi $(BUILD)/check/ad
-	CK_FORK=no tests/suites.sh '$(VALGRIND_TVI)' $(VALGRIND) $(BUILD)/check/tvi
-	CK_FORK=no tests/suites.sh '$(VALGRIND_AD)' $(VALGRIND) $(BUILD)/check/ad
+do-valgrind: $(addprefix $(BUILD)/check/,tvi ad)
+	$(IN_ONE_GO) 'input/systems,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/tvi
+	$(IN_ONE_GO) 'record,domain,tape' $(VALGRIND) $(BUILD)/check/ad
 
 # ---- Warnings: all that is compiled --------------------------------------------------------------------------------------
 
@@ -96,12 +99,12 @@ NO_CLANG      := $(QUAD_OBJECTS) $(call objects_of,$(call quad_of,$(BENCH_SOURCE
 
 check-warnings-gcc:
 	$(REPORT) "no warnings from gcc" $(LOG) \
-	    $(MAKE) --no-print-directory do-warnings-gcc BUILD=$(BUILD)/gcc CC=gcc QUADCC='gcc -Werror' CFLAGS='-O3 -g -Werror'
+	    $(MAKE) -s --no-print-directory do-warnings-gcc BUILD=$(BUILD)/gcc CC=gcc QUADCC='gcc -Werror' CFLAGS='-O2 -g -Werror'
 do-warnings-gcc: $(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES))
 
 check-warnings-clang:
 	$(REPORT) "no warnings from clang" $(LOG) \
-	    $(MAKE) --no-print-directory do-warnings-clang BUILD=$(BUILD)/clang CC=clang CFLAGS='-O2 -g -Werror'
+	    $(MAKE) -s --no-print-directory do-warnings-clang BUILD=$(BUILD)/clang CC=clang CFLAGS='-O1 -g -Werror'
 do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
 
 # ---- What users get ----------------------------------------------------------------------------------------------------

@@ -1,0 +1,19 @@
+/* generating.h - the suites of this program. */
+#ifndef TESTS_GENERATING_H
+#define TESTS_GENERATING_H
+
+#include <check.h>
+
+Suite *suite_orders(void);
+Suite *suite_adjoints(void);
+Suite *suite_forms(void);
+Suite *suite_geometry(void);
+Suite *suite_statements(void);
+Suite *suite_serves(void);
+Suite *suite_points(void);
+Suite *suite_dense(void);
+Suite *suite_convergence(void);
+Suite *suite_definition(void);
+Suite *suite_references(void); /* gcc only: __float128 */
+
+#endif

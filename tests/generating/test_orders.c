@@ -1,0 +1,225 @@
+/* test_orders.c - the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3 and 4). */
+#include "generating.h"
+#include "models.h"
+
+#include <math.h>
+
+static model_path paths[MODELS]; /* made once, before the tests */
+
+static void find_paths(void)
+{
+    for (int i = 0; i < MODELS; i++) paths[i] = model_solution(models[i]);
+}
+
+/* ---- The slope of the error ---------------------------------------------------------------------------------------- */
+
+/* Runs of ever more steps, until the slopes of q and of p have both settled (changed by less than `settled`, twice), or an
+ * error is near roundoff. */
+enum { STEPS_FIRST = 1, STEPS_MOST = 1500, TIMES_SETTLED = 2 };
+static const double STEP_RATIO = 1.35, LARGEST = 3e-2, ROUNDOFFS = 50;
+
+typedef struct {
+    long steps; /* of the last run that counts; 0: there is none */
+    two_errors error, slope;
+} order_fit;
+
+/* The largest error at the ends of the parts, `steps` steps each; false: the step is too large for the corrector. */
+static bool error_after(int which, tvi_integrator *integrator, long steps, two_errors *error)
+{
+    const model *m = models[which];
+    test_state x = model_start(m);
+    tvi_integrator_reset(integrator);
+    const double h = (m->t_end - m->t0) / PARTS / (double)steps;
+    *error = (two_errors){0, 0};
+    for (int part = 0; part < PARTS; part++) {
+        if (tvi_integrate(integrator, h, steps, &x.t, x.q, x.p, NULL, NULL) != TVI_OK) return false;
+        const two_errors now = state_difference(m->n, &x, &paths[which].at[part]);
+        *error = (two_errors){fmax(error->q, now.q), fmax(error->p, now.p)};
+    }
+    return true;
+}
+
+static double change(two_errors a, two_errors b) { return fmax(fabs(a.q - b.q), fabs(a.p - b.p)); }
+
+static order_fit fit_order(int which, const tvi_options *options, double settled)
+{
+    tvi_system *system = model_system(models[which]);
+    tvi_integrator *integrator = integrator_of(system, options);
+    const two_errors roundoff = paths[which].roundoff;
+    order_fit fit = {0}, before;
+    int times = 0;
+    two_errors error;
+    for (double count = STEPS_FIRST; count < STEPS_MOST && times < TIMES_SETTLED; count = fmax(count + 1, count * STEP_RATIO)) {
+        const long steps = lround(count);
+        if (!error_after(which, integrator, steps, &error)) {
+            ck_assert_msg(fit.steps == 0, "%s, %s: no convergence in %ld steps", models[which]->name, describe(options), steps);
+            continue;
+        }
+        if (larger(error) > LARGEST) continue;
+        if (error.q < ROUNDOFFS * roundoff.q || error.p < ROUNDOFFS * roundoff.p) break;
+        before = fit;
+        fit = (order_fit){.steps = steps, .error = error};
+        if (before.steps == 0) continue;
+        const double ratio = log((double)steps / (double)before.steps);
+        fit.slope = (two_errors){log(before.error.q / error.q) / ratio, log(before.error.p / error.p) / ratio};
+        times = change(fit.slope, before.slope) < settled ? times + 1 : 0;
+    }
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    return fit;
+}
+
+static void check_order(int which, const tvi_options *options, double least, double most)
+{
+    const order_fit fit = fit_order(which, options, most - least < 1 ? 0.03 : 0.1);
+    ck_assert_msg(fit.slope.q > least && fit.slope.q < most && fit.slope.p > least && fit.slope.p < most,
+                  "%s, %s: order %.2f in q and %.2f in p (errors %.1e, %.1e after %ld steps), not %.1f to %.1f",
+                  models[which]->name, describe(options), fit.slope.q, fit.slope.p, fit.error.q, fit.error.p, fit.steps, least, most);
+}
+
+/* The order that the library promises. */
+static void check_promise(int which, const tvi_options *options, int order)
+{
+    tvi_system *system = model_system(models[which]);
+    tvi_integrator *integrator = integrator_of(system, options);
+    ck_assert_int_eq(tvi_integrator_options(integrator)->order, order);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+
+/* ---- Every method and degree ------------------------------------------------------------------------------------------ */
+
+/* On-curve 2N, Poincare 2K + 2; truncated N at the ends, at the midpoint the even number from N on, and at both ends the
+ * one from r on. */
+static int order_of(const kind *k, int degree)
+{
+    if (k->nodes == TVI_NODES_ON_CURVE) return 2 * degree + (k->method == TVI_POINCARE ? 2 : 0);
+    return k->symmetric ? degree + degree % 2 : degree;
+}
+
+enum { DEGREES = 5 };
+
+/* Truncated nodes at the start and the end: slopes between N and N + 1 for odd N. */
+START_TEST(method_has_its_order)
+{
+    const kind *k = &kinds[_i / DEGREES % KINDS];
+    const model *m = models[_i / DEGREES / KINDS];
+    const int degree = _i % DEGREES + kind_least_degree(k), order = order_of(k, degree);
+    if (!kind_serves(k, m) || (m->most_order && order > m->most_order)) return;
+    if (m == &model_sheared_hamiltonian && k->method == TVI_TYPE1) return; /* as the sheared Lagrangian */
+    const bool wanders = k->nodes == TVI_NODES_TRUNCATED && !k->symmetric && degree % 2 == 1;
+    const tvi_options options = kind_options(k, degree);
+    check_promise(_i / DEGREES / KINDS, &options, order);
+    check_order(_i / DEGREES / KINDS, &options, order - 0.3, order + (wanders ? 1.3 : 0.3));
+}
+END_TEST
+
+/* ---- Order min(2N, s) with a quadrature of order s, and of compositions ------------------------------------------------- */
+
+static const struct {
+    kind k;
+    int degree;
+    tvi_quadrature quadrature;
+    int points;
+    bool composed;
+    int order;
+} rows[] = {
+    {{TVI_TYPE1, TVI_AT_END, TVI_NODES_ON_CURVE, false}, 3, TVI_GAUSS, 2, false, 4},
+    {{TVI_TYPE1, TVI_AT_END, TVI_NODES_ON_CURVE, false}, 2, TVI_RECTANGLE_START, 1, false, 1},
+    {{TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_ON_CURVE, true}, 3, TVI_GAUSS, 2, false, 4},
+    {{TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_ON_CURVE, true}, 2, TVI_LOBATTO, 3, false, 4},
+    {{TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_ON_CURVE, true}, 3, TVI_TRAPEZOID, 2, false, 2},
+    {{TVI_TYPE2, TVI_AT_START, TVI_NODES_ON_CURVE, false}, 3, TVI_GAUSS, 2, false, 4},
+    {{TVI_TYPE2, TVI_AT_END, TVI_NODES_ON_CURVE, false}, 3, TVI_LOBATTO, 3, false, 4},
+    {{TVI_TYPE2, TVI_AT_END, TVI_NODES_ON_CURVE, false}, 3, TVI_RECTANGLE_END, 1, false, 1},
+    {{TVI_TYPE3, TVI_AT_START, TVI_NODES_ON_CURVE, false}, 3, TVI_GAUSS, 2, false, 4},
+    {{TVI_TYPE3, TVI_AT_END, TVI_NODES_ON_CURVE, false}, 3, TVI_LOBATTO, 4, false, 6},
+    {{TVI_TYPE3, TVI_AT_START, TVI_NODES_ON_CURVE, false}, 2, TVI_TRAPEZOID, 2, false, 2},
+    {{TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true}, 3, TVI_GAUSS, 2, false, 4},
+    {{TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true}, 2, TVI_TRAPEZOID, 2, false, 2},
+    {{TVI_TYPE1, TVI_AT_START, TVI_NODES_ON_CURVE, false}, 2, TVI_QUADRATURE_AUTO, 0, true, 4},
+    {{TVI_TYPE1, TVI_AT_START, TVI_NODES_TRUNCATED, false}, 3, TVI_QUADRATURE_AUTO, 0, true, 4},
+    {{TVI_TYPE2, TVI_AT_START, TVI_NODES_TRUNCATED, false}, 1, TVI_TRAPEZOID, 2, true, 2},
+    {{TVI_TYPE2, TVI_AT_START, TVI_NODES_TRUNCATED, false}, 3, TVI_QUADRATURE_AUTO, 0, true, 4},
+    {{TVI_TYPE3, TVI_AT_END, TVI_NODES_ON_CURVE, false}, 3, TVI_QUADRATURE_AUTO, 0, true, 6},
+    {{TVI_TYPE3, TVI_AT_START, TVI_NODES_ON_CURVE, false}, 2, TVI_RECTANGLE_END, 1, true, 2},
+};
+enum { ROWS = sizeof rows / sizeof *rows, ROW_MODELS = 3 };
+
+START_TEST(quadrature_and_composition_have_their_orders)
+{
+    static const int chain = 2, double_pendulum = 3, nonseparable = 5, of[ROW_MODELS] = {chain, double_pendulum, nonseparable};
+    const int row = _i % ROWS, which = of[_i / ROWS];
+    if (!kind_serves(&rows[row].k, models[which])) return;
+    tvi_options options = kind_options_with(&rows[row].k, rows[row].degree, rows[row].quadrature, rows[row].points);
+    options.compose_adjoint = rows[row].composed;
+    check_promise(which, &options, rows[row].order);
+    check_order(which, &options, rows[row].order - 0.3, rows[row].order + 0.3);
+}
+END_TEST
+
+/* Order N - 1, where there is no force or potential. */
+enum { TAYLOR_LEAST = 3, TAYLOR_DEGREES = 3 };
+
+START_TEST(taylor_has_order_of_its_degree_less_one)
+{
+    const int degree = TAYLOR_LEAST + _i % TAYLOR_DEGREES, which = _i / TAYLOR_DEGREES;
+    const tvi_options options = options_taylor(degree);
+    if (models[which]->problem || models[which] == &model_degenerate) return; /* there q' has no p, and q has order N */
+    check_promise(which, &options, degree - 1);
+    check_order(which, &options, degree - 1.3, degree - 0.7);
+}
+END_TEST
+
+/* ---- The measured errors of sections 3 and 4 ---------------------------------------------------------------------------- */
+
+enum { MEASURED_RUNS = 4, KEPLER = 1, DEGENERATE = 7 };
+static const struct {
+    int which;
+    kind k;
+    int degree, points;
+    double error[MEASURED_RUNS]; /* at t_end with 8, 16, 32, 64 steps; 0: not measured, or below 1e-12 */
+} measured[] = {
+    {KEPLER, {TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_TRUNCATED, true}, 3, 4, {4.4e-1, 2.2e-2, 1.7e-3, 1.1e-4}},
+    {KEPLER, {TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_ON_CURVE, true}, 3, 4, {1.1e-1, 2.9e-3, 5.5e-5, 9.1e-7}},
+    {KEPLER, {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true}, 3, 5, {1.8e-3, 1.3e-5, 5.4e-8, 0}},
+    {KEPLER, {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true}, 5, 7, {8.7e-5, 3.0e-8, 7.9e-12, 0}},
+    {DEGENERATE, {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true}, 1, 3, {4.1e-6, 2.6e-7, 1.6e-8, 0}},
+    {DEGENERATE, {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true}, 2, 4, {4.8e-9, 7.6e-11, 1.2e-12, 0}},
+};
+enum { MEASURED = sizeof measured / sizeof *measured };
+
+START_TEST(errors_are_those_of_the_tables)
+{
+    const model *m = models[measured[_i].which];
+    const tvi_options options = kind_options_with(&measured[_i].k, measured[_i].degree, TVI_GAUSS, measured[_i].points);
+    tvi_system *system = model_system(m);
+    for (int run = 0; run < MEASURED_RUNS; run++) {
+        const double expected = measured[_i].error[run];
+        const long steps = 8L << run;
+        if (expected == 0) continue;
+        tvi_integrator *integrator = integrator_of(system, &options);
+        test_state x = model_start(m);
+        go(integrator, (m->t_end - m->t0) / (double)steps, steps, &x);
+        const double error = larger(state_difference(m->n, &x, &paths[measured[_i].which].at[PARTS - 1]));
+        ck_assert_msg(error < 1.5 * expected && error > expected / 1.5, "%s, %s, %ld steps: error %.2e, not %.1e", m->name,
+                      describe(&options), steps, error, expected);
+        tvi_integrator_free(integrator);
+    }
+    tvi_system_free(system);
+}
+END_TEST
+
+Suite *suite_orders(void)
+{
+    Suite *suite = suite_create("orders");
+    TCase *tcase = tcase_create("orders");
+    tcase_set_timeout(tcase, 120);
+    tcase_add_unchecked_fixture(tcase, find_paths, NULL);
+    tcase_add_loop_test(tcase, method_has_its_order, 0, MODELS * KINDS * DEGREES);
+    tcase_add_loop_test(tcase, quadrature_and_composition_have_their_orders, 0, ROW_MODELS * ROWS);
+    tcase_add_loop_test(tcase, taylor_has_order_of_its_degree_less_one, 0, MODELS * TAYLOR_DEGREES);
+    tcase_add_loop_test(tcase, errors_are_those_of_the_tables, 0, MEASURED);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
