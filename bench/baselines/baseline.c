@@ -1,0 +1,34 @@
+#include "forces.h"
+
+#include <string.h>
+
+static const baseline *const lists[] = {
+    baselines_composition, baselines_shooting, baselines_gauss, baselines_taylor,
+#ifdef BASELINES_GSL
+    baselines_gsl,
+#endif
+#ifdef BASELINES_SUNDIALS
+    baselines_sundials,
+#endif
+};
+
+const baseline *baseline_at(int index)
+{
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+        for (const baseline *b = lists[i]; b->name; b++)
+            if (index-- == 0) return b;
+    return NULL;
+}
+
+const baseline *baseline_find(const char *name, int order)
+{
+    const baseline *b;
+    for (int i = 0; (b = baseline_at(i)); i++)
+        if (strcmp(b->name, name) == 0 && b->order == order) return b;
+    return NULL;
+}
+
+bool baseline_serves(const baseline *b, const scene *s)
+{
+    return force_of(s) != FORCE_NONE && (!b->serves || b->serves(b, s));
+}
