@@ -529,6 +529,9 @@ START_TEST(dense_output)
     expect("p", tvi_dense(integrator, 0.5, s.q, NULL), TVI_EINVAL);
     expect_dense(x.name, integrator, x.problem->n, 0, &before);
     expect_dense(x.name, integrator, x.problem->n, 1, &s);
+    expect("h NaN", step_once(integrator, NAN, &s), TVI_EINVAL);
+    expect_no_dense("after a step that was refused", integrator, 0.5);
+    expect(x.name, step_once(integrator, good_step, &s), TVI_OK);
     if (step_once(integrator, DBL_MAX, &s) != TVI_OK) {
         expect_no_dense("after a step that failed", integrator, 0.5);
         expect(x.name, step_once(integrator, good_step, &s), TVI_OK);

@@ -176,6 +176,18 @@ bool kind_serves(const kind *k, const model *m) { return m->with & (k->method ==
 
 int kind_least_degree(const kind *k) { return k->method == TVI_POINCARE ? 0 : 1; }
 
+tvi_options adjoint_of(const tvi_options *options)
+{
+    tvi_options adjoint = *options;
+    if (options->expansion == TVI_AT_START) adjoint.expansion = TVI_AT_END;
+    if (options->expansion == TVI_AT_END) adjoint.expansion = TVI_AT_START;
+    if (options->method == TVI_TYPE2) adjoint.method = TVI_TYPE3;
+    if (options->method == TVI_TYPE3) adjoint.method = TVI_TYPE2;
+    if (options->quadrature == TVI_RECTANGLE_START) adjoint.quadrature = TVI_RECTANGLE_END;
+    if (options->quadrature == TVI_RECTANGLE_END) adjoint.quadrature = TVI_RECTANGLE_START;
+    return adjoint;
+}
+
 const char *describe(const tvi_options *options)
 {
     static const char *const method[] = {"type I", "type II", "type III", "Poincare", "Taylor", "Stormer-Verlet"};

@@ -62,6 +62,9 @@ bool kind_serves(const kind *k, const model *m);
 /* The degrees are 1, 2, ..., but Poincare begins with 0, which the options call order 2. */
 int kind_least_degree(const kind *k);
 
+/* Start and end change places, types II and III too, and the quadrature is mirrored (docs/method.md section 4). */
+tvi_options adjoint_of(const tvi_options *options);
+
 /* Text that lives until the next call but seven. */
 const char *describe(const tvi_options *options);
 

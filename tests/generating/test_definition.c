@@ -493,8 +493,10 @@ static void definition_step_both(const method *m, const test_state *start, ends 
 /* ---- The comparison ------------------------------------------------------------------------------------------------------ */
 
 #define ROOT_3 1.7320508075688772935274463L
+#define ROOT_15 3.8729833462074168851792654L
 static const rule rules[] = {
     {TVI_GAUSS, 2, {0.5L, 0.5L}, {(3 - ROOT_3) / 6, (3 + ROOT_3) / 6}},
+    {TVI_GAUSS, 3, {5 / 18.0L, 8 / 18.0L, 5 / 18.0L}, {(5 - ROOT_15) / 10, 0.5L, (5 + ROOT_15) / 10}},
     {TVI_LOBATTO, 3, {1 / 6.0L, 4 / 6.0L, 1 / 6.0L}, {0, 0.5L, 1}},
     {TVI_TRAPEZOID, 2, {0.5L, 0.5L}, {0, 1}},
     {TVI_RECTANGLE_START, 1, {1}, {0}},

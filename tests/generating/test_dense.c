@@ -75,6 +75,32 @@ START_TEST(output_is_continuous)
 }
 END_TEST
 
+/* A composition has the output of its halves. */
+START_TEST(composition_has_the_output_of_its_halves)
+{
+    static const double places[] = {0.1, 0.3, 0.45, 0.55, 0.7, 0.95};
+    const kind *k = &kinds[_i % KINDS];
+    const model *m = models[_i / KINDS];
+    if (!kind_serves(k, m)) return;
+    tvi_system *system = model_system(m);
+    const tvi_options first = kind_options(k, 2), second = adjoint_of(&first);
+    tvi_options composed = first;
+    composed.compose_adjoint = true;
+    tvi_integrator *whole = integrator_of(system, &composed), *half[] = {integrator_of(system, &first), integrator_of(system, &second)};
+    test_state x = model_start(m), y = x, a = {0}, b = {0};
+    go(whole, m->h, 1, &x);
+    for (int i = 0; i < 2; i++) go(half[i], m->h / 2, 1, &y);
+    for (int i = 0; i < 6; i++) {
+        dense(whole, places[i], &a);
+        dense(half[i / 3], 2 * places[i] - i / 3, &b);
+        ck_assert_msg(distance(m->n, &a, &b) < 1e-14, "%s, %s at %g", m->name, describe(&composed), places[i]);
+    }
+    tvi_integrator_free(whole);
+    for (int i = 0; i < 2; i++) tvi_integrator_free(half[i]);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* ---- The order ----------------------------------------------------------------------------------------------------------- */
 
 /* The solution from *x at time t, by a method of order 16. */
@@ -194,6 +220,7 @@ Suite *suite_dense(void)
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, ends_are_the_states, 0, MODELS * METHODS);
     tcase_add_loop_test(tcase, output_is_continuous, 0, MODELS * METHODS);
+    tcase_add_loop_test(tcase, composition_has_the_output_of_its_halves, 0, MODELS * KINDS);
     tcase_add_loop_test(tcase, inner_points_have_the_order_of_the_curve, 0, ORDER_MODELS * METHODS);
     tcase_add_loop_test(tcase, no_output_without_a_step, 0, METHODS);
     suite_add_tcase(suite, tcase);
