@@ -16,7 +16,7 @@
 #define BASELINE_FLAGS "unknown"
 #endif
 
-/* ---- One run ---------------------------------------------------------------------------------------------------------- */
+/* ---- One run ------------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     const tvi_system *system;
@@ -97,7 +97,7 @@ static void measure(const baseline *b, const tvi_system *system, baseline_task t
     result->energy_error = m.worst;
 }
 
-/* ---- Ladders ---------------------------------------------------------------------------------------------------------- */
+/* ---- Ladders ------------------------------------------------------------------------------------------------------ */
 
 static const double tolerances[] = {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 0};
 
@@ -138,7 +138,7 @@ static bool descend(report *r, const baseline *b, const tvi_system *system, cons
     return true;
 }
 
-/* ---- The table ---------------------------------------------------------------------------------------------------------- */
+/* ---- The table ---------------------------------------------------------------------------------------------------- */
 
 static const double bounds[] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 enum { BOUNDS = sizeof bounds / sizeof *bounds };
@@ -189,7 +189,7 @@ static bool compare_scene(report *r, const scene *s, double longest)
     return good;
 }
 
-/* ---- The peers ---------------------------------------------------------------------------------------------------------- */
+/* ---- The peers ---------------------------------------------------------------------------------------------------- */
 
 /* The least time that `dir`/gauss prints, in s; infinite where it cannot be run. */
 static double peers_time(const char *dir, const char *problem, double h)
@@ -216,7 +216,7 @@ static void compare_with_peers(const char *dir, const scene *s, const char *prob
            ours / theirs);
 }
 
-/* ---- The command -------------------------------------------------------------------------------------------------------- */
+/* ---- The command -------------------------------------------------------------------------------------------------- */
 
 static int usage(void)
 {

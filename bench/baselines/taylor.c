@@ -29,7 +29,7 @@ static void set_power_weights(int N, power_weights *w)
         for (int j = 1; j <= k; j++) w->of[k][j] = (-1.5 * j - (k - j)) / k;
 }
 
-/* ---- Kepler ------------------------------------------------------------------------------------------------------------- */
+/* ---- Kepler ------------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     double x[DEGREE_MAX + 1], y[DEGREE_MAX + 1], u[DEGREE_MAX + 1], v[DEGREE_MAX + 1]; /* q = (x, y), its velocity (u, v) */
@@ -74,7 +74,7 @@ static void kepler_step(int N, double h, const power_weights *weights, state *x)
     sum_up(N, c.v, 1, &x->v[1], &x->v_low[1]);
 }
 
-/* ---- The Solar System: its 15 pairs are lanes, with one that repeats the first -------------------------------------------- */
+/* ---- The Solar System: its 15 pairs are lanes, with one that repeats the first ------------------------------------ */
 
 enum { BODIES = 6, PAIRS = 15, LANES = 16 };
 typedef double lanes[LANES];
@@ -165,7 +165,7 @@ static void solar_step(int N, double h, const power_weights *weights, state *x)
     }
 }
 
-/* ---- The method --------------------------------------------------------------------------------------------------------- */
+/* ---- The method --------------------------------------------------------------------------------------------------- */
 
 typedef void step_fn(int N, double h, const power_weights *weights, state *x);
 
