@@ -1,5 +1,5 @@
-/* baseline.h - the integrators that the library is measured against: plain C on hand-written forces, and the libraries that
- * Debian has. For the scenes with a potential only: M q'' = F(q), M diagonal.
+/* baseline.h - the integrators that the library is measured against: plain C on hand-written forces, and the libraries
+ * that Debian has. For the scenes with a potential only: M q'' = F(q), M diagonal.
  *
  * baselines.mk has the compiler's flags: the times are worth something only with these, and with gcc. */
 #ifndef BASELINE_H

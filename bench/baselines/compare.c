@@ -48,7 +48,8 @@ static void compare_with_reference(const scene *s, const double q[], const doubl
 }
 
 /* From the scene's start to q[n], p[n] at its end; cpu is the time that it took. */
-static tvi_status go(const baseline *b, const baseline_task *task, double q[], double p[], baseline_counts *counts, double *cpu)
+static tvi_status go(const baseline *b, const baseline_task *task, double q[], double p[], baseline_counts *counts,
+                     double *cpu)
 {
     const scene *s = task->scene;
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
@@ -147,8 +148,8 @@ static const run *fastest(const report *r, const scene *s, const baseline *b, do
 {
     const run *best = NULL;
     for (const run *row = r->rows; row < r->rows + r->count; row++)
-        if (row->scene == s && strcmp(row->method, b->name) == 0 && row->order == b->order && row->position_error <= bound &&
-            (!best || row->cpu < best->cpu))
+        if (row->scene == s && strcmp(row->method, b->name) == 0 && row->order == b->order &&
+            row->position_error <= bound && (!best || row->cpu < best->cpu))
             best = row;
     return best;
 }

@@ -1,4 +1,5 @@
-/* composition.c - compositions of Stormer-Verlet and splittings: drifts q += a_i h v and kicks v += b_i h M^-1 F(q) in turn. */
+/* composition.c - compositions of Stormer-Verlet and splittings: drifts q += a_i h v and kicks v += b_i h M^-1 F(q) take
+ * turns. */
 #include "forces.h"
 #include "solar_rows.h"
 #include "state.h"
@@ -9,9 +10,9 @@
 
 enum { STAGES_MAX = 17 };
 
-/* stages force evaluations a step. A composition: the first weights g_i of its symmetric stages, the middle one follows from
- * sum g_i = 1. A splitting that begins and ends with a drift: the first drifts a_i and kicks b_i of a symmetric row, the
- * middle ones follow from sum a_i = sum b_i = 1. */
+/* stages force evaluations a step. A composition: the first weights g_i of its symmetric stages, the middle one follows
+ * from sum g_i = 1. A splitting that begins and ends with a drift: the first drifts a_i and kicks b_i of a symmetric
+ * row, the middle ones follow from sum a_i = sum b_i = 1. */
 typedef struct {
     int stages;
     bool drift_first;
@@ -20,8 +21,8 @@ typedef struct {
 
 static const splitting verlet = {.stages = 1};
 
-/* Kahan and Li, Composition constants for raising the orders of unconventional schemes, Math. Comp. 66 (1997); Hairer, Lubich
- * and Wanner, Geometric Numerical Integration, V.3.2. */
+/* Kahan and Li, Composition constants for raising the orders of unconventional schemes, Math. Comp. 66 (1997); Hairer,
+ * Lubich and Wanner, Geometric Numerical Integration, V.3.2. */
 static const splitting kahan_li = {
     .stages = 17,
     .g = {0.13020248308889008087881763, 0.56116298177510838456196441, -0.38947496264484728640807860,
@@ -29,8 +30,8 @@ static const splitting kahan_li = {
           0.25837438768632204729397911, 0.29501172360931029887096624},
 };
 
-/* Blanes and Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, J. Comput. Appl. Math. 142
- * (2002), SRKN_14^a. Of order 6 for a force that depends on q alone and a kinetic energy that is quadratic. */
+/* Blanes and Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, J. Comput. Appl. Math.
+ * 142 (2002), SRKN_14^a. Of order 6 for a force that depends on q alone and a kinetic energy that is quadratic. */
 static const splitting blanes_moan = {
     .stages = 14,
     .drift_first = true,

@@ -32,7 +32,7 @@ static INLINE void KERNEL(henon_heiles)(const double *restrict q, double *restri
     }
 }
 
-/* Springs d_i = q_{i+1} - q_i, q_0 = q_7 = 0, i = 0..6: tension 4 d^3 for even i, w^2/2 d for odd i; a_i = T_i - T_{i-1}. */
+/* a_i = T_i - T_{i-1}, T_i = 4 d_i^3 for even i and w^2/2 d_i for odd i, d_i = q_{i+1} - q_i, i = 0..6, q_0 = q_7 = 0. */
 static INLINE void KERNEL(fpu)(const double *restrict q, double *restrict a)
 {
     FOR_LANES(l, LANES) {
@@ -63,6 +63,6 @@ static INLINE void KERNEL(solar)(const double *restrict q, double *restrict a)
     for (int k = 0; k < 18 * LANES; k++) a[k] = 0;
     for (int i = 1; i < 6; i++)
         for (int j = 0; j < i; j++)
-            KERNEL(attract)(SOLAR_G * SOLAR_MASS[i], SOLAR_G * SOLAR_MASS[j], q + 3 * i * LANES, q + 3 * j * LANES, a + 3 * i * LANES,
-                            a + 3 * j * LANES);
+            KERNEL(attract)(SOLAR_G * SOLAR_MASS[i], SOLAR_G * SOLAR_MASS[j], q + 3 * i * LANES, q + 3 * j * LANES,
+                            a + 3 * i * LANES, a + 3 * j * LANES);
 }

@@ -1,4 +1,4 @@
-/* forces.h - the scenes' forces by hand. F(name, n) of FORCES_BY_HAND is called once for each, in the order of force_id. */
+/* forces.h - the scenes' forces by hand. FORCES_BY_HAND calls F(name, n) once for each, in the order of force_id. */
 #ifndef FORCES_H
 #define FORCES_H
 
@@ -7,7 +7,9 @@
 #include <math.h>
 
 #define FORCES_BY_HAND(F) F(pendulum, 1) F(kepler, 2) F(henon_heiles, 2) F(fpu, 6) F(solar, 18)
-typedef enum { FORCE_PENDULUM, FORCE_KEPLER, FORCE_HENON_HEILES, FORCE_FPU, FORCE_SOLAR, FORCES, FORCE_NONE = FORCES } force_id;
+typedef enum {
+    FORCE_PENDULUM, FORCE_KEPLER, FORCE_HENON_HEILES, FORCE_FPU, FORCE_SOLAR, FORCES, FORCE_NONE = FORCES
+} force_id;
 
 force_id force_of(const scene *s);
 

@@ -1,5 +1,5 @@
-/* gauss.c - Gauss collocation of orders 4 to 16, the limit of the Galerkin variational integrators (docs/method.md section 4),
- * solved by fixed point to roundoff from the extrapolated accelerations of the step before. */
+/* gauss.c - Gauss collocation of orders 4 to 16, the limit of the Galerkin variational integrators (docs/method.md
+ * section 4), solved by fixed point to roundoff from the extrapolated accelerations of the step before. */
 #include "forces.h"
 #include "gauss_tableau.h"
 #include "state.h"
@@ -28,7 +28,8 @@ typedef tvi_status gauss_fn(const baseline_task *task, double q[], double p[], b
 FORCES_BY_HAND(ALL_GAUSS)
 
 #define ROW(name, n) \
-    {NULL, NULL, name##_gauss_2, name##_gauss_3, name##_gauss_4, name##_gauss_5, name##_gauss_6, name##_gauss_7, name##_gauss_8},
+    {NULL,           NULL,           name##_gauss_2, name##_gauss_3, name##_gauss_4, \
+     name##_gauss_5, name##_gauss_6, name##_gauss_7, name##_gauss_8},
 static gauss_fn *const functions[FORCES][GAUSS_STAGES_MAX + 1] = {FORCES_BY_HAND(ROW)};
 
 static tvi_status run(const baseline *self, const baseline_task *task, double q[], double p[], baseline_counts *counts)

@@ -1,8 +1,8 @@
 /* gauss_lanes.h - Gauss collocation with its nodes as LANES lanes of a vector: included once for each number of LANES.
  *
- * With the accelerations a_j of the nodes, which all arrays [n][LANES] hold node by node (a lane without a node repeats the
- * last one), h^2 A^2 as columns, C = h c:
- *   Q_i = q0 + (C_i v0 + sum_j (h^2 A^2)_ij a_j),   q1 = q0 + h v0 + h^2 sum b_j (1 - c_j) a_j,   v1 = v0 + h sum b_j a_j. */
+ * With the accelerations a_j of the nodes,
+ *   Q_i = q0 + (h c_i v0 + sum_j h^2 (A^2)_ij a_j),  q1 = q0 + h v0 + h^2 sum b_j (1 - c_j) a_j,  v1 = v0 + h sum b_j a_j.
+ * Arrays are [n][LANES], node by node; a lane without a node repeats the last one. */
 #include "force_kernels.h"
 
 #define NAME KERNEL
@@ -11,7 +11,7 @@ typedef struct {
     _Alignas(64) double node[LANES];                      /* h c_i */
     double matrix[LANES][LANES];                          /* [j][i] h^2 (A^2)_ij */
     double extrapolation[LANES][LANES];                   /* [j][i] l_j(1 + c_i) */
-    double high[2][LANES], low[2][LANES];                 /* h b_j, then h^2 b_j (1 - c_j), in two parts; 0 where no node is */
+    double high[2][LANES], low[2][LANES];                 /* h b_j, then h^2 b_j (1 - c_j), in two parts */
 } NAME(weights);
 
 static void NAME(split)(long double x, double *high, double *low)
@@ -61,9 +61,9 @@ static INLINE double NAME(place)(int n, int s, const NAME(weights) *w, const sta
     double moved[LANES] = {0}, sum = 0;
     for (int k = 0; k < n; k++)
         FOR_LANES(l, LANES) {
-            const double before = Q[k * LANES + l], offset = w->node[l] * x->v[k] + NAME(row)(s, w->matrix, a + k * LANES, l);
+            const double offset = w->node[l] * x->v[k] + NAME(row)(s, w->matrix, a + k * LANES, l);
             const double now = x->q[k] + offset;
-            moved[l] += fabs(now - before);
+            moved[l] += fabs(now - Q[k * LANES + l]);
             Q[k * LANES + l] = now;
         }
     FOR_LANES(l, LANES) sum += moved[l];
@@ -93,7 +93,7 @@ static INLINE void NAME(advance)(int n, int s, const NAME(weights) *w, double h,
 
 typedef void NAME(force)(const double *restrict q, double *restrict a);
 
-/* Fixed-point passes until Q moves no less than at the pass before, at roundoff. Returns the passes; 0 = no convergence. */
+/* Fixed-point passes until Q moves no less than at the pass before, at roundoff. Returns their number, 0 = no convergence. */
 static INLINE int NAME(iterate)(int n, int s, NAME(force) *force, const NAME(weights) *w, const state *x,
                                 double *restrict a, double *restrict Q)
 {

@@ -12,8 +12,8 @@ typedef double row __attribute__((vector_size(ROW * sizeof(double))));
 
 /* Of body i: what belongs to body i + by (modulo 6). */
 #define TURNED(x, by) \
-    __builtin_shufflevector(x, x, (by) % 6, (1 + by) % 6, (2 + by) % 6, (3 + by) % 6, (4 + by) % 6, (5 + by) % 6, (by) % 6, \
-                            (1 + by) % 6)
+    __builtin_shufflevector(x, x, (by) % 6, (1 + by) % 6, (2 + by) % 6, (3 + by) % 6, (4 + by) % 6, (5 + by) % 6, \
+                            (by) % 6, (1 + by) % 6)
 
 /* *w = r2^(-3/2). */
 static INLINE void inverse_cube(const row *r2, row *w)
@@ -24,8 +24,8 @@ static INLINE void inverse_cube(const row *r2, row *w)
     memcpy(w, out, sizeof out);
 }
 
-/* a_i += G m_{i+by} d / |d|^3, d = q_{i+by} - q_i, and, in the other direction, a_{i+by} -= G m_i d / |d|^3 unless 2 by = 6,
- * which has both already. */
+/* a_i += G m_{i+by} d / |d|^3, d = q_{i+by} - q_i, and, in the other direction, a_{i+by} -= G m_i d / |d|^3, unless
+ * by = 3, which has both already. */
 #define ATTRACT(by) \
     do { \
         row d[3], w; \

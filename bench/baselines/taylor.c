@@ -1,10 +1,11 @@
-/* taylor.c - the explicit Taylor method with hand-written recurrences, for Kepler and the Solar System: what a Taylor series
- * costs when nothing is recorded. Not symplectic.
+/* taylor.c - the explicit Taylor method with hand-written recurrences, for Kepler and the Solar System: what a Taylor
+ * series costs when nothing is recorded. Not symplectic.
  *
  * Coefficients are scaled by the step: x_k = h^k x^(k)/k!, so that a curve's value at t + h is their plain sum.
- *   (k+1) q_{k+1} = h v_k,  (k+1) v_{k+1} = h a_k,  k = 0..N-1,  a = -r^-3 d summed over the bodies, where, with s = r^2,
- *   s_k = sum_{j=0}^k d_j.d_{k-j},   w = s^(-3/2):  k s_0 w_k = sum_{j=1}^k (-3/2 j - (k-j)) s_j w_{k-j}    (s w' = -3/2 w s'),
- * and the products by convolution. q and v both to degree N: order N. O(N^2). */
+ *   (k+1) q_{k+1} = h v_k,  (k+1) v_{k+1} = h a_k,  k = 0..N-1,  a = -G m w d summed over the other bodies,
+ *   s = d.d:  s_k = sum_{j=0}^k d_j.d_{k-j},    (w d)_k = sum_{j=0}^k w_j d_{k-j},
+ *   w = s^(-3/2), s w' = -3/2 w s':  k s_0 w_k = sum_{j=1}^k (-3/2 j - (k-j)) s_j w_{k-j}.
+ * q and v both to degree N: order N. O(N^2). */
 #include "forces.h"
 #include "state.h"
 
@@ -32,7 +33,7 @@ static void set_power_weights(int N, power_weights *w)
 /* ---- Kepler ------------------------------------------------------------------------------------------------------- */
 
 typedef struct {
-    double x[DEGREE_MAX + 1], y[DEGREE_MAX + 1], u[DEGREE_MAX + 1], v[DEGREE_MAX + 1]; /* q = (x, y), its velocity (u, v) */
+    double x[DEGREE_MAX + 1], y[DEGREE_MAX + 1], u[DEGREE_MAX + 1], v[DEGREE_MAX + 1]; /* q = (x, y), q' = (u, v) */
     double s[DEGREE_MAX + 1], w[DEGREE_MAX + 1];
 } kepler_series;
 
@@ -89,7 +90,8 @@ static INLINE void solar_square(int k, solar_series *c)
 {
     lanes sum = {0};
     for (int j = 0; 2 * j < k; j++)
-        FOR_LANES(l, LANES) sum[l] += c->x[j][l] * c->x[k - j][l] + c->y[j][l] * c->y[k - j][l] + c->z[j][l] * c->z[k - j][l];
+        FOR_LANES(l, LANES)
+            sum[l] += c->x[j][l] * c->x[k - j][l] + c->y[j][l] * c->y[k - j][l] + c->z[j][l] * c->z[k - j][l];
     FOR_LANES(l, LANES) sum[l] *= 2;
     if (k % 2 == 0) {
         const double *x = c->x[k / 2], *y = c->y[k / 2], *z = c->z[k / 2];

@@ -11,8 +11,8 @@ Suite *suite_orders(void);
 Suite *suite_structure(void);
 Suite *suite_forces(void);
 
-/* The problems of tests/problems.h with a plain force, and two more: the Fermi-Pasta-Ulam chain and the Solar System, whose
- * masses differ; t_end is short. */
+/* The problems of tests/problems.h with a plain force, and two more: the Fermi-Pasta-Ulam chain and the Solar System,
+ * whose masses differ; t_end is short. */
 enum { BASELINE_PROBLEMS = 5 };
 extern const test_problem *const baseline_problems[BASELINE_PROBLEMS];
 

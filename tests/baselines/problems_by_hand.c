@@ -26,7 +26,8 @@ static void solar_force(long double t, const long double q[], long double F[])
             if (i == j) continue;
             long double r2 = 0;
             for (int k = 0; k < 3; k++) r2 += powl(q[3 * j + k] - q[3 * i + k], 2);
-            const long double size = 2.95912208286e-4L * scene_solar.mass[3 * i] * scene_solar.mass[3 * j] / (r2 * sqrtl(r2));
+            const double *m = scene_solar.mass;
+            const long double size = 2.95912208286e-4 * (long double)m[3 * i] * m[3 * j] / (r2 * sqrtl(r2));
             for (int k = 0; k < 3; k++) F[3 * i + k] += size * (q[3 * j + k] - q[3 * i + k]);
         }
 }
@@ -34,8 +35,8 @@ static void solar_force(long double t, const long double q[], long double F[])
 static const test_problem fpu = {&scene_fpu, NULL, fpu_force, 0, 2};
 static const test_problem solar = {&scene_solar, NULL, solar_force, 0, 4000};
 
-const test_problem *const baseline_problems[BASELINE_PROBLEMS] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles, &fpu,
-                                                                  &solar};
+const test_problem *const baseline_problems[BASELINE_PROBLEMS] = {&problem_pendulum, &problem_kepler,
+                                                                  &problem_henon_heiles, &fpu, &solar};
 
 /* ---- Runs --------------------------------------------------------------------------------------------------------- */
 

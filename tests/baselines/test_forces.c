@@ -1,4 +1,4 @@
-/* test_forces.c - the forces by hand against those of tests/problems.h, the scenes' references, and the Gauss tableaus. */
+/* test_forces.c - the forces by hand against plain ones in long double, the scenes' references, and the Gauss tableaus. */
 #include "baselines.h"
 #include "baselines/forces.h"
 #include "baselines/gauss_tableau.h"
@@ -131,8 +131,8 @@ START_TEST(runs_end_at_the_references)
 }
 END_TEST
 
-/* sum b_i c_i^k = 1/(k+1) for k < 2 s, sum_j (A^2)_ij c_j^k = c_i^(k+2)/((k+1)(k+2)) for k < s - 1, and the symmetry that makes
- * the method symplectic, b_i (b_j (1 - c_j) - (A^2)_ij) = b_j (b_i (1 - c_i) - (A^2)_ji). */
+/* sum b_i c_i^k = 1/(k+1) for k < 2 s, sum_j (A^2)_ij c_j^k = c_i^(k+2)/((k+1)(k+2)) for k < s - 1, and the symmetry
+ * that makes the method symplectic, b_i (b_j (1 - c_j) - (A^2)_ij) = b_j (b_i (1 - c_i) - (A^2)_ji). */
 START_TEST(tableaus_are_right)
 {
     const gauss_tableau *t = gauss_tableau_of(_i);

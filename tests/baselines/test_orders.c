@@ -8,8 +8,8 @@
 /* ---- The slope of the error --------------------------------------------------------------------------------------- */
 
 /* Runs of ever more steps until the error of q or p would be less than 50 times roundoff: the slopes between the last and
- * the last but three, where the method is furthest into its asymptotic range. An error is the larger of two times, so that
- * none is small by chance. */
+ * the last but three, where the method is furthest into its asymptotic range. An error is the larger of two times, so
+ * that none is small by chance. */
 enum { TIMES = 2, STEPS_FIRST = 4, STEPS_MOST = 2000, BACK = 3 };
 static const double STEP_RATIO = 1.2, ROUNDOFFS = 50;
 
@@ -61,7 +61,8 @@ static two_errors slope_of(const reference *exact, const baseline *b, result las
     }
     if (runs <= BACK) return (two_errors){0, 0};
     const double ratio = log((double)last[0].steps / (double)last[BACK].steps);
-    return (two_errors){log(last[BACK].error.q / last[0].error.q) / ratio, log(last[BACK].error.p / last[0].error.p) / ratio};
+    return (two_errors){log(last[BACK].error.q / last[0].error.q) / ratio,
+                        log(last[BACK].error.p / last[0].error.p) / ratio};
 }
 
 static void check_order(const baseline *b, const test_problem *problem)
@@ -142,7 +143,8 @@ START_TEST(error_follows_the_tolerance)
     const baseline *b = baseline_at(_i);
     if (!b->adaptive) return;
     const double coarse = error_at(b, 1e-8), fine = error_at(b, 1e-11);
-    ck_assert_msg(coarse / fine > 1e2 && coarse / fine < 1e4 && fine < 1e-5, "%s: errors %.1e, %.1e", b->name, coarse, fine);
+    ck_assert_msg(coarse / fine > 1e2 && coarse / fine < 1e4 && fine < 1e-5, "%s: errors %.1e, %.1e", b->name, coarse,
+                  fine);
 }
 END_TEST
 

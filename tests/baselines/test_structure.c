@@ -1,5 +1,5 @@
-/* test_structure.c - what the baselines keep: the symplectic form, reversibility, angular momentum; and what they say when
- * they fail. Runge-Kutta and Taylor are the controls that must not keep it. */
+/* test_structure.c - what the baselines keep: the symplectic form, reversibility, angular momentum; and what they say
+ * when they fail. Runge-Kutta and Taylor are the controls that must not keep it. */
 #include "baselines.h"
 
 #include <math.h>
