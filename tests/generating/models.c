@@ -140,7 +140,7 @@ model_path model_solution(const model *m)
     return path;
 }
 
-/* ---- Generating functions ---------------------------------------------------------------------------------------------- */
+/* ---- Generating functions ---------------------------------------------------------------------------------------- */
 
 #define BOTH(method, expansion, symmetric)                                                                             \
     {method, expansion, TVI_NODES_ON_CURVE, symmetric}, {method, expansion, TVI_NODES_TRUNCATED, symmetric}
@@ -203,7 +203,7 @@ const char *describe(const tvi_options *options)
     return out;
 }
 
-/* ---- Runs ---------------------------------------------------------------------------------------------------------------- */
+/* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
 tvi_integrator *integrator_of(const tvi_system *system, const tvi_options *options)
 {

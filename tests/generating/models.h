@@ -5,7 +5,7 @@
 
 #include "problems.h"
 
-/* ---- Problems --------------------------------------------------------------------------------------------------------- */
+/* ---- Problems ---------------------------------------------------------------------------------------------------- */
 
 /* What a problem can be run with. */
 enum { WITH_TYPE1 = 1, WITH_HAMILTON = 2, WITH_ALL = WITH_TYPE1 | WITH_HAMILTON };
@@ -43,7 +43,7 @@ typedef struct {
 } model_path;
 model_path model_solution(const model *m);
 
-/* ---- Generating functions ---------------------------------------------------------------------------------------------- */
+/* ---- Generating functions ---------------------------------------------------------------------------------------- */
 
 typedef struct {
     tvi_method method;
@@ -68,7 +68,7 @@ tvi_options adjoint_of(const tvi_options *options);
 /* Text that lives until the next call but seven. */
 const char *describe(const tvi_options *options);
 
-/* ---- Runs ---------------------------------------------------------------------------------------------------------------- */
+/* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
 /* Ends the test where it cannot be made. */
 tvi_integrator *integrator_of(const tvi_system *system, const tvi_options *options);

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* ---- Kepler ------------------------------------------------------------------------------------------------------------- */
+/* ---- Kepler ------------------------------------------------------------------------------------------------------ */
 
 void kepler_as_force(const jet q[], jet t, jet force[], void *ctx)
 {
@@ -28,7 +28,7 @@ jet kepler_as_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(jet_mul(0.5, jet_dot(p, p, 2)), kepler_as_potential(q, t, ctx));
 }
 
-/* ---- The chain ---------------------------------------------------------------------------------------------------------- */
+/* ---- The chain --------------------------------------------------------------------------------------------------- */
 
 const double chain_masses[CHAIN_N] = {1, 2.5, 0.4};
 static const double spring_k = 4, spring_a = 1.5, spring_b = 2, drive = 0.75, drive_frequency = 1.7;
@@ -61,7 +61,7 @@ jet chain_as_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(jet_sum(kinetic, CHAIN_N), chain_as_potential(q, t, ctx));
 }
 
-/* ---- Sheared, in another gauge ------------------------------------------------------------------------------------------- */
+/* ---- Sheared, in another gauge ----------------------------------------------------------------------------------- */
 
 /* q = S x. */
 static const double shear[CHAIN_N][CHAIN_N] = {{1, 0, 0}, {0.5, 1, 0}, {-0.25, 0.75, 1}};

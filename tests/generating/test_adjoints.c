@@ -28,7 +28,7 @@ static void step_with(const tvi_system *system, const tvi_options *options, doub
     tvi_integrator_free(integrator);
 }
 
-/* ---- Adjoints -------------------------------------------------------------------------------------------------------- */
+/* ---- Adjoints ---------------------------------------------------------------------------------------------------- */
 
 /* How far `back` after a step of -h comes from where it started. */
 static double missed(const model *m, const tvi_options *options, const tvi_options *back)
@@ -75,7 +75,7 @@ START_TEST(no_other_does)
 }
 END_TEST
 
-/* ---- The composition ---------------------------------------------------------------------------------------------------- */
+/* ---- The composition --------------------------------------------------------------------------------------------- */
 
 START_TEST(composition_is_half_a_step_and_half_of_the_adjoint)
 {
@@ -100,7 +100,7 @@ START_TEST(composition_is_half_a_step_and_half_of_the_adjoint)
 }
 END_TEST
 
-/* ---- There and back again --------------------------------------------------------------------------------------------- */
+/* ---- There and back again ---------------------------------------------------------------------------------------- */
 
 /* After many steps of h and as many of -h. */
 static double return_error(const model *m, const tvi_options *options)

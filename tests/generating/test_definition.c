@@ -10,7 +10,7 @@
 typedef long double real;
 enum { n = 2, Z = 2 * n, TOP = 5, NODES_MAX = 3 };
 
-/* ---- The problem: H = sum_i (p_i - a f_i)^2 / (2 m_i) + V --------------------------------------------------------------- */
+/* ---- The problem: H = sum_i (p_i - a f_i)^2 / (2 m_i) + V -------------------------------------------------------- */
 
 /* m = (3/2 (1 + b q_1^2), 1/2), f = (q_1 C, q_0^2), V = 2 q_0^2 + q_0^2 q_1 + 3/4 q_1^4 + q_0 C / 2, C = cos(5/4 t):
  * separable for a = b = 0. L = sum_i m_i v_i^2/2 + a f.v - V. */
@@ -70,7 +70,7 @@ static jet record(const law *l, const jet q[], const jet second[], jet t, bool o
 static jet record_lagrangian(const jet q[], const jet v[], jet t, void *ctx) { return record(ctx, q, v, t, false); }
 static jet record_hamiltonian(const jet q[], const jet p[], jet t, void *ctx) { return record(ctx, q, p, t, true); }
 
-/* ---- The curve ---------------------------------------------------------------------------------------------------------- */
+/* ---- The curve --------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     real c[TOP + 1];
@@ -172,7 +172,7 @@ static real slope(const series *x, int degree, real s)
     return sum_of_terms;
 }
 
-/* ---- The action --------------------------------------------------------------------------------------------------------- */
+/* ---- The action -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     tvi_quadrature quadrature;
@@ -270,7 +270,7 @@ static void solve(int size, real A[COLUMNS_MAX][COLUMNS_MAX], real x[])
     for (int i = 0; i < size; i++) x[i] /= A[i][i];
 }
 
-/* ---- The equations of the generating functions -------------------------------------------------------------------------- */
+/* ---- The equations of the generating functions ------------------------------------------------------------------- */
 
 /* The state before and after the step. */
 typedef struct {
@@ -410,7 +410,7 @@ static void definition_step(const method *m, const test_state *start, ends *e)
     ck_abort_msg("the definition is not solved");
 }
 
-/* ---- Both ends ----------------------------------------------------------------------------------------------------------- */
+/* ---- Both ends --------------------------------------------------------------------------------------------------- */
 
 /* x = (q0, v0, q1, v1); y = (a(h), b(-h), S). */
 enum { A_END = 0, B_END = n, BOTH_ACTION = 2 * n, BOTH_Y };
@@ -490,7 +490,7 @@ static void definition_step_both(const method *m, const test_state *start, ends 
     ck_abort_msg("the definition is not solved");
 }
 
-/* ---- The comparison ------------------------------------------------------------------------------------------------------ */
+/* ---- The comparison ---------------------------------------------------------------------------------------------- */
 
 #define ROOT_3 1.7320508075688772935274463L
 #define ROOT_15 3.8729833462074168851792654L

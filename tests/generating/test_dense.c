@@ -25,7 +25,7 @@ static bool method_options(int method, int degree, const model *m, tvi_options *
     return method == TAYLOR ? true : method == VERLET ? m->problem != NULL : kind_serves(k, m);
 }
 
-/* ---- The ends ------------------------------------------------------------------------------------------------------------ */
+/* ---- The ends ---------------------------------------------------------------------------------------------------- */
 
 static bool same(int n, const test_state *a, const test_state *b)
 {
@@ -101,7 +101,7 @@ START_TEST(composition_has_the_output_of_its_halves)
 }
 END_TEST
 
-/* ---- The order ----------------------------------------------------------------------------------------------------------- */
+/* ---- The order --------------------------------------------------------------------------------------------------- */
 
 /* The solution from *x at time t, by a method of order 16. */
 static void follow(tvi_integrator *fine, double t, test_state *x)
@@ -169,7 +169,7 @@ START_TEST(inner_points_have_the_order_of_the_curve)
 }
 END_TEST
 
-/* ---- When there is none --------------------------------------------------------------------------------------------------- */
+/* ---- When there is none ------------------------------------------------------------------------------------------ */
 
 static jet root(const jet q[], jet t, void *ctx)
 {

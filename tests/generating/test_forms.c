@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-/* ---- H_q and H_p by hand ------------------------------------------------------------------------------------------------ */
+/* ---- H_q and H_p by hand ----------------------------------------------------------------------------------------- */
 
 typedef struct {
     long double q[N_MAX], p[N_MAX];
@@ -29,7 +29,7 @@ static slopes slopes_at(const model *m, long double t, const long double q[], co
     return H;
 }
 
-/* ---- Steps by hand ------------------------------------------------------------------------------------------------------ */
+/* ---- Steps by hand ----------------------------------------------------------------------------------------------- */
 
 typedef void closed_form(const model *m, long double h, exact_state *x);
 
@@ -160,7 +160,7 @@ static void svhd(const model *m, long double h, exact_state *x)
     svhd_second(m, h / 2, x);
 }
 
-/* ---- What is what ------------------------------------------------------------------------------------------------------- */
+/* ---- What is what ------------------------------------------------------------------------------------------------ */
 
 enum { SEPARABLE_ONLY = 0, ANY = 1 };
 
@@ -250,7 +250,7 @@ START_TEST(svhd_is_its_closed_form)
 }
 END_TEST
 
-/* ---- Section 8.6: which methods are one -------------------------------------------------------------------------------- */
+/* ---- Section 8.6: which methods are one -------------------------------------------------------------------------- */
 
 static double between(const model *m, int form, int other)
 {

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* ---- Symplecticity: M^T J M = J for the derivative M of a step ----------------------------------------------------- */
+/* ---- Symplecticity: M^T J M = J for the derivative M of a step --------------------------------------------------- */
 
 enum { STENCIL = 6 };
 
@@ -101,7 +101,7 @@ START_TEST(others_are_not_symplectic)
 }
 END_TEST
 
-/* ---- Momenta ------------------------------------------------------------------------------------------------------------ */
+/* ---- Momenta ----------------------------------------------------------------------------------------------------- */
 
 enum { MOMENTA = 3 };
 typedef void momentum_function(const test_state *x, double out[MOMENTA]);
@@ -189,7 +189,7 @@ START_TEST(taylor_does_not_keep_momenta)
 }
 END_TEST
 
-/* ---- Energy ------------------------------------------------------------------------------------------------------------- */
+/* ---- Energy ------------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     double first, last; /* largest |H - H0| over the first and the last tenth of the run */

@@ -11,7 +11,7 @@ static void find_paths(void)
     for (int i = 0; i < MODELS; i++) paths[i] = model_solution(models[i]);
 }
 
-/* ---- The slope of the error ---------------------------------------------------------------------------------------- */
+/* ---- The slope of the error -------------------------------------------------------------------------------------- */
 
 /* Runs of ever more steps, until the slopes of q and of p have both settled (changed by less than `settled`, twice), or an
  * error is near roundoff. */
@@ -87,7 +87,7 @@ static void check_promise(int which, const tvi_options *options, int order)
     tvi_system_free(system);
 }
 
-/* ---- Every method and degree ------------------------------------------------------------------------------------------ */
+/* ---- Every method and degree ------------------------------------------------------------------------------------- */
 
 /* On-curve 2N, Poincare 2K + 2; truncated N at the ends, at the midpoint the even number from N on, and at both ends the
  * one from r on. */
@@ -114,7 +114,7 @@ START_TEST(method_has_its_order)
 }
 END_TEST
 
-/* ---- Order min(2N, s) with a quadrature of order s, and of compositions ------------------------------------------------- */
+/* ---- Order min(2N, s) with a quadrature of order s, and of compositions ------------------------------------------ */
 
 static const struct {
     kind k;
@@ -171,7 +171,7 @@ START_TEST(taylor_has_order_of_its_degree_less_one)
 }
 END_TEST
 
-/* ---- The measured errors of sections 3 and 4 ---------------------------------------------------------------------------- */
+/* ---- The measured errors of sections 3 and 4 --------------------------------------------------------------------- */
 
 enum { MEASURED_RUNS = 4, KEPLER = 1, DEGENERATE = 7 };
 static const struct {

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* ---- Velocities and momenta ---------------------------------------------------------------------------------------------- */
+/* ---- Velocities and momenta -------------------------------------------------------------------------------------- */
 
 /* v -> p -> v and p -> v -> p. */
 static void check_round_trip(const tvi_system *system, const char *name, double t, const double q[], const double v[])
@@ -69,7 +69,7 @@ START_TEST(degenerate_has_velocities_only)
 }
 END_TEST
 
-/* ---- A Lagrangian that is not quadratic ------------------------------------------------------------------------------------ */
+/* ---- A Lagrangian that is not quadratic -------------------------------------------------------------------------- */
 
 /* L = -sqrt(1 - |v|^2) - q0^2/2: p = v / sqrt(1 - v^2), H = sqrt(1 + p^2) + q0^2/2. */
 static jet relativistic(const jet q[], const jet v[], jet t, void *ctx)
@@ -139,7 +139,7 @@ START_TEST(relativistic_motion)
 }
 END_TEST
 
-/* ---- Energies ---------------------------------------------------------------------------------------------------------------- */
+/* ---- Energies ---------------------------------------------------------------------------------------------------- */
 
 /* Kepler, the chain, and the chain sheared in another gauge. */
 START_TEST(statements_have_one_energy)

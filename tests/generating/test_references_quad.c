@@ -17,7 +17,7 @@ typedef struct {
 /* dx = (q', p') at x. */
 typedef void quad_field(const quad_point *x, quad_point *dx);
 
-/* ---- The equations ---------------------------------------------------------------------------------------------------- */
+/* ---- The equations ----------------------------------------------------------------------------------------------- */
 
 /* M v = p, M = ((m1 + m2) l1^2, c; c, m2 l2^2), c = m2 l1 l2 cos(q1 - q2); p' = L_q. */
 static void double_pendulum(const quad_point *x, quad_point *dx)
@@ -72,7 +72,7 @@ static void degenerate(const quad_point *x, quad_point *dx)
     dx->p[0] = sinq(x->q[0]) - x->p[0] * cosq(x->q[0]);
 }
 
-/* ---- Gragg's method, extrapolated ------------------------------------------------------------------------------------- */
+/* ---- Gragg's method, extrapolated -------------------------------------------------------------------------------- */
 
 static void move(int n, const quad_point *x, quad h, const quad_point *slope, quad_point *out)
 {
@@ -127,7 +127,7 @@ static quad_point integrate(const scene *s, quad_field *field, int rows, int ste
     return x;
 }
 
-/* ---- The references ---------------------------------------------------------------------------------------------------- */
+/* ---- The references ---------------------------------------------------------------------------------------------- */
 
 static const struct {
     const scene *scene;

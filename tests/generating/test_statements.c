@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* ---- Four statements ---------------------------------------------------------------------------------------------------- */
+/* ---- Four statements --------------------------------------------------------------------------------------------- */
 
 enum { FORCE, POTENTIAL, LAGRANGIAN, HAMILTONIAN, STATEMENTS };
 
@@ -109,7 +109,7 @@ START_TEST(statements_cost_the_same)
 }
 END_TEST
 
-/* ---- What is recognised -------------------------------------------------------------------------------------------------- */
+/* ---- What is recognised ------------------------------------------------------------------------------------------ */
 
 /* (v0 + v1)^2 + (v0 - v1)^2 = 2 v0^2 + 2 v1^2. */
 static jet disguised(const jet q[], const jet v[], jet t, void *ctx)
@@ -211,7 +211,7 @@ START_TEST(structure_is_recognised)
 }
 END_TEST
 
-/* ---- A force with velocities --------------------------------------------------------------------------------------------- */
+/* ---- A force with velocities ------------------------------------------------------------------------------------- */
 
 _Static_assert(_Generic((tvi_force_fn *)0, void (*)(const jet *, jet, jet *, void *): 1, default: 0),
                "a force is given positions and the time, no velocities");
