@@ -1,8 +1,8 @@
 # make            build/libtvi.a and build/libtvi.so
 # make check      the tests (installs what they need from Debian, as root)
-# make bench      the order sweeps over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
+# make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
 # make install    headers, libraries and tvi.pc below PREFIX (and DESTDIR)
-# make compare    the baselines of bench/baselines over all scenes: CSV in build/bench/baselines; SCENE=kepler for one
+# make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error
 # make references bench/scenes/references.h anew, in quadruple precision
 
@@ -86,8 +86,6 @@ include bench/bench.mk
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 
 include tests/tests.mk
-
-include bench/baselines/baselines.mk
 
 clean:
 	rm -rf build

@@ -2,7 +2,9 @@
 
 SCENES       := $(wildcard bench/scenes/*.c)
 SCENE_OBJECTS = $(patsubst %.c,$(BUILD)/%.o,$(SCENES))
-BENCH_OBJECTS = $(patsubst %,$(BUILD)/bench/%.o,bench run report)
+include bench/baselines/baselines.mk
+
+SWEEP_OBJECTS = $(patsubst %,$(BUILD)/bench/%.o,run report contenders sweep) $(BASELINE_OBJECTS) $(SCENE_OBJECTS)
 
 # CSV, tables and plots in $(BUILD)/bench; SCENE=name for one scene, BUDGET=seconds for all of it.
 bench: need-bench
@@ -21,11 +23,10 @@ references: need-library
 	$(BUILD)/bench/reference > $(BUILD)/bench/references.h
 	mv $(BUILD)/bench/references.h bench/scenes/references.h
 
-$(BUILD)/bench/sweep: $(BENCH_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
-
-$(BUILD)/bench/choose: $(BUILD)/bench/choose.o $(BUILD)/bench/run.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
+$(BUILD)/bench/sweep: $(BUILD)/bench/bench.o $(BUILD)/bench/summary.o
+$(BUILD)/bench/choose: $(BUILD)/bench/choose.o
+$(BUILD)/bench/sweep $(BUILD)/bench/choose: $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
+	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
 $(BUILD)/bench/reference: $(BUILD)/bench/reference.o $(BUILD)/bench/quad.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LIBS) -lquadmath

@@ -15,7 +15,8 @@
 #define COMPILER "gcc " __VERSION__
 #endif
 
-/* ---- The file ------------------------------------------------------------------------------------------------------ */
+/* ---- The file ------------------------------------------------------------------------------------------------------
+ */
 
 static void write_processor(FILE *csv)
 {
@@ -44,7 +45,8 @@ bool report_open(report *r, const char *dir, int argc, char *const argv[])
     for (int i = 0; i < argc; i++) fprintf(r->csv, " %s", argv[i]);
     fprintf(r->csv,
             "\n# cpu_s: the fastest of several repetitions on one thread, without making the system and the integrator"
-            "\n# max_rel_energy_error: over all steps, or over %d or more evenly spaced ones\n", RUN_SAMPLES);
+            "\n# max_rel_energy_error: over all steps, or over %d or more evenly spaced ones\n",
+            RUN_SAMPLES);
     fprintf(r->csv, "scene,method,order,degree,h,steps,cpu_s,ns_per_step,max_rel_energy_error,end_error,position_error,"
                     "force_evals,passes_per_step\n");
     return true;
@@ -71,9 +73,9 @@ static bool keep(report *r, const run *row)
 bool report_row(report *r, const run *row)
 {
     const double steps = (double)row->steps;
-    fprintf(r->csv, "%s,%s,%d,%d,%.10g,%ld,%.4e,%.1f,%.4e,%.4e,%.4e,%ld,%.4g\n", row->scene->name, row->method, row->order,
-            row->degree, row->h, row->steps, row->cpu, 1e9 * row->cpu / steps, row->energy_error, row->end_error,
-            row->position_error, row->force_evaluations, row->passes_per_step);
+    fprintf(r->csv, "%s,%s,%d,%d,%.10g,%ld,%.4e,%.1f,%.4e,%.4e,%.4e,%ld,%.4g\n", row->scene->name, row->method,
+            row->order, row->degree, row->h, row->steps, row->cpu, 1e9 * row->cpu / steps, row->energy_error,
+            row->end_error, row->position_error, row->force_evaluations, row->passes_per_step);
     fflush(r->csv);
     return keep(r, row);
 }
@@ -98,69 +100,42 @@ bool report_close(report *r)
     return false;
 }
 
-/* ---- The table ----------------------------------------------------------------------------------------------------- */
+/* ---- Tables --------------------------------------------------------------------------------------------------------
+ */
 
-static double position_error(const run *row) { return row->position_error; }
-static double energy_error(const run *row) { return row->energy_error; }
-
-/* The columns of the table: midpoint, the other variational methods, and the explicit Taylor method, which is not
- * symplectic. */
-enum { MIDPOINT, VARIATIONAL, TAYLOR, GROUPS };
-static const struct {
-    const char *title;
-    int width;
-} groups[GROUPS] = {{"fastest midpoint (h)", 31}, {"other variational (h)", 28}, {"taylor (h)", 20}};
-
-static int group_of(const run *row)
-{
-    if (strncmp(row->method, "midpoint", 8) == 0) return MIDPOINT;
-    return strcmp(row->method, "taylor") == 0 ? TAYLOR : VARIATIONAL;
-}
-
-/* The fastest run of the scene in the group with an error of at most bound; NULL: there is none. */
-static const run *fastest(const report *r, const scene *s, double error(const run *), double bound, int group)
+const run *report_fastest(const report *r, const scene *s, report_error *error, double bound, report_choice *chosen,
+                          const void *ctx)
 {
     const run *best = NULL;
     for (const run *row = r->rows; row < r->rows + r->count; row++)
-        if (row->scene == s && group_of(row) == group && error(row) <= bound && (!best || row->cpu < best->cpu))
-            best = row;
+        if (row->scene == s && error(row) <= bound && (!best || row->cpu < best->cpu) && chosen(row, ctx)) best = row;
     return best;
 }
 
-static void print_entry(const run *row, int width)
-{
-    char text[64] = "-", time[32] = "-";
-    if (row) {
-        snprintf(text, sizeof text, "%s %d (%.4g)", row->method, row->order, row->h);
-        snprintf(time, sizeof time, "%.3f", 1e3 * row->cpu);
-    }
-    printf("  %-*s%9s", width, text, time);
-}
+double report_position_error(const run *row) { return row->position_error; }
+double report_energy_error(const run *row) { return row->energy_error; }
 
-/* One line a bound. ratio: time of the fastest of all others / time of midpoint, so that below 1 midpoint loses. */
-static void print_half(const report *r, const scene *s, const char *title, double error(const run *))
+bool report_is_named(const run *row, const void *name) { return strcmp(row->method, name) == 0; }
+
+void report_methods(const report *r, const scene *s, const char *const names[], int count, FILE *out)
 {
-    static const double bounds[] = {1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
-    printf("  %-8s", title);
-    for (int g = 0; g < GROUPS; g++) printf("  %-*s%9s", groups[g].width, groups[g].title, "ms");
-    printf("   ratio\n");
+    static const double bounds[] = {1e-4, 1e-6, 1e-8, 1e-10};
     for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
-        const run *best[GROUPS], *other = NULL;
-        printf("  %-8.0e", bounds[i]);
-        for (int g = 0; g < GROUPS; g++) {
-            best[g] = fastest(r, s, error, bounds[i], g);
-            print_entry(best[g], groups[g].width);
-            if (g != MIDPOINT && best[g] && (!other || best[g]->cpu < other->cpu)) other = best[g];
+        fprintf(out, "| %s | %.0e |", s->name, bounds[i]);
+        for (int k = 0; k < count; k++) {
+            const run *row = report_fastest(r, s, report_position_error, bounds[i], report_is_named, names[k]);
+            if (row) fprintf(out, " %d (%.4g) %.3g |", row->order, row->h, 1e3 * row->cpu);
+            else fprintf(out, " - |");
         }
-        if (best[MIDPOINT] && other) printf("%8.2f", other->cpu / best[MIDPOINT]->cpu);
-        printf("\n");
+        fprintf(out, "\n");
     }
 }
 
-void report_table(const report *r, const scene *s)
+void report_methods_head(const char *const names[], int count, FILE *out)
 {
-    printf("\n%s: %s\n", s->name, s->title);
-    print_half(r, s, "position", position_error);
-    print_half(r, s, "energy", energy_error);
-    fflush(stdout);
+    fprintf(out, "| scene | position error |");
+    for (int k = 0; k < count; k++) fprintf(out, " %s (time) |", names[k]);
+    fprintf(out, "\n|---|---|");
+    for (int k = 0; k < count; k++) fprintf(out, "---|");
+    fprintf(out, "\n");
 }

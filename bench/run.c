@@ -4,53 +4,91 @@
 #include <string.h>
 #include <time.h>
 
-/* Repetitions of the timing: three and 20 ms at least, unless they are long. */
+/* Repetitions of the timing: three and 10 ms at least, unless they are long. */
 static const int repetitions = 3;
-static const double shortest = 0.02, longest = 0.25;
+static const double shortest = 0.01, longest = 0.1;
+/* Turns of a pair: seven and 30 ms at least, or three where they are long. */
+static const int turns = 7, least_turns = 3;
+static const double shortest_pair = 0.03, longest_pair = 0.4;
 
-double run_clock(void)
+static double read_clock(clockid_t clock)
 {
     struct timespec t;
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    clock_gettime(clock, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static bool enough(int done, double total)
+double run_clock(void) { return read_clock(CLOCK_PROCESS_CPUTIME_ID); }
+double run_wall_clock(void) { return read_clock(CLOCK_MONOTONIC); }
+
+/* ---- A run, whoever runs ------------------------------------------------------------------------------------------- */
+
+typedef struct {
+    const scene *scene;
+    double h, tolerance;
+    long steps;
+    const baseline *baseline;
+    tvi_integrator *integrator; /* where there is no baseline */
+    baseline_counts counts;     /* of the last run */
+} runner;
+
+static tvi_status runner_open(runner *r, const tvi_system *system, const scene *s, const contender *who, double setting)
 {
-    return total >= longest || (done >= repetitions && total >= shortest);
+    const bool adaptive = who->baseline && who->baseline->adaptive;
+    *r = (runner){.scene = s, .baseline = who->baseline, .h = setting};
+    if (adaptive) r->h = s->t_end, r->tolerance = setting;
+    r->steps = lround(s->t_end / r->h);
+    return r->baseline ? TVI_OK : tvi_integrator_create(&r->integrator, system, &who->options);
 }
 
-static long count_steps(const scene *s, double h) { return lround(s->t_end / h); }
+static void runner_close(runner *r) { tvi_integrator_free(r->integrator); }
 
-/* steps steps from the scene's start; q[n] and p[n] receive the end. */
-static tvi_status go(tvi_integrator *integrator, const scene *s, double h, long steps, double q[], double p[],
-                     tvi_observer *observer, void *ctx)
+static tvi_status go_integrator(runner *r, double q[], double p[], tvi_observer *observer, void *ctx)
 {
+    const tvi_stats *now = tvi_integrator_stats(r->integrator), before = *now;
     double t = 0;
+    tvi_integrator_reset(r->integrator);
+    const tvi_status status = tvi_integrate(r->integrator, r->h, r->steps, &t, q, p, observer, ctx);
+    r->counts = (baseline_counts){.steps = now->steps - before.steps,
+                                  .force_evaluations = now->force_evaluations - before.force_evaluations,
+                                  .passes = now->passes - before.passes};
+    return status;
+}
+
+/* From the scene's start; q[n] and p[n] receive the end. */
+static tvi_status go(runner *r, double q[], double p[], tvi_observer *observer, void *ctx)
+{
+    const scene *s = r->scene;
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
     memcpy(p, s->p, (size_t)s->n * sizeof *p);
-    tvi_integrator_reset(integrator);
-    return tvi_integrate(integrator, h, steps, &t, q, p, observer, ctx);
+    if (!r->baseline) return go_integrator(r, q, p, observer, ctx);
+    const baseline_task task = {s, r->h, r->steps, r->tolerance, observer, ctx};
+    return r->baseline->run(r->baseline, &task, q, p, &r->counts);
 }
 
-/* CPU time of one such run; negative where it fails. */
-static double time_once(tvi_integrator *integrator, const scene *s, double h, long steps)
+/* CPU time of one run; infinite where it fails. */
+static double time_once(runner *r)
 {
-    double q[s->n], p[s->n], begin = run_clock();
-    tvi_status status = go(integrator, s, h, steps, q, p, NULL, NULL);
-    return status == TVI_OK ? run_clock() - begin : -1;
+    double q[r->scene->n], p[r->scene->n];
+    const double begin = run_clock();
+    const tvi_status status = go(r, q, p, NULL, NULL);
+    return status == TVI_OK ? run_clock() - begin : INFINITY;
 }
+
+/* ---- Errors -------------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     const tvi_system *system;
     long steps, every; /* every this many steps, and after the last one */
     double start, scale, worst;
+    double deadline; /* of the wall clock */
 } monitor;
 
 /* worst = max |H - H0| / scale; infinite from the first H that has no value on. */
 static int watch(long step, double t, const double q[], const double p[], void *ctx)
 {
     monitor *m = ctx;
+    if (m->deadline < INFINITY && run_wall_clock() > m->deadline) return 1;
     if (step % m->every != 0 && step != m->steps) return 0;
     double energy, error = INFINITY;
     if (tvi_energy(m->system, t, q, p, &energy) == TVI_OK) error = fabs(energy - m->start) / m->scale;
@@ -70,58 +108,77 @@ static void compare_with_reference(const scene *s, const double q[], const doubl
     result->position_error = sqrt(squares);
 }
 
-/* The first run of an integrator, so that its statistics are those of the run. */
-static void measure_errors(const tvi_system *system, tvi_integrator *integrator, run *result)
+static void measure_errors(const tvi_system *system, runner *r, double deadline, run *result)
 {
-    const scene *s = result->scene;
-    const tvi_stats *stats = tvi_integrator_stats(integrator);
+    const scene *s = r->scene;
     double q[s->n], p[s->n];
-    monitor m = {.system = system, .steps = result->steps};
+    monitor m = {.system = system, .steps = r->steps, .deadline = deadline};
     m.every = m.steps < RUN_SAMPLES ? 1 : m.steps / RUN_SAMPLES;
     result->status = tvi_energy(system, 0, s->q, s->p, &m.start);
     if (result->status != TVI_OK) return;
     m.scale = fmax(fabs(m.start), s->energy_scale);
-    result->status = go(integrator, s, result->h, m.steps, q, p, watch, &m);
-    result->failed_step = result->status == TVI_OK ? 0 : stats->steps + 1;
+    result->status = go(r, q, p, watch, &m);
+    if (result->status != TVI_OK && r->integrator) result->failed_step = r->counts.steps + 1;
+    if (result->status != TVI_OK) return;
+    result->steps = r->counts.steps;
+    result->h = s->t_end / (double)result->steps;
     result->energy_error = m.worst;
-    result->force_evaluations = stats->force_evaluations;
-    result->passes_per_step = (double)stats->passes / (double)m.steps;
+    result->force_evaluations = r->counts.force_evaluations;
+    result->passes_per_step = (double)r->counts.passes / (double)result->steps;
     compare_with_reference(s, q, p, result);
 }
 
-static void measure_time(tvi_integrator *integrator, run *result)
+/* ---- Time ---------------------------------------------------------------------------------------------------------- */
+
+static double fastest_time(runner *r)
 {
     double total = 0, best = INFINITY;
-    for (int done = 0; !enough(done, total); done++) {
-        double once = time_once(integrator, result->scene, result->h, result->steps);
+    for (int done = 0; total < longest && (done < repetitions || total < shortest); done++) {
+        const double once = time_once(r);
         best = fmin(best, once);
         total += once;
     }
-    result->cpu = best;
+    return best;
 }
 
-double run_predict(const tvi_system *system, const scene *s, const tvi_options *options, double h)
+void run_contender(const tvi_system *system, const scene *s, const contender *who, double setting, double deadline,
+                   run *result)
 {
-    enum { PILOT = 16 };
-    tvi_integrator *integrator;
-    long steps = count_steps(s, h), pilot = steps < PILOT ? steps : PILOT;
-    if (tvi_integrator_create(&integrator, system, options) != TVI_OK) return 0;
-    double cold = time_once(integrator, s, h, pilot), warm = time_once(integrator, s, h, pilot);
-    tvi_integrator_free(integrator);
-    if (cold < 0 || warm < 0) return 0;
-    double once = fmin(cold, warm) / (double)pilot * (double)steps, total = once;
-    for (int done = 0; !enough(done, total - once); done++) total += fmax(once, shortest / repetitions);
-    return total;
+    runner r;
+    const double begin = run_wall_clock();
+    *result = (run){.scene = s, .who = who, .method = who->name, .order = who->order, .setting = setting};
+    result->status = runner_open(&r, system, s, who, setting);
+    if (result->status != TVI_OK) return;
+    result->h = r.h;
+    result->steps = r.steps;
+    if (r.integrator) result->degree = tvi_integrator_options(r.integrator)->degree;
+    measure_errors(system, &r, deadline, result);
+    if (result->status == TVI_OK) result->cpu = fastest_time(&r);
+    runner_close(&r);
+    result->wall = run_wall_clock() - begin;
 }
 
 void run_measure(const tvi_system *system, const scene *s, const tvi_options *options, double h, run *result)
 {
-    tvi_integrator *integrator;
-    *result = (run){.scene = s, .order = options->order, .h = h, .steps = count_steps(s, h)};
-    result->status = tvi_integrator_create(&integrator, system, options);
-    if (result->status != TVI_OK) return;
-    result->degree = tvi_integrator_options(integrator)->degree;
-    measure_errors(system, integrator, result);
-    if (result->status == TVI_OK) measure_time(integrator, result);
-    tvi_integrator_free(integrator);
+    const contender who = {.order = options->order, .options = *options};
+    run_contender(system, s, &who, h, INFINITY, result);
+    result->who = NULL;
+}
+
+void run_in_turns(const tvi_system *system, const run *a, const run *b, double cpu[2])
+{
+    const run *const runs[2] = {a, b};
+    runner r[2] = {0};
+    double total = 0;
+    for (int i = 0; i < 2; i++) cpu[i] = INFINITY;
+    bool good = true;
+    for (int i = 0; i < 2; i++) good &= runner_open(&r[i], system, a->scene, runs[i]->who, runs[i]->setting) == TVI_OK;
+    for (int turn = 0; good && (turn < least_turns || (total < longest_pair && (turn < turns || total < shortest_pair)));
+         turn++)
+        for (int i = 0; i < 2; i++) {
+            const double once = time_once(&r[i]);
+            cpu[i] = fmin(cpu[i], once);
+            total += once;
+        }
+    for (int i = 0; i < 2; i++) runner_close(&r[i]);
 }

@@ -2,6 +2,11 @@
 
 #include <string.h>
 
+#ifndef BASELINE_FLAGS
+#define BASELINE_FLAGS "unknown"
+#endif
+const char *const baseline_flags = BASELINE_FLAGS;
+
 static const baseline *const lists[] = {
     baselines_composition, baselines_shooting, baselines_gauss, baselines_taylor,
 #ifdef BASELINES_GSL

@@ -37,6 +37,7 @@ struct baseline {
     const char *name; /* NULL ends a list */
     int order;        /* the highest where it varies */
     bool adaptive;    /* it chooses its own steps: see baseline_task.tolerance */
+    bool symplectic;
     const void *data; /* what tells apart the baselines of one function */
     bool (*serves)(const baseline *self, const scene *s); /* NULL = every scene with a force by hand */
     /* From (q, p) at t = 0 to h steps, in place; counts is set. Where it fails, q and p are anything.
@@ -46,6 +47,7 @@ struct baseline {
 
 const baseline *baseline_at(int index);                      /* from 0, all that were compiled; NULL: there are no more */
 const baseline *baseline_find(const char *name, int order);  /* NULL: no such baseline */
+extern const char *const baseline_flags;                     /* of the compiler */
 bool baseline_serves(const baseline *b, const scene *s);
 
 extern const baseline baselines_composition[], baselines_gauss[], baselines_shooting[], baselines_taylor[];

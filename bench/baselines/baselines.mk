@@ -1,5 +1,4 @@
-# The baselines and their comparison. For the Makefile to include after bench.mk and tests.mk; without it make check builds
-# and tests the baselines too, but not those of GSL and SUNDIALS.
+# The baselines, and what compares them only. Included by bench.mk.
 
 # gcc; vectors of pairs of numbers that were stored one by one would wait for them, hence no -ftree-slp-vectorize
 BASELINE_FLAGS := -O3 -march=native -fno-math-errno -ffp-contract=fast -fno-tree-slp-vectorize
@@ -10,16 +9,20 @@ BASELINE_SUNDIALS := $(if $(wildcard /usr/include/arkode/arkode_erkstep.h),-lsun
                      -lsundials_nvecserial -lsundials_sunnonlinsolfixedpoint)
 BASELINE_LIBS     := $(BASELINE_GSL) $(BASELINE_SUNDIALS)
 BASELINE_DEFINES  := $(if $(BASELINE_GSL),-DBASELINES_GSL) $(if $(BASELINE_SUNDIALS),-DBASELINES_SUNDIALS)
-BASELINE_OBJECTS   = $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/compare.c,$(wildcard bench/baselines/*.c)))
+BASELINE_OBJECTS   = $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/peers.c,$(wildcard bench/baselines/*.c)))
 
-# SCENE=name for one scene; PEERS=folder: only Gauss collocation, against another program of it, folder/gauss
-compare: need-bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/compare
-	$(BUILD)/bench/compare --out $(BUILD)/bench/baselines $(if $(SCENE),--scene $(SCENE)) $(if $(PEERS),--peers $(PEERS))
+# the sweep of the baselines only; PEERS=folder: Gauss collocation against another program of it, folder/gauss, instead
+compare: need-library
+ifdef PEERS
+	@$(MAKE) --no-print-directory $(BUILD)/bench/peers
+	$(BUILD)/bench/peers $(PEERS)
+else
+	@$(MAKE) --no-print-directory $(BUILD)/bench/sweep
+	$(BUILD)/bench/sweep --baselines --out $(BUILD)/bench/baselines --budget $(or $(BUDGET),60) $(if $(SCENE),--scene $(SCENE))
+endif
 .PHONY: compare
 
-$(BUILD)/bench/compare: $(BUILD)/bench/baselines/compare.o $(BASELINE_OBJECTS) $(BUILD)/bench/run.o $(BUILD)/bench/report.o \
-                        $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+$(BUILD)/bench/peers: $(BUILD)/bench/baselines/peers.o $(BUILD)/bench/run.o $(BASELINE_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
 $(BUILD)/check/baselines: CHECK_LIBS += $(BASELINE_LIBS)

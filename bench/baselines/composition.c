@@ -180,8 +180,8 @@ static tvi_status run(const baseline *self, const baseline_task *task, double q[
 }
 
 const baseline baselines_composition[] = {
-    {.name = "verlet", .order = 2, .data = &verlet, .run = run},
-    {.name = "blanes-moan", .order = 6, .data = &blanes_moan, .run = run},
-    {.name = "kahan-li", .order = 8, .data = &kahan_li, .run = run},
+    {.name = "verlet", .order = 2, .data = &verlet, .symplectic = true, .run = run},
+    {.name = "blanes-moan", .order = 6, .data = &blanes_moan, .symplectic = true, .run = run},
+    {.name = "kahan-li", .order = 8, .data = &kahan_li, .symplectic = true, .run = run},
     {.name = NULL},
 };

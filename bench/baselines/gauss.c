@@ -38,6 +38,6 @@ static tvi_status run(const baseline *self, const baseline_task *task, double q[
     return functions[force_of(task->scene)][self->order / 2](task, q, p, counts);
 }
 
-#define BASELINE(order_) {.name = "gauss", .order = order_, .run = run}
+#define BASELINE(order_) {.name = "gauss", .order = order_, .symplectic = true, .run = run}
 const baseline baselines_gauss[] = {BASELINE(4),  BASELINE(6),  BASELINE(8), BASELINE(10),
                                     BASELINE(12), BASELINE(14), BASELINE(16), {.name = NULL}};

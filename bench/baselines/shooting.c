@@ -328,7 +328,7 @@ static tvi_status run(const baseline *self, const baseline_task *task, double q[
 }
 
 const baseline baselines_shooting[] = {
-    {.name = "shooting", .order = 4, .run = run},
-    {.name = "shooting", .order = 6, .run = run},
+    {.name = "shooting", .order = 4, .symplectic = true, .run = run},
+    {.name = "shooting", .order = 6, .symplectic = true, .run = run},
     {.name = NULL},
 };

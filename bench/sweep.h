@@ -1,0 +1,27 @@
+/* sweep.h - lines of runs: a contender over a scene's ladder of steps, within a budget of time. */
+#ifndef SWEEP_H
+#define SWEEP_H
+
+#include "contenders.h"
+#include "report.h"
+
+typedef struct {
+    report report;
+    double begin, end;      /* of the wall clock: when the sweeps began, and must be over */
+    double longest;         /* s: no measurement may take longer; 0 = only the budget ends it */
+    double enough;          /* a line ends below this position error; 0 = at roundoff */
+    const char *only;       /* of the contenders' names; NULL = all */
+    long failed, skipped;   /* runs of the scene */
+} sweep;
+
+/* Every contender that serves the scene, each with an equal share of the time until `end`; what one leaves goes to those
+ * after it. false: the scene cannot be made, or no memory. */
+bool sweep_scene(sweep *b, const scene *s, const contenders *list, double end);
+
+/* The end of one of `left` equal shares of the time until `end`. */
+double sweep_share(double end, int left);
+
+/* OpenBLAS reads its number of threads when it is loaded: starts the program again with one. */
+void sweep_insist_on_one_thread(char *const argv[]);
+
+#endif
