@@ -13,10 +13,17 @@ bench: need-bench
 	gnuplot -c bench/plot.gp $(BUILD)/bench
 	@echo "Tables and plots: $(BUILD)/bench/*.csv, *.png, *.svg"
 
-# the tables of docs/choosing.md, ten minutes
+# the tables of docs/choosing.md and README.md, five minutes
 choose: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/bench/choose
-	$(BUILD)/bench/choose
+	$(BUILD)/bench/choose $(BUILD)/bench/choosing $(BUDGET)
+
+# the tables and the picture of docs/order-doubling.md
+order-doubling: need-bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/order_doubling
+	$(BUILD)/bench/order_doubling $(BUILD)/bench/order-doubling
+	gnuplot -c bench/order_doubling.gp $(BUILD)/bench/order-doubling
+.PHONY: order-doubling
 
 references: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/bench/reference
@@ -25,7 +32,8 @@ references: need-library
 
 $(BUILD)/bench/sweep: $(BUILD)/bench/bench.o $(BUILD)/bench/summary.o
 $(BUILD)/bench/choose: $(BUILD)/bench/choose.o
-$(BUILD)/bench/sweep $(BUILD)/bench/choose: $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
+$(BUILD)/bench/order_doubling: $(BUILD)/bench/order_doubling.o
+$(BUILD)/bench/sweep $(BUILD)/bench/choose $(BUILD)/bench/order_doubling: $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
 $(BUILD)/bench/reference: $(BUILD)/bench/reference.o $(BUILD)/bench/quad.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a

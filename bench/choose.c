@@ -1,154 +1,161 @@
-/* choose.c - which method for which problem: the fastest of each method and order over the steps of every scene, for given
- * position errors. Prints the tables of docs/choosing.md. */
-#include "run.h"
+/* choose.c - which method for which problem: the fastest of each method and order over the steps of every scene, for
+ * given position errors. Writes the tables of docs/choosing.md and README.md to a folder.
+ *
+ *   choose DIR [BUDGET in seconds] */
+#include "sweep.h"
 
+#include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
-#include <unistd.h>
+#include <string.h>
 
-static const char *const methods[] = {"midpoint", "poincare", "both-ends", "start", "symmetric-tvi", "taylor"};
+static const method_range methods[] = {
+    {"midpoint", 2, 20, 2, true}, {"poincare", 2, 20, 2, true},      {"both-ends", 2, 20, 2, true},
+    {"start", 2, 20, 2, true},    {"symmetric-tvi", 2, 20, 2, true}, {"taylor", 2, 20, 2, false},
+};
 static const double targets[] = {1e-4, 1e-6, 1e-8, 1e-10};
 enum {
     METHODS = sizeof methods / sizeof *methods,
     TARGETS = sizeof targets / sizeof *targets,
-    ORDERS = 10, /* 2, 4, ..., 20 */
-    MOST_STEPS = 32
+    ORDERS = 10 /* 2, 4, ..., 20 */
 };
-static const double longest_run = 0.6; /* s */
 
-/* The fastest run that reaches a target; cpu INFINITY: none. */
-typedef struct {
-    double cpu, h;
-} fastest;
+static const scene *const *const lists[] = {scenes, general_scenes};
+enum { LISTS = 2 };
 
-typedef struct {
-    fastest best[METHODS][ORDERS][TARGETS];
-} measured;
-
-static void note(fastest best[TARGETS], const run *r)
+/* s for the fastest run of a method and order; infinite where there is none. */
+static double time_of(const report *r, const scene *s, const char *method, int order, double target)
 {
-    for (int i = 0; i < TARGETS; i++)
-        if (r->status == TVI_OK && r->position_error <= targets[i] && r->cpu < best[i].cpu)
-            best[i] = (fastest){r->cpu, r->h};
-}
-
-/* Down the ladder until the last target is met or a run would take too long. */
-static void measure_order(const tvi_system *system, const scene *s, const tvi_options *options, fastest best[TARGETS])
-{
-    for (const double *h = s->steps; *h > 0; h++) {
-        if (run_predict(system, s, options, *h) > longest_run) return;
-        run r = {0};
-        run_measure(system, s, options, *h, &r);
-        note(best, &r);
-        if (best[TARGETS - 1].cpu < INFINITY) return;
-    }
-}
-
-static void measure_scene(const scene *s, measured *m)
-{
-    tvi_system *system;
-    if (scene_system(s, &system) != TVI_OK) exit(1);
-    for (int method = 0; method < METHODS; method++)
-        for (int i = 0; i < ORDERS; i++) {
-            tvi_options options;
-            for (int t = 0; t < TARGETS; t++) m->best[method][i][t] = (fastest){INFINITY, 0};
-            if (tvi_options_named(methods[method], 2 * i + 2, &options) != TVI_OK) continue;
-            if (tvi_options_check(system, &options, NULL) != TVI_OK) continue;
-            fprintf(stderr, "%s: %s %d          \r", s->name, methods[method], 2 * i + 2);
-            measure_order(system, s, &options, m->best[method][i]);
-        }
-    tvi_system_free(system);
-}
-
-/* The best order of a method for a target. */
-static int best_order(const measured *m, int method, int target)
-{
-    int best = 0;
-    for (int i = 1; i < ORDERS; i++)
-        if (m->best[method][i][target].cpu < m->best[method][best][target].cpu) best = i;
+    double best = INFINITY;
+    for (const run *row = r->rows; row < r->rows + r->count; row++)
+        if (row->scene == s && row->order == order && row->position_error <= target && strcmp(row->method, method) == 0)
+            best = fmin(best, row->cpu);
     return best;
 }
 
-static void print_cell(const measured *m, int method, int target)
-{
-    const int i = best_order(m, method, target);
-    const fastest *f = &m->best[method][i][target];
-    if (f->cpu < INFINITY) printf(" %d (%.4g) %.3g |", 2 * i + 2, f->h, 1e3 * f->cpu);
-    else printf(" - |");
-}
-
-static void print_scene(const scene *s, const measured *m)
-{
-    for (int target = 0; target < TARGETS; target++) {
-        printf("| %s | %.0e |", s->name, targets[target]);
-        for (int method = 0; method < METHODS; method++) print_cell(m, method, target);
-        printf("\n");
-    }
-    fflush(stdout);
-}
+/* ---- Orders ---------------------------------------------------------------------------------------------------------
+ */
 
 /* How much dearer than the fastest order of the same method each order is: ln, summed over the scenes and targets that
  * both reach, and their number. */
 typedef struct {
-    double sum[METHODS][ORDERS];
-    int count[METHODS][ORDERS], asked[METHODS];
+    double sum[ORDERS];
+    int count[ORDERS], asked;
 } penalty;
 
-static void add_penalty(penalty *p, const measured *m)
+static void add_penalty(penalty *p, const report *r, const scene *s, const char *method, double target)
 {
-    for (int method = 0; method < METHODS; method++)
-        for (int target = 0; target < TARGETS; target++) {
-            const double best = m->best[method][best_order(m, method, target)][target].cpu;
-            if (!(best < INFINITY)) continue;
-            p->asked[method]++;
-            for (int i = 0; i < ORDERS; i++) {
-                const double cpu = m->best[method][i][target].cpu;
-                if (!(cpu < INFINITY)) continue;
-                p->sum[method][i] += log(cpu / best);
-                p->count[method][i]++;
-            }
-        }
+    double cpu[ORDERS], best = INFINITY;
+    for (int i = 0; i < ORDERS; i++) best = fmin(best, cpu[i] = time_of(r, s, method, 2 * i + 2, target));
+    if (!(best < INFINITY)) return;
+    p->asked++;
+    for (int i = 0; i < ORDERS; i++) {
+        if (!(cpu[i] < INFINITY)) continue;
+        p->sum[i] += log(cpu[i] / best);
+        p->count[i]++;
+    }
 }
 
-static void print_penalty(const penalty *p)
+static void write_orders(const report *r, FILE *out)
 {
-    printf("\n| method |");
-    for (int i = 0; i < ORDERS; i++) printf(" %d |", 2 * i + 2);
-    printf("\n|---|");
-    for (int i = 0; i < ORDERS; i++) printf("---|");
-    for (int method = 0; method < METHODS; method++) {
-        printf("\n| %s |", methods[method]);
-        for (int i = 0; i < ORDERS; i++) {
-            const int count = p->count[method][i];
-            if (count == 0) printf(" - |");
-            else printf(" %.2f (%d/%d) |", exp(p->sum[method][i] / count), count, p->asked[method]);
-        }
+    fprintf(out, "| method |");
+    for (int i = 0; i < ORDERS; i++) fprintf(out, " %d (time) |", 2 * i + 2);
+    fprintf(out, "\n|---|");
+    for (int i = 0; i < ORDERS; i++) fprintf(out, "---|");
+    for (int k = 0; k < METHODS; k++) {
+        penalty p = {0};
+        for (int list = 0; list < LISTS; list++)
+            for (const scene *const *s = lists[list]; *s; s++)
+                for (int t = 0; t < TARGETS; t++) add_penalty(&p, r, *s, methods[k].name, targets[t]);
+        fprintf(out, "\n| %s |", methods[k].name);
+        for (int i = 0; i < ORDERS; i++)
+            if (p.count[i] == 0) fprintf(out, " - |");
+            else fprintf(out, " %.2f (%d/%d) |", exp(p.sum[i] / p.count[i]), p.count[i], p.asked);
     }
-    printf("\n");
+    fprintf(out, "\n");
+}
+
+/* ---- Methods --------------------------------------------------------------------------------------------------------
+ */
+
+static void write_methods(const report *r, FILE *out)
+{
+    const char *names[METHODS];
+    for (int k = 0; k < METHODS; k++) names[k] = methods[k].name;
+    report_methods_head(names, METHODS, out);
+    for (int list = 0; list < LISTS; list++)
+        for (const scene *const *s = lists[list]; *s; s++) report_methods(r, *s, names, METHODS, out);
+}
+
+/* What README.md says. */
+static void write_advice(const report *r, FILE *out)
+{
+    static const struct {
+        const char *have, *take, *method;
+    } rows[] = {
+        {"a force, a potential or a Lagrangian, and long times", "the default: \"midpoint\", order 20", "midpoint"},
+        {"any Hamiltonian, degenerate ones too", "\"poincare\", order 20 (the default for it)", "poincare"},
+        {"a short orbit, energy may drift", "\"taylor\", order 10 to 14", "taylor"},
+        {"the paper's form to compare with", "\"symmetric-tvi\", its best order", "symmetric-tvi"},
+    };
+    static const scene *const shown[] = {&scene_kepler, &scene_solar, &scene_double_pendulum};
+    fprintf(out, "| you have | take |");
+    for (int i = 0; i < 3; i++) fprintf(out, " %s (time) |", shown[i]->title);
+    fprintf(out, "\n|---|---|---|---|---|\n");
+    for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
+        fprintf(out, "| %s | %s |", rows[k].have, rows[k].take);
+        for (int i = 0; i < 3; i++) {
+            const run *best = report_fastest(r, shown[i], report_position_error, 1e-8, report_is_named, rows[k].method);
+            if (best) fprintf(out, " %.2g ms, order %d, h = %.3g |", 1e3 * best->cpu, best->order, best->h);
+            else fprintf(out, " - |");
+        }
+        fprintf(out, "\n");
+    }
+}
+
+/* ---- The command ----------------------------------------------------------------------------------------------------
+ */
+
+static const struct {
+    const char *file;
+    void (*write)(const report *r, FILE *out);
+} tables[] = {{"methods.md", write_methods}, {"orders.md", write_orders}, {"advice.md", write_advice}};
+
+static bool write_tables(const report *r, const char *dir)
+{
+    bool good = true;
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++) {
+        char path[4096];
+        FILE *out = NULL;
+        if (snprintf(path, sizeof path, "%s/%s", dir, tables[i].file) < (int)sizeof path) out = fopen(path, "w");
+        if (out) tables[i].write(r, out);
+        const bool written = out && fclose(out) == 0;
+        if (!written) fprintf(stderr, "choose: cannot write %s: %s\n", path, strerror(errno));
+        good &= written;
+    }
+    return good;
 }
 
 int main(int argc, char *argv[])
 {
-    (void)argc;
-    if (!getenv("OPENBLAS_NUM_THREADS")) { /* read when the library is loaded */
-        setenv("OPENBLAS_NUM_THREADS", "1", 1);
-        execv("/proc/self/exe", argv);
+    static contenders list;
+    sweep_insist_on_one_thread(argv);
+    const double budget = argc > 2 ? strtod(argv[2], NULL) : 280;
+    if (argc < 2 || !(budget > 0)) {
+        fprintf(stderr, "usage: choose DIR [BUDGET]\n");
+        return EXIT_FAILURE;
     }
-    static measured m;
-    penalty p = {0};
-    printf("| scene | position error |");
-    for (int method = 0; method < METHODS; method++) printf(" %s |", methods[method]);
-    printf("\n|---|---|");
-    for (int method = 0; method < METHODS; method++) printf("---|");
-    printf("\n");
-    const scene *const *const lists[] = {scenes, general_scenes};
-    for (int list = 0; list < 2; list++)
-        for (const scene *const *s = lists[list]; *s; s++) {
-            measure_scene(*s, &m);
-            print_scene(*s, &m);
-            add_penalty(&p, &m);
-        }
-    print_penalty(&p);
-    return 0;
+    contenders_add_methods(&list, methods, METHODS);
+    contenders_sort(&list);
+    sweep b = {.begin = run_wall_clock(), .longest = 0.6, .enough = targets[TARGETS - 1]};
+    b.end = b.begin + budget;
+    if (!report_open(&b.report, argv[1], argc, argv)) return EXIT_FAILURE;
+    bool good = true;
+    int left = 0;
+    for (int i = 0; i < LISTS; i++)
+        for (const scene *const *s = lists[i]; *s; s++) left++;
+    for (int i = 0; i < LISTS; i++)
+        for (const scene *const *s = lists[i]; *s; s++) good &= sweep_scene(&b, *s, &list, sweep_share(b.end, left--));
+    good &= write_tables(&b.report, argv[1]);
+    return report_close(&b.report) && good ? EXIT_SUCCESS : EXIT_FAILURE;
 }

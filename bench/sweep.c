@@ -200,7 +200,7 @@ static bool sweep_system(sweep *b, const tvi_system *system, const scene *s, con
         const bool adaptive = who->baseline && who->baseline->adaptive;
         line l = {.sweep = b, .system = system, .scene = s, .who = who, .ladder = adaptive ? tolerances : s->steps};
         while (l.rungs < LADDER_MOST && l.ladder[l.rungs] > 0) l.rungs++;
-        l.end = sweep_share(end, list->count - i);
+        l.end = fmin(end, sweep_share(end, (list->count - i + 1) / 2)); /* twice its share: the best come first */
         const int coarsest = walk(&l, adaptive ? 0 : start);
         if (!adaptive) start = coarsest;
         if (!report_line(&l, b->begin, b->end)) return false;

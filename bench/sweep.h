@@ -14,8 +14,8 @@ typedef struct {
     long failed, skipped;   /* runs of the scene */
 } sweep;
 
-/* Every contender that serves the scene, each with an equal share of the time until `end`; what one leaves goes to those
- * after it. false: the scene cannot be made, or no memory. */
+/* Every contender that serves the scene, each with twice an equal share of the time that is left until `end`: those that
+ * come first get more. false: the scene cannot be made, or no memory. */
 bool sweep_scene(sweep *b, const scene *s, const contenders *list, double end);
 
 /* The end of one of `left` equal shares of the time until `end`. */
