@@ -49,7 +49,7 @@ typedef struct {
     double *pi_rate;                    /* [n][points] pi. */
     double *row;                        /* [points] */
     double *z;                          /* [2n] */
-    double *velocity, *velocity_before; /* [n] of the last predictor and the one before, Lagrangian */
+    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
     double *from_p;                     /* [n] p0 - p_a(0) */
     double *rise_p;                     /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
     double *dq, *dp;                    /* [n] of the last step */
@@ -92,12 +92,15 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     take_side(&w.b, arena, system, options, -1);
     w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
     tvi_newton_take(&w.newton, arena, 3 * system->n, system->n);
-    if (system->form == TVI_LAGRANGIAN) tvi_legendre_take(&w.legendre, arena, system);
+    if (system->form == TVI_LAGRANGIAN) {
+        tvi_legendre_take(&w.legendre, arena, system);
+        w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
+    }
     w.q_unit = tvi_combination_take(&w.a.curve, arena);
     w.z_unit = tvi_combination_take(&w.a.curve, arena);
     w.pi_rate = tvi_arena_doubles(arena, n * points);
     w.row = tvi_arena_doubles(arena, points);
-    double **const vectors[] = {&w.z, &w.velocity, &w.velocity_before, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.shift};
+    double **const vectors[] = {&w.z, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.shift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, 2 * n);
     if (taken) *taken = w;
     return taken;
@@ -407,8 +410,6 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     w->origin = origin;
     w->stats = stats;
     w->tau = h;
-    tvi_newton_mark(&w->newton);
-    memcpy(w->velocity_before, w->velocity, bytes);
     tvi_status status = predict(w);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, w->options, stats);
     if (status != TVI_OK) return status;
@@ -443,18 +444,4 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-static void undo(void *taken)
-{
-    work *w = taken;
-    tvi_newton_undo(&w->newton);
-    memcpy(w->velocity, w->velocity_before, (size_t)w->n * sizeof *w->velocity);
-}
-
-static void forget(void *taken)
-{
-    work *w = taken;
-    tvi_newton_forget(&w->newton);
-    memset(w->velocity, 0, (size_t)w->n * sizeof *w->velocity);
-}
-
-const tvi_stepper tvi_stepper_both_ends = {take, prepare, step, undo, forget, dense};
+const tvi_stepper tvi_stepper_both_ends = {take, prepare, step, dense};

@@ -6,7 +6,6 @@
 
 typedef struct {
     int n;
-    int tried;              /* halves of the step at hand */
     tvi_options options[2]; /* the method and its adjoint */
     const tvi_stepper *stepper[2];
     void *work[2];
@@ -51,14 +50,12 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 {
     composed *c = work;
     const int n = c->n;
-    c->tried = 1;
     tvi_status status = c->stepper[0]->step(c->work[0], h / 2, origin, c->half_q, c->half_p, stats);
     if (status != TVI_OK) return status;
     add(n, origin->q, origin->q_low, c->half_q, c->q, c->q_low);
     add(n, origin->p, origin->p_low, c->half_p, c->p, c->p_low);
     tvi_origin middle = {origin->t, origin->t_low, c->q, c->q_low, c->p, c->p_low};
     middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2);
-    c->tried = 2;
     status = c->stepper[1]->step(c->work[1], h / 2, &middle, dq, dp, stats);
     for (int i = 0; i < n; i++) {
         dq[i] += c->half_q[i];
@@ -78,16 +75,4 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-static void undo(void *work)
-{
-    composed *c = work;
-    for (int half = 0; half < c->tried; half++) c->stepper[half]->undo(c->work[half]);
-}
-
-static void forget(void *work)
-{
-    composed *c = work;
-    for (int half = 0; half < 2; half++) c->stepper[half]->forget(c->work[half]);
-}
-
-const tvi_stepper tvi_stepper_composed = {take, prepare, step, undo, forget, dense};
+const tvi_stepper tvi_stepper_composed = {take, prepare, step, dense};

@@ -34,7 +34,7 @@ typedef struct {
     bool has_jacobian;                  /* they were, in the step at hand */
     bool is_new_jacobian;               /* they were, since the corrector last asked */
     double *p_size;                     /* [n] sum_k |P_k| */
-    double *velocity, *velocity_before; /* [n] of the last predictor and the one before, Lagrangian */
+    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
     double *shift;                      /* [n] */
 } work;
 
@@ -101,9 +101,10 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     tvi_combination *const combinations[] = {&w.q_back, &w.q_unit, &w.z_unit, &w.dense_q, &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(curve, arena);
-    if (system->form == TVI_LAGRANGIAN) tvi_legendre_take(&w.legendre, arena, system);
-    w.velocity = tvi_arena_doubles(arena, n);
-    w.velocity_before = tvi_arena_doubles(arena, n);
+    if (system->form == TVI_LAGRANGIAN) {
+        tvi_legendre_take(&w.legendre, arena, system);
+        w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
+    }
     w.shift = tvi_arena_doubles(arena, n);
     w.z = tvi_arena_doubles(arena, 2 * n);
     w.dz = tvi_arena_doubles(arena, 2 * n);
@@ -361,8 +362,6 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     w->origin = origin;
     w->stats = stats;
     w->has_jacobian = false;
-    if (w->close) tvi_newton_mark(&w->newton);
-    memcpy(w->velocity_before, w->velocity, (size_t)w->closure.n * sizeof *w->velocity);
     w->closure.curve.tau = w->closure.span.tau * h;
     tvi_status status = predict(w);
     if (status == TVI_OK) status = w->close ? correct(w) : expand(w, w->z, centre(w));
@@ -383,18 +382,4 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-static void undo(void *taken)
-{
-    work *w = taken;
-    if (w->close) tvi_newton_undo(&w->newton);
-    memcpy(w->velocity, w->velocity_before, (size_t)w->closure.n * sizeof *w->velocity);
-}
-
-static void forget(void *taken)
-{
-    work *w = taken;
-    if (w->close) tvi_newton_forget(&w->newton);
-    memset(w->velocity, 0, (size_t)w->closure.n * sizeof *w->velocity);
-}
-
-const tvi_stepper tvi_stepper_curve = {take, prepare, step, undo, forget, dense};
+const tvi_stepper tvi_stepper_curve = {take, prepare, step, dense};

@@ -1,26 +1,12 @@
 /* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated summation.
  */
 #include "finite.h"
+#include "integrator.h"
 #include "method.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-struct tvi_integrator {
-    const tvi_system *system;
-    tvi_options options; /* as resolved */
-    tvi_stats stats;
-    const tvi_stepper *stepper;
-    void *work;
-    bool continues;            /* t, q, p hold what the last successful step returned */
-    bool has_dense;            /* the work holds the last step */
-    double *q_start, *p_start; /* [n] where that started */
-    double t, t_low;
-    double *q, *p;         /* [n] */
-    double *q_low, *p_low; /* [n] */
-    double *dq, *dp;       /* [n] */
-};
 
 /* The integrator and all it needs, in one piece. */
 static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
@@ -29,12 +15,18 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
     tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
-    double **const vectors[] = {&laid.q,  &laid.p,  &laid.q_low,   &laid.p_low,
-                                &laid.dq, &laid.dp, &laid.q_start, &laid.p_start};
-    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+    double **const vectors[] = {&laid.dq, &laid.dp, &laid.q_start, &laid.p_start};
+    double **const history[] = {&laid.q, &laid.p, &laid.q_low, &laid.p_low};
+    for (int i = 0; i < 4; i++) {
         *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
+        *history[i] = tvi_arena_history(arena, (size_t)system->n * sizeof(double));
+    }
+    laid.last = tvi_arena_history(arena, sizeof *laid.last);
     laid.work = stepper->take(arena, system, options);
-    laid.stats.bytes = arena->used;
+    laid.history = arena->history;
+    laid.before = laid.history ? laid.history + arena->remembered : NULL;
+    laid.remembered = arena->remembered;
+    laid.stats.bytes = arena->used + 2 * arena->remembered;
     if (integrator) *integrator = laid;
     return integrator;
 }
@@ -48,12 +40,13 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     const tvi_status status = tvi_method_resolve(&resolved, system, NULL);
     if (status != TVI_OK) return status;
     const tvi_stepper *stepper = tvi_method_stepper(&resolved);
-    tvi_arena arena = {NULL, 0};
+    tvi_arena arena = {0};
     (void)lay_out(&arena, system, &resolved, stepper);
-    arena.base = aligned_alloc(ARENA_ALIGNMENT, arena.used);
-    if (!arena.base) return TVI_ENOMEM;
-    memset(arena.base, 0, arena.used);
-    arena.used = 0;
+    const size_t bytes = arena.used + 2 * arena.remembered;
+    char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
+    if (!memory) return TVI_ENOMEM;
+    memset(memory, 0, bytes);
+    arena = (tvi_arena){.base = memory, .history = memory + arena.used};
     *out = lay_out(&arena, system, &resolved, stepper);
     stepper->prepare((*out)->work);
     return TVI_OK;
@@ -73,14 +66,14 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator)
 
 void tvi_integrator_reset(tvi_integrator *integrator)
 {
-    if (integrator) integrator->continues = false;
+    if (integrator) integrator->last->continues = false;
 }
 
 /* Whether the state is bitwise what the last successful step returned. */
 static bool is_continued(const tvi_integrator *it, double t, const double q[], const double p[])
 {
     const size_t bytes = (size_t)it->system->n * sizeof *q;
-    return it->continues && memcmp(&t, &it->t, sizeof t) == 0 && memcmp(q, it->q, bytes) == 0 &&
+    return it->last->continues && memcmp(&t, &it->last->t, sizeof t) == 0 && memcmp(q, it->q, bytes) == 0 &&
            memcmp(p, it->p, bytes) == 0;
 }
 
@@ -91,8 +84,8 @@ static void advance(tvi_integrator *it, double h, double t, const double q[], co
         it->q[i] = tvi_add_compensated(q[i], &it->q_low[i], it->dq[i]);
         it->p[i] = tvi_add_compensated(p[i], &it->p_low[i], it->dp[i]);
     }
-    it->t = tvi_add_compensated(t, &it->t_low, h);
-    it->continues = true;
+    it->last->t = tvi_add_compensated(t, &it->last->t_low, h);
+    it->last->continues = true;
 }
 
 /* q + dq and p + dp are finite. */
@@ -110,25 +103,20 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
     if (!t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
     const int n = it->system->n;
     if (!isfinite(*t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return TVI_ENONFINITE;
-    if (!is_continued(it, *t, q, p)) {
-        it->continues = false;
-        it->stepper->forget(it->work);
-        it->t_low = 0;
-        memset(it->q_low, 0, (size_t)n * sizeof *q);
-        memset(it->p_low, 0, (size_t)n * sizeof *p);
-    }
-    const tvi_origin origin = {*t, it->t_low, q, it->q_low, p, it->p_low};
+    if (!is_continued(it, *t, q, p)) memset(it->history, 0, it->remembered);
+    memcpy(it->before, it->history, it->remembered);
+    const tvi_origin origin = {*t, it->last->t_low, q, it->q_low, p, it->p_low};
     tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     if (status == TVI_OK && !increments_are_finite(it, h, *t, q, p)) status = TVI_ENONFINITE;
     if (status != TVI_OK) {
-        it->stepper->undo(it->work);
+        memcpy(it->history, it->before, it->remembered);
         return status;
     }
     memcpy(it->q_start, q, (size_t)n * sizeof *q);
     memcpy(it->p_start, p, (size_t)n * sizeof *p);
     it->has_dense = true;
     advance(it, h, *t, q, p);
-    *t = it->t;
+    *t = it->last->t;
     memcpy(q, it->q, (size_t)n * sizeof *q);
     memcpy(p, it->p, (size_t)n * sizeof *p);
     it->stats.steps++;

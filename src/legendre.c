@@ -150,9 +150,9 @@ tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, 
 
 tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, void **memory)
 {
-    tvi_arena arena = {NULL, 0};
+    tvi_arena arena = {0};
     tvi_legendre_take(legendre, &arena, system);
-    arena = (tvi_arena){malloc(arena.used), 0};
+    arena = (tvi_arena){.base = malloc(arena.used)};
     if (!arena.base) return TVI_ENOMEM;
     tvi_legendre_take(legendre, &arena, system);
     if (system->form != TVI_SEPARABLE) tvi_legendre_prepare(legendre);

@@ -27,6 +27,7 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group)
     newton->trial = tvi_arena_doubles(arena, count);
     newton->difference = tvi_arena_doubles(arena, count);
     tvi_factor_take(&newton->factor, arena, size);
+    newton->history = tvi_arena_history(arena, sizeof *newton->history);
 }
 
 typedef struct {
@@ -107,12 +108,13 @@ static void expect(progress *at, double slack)
     at->contraction = contraction;
 }
 
+static double slack_of(const tvi_newton *newton) { return fmax(newton->history->slack, 1); }
+
 static void learn(tvi_newton *newton, const progress *at)
 {
-    const double slack = newton->history.slack * at->size.relative / at->expected; /* 0 where nothing was expected */
-    if (at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative &&
-        slack > newton->history.slack)
-        newton->history.slack = fmin(slack, MOST_SLACK);
+    const double slack = slack_of(newton) * at->size.relative / at->expected; /* 0 where nothing was expected */
+    if (at->size.relative > NOISE && at->size.relative <= CONTRACTION * at->before.relative && slack > slack_of(newton))
+        newton->history->slack = fmin(slack, MOST_SLACK);
 }
 
 /* Whether the passes may end here. */
@@ -126,7 +128,7 @@ static bool is_enough(tvi_newton *newton, const tvi_options *options, int count,
     if (options->tolerance > 0) return at->size.relative <= goal;
     learn(newton, at);
     const bool was_expected = at->expected <= ROUNDOFF;
-    expect(at, newton->history.slack);
+    expect(at, slack_of(newton));
     return at->expected <= ROUNDOFF && (!at->checks || was_expected);
 }
 
@@ -154,15 +156,11 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
     return TVI_OK;
 }
 
-void tvi_newton_forget(tvi_newton *newton) { newton->history = (tvi_newton_history){0, 1}; }
-void tvi_newton_mark(tvi_newton *newton) { newton->before = newton->history; }
-void tvi_newton_undo(tvi_newton *newton) { newton->history = newton->before; }
-
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
                             tvi_stats *stats)
 {
     const int max_passes = options->max_passes > 0 ? options->max_passes : MAX_PASSES;
-    progress at = {.expected = INFINITY, .checks = newton->history.solves++ % CHECK_EVERY == 0 || equations->is_rough};
+    progress at = {.expected = INFINITY, .checks = newton->history->solves++ % CHECK_EVERY == 0 || equations->is_rough};
     int refreshes = 0;
     bool refresh = false;
     for (int count = 1; options->passes > 0 || count <= max_passes; count++) {

@@ -19,10 +19,10 @@ typedef struct {
     bool is_rough;
 } tvi_equations;
 
-/* What earlier solutions taught. */
+/* What earlier solutions taught; in the arena's history. */
 typedef struct {
     long solves;
-    double slack; /* how much slower a later pass was seen to contract than the one before it, >= 1 */
+    double slack; /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
 } tvi_newton_history;
 
 typedef struct {
@@ -30,16 +30,10 @@ typedef struct {
     double *x, *correction, *scale; /* [size] */
     double *trial, *difference;     /* [size] scratch of the difference Jacobian */
     tvi_factor factor;
-    tvi_newton_history history, before; /* now, and before the step at hand */
+    tvi_newton_history *history;
 } tvi_newton;
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group);
-
-/* Forgets what earlier solutions taught; marks what is known before a step; goes back to the mark when the step failed.
- */
-void tvi_newton_forget(tvi_newton *newton);
-void tvi_newton_mark(tvi_newton *newton);
-void tvi_newton_undo(tvi_newton *newton);
 
 /* From the predictor in newton->x. On success newton->x is the point of the last residual and newton->correction what
  * the last pass found to be missing from it: the caller applies it to first order, which leaves an error of

@@ -23,17 +23,15 @@ typedef struct {
 } tvi_origin;
 
 typedef struct {
-    /* Lays out the stepper's work in the arena; NULL while the arena only measures. */
+    /* Lays out the stepper's work in the arena; NULL while the arena only measures. What a step leaves to the next one
+     * is taken from the arena's history, which is as it was again after a step that failed, and all zeros before a
+     * step that continues no other. */
     void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
     /* Fills the tables of the work, once the memory is there. */
     void (*prepare)(void *work);
     /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
      * dq and dp are undefined. */
     tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
-    /* After a step that failed: what it taught is forgotten, as if it had not been tried. */
-    void (*undo)(void *work);
-    /* Forgets what earlier steps taught: the next one is as the first. */
-    void (*forget)(void *work);
     /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
     void (*dense)(void *work, double theta, double dq[], double dp[]);
 } tvi_stepper;

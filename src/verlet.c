@@ -76,8 +76,4 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-/* Each step stands alone. */
-static void undo(void *work) { (void)work; }
-static void forget(void *work) { (void)work; }
-
-const tvi_stepper tvi_stepper_verlet = {take, prepare, step, undo, forget, dense};
+const tvi_stepper tvi_stepper_verlet = {take, prepare, step, dense};

@@ -155,7 +155,7 @@ static expansion expand(const test_problem *problem)
 {
     const int n = problem->scene->n;
     expansion e = {.system = problem_system(problem)};
-    tvi_arena arena = {NULL, 0};
+    tvi_arena arena = {0};
     tvi_curve_take(&e.curve, &arena, e.system, 4, true);
     arena.base = e.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
     ck_assert_ptr_nonnull(e.memory);

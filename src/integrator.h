@@ -1,0 +1,28 @@
+/* integrator.h - what an integrator holds between steps. */
+#ifndef TVI_SRC_INTEGRATOR_H
+#define TVI_SRC_INTEGRATOR_H
+
+#include "stepper.h"
+
+/* The scalars of the history; its vectors are below. */
+typedef struct {
+    double t, t_low;
+    long continues; /* t, q, p hold what the last successful step returned */
+} tvi_last_step;
+
+struct tvi_integrator {
+    const tvi_system *system;
+    tvi_options options; /* as resolved */
+    tvi_stats stats;
+    const tvi_stepper *stepper;
+    void *work;
+    char *history, *before; /* [remembered] all that one step leaves to the next; before the last one was tried */
+    size_t remembered;
+    tvi_last_step *last;           /* in the history, as are */
+    double *q, *p, *q_low, *p_low; /* [n] */
+    bool has_dense;                /* the work holds the last step */
+    double *q_start, *p_start;     /* [n] where that started */
+    double *dq, *dp;               /* [n] */
+};
+
+#endif
