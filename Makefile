@@ -3,7 +3,9 @@
 # make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
 # make install    headers, libraries and tvi.pc below PREFIX (and DESTDIR)
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
-# make choose     the tables of docs/choosing.md: the fastest method for each scene and error
+# make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
+# make order-doubling   the tables and the picture of docs/order-doubling.md
+# make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them
 # make references bench/scenes/references.h anew, in quadruple precision
 
 BUILD   ?= build

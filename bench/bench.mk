@@ -25,6 +25,14 @@ order-doubling: need-bench
 	gnuplot -c bench/order_doubling.gp $(BUILD)/bench/order-doubling
 .PHONY: order-doubling
 
+# The generated tables of the documents: all made anew and compared, but for times; or put into the documents.
+DOCUMENTS ?= README.md $(wildcard docs/*.md)
+verify: need-bench
+	MAKE='$(MAKE)' bench/tables.sh verify $(BUILD) $(DOCUMENTS)
+docs-tables: need-bench
+	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) $(DOCUMENTS)
+.PHONY: verify docs-tables
+
 references: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/bench/reference
 	$(BUILD)/bench/reference > $(BUILD)/bench/references.h

@@ -5,7 +5,7 @@
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-tests check-sanitizers $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc check-warnings-clang \
-           check-headers check-install check-readme check-symbols
+           check-headers check-install check-readme check-tables check-symbols
 .PHONY: test-programs run-check $(CHECKS) $(CHECKS:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
@@ -152,6 +152,11 @@ do-readme: $(BUILD)/libtvi.a
 	$(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/readme.c $(BUILD)/libtvi.a $(LIBS)
 	$(BUILD)/check/readme > $(BUILD)/check/readme.out
 	cat $(BUILD)/check/readme.out && test -s $(BUILD)/check/readme.out
+
+# what make verify does, on a small document
+check-tables: ; $(REPORT) "tables of the documents: verify and replace" $(LOG) $(DO)
+do-tables:
+	tests/tables.sh $(BUILD)
 
 check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
