@@ -155,6 +155,21 @@ typedef struct {
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 
+/* ---- Saved states ---------------------------------------------------------------------------------------------------- */
+
+/* All that an integrator holds between steps, as bytes to keep: a run that goes on from them in another integrator, of the same
+ * system and options, is bit for bit the run that was not interrupted, its counts included. They serve the version of the
+ * library, the machine and the instruction set that wrote them (docs/roundoff.md).
+ * Save: *size is the size of the buffer, and then the number of bytes written; a buffer of NULL asks for that number.
+ *   TVI_EINVAL      NULL, a buffer that is too small
+ * Load: tvi_dense has no last step until the next one is made.
+ *   TVI_EINVAL      NULL, and bytes that are damaged, of another size, or of another version, method or system */
+TVI_NODISCARD tvi_status tvi_state_save(const tvi_integrator *integrator, void *buffer, size_t *size);
+TVI_NODISCARD tvi_status tvi_state_load(tvi_integrator *integrator, const void *buffer, size_t size);
+/* The t, q[n] and p[n] that the last successful step returned, from which the run goes on; also after a load. TVI_EINVAL
+ * before a step and after a reset. */
+TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
+
 #ifdef __cplusplus
 }
 #endif

@@ -14,6 +14,7 @@ Suite *suite_points(void);
 Suite *suite_dense(void);
 Suite *suite_convergence(void);
 Suite *suite_definition(void);
+Suite *suite_states(void);
 Suite *suite_references(void); /* gcc only: __float128 */
 
 #endif

@@ -6,7 +6,8 @@
 #include <stdlib.h>
 
 static Suite *(*const suites[])(void) = {
-    suite_orders, suite_adjoints, suite_forms, suite_geometry, suite_statements, suite_serves, suite_points, suite_dense, suite_convergence, suite_definition, suite_references,
+    suite_orders, suite_adjoints, suite_forms, suite_geometry, suite_statements, suite_serves, suite_points, suite_dense, suite_convergence, suite_definition, suite_states,
+    suite_references,
 };
 
 int main(void)
