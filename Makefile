@@ -23,7 +23,14 @@ TOOL     := -std=c11 $(WARNINGS) -D_POSIX_C_SOURCE=200809L -Iinclude -Iad -Isrc 
 QUADCC   ?= gcc
 QUAD     := -std=gnu11 -O2 -Wall -Wextra -Iinclude -Iad -Ibench -Ibench/scenes
 
-AD_OBJECTS  := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c))
+# what runs a tape is compiled once for each instruction set, and one is chosen at run time (ad/isa.c). Those that have
+# fused multiply-adds use them.
+ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx512)
+FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
+FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
+ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c)
+AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) \
+                $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 SRC_OBJECTS := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*.c))
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
@@ -59,11 +66,20 @@ need-bench: ; $(call need,$(PACKAGES_LIBRARY) $(PACKAGES_BENCH))
 
 $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
-	$(CC) $(BASE) $(CFLAGS) -MMD -c -o $@ $<
+	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
+
+$(BUILD)/ad/isa.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
+
+define isa_objects
+$(BUILD)/ad/%.$(1).o: ad/%.c
+	@mkdir -p $$(@D)
+	$$(CC) $$(BASE) $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+endef
+$(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
-	$(CC) $(BASE) -Iad $(CFLAGS) -MMD -c -o $@ $<
+	$(CC) $(BASE) -Iad $(CFLAGS) -MMD -MP -c -o $@ $<
 
 $(BUILD)/libtvi.a: $(OBJECTS)
 	@rm -f $@

@@ -72,8 +72,8 @@ static double take_factor(jet *x)
 static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
 {
     for (int i = 0; i < z->count; i++) contribute(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
-    const jet_rule *rule = &jet_rules[z->op];
-    if (!rule->pull) return;
+    const jet_rule *rule = jet_rules[z->op];
+    if (!rule) return;
     const double factor = take_factor(&zbar); /* the rules are linear in z-bar */
     contribute(bar, z->a, jet_mul(factor, rule->pull(z, zbar, 0)));
     if (rule->b == B_OPERAND) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));

@@ -62,7 +62,7 @@ int jet_graph_count(const jet_graph *graph) { return graph->count; }
 jet jet_graph_input(const jet_graph *graph, int i) { return jet_of_node(jet_graph_node(graph, i)); }
 void jet_graph_close(jet_graph *graph) { graph->open = false; }
 
-static bool has_second_operand(jet_op op) { return jet_rules[op].b == B_OPERAND; }
+static bool has_second_operand(jet_op op) { return jet_role_of_b(op) == B_OPERAND; }
 
 static uint64_t mix(uint64_t hash, uint64_t word)
 {
@@ -302,7 +302,7 @@ jet jet_dot(const jet x[], const jet y[], int count)
 static jet fold(jet_op op, double c, double a, double b)
 {
     double z;
-    if (!jet_rules[op].value(c, 1, &a, &b, &z)) return poison(TVI_EDOMAIN);
+    if (!jet_rules[op]->value(c, 1, &a, &b, &z)) return poison(TVI_EDOMAIN);
     return number_or_poison(z);
 }
 

@@ -1,27 +1,11 @@
 /* The table of rules. */
 #include "rule.h"
 
-#define RULE(name, role)                                                                                               \
-    {                                                                                                                  \
-        role, jet_##name##_value, jet_##name##_series, jet_##name##_tangent, jet_##name##_pull                         \
-    }
-
-const jet_rule jet_rules[OP_COUNT] = {
-    [OP_MUL] = RULE(mul, B_OPERAND),
-    [OP_SQR] = RULE(sqr, B_NONE),
-    [OP_DIV] = RULE(div, B_OPERAND),
-    [OP_SQRT] = RULE(sqrt, B_NONE),
-    [OP_POW] = RULE(pow, B_NONE),
-    [OP_EXP] = RULE(exp, B_PARTNER),
-    [OP_SIN] = RULE(sin, B_PARTNER),
-    [OP_COS] = RULE(cos, B_PARTNER),
-    [OP_SINH] = RULE(sinh, B_PARTNER),
-    [OP_COSH] = RULE(cosh, B_PARTNER),
-    [OP_TAN] = RULE(tan, B_PARTNER),
-    [OP_TANH] = RULE(tanh, B_PARTNER),
-    [OP_SECH2] = RULE(sech2, B_PARTNER_SERIES),
-    [OP_LOG] = RULE(log, B_PARTNER),
-    [OP_ASIN] = RULE(asin, B_PARTNER),
-    [OP_ACOS] = RULE(acos, B_PARTNER),
-    [OP_ATAN] = RULE(atan, B_PARTNER),
+const jet_rule *const jet_rules[OP_COUNT] = {
+    [OP_MUL] = &JET_RULE_OF(mul),     [OP_SQR] = &JET_RULE_OF(sqr),   [OP_DIV] = &JET_RULE_OF(div),
+    [OP_SQRT] = &JET_RULE_OF(sqrt),   [OP_POW] = &JET_RULE_OF(pow),   [OP_EXP] = &JET_RULE_OF(exp),
+    [OP_SIN] = &JET_RULE_OF(sin),     [OP_COS] = &JET_RULE_OF(cos),   [OP_SINH] = &JET_RULE_OF(sinh),
+    [OP_COSH] = &JET_RULE_OF(cosh),   [OP_TAN] = &JET_RULE_OF(tan),   [OP_TANH] = &JET_RULE_OF(tanh),
+    [OP_SECH2] = &JET_RULE_OF(sech2), [OP_LOG] = &JET_RULE_OF(log),   [OP_ASIN] = &JET_RULE_OF(asin),
+    [OP_ACOS] = &JET_RULE_OF(acos),   [OP_ATAN] = &JET_RULE_OF(atan),
 };

@@ -1,63 +1,70 @@
-/* Functions whose derivative is another series times that of the argument, z' = s w a' with s = 1 or -1: exponential,
- * trigonometric and hyperbolic functions. The partner w is computed beside z and read at lower orders only. */
-#include "convolve.h"
+/* Functions whose derivative is another series times that of the argument, z' = s b a' with s = 1 or -1: exponential,
+ * trigonometric and hyperbolic functions. The partner b is computed beside z and read at lower orders only. */
 #include "rule.h"
 
 #include <math.h>
 
-/* k z_k = s sum_{j=1}^{k} j a_j w_{k-j}.   O(N^2). */
-static void growth_series(double s, int k, size_t stride, int width, const double *a, const double *w, double *z)
-{
-    double *zk = z + (size_t)k * stride;
-    for (int i = 0; i < width; i++) zk[i] = 0;
-    convolve(zk, WEIGHT_J, 1, k, k, stride, width, a, w);
-    for (int i = 0; i < width; i++) zk[i] *= s / k;
-}
-
-/* k dz_k = s sum_{j=1}^{k} j (a_j dw_{k-j} + w_{k-j} da_j);   dz_0 = s w_0 da_0. */
-static void growth_tangent(double s, const jet_tangent *x, int k)
-{
-    double *dz = x->dz + (size_t)k * x->dstride;
-    if (k == 0) {
-        for (int i = 0; i < x->lanes; i++) dz[i] = s * x->b[0] * x->da[i];
-        return;
+/* k z_k = s sum_{j=1}^{k} j a_j b_{k-j}.   O(N^2). */
+#define GROWTH_SERIES(V, S, s)                                                                                         \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 1, k, (double)j * S(V, a, j) * S(V, b, k - j));                                                \
+        JET_AT(V, z, k) = sum * ((s) / (double)k);                                                                     \
     }
-    for (int i = 0; i < x->lanes; i++) dz[i] = 0;
-    broadcast(dz, s / k, WEIGHT_J, 1, k, k, x->stride, x->a, x->dstride, x->db, x->lanes);
-    broadcast(dz, s / k, (jet_weight){-1, k}, 0, k - 1, k, x->stride, x->b, x->dstride, x->da, x->lanes);
-}
 
-/* The rules of z = function(a) with sign s; the functions exist everywhere. */
-#define GROWTH_RULES(name, function, s)                                                                                \
-    bool jet_##name##_value(double c, int width, const double *a, const double *b, double *z)                          \
+/* k dz_k = s sum_{j=1}^{k} j (a_j db_{k-j} + b_{k-j} da_j);   dz_0 = s b_0 da_0. */
+#define GROWTH_TANGENT(V, S, s)                                                                                        \
+    {                                                                                                                  \
+        V sum = (k == 0 ? 1.0 : 0.0) * S(V, b, 0) * JET_D_OF(V, da, 0);                                                \
+        JET_SUM(V, sum, 1, k, (double)j * (S(V, a, j) * JET_D_OF(V, db, k - j) + S(V, b, k - j) * JET_D_OF(V, da, j))); \
+        JET_D_AT(V, dz, k) = sum * ((s) / (k > 0 ? (double)k : 1.0));                                                  \
+    }
+
+/* With t = s zbar_k / k:  abar_j += t j b_{k-j},  bbar_{k-j} += t j a_j  (j = 1..k);   abar_0 += s zbar_0 b_0. */
+#define GROWTH_ADJOINT(V, S, s)                                                                                        \
+    {                                                                                                                  \
+        const V t = S(V, zbar, k) * ((s) / (k > 0 ? (double)k : 1.0));                                                 \
+        if (k == 0) JET_AT(V, abar, 0) += t * S(V, b, 0);                                                              \
+        JET_EACH(1, k, JET_AT(V, abar, j) += (double)j * t * S(V, b, k - j));                                          \
+        JET_EACH(1, k, JET_AT(V, bbar, k - j) += (double)j * t * S(V, a, j));                                          \
+    }
+
+#define PLUS_SERIES(V, S)   GROWTH_SERIES(V, S, 1.0)
+#define PLUS_TANGENT(V, S)  GROWTH_TANGENT(V, S, 1)
+#define PLUS_ADJOINT(V, S)  GROWTH_ADJOINT(V, S, 1)
+#define MINUS_SERIES(V, S)  GROWTH_SERIES(V, S, -1.0)
+#define MINUS_TANGENT(V, S) GROWTH_TANGENT(V, S, -1)
+#define MINUS_ADJOINT(V, S) GROWTH_ADJOINT(V, S, -1)
+
+/* The rules of z = function(a) with the sign's bodies; the functions exist everywhere. */
+#define GROWTH_RULES(name, function, SIGN, s)                                                                          \
+    static bool name##_value(double c, int width, const double *a, const double *b, double *restrict z)                \
     {                                                                                                                  \
         (void)c, (void)b;                                                                                              \
         for (int i = 0; i < width; i++) z[i] = function(a[i]);                                                         \
         return true;                                                                                                   \
     }                                                                                                                  \
-    void jet_##name##_series(double c, int k, size_t stride, int width, const double *a, const double *b, double *z)   \
-    {                                                                                                                  \
-        (void)c;                                                                                                       \
-        growth_series(s, k, stride, width, a, b, z);                                                                   \
-    }                                                                                                                  \
-    void jet_##name##_tangent(const jet_tangent *x, int k) { growth_tangent(s, x, k); }                                \
-    jet jet_##name##_pull(struct jet_node *z, jet zbar, int which)                                                     \
+    JET_SERIES_FRAME(name, SIGN##_SERIES)                                                                              \
+    JET_TANGENT_FRAME(name, SIGN##_TANGENT)                                                                            \
+    JET_ADJOINT_FRAME(name, SIGN##_ADJOINT)                                                                            \
+    static jet name##_pull(struct jet_node *z, jet zbar, int which)                                                    \
     {                                                                                                                  \
         (void)which;                                                                                                   \
         return jet_mul(s, jet_mul(zbar, jet_of_node(z->b)));                                                           \
-    }
+    }                                                                                                                  \
+    JET_RULE(name, B_PARTNER)
 
-GROWTH_RULES(exp, exp, 1)   /* w = z      */
-GROWTH_RULES(sin, sin, 1)   /* w = cos a  */
-GROWTH_RULES(cos, cos, -1)  /* w = sin a  */
-GROWTH_RULES(sinh, sinh, 1) /* w = cosh a */
-GROWTH_RULES(cosh, cosh, 1) /* w = sinh a */
-GROWTH_RULES(tan, tan, 1)   /* w = 1 + z^2 */
-GROWTH_RULES(tanh, tanh, 1) /* w = sech2 a */
+GROWTH_RULES(exp, exp, PLUS, 1)   /* b = z       */
+GROWTH_RULES(sin, sin, PLUS, 1)   /* b = cos a   */
+GROWTH_RULES(cos, cos, MINUS, -1) /* b = sin a   */
+GROWTH_RULES(sinh, sinh, PLUS, 1) /* b = cosh a  */
+GROWTH_RULES(cosh, cosh, PLUS, 1) /* b = sinh a  */
+GROWTH_RULES(tan, tan, PLUS, 1)   /* b = 1 + z^2 */
+GROWTH_RULES(tanh, tanh, PLUS, 1) /* b = sech2 a */
 
-/* ---- z = sech^2 a = 1 - w^2 with w = tanh a: the value without the cancellation, the series with w --------------- */
+/* ---- z = sech^2 a = 1 - b^2 with b = tanh a: the value without the cancellation, the series with b --------------- */
 
-bool jet_sech2_value(double c, int width, const double *a, const double *b, double *z)
+static bool sech2_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)c, (void)b;
     for (int i = 0; i < width; i++) {
@@ -67,26 +74,37 @@ bool jet_sech2_value(double c, int width, const double *a, const double *b, doub
     return true;
 }
 
-/* z_k = -(w^2)_k,  k >= 1. */
-void jet_sech2_series(double c, int k, size_t stride, int width, const double *a, const double *b, double *z)
-{
-    (void)a;
-    double *zk = z + (size_t)k * stride;
-    jet_sqr_series(c, k, stride, width, b, NULL, z);
-    for (int i = 0; i < width; i++) zk[i] = -zk[i];
-}
+/* z_k = -(b^2)_k,  k >= 1. */
+#define SECH2_SERIES(V, S)                                                                                             \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 0, k, S(V, b, j) * S(V, b, k - j));                                                            \
+        JET_AT(V, z, k) = -sum;                                                                                        \
+    }
+JET_SERIES_FRAME(sech2, SECH2_SERIES)
 
-/* dz_k = -2 sum_{j=0}^{k} w_j dw_{k-j}. */
-void jet_sech2_tangent(const jet_tangent *x, int k)
-{
-    double *dz = x->dz + (size_t)k * x->dstride;
-    for (int i = 0; i < x->lanes; i++) dz[i] = 0;
-    broadcast(dz, -2, WEIGHT_ONE, 0, k, k, x->stride, x->b, x->dstride, x->db, x->lanes);
-}
+/* dz_k = -2 sum_{j=0}^{k} b_j db_{k-j}. */
+#define SECH2_TANGENT(V, S)                                                                                            \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 0, k, S(V, b, j) * JET_D_OF(V, db, k - j));                                                    \
+        JET_D_AT(V, dz, k) = -2.0 * sum;                                                                                 \
+    }
+JET_TANGENT_FRAME(sech2, SECH2_TANGENT)
 
-/* dz/da = -2 w z. */
-jet jet_sech2_pull(struct jet_node *z, jet zbar, int which)
+/* bbar_j -= 2 zbar_k b_{k-j},  j = 0..k. */
+#define SECH2_ADJOINT(V, S)                                                                                            \
+    {                                                                                                                  \
+        const V bar = -2.0 * S(V, zbar, k);                                                                              \
+        JET_EACH(0, k, JET_AT(V, bbar, j) += bar * S(V, b, k - j));                                                    \
+    }
+JET_ADJOINT_FRAME(sech2, SECH2_ADJOINT)
+
+/* dz/da = -2 b z. */
+static jet sech2_pull(struct jet_node *z, jet zbar, int which)
 {
     (void)which;
     return jet_mul(-2, jet_mul(zbar, jet_mul(jet_of_node(z->b), jet_of_node(z))));
 }
+
+JET_RULE(sech2, B_PARTNER_SERIES)

@@ -1,10 +1,9 @@
 /* Products and quotients: plain convolutions. */
-#include "convolve.h"
 #include "rule.h"
 
 /* ---- z = a b ----------------------------------------------------------------------------------------------------- */
 
-bool jet_mul_value(double c, int width, const double *a, const double *b, double *z)
+static bool mul_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)c;
     for (int w = 0; w < width; w++) z[w] = a[w] * b[w];
@@ -12,31 +11,42 @@ bool jet_mul_value(double c, int width, const double *a, const double *b, double
 }
 
 /* z_k = sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
-void jet_mul_series(double c, int k, size_t stride, int width, const double *a, const double *b, double *z)
-{
-    (void)c;
-    double *zk = z + (size_t)k * stride;
-    for (int w = 0; w < width; w++) zk[w] = 0;
-    convolve(zk, WEIGHT_ONE, 0, k, k, stride, width, a, b);
-}
+#define MUL_SERIES(V, S)                                                                                               \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 0, k, S(V, a, j) * S(V, b, k - j));                                                            \
+        JET_AT(V, z, k) = sum;                                                                                         \
+    }
+JET_SERIES_FRAME(mul, MUL_SERIES)
 
 /* dz_k = sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
-void jet_mul_tangent(const jet_tangent *x, int k)
-{
-    double *dz = x->dz + (size_t)k * x->dstride;
-    for (int w = 0; w < x->lanes; w++) dz[w] = 0;
-    broadcast(dz, 1, WEIGHT_ONE, 0, k, k, x->stride, x->b, x->dstride, x->da, x->lanes);
-    broadcast(dz, 1, WEIGHT_ONE, 0, k, k, x->stride, x->a, x->dstride, x->db, x->lanes);
-}
+#define MUL_TANGENT(V, S)                                                                                              \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 0, k, S(V, b, j) * JET_D_OF(V, da, k - j) + S(V, a, j) * JET_D_OF(V, db, k - j));              \
+        JET_D_AT(V, dz, k) = sum;                                                                                      \
+    }
+JET_TANGENT_FRAME(mul, MUL_TANGENT)
 
-jet jet_mul_pull(struct jet_node *z, jet zbar, int which)
+/* abar_j += zbar_k b_{k-j},  bbar_j += zbar_k a_{k-j},  j = 0..k. */
+#define MUL_ADJOINT(V, S)                                                                                              \
+    {                                                                                                                  \
+        const V bar = S(V, zbar, k);                                                                                   \
+        JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, b, k - j));                                                    \
+        JET_EACH(0, k, JET_AT(V, bbar, j) += bar * S(V, a, k - j));                                                    \
+    }
+JET_ADJOINT_FRAME(mul, MUL_ADJOINT)
+
+static jet mul_pull(struct jet_node *z, jet zbar, int which)
 {
     return jet_mul(zbar, jet_of_node(which == 0 ? z->b : z->a));
 }
 
+JET_RULE(mul, B_OPERAND)
+
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
-bool jet_sqr_value(double c, int width, const double *a, const double *b, double *z)
+static bool sqr_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)c, (void)b;
     for (int w = 0; w < width; w++) z[w] = a[w] * a[w];
@@ -44,34 +54,43 @@ bool jet_sqr_value(double c, int width, const double *a, const double *b, double
 }
 
 /* z_k = 2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k): half the products of a b. */
-void jet_sqr_series(double c, int k, size_t stride, int width, const double *a, const double *b, double *z)
-{
-    (void)c, (void)b;
-    double *zk = z + (size_t)k * stride;
-    for (int w = 0; w < width; w++) zk[w] = 0;
-    convolve(zk, WEIGHT_ONE, 0, (k - 1) / 2, k, stride, width, a, a);
-    const double *half = a + (size_t)(k / 2) * stride;
-    const double even = k % 2 == 0 ? 1 : 0;
-    for (int w = 0; w < width; w++) zk[w] = 2 * zk[w] + even * (half[w] * half[w]);
-}
+#define SQR_SERIES(V, S)                                                                                               \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 0, (k - 1) / 2, S(V, a, j) * S(V, a, k - j));                                                  \
+        const V half = S(V, a, k / 2);                                                                                 \
+        JET_AT(V, z, k) = 2.0 * sum + (k % 2 == 0 ? 1.0 : 0.0) * (half * half);                                          \
+    }
+JET_SERIES_FRAME(sqr, SQR_SERIES)
 
 /* dz_k = 2 sum_{j=0}^{k} a_j da_{k-j}. */
-void jet_sqr_tangent(const jet_tangent *x, int k)
-{
-    double *dz = x->dz + (size_t)k * x->dstride;
-    for (int w = 0; w < x->lanes; w++) dz[w] = 0;
-    broadcast(dz, 2, WEIGHT_ONE, 0, k, k, x->stride, x->a, x->dstride, x->da, x->lanes);
-}
+#define SQR_TANGENT(V, S)                                                                                              \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 0, k, S(V, a, j) * JET_D_OF(V, da, k - j));                                                    \
+        JET_D_AT(V, dz, k) = 2.0 * sum;                                                                                  \
+    }
+JET_TANGENT_FRAME(sqr, SQR_TANGENT)
 
-jet jet_sqr_pull(struct jet_node *z, jet zbar, int which)
+/* abar_j += 2 zbar_k a_{k-j},  j = 0..k. */
+#define SQR_ADJOINT(V, S)                                                                                              \
+    {                                                                                                                  \
+        const V bar = 2.0 * S(V, zbar, k);                                                                               \
+        JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, a, k - j));                                                    \
+    }
+JET_ADJOINT_FRAME(sqr, SQR_ADJOINT)
+
+static jet sqr_pull(struct jet_node *z, jet zbar, int which)
 {
     (void)which;
     return jet_mul(2, jet_mul(zbar, jet_of_node(z->a)));
 }
 
+JET_RULE(sqr, B_NONE)
+
 /* ---- z = a / b,  b_0 != 0 ---------------------------------------------------------------------------------------- */
 
-bool jet_div_value(double c, int width, const double *a, const double *b, double *z)
+static bool div_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)c;
     int outside = 0;
@@ -83,30 +102,38 @@ bool jet_div_value(double c, int width, const double *a, const double *b, double
 }
 
 /* a = z b  =>  z_k = (a_k - sum_{j=1}^{k} b_j z_{k-j}) / b_0.   O(N^2). */
-void jet_div_series(double c, int k, size_t stride, int width, const double *a, const double *b, double *z)
-{
-    (void)c;
-    const double *ak = a + (size_t)k * stride;
-    double *zk = z + (size_t)k * stride;
-    for (int w = 0; w < width; w++) zk[w] = 0;
-    convolve(zk, WEIGHT_ONE, 1, k, k, stride, width, b, z);
-    for (int w = 0; w < width; w++) zk[w] = (ak[w] - zk[w]) / b[w];
-}
+#define DIV_SERIES(V, S)                                                                                               \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 1, k, S(V, b, j) * S(V, z, k - j));                                                            \
+        JET_AT(V, z, k) = (S(V, a, k) - sum) / S(V, b, 0);                                                             \
+    }
+JET_SERIES_FRAME(div, DIV_SERIES)
 
 /* dz_k = (da_k - sum_{j=0}^{k} z_j db_{k-j} - sum_{j=1}^{k} b_j dz_{k-j}) / b_0. */
-void jet_div_tangent(const jet_tangent *x, int k)
-{
-    const double *da = x->da + (size_t)k * x->dstride;
-    double *dz = x->dz + (size_t)k * x->dstride;
-    for (int w = 0; w < x->lanes; w++) dz[w] = da[w];
-    broadcast(dz, -1, WEIGHT_ONE, 0, k, k, x->stride, x->z, x->dstride, x->db, x->lanes);
-    broadcast(dz, -1, WEIGHT_ONE, 1, k, k, x->stride, x->b, x->dstride, x->dz, x->lanes);
-    for (int w = 0; w < x->lanes; w++) dz[w] /= x->b[0];
-}
+#define DIV_TANGENT(V, S)                                                                                              \
+    {                                                                                                                  \
+        V sum = S(V, z, 0) * JET_D_OF(V, db, k);                                                                       \
+        JET_SUM(V, sum, 1, k, S(V, z, j) * JET_D_OF(V, db, k - j) + S(V, b, j) * JET_D_OF(V, dz, k - j));              \
+        JET_D_AT(V, dz, k) = (JET_D_OF(V, da, k) - sum) / S(V, b, 0);                                                  \
+    }
+JET_TANGENT_FRAME(div, DIV_TANGENT)
+
+/* With s = zbar_k / b_0:  abar_k += s,  bbar_j -= s z_{k-j} (j = 0..k),  zbar_{k-j} -= s b_j (j = 1..k). */
+#define DIV_ADJOINT(V, S)                                                                                              \
+    {                                                                                                                  \
+        const V s = S(V, zbar, k) / S(V, b, 0);                                                                        \
+        JET_AT(V, abar, k) += s;                                                                                       \
+        JET_EACH(0, k, JET_AT(V, bbar, j) -= s * S(V, z, k - j));                                                      \
+        JET_EACH(1, k, JET_AT(V, zbar, k - j) -= s * S(V, b, j));                                                      \
+    }
+JET_ADJOINT_FRAME(div, DIV_ADJOINT)
 
 /* dz/da = 1 / b,  dz/db = -z / b. */
-jet jet_div_pull(struct jet_node *z, jet zbar, int which)
+static jet div_pull(struct jet_node *z, jet zbar, int which)
 {
     const jet quotient = jet_div(zbar, jet_of_node(z->b));
     return which == 0 ? quotient : jet_neg(jet_mul(quotient, jet_of_node(z)));
 }
+
+JET_RULE(div, B_OPERAND)

@@ -1,46 +1,81 @@
 /* sweep.c - runs a tape. Each kind of sweep walks the runs once and calls the operation's rule. */
-#include "convolve.h"
 #include "rule.h"
 #include "tape.h"
 
 #include <string.h>
 
-void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
-{
-    memset(x, 0, (size_t)orders * (size_t)tape->slots * (size_t)lanes * sizeof *x);
-    for (int i = 0; i < tape->constants; i++)
-        for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
-}
+static const double *slot(const double *x, int index, int lanes) { return x + (size_t)index * (size_t)lanes; }
+static double *slot_of(double *x, int index, int lanes) { return x + (size_t)index * (size_t)lanes; }
 
-/* z = sum_i coefficient_i x_i, at one order of a block: the same for values, series and tangents. */
-#define LINEAR_BLOCK(type)                                                                                             \
-    do {                                                                                                               \
-        type sum = tape->term_coefficient[begin] * *(const type *)(x + (size_t)tape->term_slot[begin] * width + w);    \
-        for (int term = begin + 1; term < end; term++)                                                                 \
-            sum += tape->term_coefficient[term] * *(const type *)(x + (size_t)tape->term_slot[term] * width + w);      \
-        *(type *)(z + w) = sum;                                                                                        \
-    } while (0)
+/* ---- z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number -------------
+ */
 
-static void linear_sums(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+/* One lane, `terms` known to the compiler where it is small. */
+static inline __attribute__((always_inline)) void sums_of_one(const jet_tape *tape, const jet_run *run, double *x,
+                                                              int terms)
 {
-    const size_t width = (size_t)lanes;
-    for (int i = 0; i < run->count; i++) {
-        const int begin = tape->row[run->first + i], end = tape->row[run->first + i + 1];
-        double *z = x + (size_t)(run->z + i) * width;
-        int w = 0;
-        for (; w + JET_WIDTH <= lanes; w += JET_WIDTH) LINEAR_BLOCK(jet_vector);
-        for (; w < lanes; w++) LINEAR_BLOCK(double);
+    const int *from = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    for (int i = 0; i < run->count; i++, from += terms, coefficient += terms) {
+        double sum = coefficient[0] * x[from[0]];
+        for (int term = 1; term < terms; term++) sum += coefficient[term] * x[from[term]];
+        x[run->z + i] = sum;
     }
 }
 
-/* The numbers that the sums add: to order 0 only. */
-static void linear_numbers(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+#define LINEAR(V, S)                                                                                                   \
+    {                                                                                                                  \
+        V sum = coefficient[0] * S(V, x, from[0]);                                                                     \
+        for (int term = 1; term < run->terms; term++) sum += coefficient[term] * S(V, x, from[term]);                  \
+        JET_AT(V, z, 0) = sum;                                                                                         \
+    }
+
+static void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    for (int i = 0; i < run->count; i++)
-        for (int w = 0; w < lanes; w++) x[(run->z + i) * lanes + w] += tape->base[run->first + i];
+    const size_t stride = (size_t)lanes;
+    const int *from = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    for (int i = 0; i < run->count; i++, from += run->terms, coefficient += run->terms) {
+        double *z = x + (size_t)(run->z + i) * stride;
+        JET_BLOCKS(lanes, LINEAR, JET_OF);
+    }
 }
 
-bool jet_sweep_values(const jet_tape *tape, double *x, int lanes)
+/* At one order; x is the block of the order. */
+static void linear_sums(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+{
+    if (lanes > 1) sums_of_many(tape, run, x, lanes);
+    else if (run->terms == 1) sums_of_one(tape, run, x, 1);
+    else if (run->terms == 2) sums_of_one(tape, run, x, 2);
+    else if (run->terms == 3) sums_of_one(tape, run, x, 3);
+    else sums_of_one(tape, run, x, run->terms);
+}
+
+/* To order 0 only. */
+static void linear_numbers(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+{
+    for (int i = 0; i < run->count; i++) {
+        const double base = tape->base[run->first + i];
+        double *z = slot_of(x, run->z + i, lanes);
+        for (int w = 0; base != 0 && w < lanes; w++) z[w] += base;
+    }
+}
+
+/* One lane. */
+static void linear_adjoints(const jet_tape *tape, const jet_run *run, double *bar)
+{
+    const int *to = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    for (int i = 0; i < run->count; i++, to += run->terms, coefficient += run->terms) {
+        const double zbar = bar[run->z + i];
+        for (int term = 0; term < run->terms; term++) bar[to[term]] += coefficient[term] * zbar;
+    }
+}
+
+/* ---- The sweeps
+ * ------------------------------------------------------------------------------------------------------ */
+
+static bool values(const jet_tape *tape, double *x, int lanes)
 {
     bool inside = true;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
@@ -49,26 +84,26 @@ bool jet_sweep_values(const jet_tape *tape, double *x, int lanes)
             linear_numbers(tape, run, x, lanes);
             continue;
         }
-        inside &= jet_rules[run->op].value(run->c, run->count * lanes, x + (size_t)run->a * (size_t)lanes,
-                                           x + (size_t)run->b * (size_t)lanes, x + (size_t)run->z * (size_t)lanes);
+        inside &= jet_rules[run->op]->value(run->c, run->count * lanes, slot(x, run->a, lanes), slot(x, run->b, lanes),
+                                            slot_of(x, run->z, lanes));
     }
     return inside;
 }
 
-bool jet_sweep_series(const jet_tape *tape, double *x, int k, int lanes)
+static bool series(const jet_tape *tape, double *x, int k, int lanes)
 {
-    if (k == 0) return jet_sweep_values(tape, x, lanes);
+    if (k == 0) return values(tape, x, lanes);
     const size_t stride = (size_t)tape->slots * (size_t)lanes;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
         if (run->op == OP_LINEAR) linear_sums(tape, run, x + (size_t)k * stride, lanes);
         else
-            jet_rules[run->op].series(run->c, k, stride, run->count * lanes, x + (size_t)run->a * (size_t)lanes,
-                                      x + (size_t)run->b * (size_t)lanes, x + (size_t)run->z * (size_t)lanes);
+            jet_rules[run->op]->series(run->c, k, stride, run->count * lanes, slot(x, run->a, lanes),
+                                       slot(x, run->b, lanes), slot_of(x, run->z, lanes));
     }
     return true;
 }
 
-void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
+static void tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
 {
     const size_t stride = (size_t)tape->slots, dstride = stride * (size_t)lanes;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
@@ -76,21 +111,44 @@ void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k
             linear_sums(tape, run, dx + (size_t)k * dstride, lanes);
             continue;
         }
-        for (int i = 0; i < run->count; i++) {
-            const size_t a = (size_t)(run->a + i), b = (size_t)(run->b + i), z = (size_t)(run->z + i);
-            const jet_tangent member = {
-                .c = run->c,
-                .stride = stride,
-                .dstride = dstride,
-                .lanes = lanes,
-                .a = x + a,
-                .b = x + b,
-                .z = x + z,
-                .da = dx + a * (size_t)lanes,
-                .db = dx + b * (size_t)lanes,
-                .dz = dx + z * (size_t)lanes,
-            };
-            jet_rules[run->op].tangent(&member, k);
-        }
+        const jet_tangent members = {
+            .c = run->c,
+            .stride = stride,
+            .dstride = dstride,
+            .count = run->count,
+            .lanes = lanes,
+            .a = x + run->a,
+            .b = x + run->b,
+            .z = x + run->z,
+            .da = slot(dx, run->a, lanes),
+            .db = slot(dx, run->b, lanes),
+            .dz = slot_of(dx, run->z, lanes),
+        };
+        jet_rules[run->op]->tangent(&members, k);
     }
 }
+
+static void adjoints(const jet_tape *tape, const double *x, double *bar, int k)
+{
+    const size_t stride = (size_t)tape->slots;
+    for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;) {
+        if (run->op == OP_LINEAR) {
+            linear_adjoints(tape, run, bar + (size_t)k * stride);
+            continue;
+        }
+        const jet_adjoint members = {
+            .c = run->c,
+            .stride = stride,
+            .width = run->count,
+            .a = x + run->a,
+            .b = x + run->b,
+            .z = x + run->z,
+            .abar = bar + run->a,
+            .bbar = bar + run->b,
+            .zbar = bar + run->z,
+        };
+        jet_rules[run->op]->adjoint(&members, k);
+    }
+}
+
+const jet_sweeps JET_FOR_ISA(jet_sweeps) = {values, series, tangents, adjoints};

@@ -3,6 +3,7 @@
 #include "rule.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* What the lowering knows of a node. */
 typedef struct {
@@ -10,28 +11,29 @@ typedef struct {
     int level; /* inputs and constants 0; else one more than the highest operand */
     int slot;
     int a, b; /* slots of the operands that are read at the order being computed */
-} place;
+} place;      /* node NULL: a copy of slot a */
 
 typedef struct {
     const jet_graph *graph;
     jet_tape_kind kind;
     int count;      /* of nodes in the graph */
     bool *needed;   /* [count] */
-    place *places;  /* [count] by node index */
-    place **sorted; /* the needed nodes in the order of their slots */
-    int needed_count;
+    place *places;  /* [count] by node index, then the copies */
+    place **levels; /* [needed_count] the needed nodes by level */
+    place **sorted; /* [slots] nodes and copies in the order of their slots */
+    int needed_count, copies, slots;
 } lowering;
 
 /* Whether the order being computed of z reads the same order of z->b. */
 static bool reads_b(const lowering *low, const struct jet_node *z)
 {
-    const jet_b_role role = jet_rules[z->op].b;
+    const jet_b_role role = jet_role_of_b(z->op);
     return role == B_OPERAND || (role == B_PARTNER_SERIES && low->kind == JET_TAPE_SERIES);
 }
 
 static bool keeps_b(const lowering *low, const struct jet_node *z)
 {
-    return jet_rules[z->op].b == B_OPERAND || (z->b && low->kind == JET_TAPE_SERIES);
+    return jet_role_of_b(z->op) == B_OPERAND || (z->b && low->kind == JET_TAPE_SERIES);
 }
 
 /* Marks all that the outputs depend on; partners may have been recorded after the nodes that need them, so repeat until
@@ -67,7 +69,7 @@ static void find_levels(lowering *low)
         for (int term = 0; term < z->count; term++)
             level = max(level, low->places[z->terms[term].node->index].level + 1);
         low->places[i] = (place){.node = z, .level = level, .slot = -1};
-        low->sorted[low->needed_count++] = &low->places[i];
+        low->levels[low->needed_count++] = &low->places[i];
     }
 }
 
@@ -79,18 +81,34 @@ static int by_level(const void *first, const void *second)
 
 static int compare(double a, double b) { return (a > b) - (a < b); }
 
-/* Within a level: by operation, number, and slots of the operands, so that adjacent results have adjacent operands. */
-static int by_run(const void *first, const void *second)
+static bool is_summed(const place *z) { return !jet_rules[z->node->op]; }
+
+/* Sums of equally many terms stand together. */
+static int compare_sums(const place *x, const place *y) { return x->node->count - y->node->count; }
+
+/* Whether two nodes of a level can be members of one run. */
+static int by_group(const place *x, const place *y)
+{
+    if (x->node->op != y->node->op) return (int)x->node->op - (int)y->node->op;
+    return is_summed(x) ? compare_sums(x, y) : compare(x->node->number, y->node->number);
+}
+
+/* Within a level by group, and within that by the slots of the operands, so that adjacent results have adjacent
+ * operands: by a first, or by b first. */
+static int by_first_operand(const void *first, const void *second)
 {
     const place *x = *(place *const *)first, *y = *(place *const *)second;
-    if (x->node->op != y->node->op) return (int)x->node->op - (int)y->node->op;
-    if (x->level > 0 && x->node->op != OP_LINEAR) {
-        const int number = compare(x->node->number, y->node->number);
-        if (number) return number;
-        if (x->a != y->a) return x->a - y->a;
-        if (x->b != y->b) return x->b - y->b;
-    }
+    const int group = by_group(x, y);
+    if (group) return group;
+    if (!is_summed(x) && x->a != y->a) return x->a - y->a;
+    if (!is_summed(x) && x->b != y->b) return x->b - y->b;
     return x->node->index - y->node->index;
+}
+
+static int by_second_operand(const void *first, const void *second)
+{
+    const place *x = *(place *const *)first, *y = *(place *const *)second;
+    return x->b != y->b ? x->b - y->b : by_first_operand(first, second);
 }
 
 static int slot_of(const lowering *low, const struct jet_node *node)
@@ -98,62 +116,132 @@ static int slot_of(const lowering *low, const struct jet_node *node)
     return node ? low->places[node->index].slot : 0;
 }
 
+static void emit(lowering *low, place *z)
+{
+    z->slot = low->slots;
+    low->sorted[low->slots++] = z;
+}
+
+static bool is_contiguous(place *const group[], int count, bool second)
+{
+    for (int i = 1; i < count; i++)
+        if ((second ? group[i]->b : group[i]->a) != (second ? group[0]->b : group[0]->a) + i) return false;
+    return true;
+}
+
+/* Copies an operand that the members read at scattered slots to adjacent ones, so that they run as one. */
+static void gather(lowering *low, place *group[], int count, bool second)
+{
+    if (is_contiguous(group, count, second)) return;
+    for (int i = 0; i < count; i++) {
+        int *operand = second ? &group[i]->b : &group[i]->a;
+        place *copy = &low->places[low->count + low->copies++];
+        *copy = (place){.level = group[i]->level, .a = *operand};
+        emit(low, copy);
+        *operand = copy->slot;
+    }
+}
+
+/* The operands of a group: sorted by the one that is then contiguous, the other gathered. */
+static void gather_operands(lowering *low, place *group[], int count)
+{
+    if (!reads_b(low, group[0]->node)) {
+        gather(low, group, count, false);
+        return;
+    }
+    if (!is_contiguous(group, count, false) && !is_contiguous(group, count, true))
+        qsort(group, (size_t)count, sizeof *group, by_second_operand);
+    gather(low, group, count, false);
+    gather(low, group, count, true);
+}
+
+static int group_end(place *const level[], int begin, int end)
+{
+    int last = begin + 1;
+    while (last < end && by_group(level[begin], level[last]) == 0) last++;
+    return last;
+}
+
+/* Slots of a level: sums and copies first, then the other operations group by group. */
+static void emit_level(lowering *low, place *level[], int count)
+{
+    for (int i = 0; i < count; i++) {
+        level[i]->a = slot_of(low, level[i]->node->a);
+        level[i]->b = reads_b(low, level[i]->node) ? slot_of(low, level[i]->node->b) : 0;
+    }
+    qsort(level, (size_t)count, sizeof *level, by_first_operand);
+    for (int i = 0; i < count; i++)
+        if (is_summed(level[i])) emit(low, level[i]);
+    for (int begin = 0, end = 0; begin < count; begin = end) {
+        end = group_end(level, begin, count);
+        if (!is_summed(level[begin])) gather_operands(low, level + begin, end - begin);
+    }
+    for (int i = 0; i < count; i++)
+        if (!is_summed(level[i])) emit(low, level[i]);
+}
+
 /* Level by level, since the order within one depends on the slots of those below. */
 static void assign_slots(lowering *low)
 {
-    qsort(low->sorted, (size_t)low->needed_count, sizeof *low->sorted, by_level);
+    qsort(low->levels, (size_t)low->needed_count, sizeof *low->levels, by_level);
     for (int begin = 0, end = 0; begin < low->needed_count; begin = end) {
-        for (; end < low->needed_count && low->sorted[end]->level == low->sorted[begin]->level; end++) {
-            place *z = low->sorted[end];
-            z->a = slot_of(low, z->node->a);
-            z->b = reads_b(low, z->node) ? slot_of(low, z->node->b) : 0;
-        }
-        qsort(low->sorted + begin, (size_t)(end - begin), sizeof *low->sorted, by_run);
-        for (int i = begin; i < end; i++) low->sorted[i]->slot = i;
+        while (end < low->needed_count && low->levels[end]->level == low->levels[begin]->level) end++;
+        emit_level(low, low->levels + begin, end - begin);
     }
 }
 
-/* Whether z can join the run as its next member. */
-static bool continues(const lowering *low, const jet_run *run, const place *z)
+/* A copy is a sum of one term. */
+static int terms_of(const place *z) { return z->node ? z->node->count : 1; }
+
+/* The run of z alone. */
+static jet_run run_of(const lowering *low, const jet_tape *tape, const place *z)
 {
-    if (z->node->op != run->op) return false;
-    if (run->op == OP_LINEAR) return low->places[z->node->index].level == low->sorted[run->z]->level;
-    const bool same_number = z->node->number == run->c && z->level == low->sorted[run->z]->level;
-    const int b = keeps_b(low, z->node) ? slot_of(low, z->node->b) - run->count : run->b;
-    return same_number && slot_of(low, z->node->a) == run->a + run->count && b == run->b;
+    if (!z->node || z->node->op == OP_LINEAR)
+        return (jet_run){OP_LINEAR, 1, z->slot, .first = tape->rows, .terms = terms_of(z), .term = tape->terms};
+    const bool partner = keeps_b(low, z->node) && !reads_b(low, z->node);
+    const int b = partner ? slot_of(low, z->node->b) : z->b;
+    return (jet_run){z->node->op, 1, z->slot, z->a, b, .c = z->node->number};
 }
 
-static void add_row(const lowering *low, jet_tape *tape, const struct jet_node *z)
+/* Whether the run can grow by the next one. */
+static bool joins(const lowering *low, const jet_run *run, const jet_run *next)
 {
-    int end = tape->row[tape->rows];
-    for (int term = 0; term < z->count; term++, end++) {
-        tape->term_slot[end] = slot_of(low, z->terms[term].node);
-        tape->term_coefficient[end] = z->terms[term].coefficient;
+    if (next->op != run->op || low->sorted[next->z]->level != low->sorted[run->z]->level) return false;
+    if (run->op == OP_LINEAR) return next->terms == run->terms;
+    const bool same_b = run->b == 0 && next->b == 0 && jet_role_of_b(run->op) != B_OPERAND;
+    return next->c == run->c && next->a == run->a + run->count && (same_b || next->b == run->b + run->count);
+}
+
+static void add_row(const lowering *low, jet_tape *tape, const place *z)
+{
+    const struct jet_node *node = z->node;
+    if (!node) { /* a copy */
+        tape->term_slot[tape->terms] = z->a;
+        tape->term_coefficient[tape->terms++] = 1;
     }
-    tape->base[tape->rows] = z->number;
-    tape->row[++tape->rows] = end;
+    for (int term = 0; node && term < node->count; term++, tape->terms++) {
+        tape->term_slot[tape->terms] = slot_of(low, node->terms[term].node);
+        tape->term_coefficient[tape->terms] = node->terms[term].coefficient;
+    }
+    tape->base[tape->rows++] = node ? node->number : 0;
 }
 
 static void lay_out(lowering *low, jet_tape *tape)
 {
-    for (int i = 0; i < low->needed_count; i++) {
-        const struct jet_node *z = low->sorted[i]->node;
-        if (z->op == OP_INPUT) {
+    for (int i = 0; i < low->slots; i++) {
+        const place *z = low->sorted[i];
+        if (z->node && z->node->op == OP_INPUT) {
             tape->inputs++;
             continue;
         }
-        if (z->op == OP_CONST) {
-            tape->constant[tape->constants++] = z->number;
+        if (z->node && z->node->op == OP_CONST) {
+            tape->constant[tape->constants++] = z->node->number;
             continue;
         }
-        jet_run *run = tape->runs > 0 ? &tape->run[tape->runs - 1] : NULL;
-        if (run && continues(low, run, low->sorted[i])) {
-            run->count++;
-        } else {
-            const int b = keeps_b(low, z) ? slot_of(low, z->b) : 0;
-            tape->run[tape->runs++] = (jet_run){z->op, 1, i, slot_of(low, z->a), b, z->number, tape->rows};
-        }
-        if (z->op == OP_LINEAR) add_row(low, tape, z);
+        const jet_run next = run_of(low, tape, z);
+        if (tape->runs > 0 && joins(low, &tape->run[tape->runs - 1], &next)) tape->run[tape->runs - 1].count++;
+        else tape->run[tape->runs++] = next;
+        if (next.op == OP_LINEAR) add_row(low, tape, z);
     }
 }
 
@@ -161,18 +249,19 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
 {
     int terms = 0;
     for (int i = 0; i < low->count; i++) terms += jet_graph_node(low->graph, i)->count;
-    const size_t nodes = (size_t)low->count + 1;
+    const size_t nodes = 3 * (size_t)low->count + 1; /* each may have copies of two operands */
+    terms += 2 * low->count;
     low->needed = calloc(nodes, sizeof *low->needed);
     low->places = calloc(nodes, sizeof *low->places);
+    low->levels = calloc(nodes, sizeof(place *));
     low->sorted = calloc(nodes, sizeof(place *));
     tape->run = calloc(nodes, sizeof *tape->run);
     tape->constant = calloc(nodes, sizeof *tape->constant);
-    tape->row = calloc(nodes + 1, sizeof *tape->row);
     tape->base = calloc(nodes, sizeof *tape->base);
     tape->term_slot = calloc((size_t)terms + 1, sizeof *tape->term_slot);
     tape->term_coefficient = calloc((size_t)terms + 1, sizeof *tape->term_coefficient);
     tape->output = calloc((size_t)outputs + 1, sizeof *tape->output);
-    return low->needed && low->places && low->sorted && tape->run && tape->constant && tape->row && tape->base &&
+    return low->needed && low->places && low->levels && low->sorted && tape->run && tape->constant && tape->base &&
            tape->term_slot && tape->term_coefficient && tape->output;
 }
 
@@ -180,6 +269,7 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
 {
     jet_tape *tape = calloc(1, sizeof *tape);
     if (!tape) return NULL;
+    tape->sweeps = jet_sweeps_choose();
     lowering low = {.graph = graph, .kind = kind, .count = jet_graph_count(graph)};
     const bool allocated = allocate(&low, tape, outputs);
     if (allocated) {
@@ -187,16 +277,24 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
         find_levels(&low);
         assign_slots(&low);
         lay_out(&low, tape);
-        tape->slots = low.needed_count;
+        tape->slots = low.slots;
         tape->outputs = outputs;
         for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(&low, output[i].node);
     }
     free(low.needed);
     free(low.places);
+    free(low.levels);
     free(low.sorted);
     if (allocated) return tape;
     jet_tape_free(tape);
     return NULL;
+}
+
+void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
+{
+    memset(x, 0, (size_t)orders * (size_t)tape->slots * (size_t)lanes * sizeof *x);
+    for (int i = 0; i < tape->constants; i++)
+        for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
 }
 
 void jet_tape_free(jet_tape *tape)
@@ -204,7 +302,6 @@ void jet_tape_free(jet_tape *tape)
     if (!tape) return;
     free(tape->run);
     free(tape->constant);
-    free(tape->row);
     free(tape->base);
     free(tape->term_slot);
     free(tape->term_coefficient);

@@ -21,16 +21,20 @@ typedef struct {
     jet_op op;
     int count, z, a, b;
     double c;     /* the number of the node; LINEAR: see terms */
-    int first;    /* LINEAR: row[first + i] .. row[first + i + 1] are the terms of z + i, base[first + i] its number */
+    int first;    /* LINEAR: the number of z + i is base[first + i], ...                            */
+    int terms;    /* ... and each has this many terms, from term_slot[term + i * terms] on          */
+    int term;
 } jet_run;
 
+typedef struct jet_sweeps jet_sweeps;
+
 typedef struct {
-    int inputs, constants, slots, runs, rows, outputs;
+    const jet_sweeps *sweeps; /* of the instruction set */
+    int inputs, constants, slots, runs, rows, terms, outputs;
     jet_run *run;
     double *constant; /* [constants], slots inputs .. inputs + constants - 1 */
-    int *row;         /* [rows + 1] */
     double *base;     /* [rows] */
-    int *term_slot;
+    int *term_slot;   /* [terms] */
     double *term_coefficient;
     int *output;      /* [outputs] slots */
 } jet_tape;
@@ -43,14 +47,43 @@ void jet_tape_free(jet_tape *tape);
 /* Sets the constants of a block and zeroes the rest: once, before the first sweep. */
 void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
 
+/* The sweeps, compiled for one instruction set. */
+struct jet_sweeps {
+    bool (*values)(const jet_tape *tape, double *x, int lanes);
+    bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
+    void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
+    void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k);
+};
+
+/* The widest that the machine has; the environment variable TVI_ISA = base or avx2 asks for less. */
+const jet_sweeps *jet_sweeps_choose(void);
+
 /* Values of all slots from the inputs, order 0. false where an operation is outside its domain. */
-bool jet_sweep_values(const jet_tape *tape, double *x, int lanes);
+static inline bool jet_sweep_values(const jet_tape *tape, double *x, int lanes)
+{
+    return tape->sweeps->values(tape, x, lanes);
+}
 
 /* Coefficient k of all slots from orders 0..k of the inputs and 0..k-1 of all, k = 0, 1, 2, ... in turn: one order costs
  * O(k) an operation, so a series to degree N costs O(N^2). false at k = 0 as above. */
-bool jet_sweep_series(const jet_tape *tape, double *x, int k, int lanes);
+static inline bool jet_sweep_series(const jet_tape *tape, double *x, int k, int lanes)
+{
+    return tape->sweeps->series(tape, x, k, lanes);
+}
 
 /* Tangents dx (lanes directions) of coefficient k along the one-lane series x, from dx of the inputs, k = 0, 1, 2, ... */
-void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
+static inline void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
+{
+    tape->sweeps->tangents(tape, x, dx, k, lanes);
+}
+
+/* Adjoints along the one-lane series x: bar, a block like x, holds the derivatives of a scalar with respect to the
+ * coefficients of each slot. Adds to orders 0..k what those of order k hand on to their operands, k = N, N-1, ..., 0 in
+ * turn; what the scalar itself depends on is added by the caller beforehand. Costs about two series, whatever the number
+ * of inputs. */
+static inline void jet_sweep_adjoints(const jet_tape *tape, const double *x, double *bar, int k)
+{
+    tape->sweeps->adjoints(tape, x, bar, k);
+}
 
 #endif

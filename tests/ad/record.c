@@ -145,6 +145,23 @@ void run_tangents(const recording *r, int degree, int lanes, const double x[], c
     free(dblock);
 }
 
+void run_adjoints(const recording *r, int degree, const double x[], const double zbar[], double xbar[])
+{
+    const jet_tape *tape = r->tape;
+    double *block = new_block(tape, degree + 1, 1), *bar = new_block(tape, degree + 1, 1);
+    jet_tape_prepare(tape, block, degree + 1, 1);
+    for (int k = 0; k <= degree; k++) {
+        set_inputs(r, degree, 1, k, k, x, block);
+        ck_assert(jet_sweep_series(tape, block, k, 1));
+        for (int i = 0; i < r->outputs; i++) bar[k * tape->slots + tape->output[i]] += zbar[i * (degree + 1) + k];
+    }
+    for (int k = degree; k >= 0; k--) jet_sweep_adjoints(tape, block, bar, k);
+    for (int i = 0; i < r->inputs; i++)
+        for (int k = 0; k <= degree; k++) xbar[i * (degree + 1) + k] = bar[k * tape->slots + i];
+    free(block);
+    free(bar);
+}
+
 void get_lane(int count, int degree, int lanes, int lane, const double all[], double one[])
 {
     for (int i = 0; i < count * (degree + 1); i++) one[i] = all[i * lanes + lane];

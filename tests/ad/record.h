@@ -35,6 +35,9 @@ bool run_series(const recording *r, int degree, int lanes, const double x[], dou
 /* Tangents dz (several lanes) along the series x (one lane); orders of x above k hold NaN while order k is swept. */
 void run_tangents(const recording *r, int degree, int lanes, const double x[], const double dx[], double dz[]);
 
+/* Adjoints of the inputs, xbar, from those of the outputs, zbar, along the series x: sum zbar dz = sum xbar dx. */
+void run_adjoints(const recording *r, int degree, const double x[], const double zbar[], double xbar[]);
+
 /* The size by which roundoff in coefficient k is judged: max over i <= 2 of sqrt |z_{k-i} z_{k+i}|, which an isolated
  * small coefficient does not lower; for the last coefficient also z_{k-1}^2 / |z_{k-2}|, at most |z_{k-1}|. */
 double natural_scale(int degree, const double z[], int k);

@@ -1,0 +1,30 @@
+/* isa.c - the instruction set that a tape runs with. Rules and sweeps are compiled once for each; here one is chosen.
+ */
+#include "tape.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+extern const jet_sweeps jet_sweeps_base;
+
+#ifdef JET_ISA_X86
+extern const jet_sweeps jet_sweeps_avx2, jet_sweeps_avx512;
+
+static bool has_avx2(void) { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }
+
+static bool has_avx512(void)
+{
+    return has_avx2() && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl");
+}
+
+const jet_sweeps *jet_sweeps_choose(void)
+{
+    const char *wish = getenv("TVI_ISA");
+    if (wish && strcmp(wish, "base") == 0) return &jet_sweeps_base;
+    if (has_avx512() && !(wish && strcmp(wish, "avx2") == 0)) return &jet_sweeps_avx512;
+    return has_avx2() ? &jet_sweeps_avx2 : &jet_sweeps_base;
+}
+#else
+const jet_sweeps *jet_sweeps_choose(void) { return &jet_sweeps_base; }
+#endif
