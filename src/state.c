@@ -33,15 +33,14 @@ static const uint64_t NOTHING = UINT64_C(0xcbf29ce484222325);
 static uint64_t hash_system(const tvi_system *system)
 {
     const jet_tape *tape = system->field_values;
-    const size_t terms = (size_t)tape->row[tape->rows];
+    const size_t terms = (size_t)tape->terms;
     uint64_t sum = hash(NOTHING, system->mass, system->form == TVI_SEPARABLE ? (size_t)system->n * sizeof(double) : 0);
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        const int places[] = {(int)run->op, run->count, run->z, run->a, run->b};
+        const int places[] = {(int)run->op, run->count, run->z, run->a, run->b, run->terms};
         sum = hash(sum, places, sizeof places);
         sum = hash(sum, &run->c, sizeof run->c);
     }
     sum = hash(sum, tape->constant, (size_t)tape->constants * sizeof *tape->constant);
-    sum = hash(sum, tape->row, ((size_t)tape->rows + 1) * sizeof *tape->row);
     sum = hash(sum, tape->base, (size_t)tape->rows * sizeof *tape->base);
     sum = hash(sum, tape->term_slot, terms * sizeof *tape->term_slot);
     sum = hash(sum, tape->term_coefficient, terms * sizeof *tape->term_coefficient);
