@@ -13,6 +13,8 @@
  *      freed must not be used at all, like any freed memory.
  *   3. An operation is refused with TVI_EDOMAIN wherever its power series does not exist: sqrt at 0, asin at 1,
  *      pow(0, 1.5), log at 0, division by 0. That happens at once where the operand is a number, else at the step.
+ *   4. C++ users may write operators, 0.5 * a * b - sin(a) / 2 and a += b, and the functions sqr, sqrt, exp, log, pow, sin
+ *      and the others without the prefix; both spellings record the same.
  */
 #ifndef TVI_JET_H
 #define TVI_JET_H
@@ -45,21 +47,7 @@ typedef enum { TVI_STATUS_LIST(TVI_STATUS_CODE) TVI_STATUS_COUNT } tvi_status;
 #undef TVI_STATUS_CODE
 
 struct jet_node;
-
-/* A number (node NULL), or a node of a recording. Pass it by value; its members are the library's own. */
-#ifdef __cplusplus
-struct jet {
-    double number;
-    struct jet_node *node;
-    jet() : number(0), node(nullptr) {}
-    jet(double value) : number(value), node(nullptr) {}
-};
-#else
-typedef struct jet {
-    double number;
-    struct jet_node *node;
-} jet;
-#endif
+typedef struct jet jet;
 
 typedef enum {
     JET_NEG, JET_SQR, JET_SQRT, JET_EXP, JET_LOG, JET_SIN, JET_COS, JET_TAN, JET_ASIN, JET_ACOS, JET_ATAN, JET_SINH,
@@ -73,6 +61,49 @@ jet jet_record_mul(jet a, jet b);
 jet jet_record_div(jet a, jet b);
 jet jet_record_pow(jet a, double c);
 jet jet_record_function(jet_function f, jet a);
+
+/* A number (node NULL), or a node of a recording. Pass it by value; its members are the library's own. */
+#ifndef __cplusplus
+struct jet {
+    double number;
+    struct jet_node *node;
+};
+#else
+}
+
+#define JET_FUNCTION_LIST(function)                                                                                    \
+    function(sqr, JET_SQR) function(sqrt, JET_SQRT) function(exp, JET_EXP) function(log, JET_LOG)                      \
+    function(sin, JET_SIN) function(cos, JET_COS) function(tan, JET_TAN)                                               \
+    function(asin, JET_ASIN) function(acos, JET_ACOS) function(atan, JET_ATAN)                                         \
+    function(sinh, JET_SINH) function(cosh, JET_COSH) function(tanh, JET_TANH)
+
+/* The operators and functions are friends that only an argument of type jet finds: sin(1.0) stays what it was. */
+struct jet {
+    double number;
+    struct jet_node *node;
+    jet() : number(0), node(nullptr) {}
+    jet(double value) : number(value), node(nullptr) {}
+
+    friend inline jet operator+(jet a, jet b) { return jet_record_add(a, b); }
+    friend inline jet operator-(jet a, jet b) { return jet_record_sub(a, b); }
+    friend inline jet operator*(jet a, jet b) { return jet_record_mul(a, b); }
+    friend inline jet operator/(jet a, jet b) { return jet_record_div(a, b); }
+    friend inline jet operator+(jet a) { return a; }
+    friend inline jet operator-(jet a) { return jet_record_function(JET_NEG, a); }
+    jet &operator+=(jet b) { return *this = jet_record_add(*this, b); }
+    jet &operator-=(jet b) { return *this = jet_record_sub(*this, b); }
+    jet &operator*=(jet b) { return *this = jet_record_mul(*this, b); }
+    jet &operator/=(jet b) { return *this = jet_record_div(*this, b); }
+
+    friend inline jet pow(jet a, double c) { return jet_record_pow(a, c); }
+#define JET_DEFINE_FRIEND(name, function)                                                                              \
+    friend inline jet name(jet a) { return jet_record_function(function, a); }
+    JET_FUNCTION_LIST(JET_DEFINE_FRIEND)
+#undef JET_DEFINE_FRIEND
+};
+
+extern "C" {
+#endif
 
 /* x[0] + ... + x[count-1], added in that order, numbers last; 0 where count <= 0. */
 jet jet_sum(const jet x[], int count);
@@ -88,23 +119,12 @@ static inline jet jet_sub(jet a, jet b) { return jet_record_sub(a, b); }
 static inline jet jet_mul(jet a, jet b) { return jet_record_mul(a, b); }
 static inline jet jet_div(jet a, jet b) { return jet_record_div(a, b); }
 static inline jet jet_pow(jet a, double c) { return jet_record_pow(a, c); }
+static inline jet jet_neg(jet a) { return -a; }
 #define JET_DEFINE(name, function)                                                                                     \
-    static inline jet name(jet a) { return jet_record_function(function, a); }
-JET_DEFINE(jet_neg, JET_NEG)
-JET_DEFINE(jet_sqr, JET_SQR)
-JET_DEFINE(jet_sqrt, JET_SQRT)
-JET_DEFINE(jet_exp, JET_EXP)
-JET_DEFINE(jet_log, JET_LOG)
-JET_DEFINE(jet_sin, JET_SIN)
-JET_DEFINE(jet_cos, JET_COS)
-JET_DEFINE(jet_tan, JET_TAN)
-JET_DEFINE(jet_asin, JET_ASIN)
-JET_DEFINE(jet_acos, JET_ACOS)
-JET_DEFINE(jet_atan, JET_ATAN)
-JET_DEFINE(jet_sinh, JET_SINH)
-JET_DEFINE(jet_cosh, JET_COSH)
-JET_DEFINE(jet_tanh, JET_TANH)
+    static inline jet jet_##name(jet a) { return name(a); }
+JET_FUNCTION_LIST(JET_DEFINE)
 #undef JET_DEFINE
+#undef JET_FUNCTION_LIST
 
 #else
 

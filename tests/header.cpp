@@ -1,10 +1,15 @@
-/* header.cpp - the headers from C++: every slot takes a jet, a double or an int, and C and C++ agree on what a jet is. */
+/* header.cpp - the headers from C++: every slot takes a jet, a double or an int, C and C++ agree on what a jet is, and
+ * operators record what the functions record. */
 #include "tvi.h"
+
+/* before <cmath>: nothing but a jet argument finds them */
+static jet without_cmath(jet x) { return sin(x) + pow(x, 2); }
 
 #include <cmath>
 #include <cstddef>
 #include <cstdio>
 #include <type_traits>
+#include <utility>
 
 /* C passes two plain words; C++ passes the same where copying is trivial. */
 static_assert(std::is_trivially_copyable<jet>::value, "a jet is passed in registers");
@@ -46,6 +51,71 @@ static void call_through()
     expect_number("tan, atan", jet_tan(jet_atan(2)), 2);
     expect_number("sinh, cosh, tanh", jet_div(jet_sinh(2), jet_cosh(2)), jet_tanh(2).number);
 }
+
+/* ---- Operators --------------------------------------------------------------------------------------------------- */
+
+/* Numbers keep their own functions and operators, with or without `using namespace std`. */
+static_assert(std::is_same<decltype(sin(1.0)), double>::value, "sin of a number is a number");
+static_assert(std::is_same<decltype(std::pow(2.0, 3.0)), double>::value, "pow of numbers is a number");
+static_assert(std::is_same<decltype(2 * std::declval<jet>()), jet>::value, "a number times a jet is a jet");
+static_assert(std::is_same<decltype(std::declval<jet &>() += 1), jet &>::value, "+= gives the jet itself");
+
+static void operators_on_numbers()
+{
+    using std::pow; /* as generic code does; the jet's own are found all the same */
+    using std::sin;
+    const jet x = 3, y = 0.5;
+    expect_number("x + y, x - y", (x + y) / (x - y), 1.4);
+    expect_number("number first", 1 - 2 * x / 4.0f, -0.5);
+    expect_number("signs", -x + +y, -2.5);
+    expect_number("pow", pow(x, 2) + pow(x + 1, 0.5), 11);
+    expect_number("sin", sin(y) - std::sin(0.5) + without_cmath(0), 0);
+    jet z = x;
+    z += y, z *= 2, z -= 1, z /= x;
+    expect_number("+= *= -= /=", z, 2);
+}
+
+/* The same force in operators and in names: every operator and every function once. */
+static void in_operators(const jet q[], jet t, jet F[], void *)
+{
+    const jet x = 0.25 * q[0] + t / 8;
+    jet sum = sqr(x) - 1;
+    sum += sqrt(2 + x), sum -= exp(x), sum *= log(x + 3.0), sum /= 2;
+    sum += sin(x) * cos(x) / (1 + tan(x) * tan(x)) + asin(x) - acos(x) + atan(x);
+    F[0] = -sum + sinh(x) * cosh(x) - tanh(x) * pow(2 + x, -1.5);
+}
+
+static void in_names(const jet q[], jet t, jet F[], void *)
+{
+    const jet x = jet_add(jet_mul(0.25, q[0]), jet_div(t, 8));
+    jet sum = jet_sub(jet_sqr(x), 1);
+    sum = jet_div(jet_mul(jet_sub(jet_add(sum, jet_sqrt(jet_add(2, x))), jet_exp(x)), jet_log(jet_add(x, 3.0))), 2);
+    const jet slope = jet_div(jet_mul(jet_sin(x), jet_cos(x)), jet_add(1, jet_mul(jet_tan(x), jet_tan(x))));
+    sum = jet_add(sum, jet_add(jet_sub(jet_add(slope, jet_asin(x)), jet_acos(x)), jet_atan(x)));
+    F[0] = jet_sub(jet_add(jet_neg(sum), jet_mul(jet_sinh(x), jet_cosh(x))),
+                   jet_mul(jet_tanh(x), jet_pow(jet_add(2, x), -1.5)));
+}
+
+static double steps_of(const char *what, tvi_force_fn *force)
+{
+    tvi_system *system = nullptr;
+    tvi_integrator *integrator = nullptr;
+    expect(what, tvi_system_force(&system, 1, nullptr, force, nullptr) == TVI_OK);
+    expect(what, tvi_integrator_create(&integrator, system, nullptr) == TVI_OK);
+    double t = 0, q[] = {0.5}, p[] = {0.25};
+    expect(what, tvi_integrate(integrator, 0.125, 8, &t, q, p, nullptr, nullptr) == TVI_OK);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    return q[0];
+}
+
+static void operators_on_jets()
+{
+    const double names = steps_of("names", in_names), operators = steps_of("operators", in_operators);
+    expect("operators record what names record", std::fabs(names - operators) < 1e-14 && std::fabs(names - 0.5) > 0.1);
+}
+
+/* ---- Systems ------------------------------------------------------------------------------------------------------ */
 
 struct pendulum {
     double gravity;
@@ -103,6 +173,8 @@ static void pendulums()
 int main()
 {
     call_through();
+    operators_on_numbers();
+    operators_on_jets();
     pendulums();
     std::printf("%s\n", failures ? "failed" : tvi_status_string(TVI_OK));
     return failures != 0;
