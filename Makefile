@@ -1,7 +1,7 @@
 # make            build/libtvi.a and build/libtvi.so
 # make check      the tests (installs what they need from Debian, as root)
 # make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
-# make install    headers, libraries and tvi.pc below PREFIX (and DESTDIR)
+# make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make order-doubling   the tables and the picture of docs/order-doubling.md
@@ -12,6 +12,7 @@ BUILD   ?= build
 PREFIX  ?= /usr/local
 DESTDIR ?=
 VERSION := 0.1.0
+SOVERSION := 0
 
 # No -ffast-math: the roundoff of a step is part of the design. No contraction of multiply-adds, so that gcc and clang
 # round alike. No errno from the mathematical functions, so that square roots are one instruction.
@@ -36,7 +37,7 @@ OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
 .DELETE_ON_ERROR:
-.PHONY: all check bench choose install references clean need-library need-check need-bench
+.PHONY: all check bench choose references clean need-library need-check need-bench
 
 all: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a $(BUILD)/libtvi.so
@@ -46,7 +47,7 @@ all: need-library
 PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
                     'libblas-dev:pkg-config --exists blas'
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
-                    'g++:command -v g++'
+                    'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc'
 PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
 
 define need
@@ -86,16 +87,9 @@ $(BUILD)/libtvi.a: $(OBJECTS)
 	$(AR) rcs $@ $^
 
 $(BUILD)/libtvi.so: $(OBJECTS)
-	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libtvi.so.0 -o $@ $^ $(LIBS)
+	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libtvi.so.$(SOVERSION) -o $@ $^ $(LIBS)
 
-install: all
-	install -d $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib/pkgconfig
-	install -m 644 include/jet.h include/tvi.h $(DESTDIR)$(PREFIX)/include
-	install -m 644 $(BUILD)/libtvi.a $(DESTDIR)$(PREFIX)/lib
-	install -m 755 $(BUILD)/libtvi.so $(DESTDIR)$(PREFIX)/lib/libtvi.so.$(VERSION)
-	ln -sf libtvi.so.$(VERSION) $(DESTDIR)$(PREFIX)/lib/libtvi.so.0
-	ln -sf libtvi.so.0 $(DESTDIR)$(PREFIX)/lib/libtvi.so
-	sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' src/tvi.pc.in > $(DESTDIR)$(PREFIX)/lib/pkgconfig/tvi.pc
+include src/install.mk
 
 # ---- The bench ---------------------------------------------------------------------------------------------------------
 

@@ -122,27 +122,10 @@ do-headers: tests/header.cpp $(BUILD)/libtvi.a
 	    $$compiler -std=c++17 $(STRICT) -Iinclude -o $(BUILD)/check/header tests/header.cpp $(BUILD)/libtvi.a $(LIBS) && \
 	    $(BUILD)/check/header || exit 1; done
 
-# a program outside, with what pkg-config says of the installed files, shared and static
-STAGE    = $(abspath $(BUILD))/check/stage
-CONSUMER = $(abspath tests/consumer/consumer.c)
-STAGED   = PKG_CONFIG_PATH=$(STAGE)/lib/pkgconfig pkg-config
-
-check-install: ; $(REPORT) "installed: shared and static, by pkg-config" $(LOG) $(DO)
+# programs outside, with what is installed
+check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMake, in C and C++; manual; uninstall" $(LOG) $(DO)
 do-install: all
-	rm -rf $(STAGE)
-	$(MAKE) --no-print-directory install PREFIX=$(STAGE) DESTDIR=
-	cd $(STAGE) && ls include/jet.h include/tvi.h lib/libtvi.a lib/libtvi.so lib/libtvi.so.0 lib/pkgconfig/tvi.pc
-	test "$$($(STAGED) --modversion tvi)" = $(VERSION)
-	cd $(STAGE) && $(CC) -std=c11 $(STRICT) -o shared $(CONSUMER) $$($(STAGED) --cflags --libs tvi)
-	cd $(STAGE) && LD_LIBRARY_PATH=$(STAGE)/lib ldd shared | grep -F '$(STAGE)/lib/libtvi.so.0'
-	cd $(STAGE) && LD_LIBRARY_PATH=$(STAGE)/lib ./shared
-	mkdir $(STAGE)/static && cp $(STAGE)/lib/libtvi.a $(STAGE)/static
-	cd $(STAGE) && $(CC) -std=c11 $(STRICT) -o alone $(CONSUMER) \
-	    $$($(STAGED) --static --define-variable=libdir=$(STAGE)/static --cflags --libs tvi)
-	cd $(STAGE) && ! ldd alone | grep libtvi && ./alone
-	$(MAKE) --no-print-directory install PREFIX=/usr DESTDIR=$(STAGE)/package
-	grep -x 'prefix=/usr' $(STAGE)/package/usr/lib/pkgconfig/tvi.pc
-	cd $(STAGE)/package/usr && ls include/jet.h include/tvi.h lib/libtvi.a lib/libtvi.so
+	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
 
 # the first program of the README
 check-readme: ; $(REPORT) "the program of the README" $(LOG) $(DO)

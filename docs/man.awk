@@ -1,0 +1,146 @@
+# man.awk - a manual page from the comments and declarations of a header.
+#   awk -v version=V -v date=D -f man.awk tvi.h > tvi.3
+#   awk -v names=1 -f man.awk tvi.h            the functions that it declares, one a line
+#
+# The first comment gives name and description, a ruler comment a section, a comment at the beginning of a line the text of
+# the declarations that follow it up to the next empty line. What is for C++ or one compiler alone is left out, and so is
+# what only the library's own macros use.
+
+function escape(s) { gsub(/\\/, "\\e", s); return s }
+function code_line(s) { s = escape(s); gsub(/-/, "\\-", s); return s ~ /^[.']/ ? "\\&" s : s }
+function text_line(s) { s = escape(s); return s ~ /^[.']/ ? "\\&" s : s }
+
+# the paragraph macro, but not after another or after a section
+function put(s) { if (!names && !(s == ".PP" && last ~ /^\.(PP|SH|RS)/)) print s; last = s }
+function section(title) { put(".SH \"" title "\"") }
+
+# "  TVI_EINVAL  text", "  1. text" begin an item; what is indented otherwise continues it, the rest is a paragraph.
+function print_text(text, count,    i, s, item)
+{
+    for (i = 1; i <= count; i++) {
+        s = text[i]
+        if (match(s, /^  +(TVI_[A-Z]+|[0-9]+\.) +/)) {
+            item = s
+            sub(/^ +/, "", item)
+            sub(/ .*/, "", item)
+            put(".TP\n.B " item)
+            s = substr(s, RLENGTH + 1)
+        } else if (s !~ /^  / && i > 1 && text[i - 1] ~ /^  /) put(".PP")
+        else if (s == "") s = ".PP"
+        sub(/^ +/, "", s)
+        put(s == ".PP" ? s : text_line(s))
+    }
+}
+
+function internal(    i)
+{
+    for (i = 1; i <= lines; i++)
+        if (line[i] ~ /jet_record|jet_node|jet_slot|jet_function|struct jet |typedef struct (tvi|jet)[a-z_]* [a-z_]*;/) return 1
+    return 0
+}
+
+function flush(    i)
+{
+    if (!internal()) {
+        if (lines) { put(".PP"); put(".nf") }
+        for (i = 1; i <= lines; i++) {
+            gsub(/TVI_STATUS_LIST.*COUNT/, "TVI_OK, TVI_EINVAL, ...", line[i])
+            put(code_line(line[i]))
+            if (match(line[i], /(tvi|jet)_[a-z_0-9]+\(/) && line[i] !~ /^typedef|^ /)
+                name[++count_names] = substr(line[i], RSTART, RLENGTH - 1)
+        }
+        if (lines) put(".fi")
+        if (comments) {
+            put(lines ? ".RS 4" : ".PP")
+            print_text(comment, comments)
+            if (lines) put(".RE")
+        }
+    }
+    lines = comments = 0
+}
+
+function add_comment(s)
+{
+    if (s ~ /^ *\*\/$/) return
+    sub(/^\/\* ?/, "", s)
+    sub(/ ?\*\/ *$/, "", s)
+    sub(/^ \* ?/, "", s)
+    comment[++comments] = s
+}
+
+function begin()
+{
+    page = comment[1]
+    sub(/\.h .*/, "", page)
+    sub(/^[^ ]* - /, "", comment[1])
+    comment[1] = toupper(substr(comment[1], 1, 1)) substr(comment[1], 2)
+    put(".\\\" made from " page ".h by docs/man.awk")
+    put(".TH " toupper(page) " 3 " date " \"tvi " version "\" \"Taylor variational integrators\"")
+    section("NAME")
+    put(page " \\- functions of Taylor variational integrators")
+    section("SYNOPSIS")
+    put(".nf\n.B #include <" page ".h>\n.PP\ncc program.c $(pkg\\-config \\-\\-cflags \\-\\-libs tvi)\n.fi")
+    section("DESCRIPTION")
+    print_text(comment, comments)
+    comments = 0
+    begun = 1
+}
+
+# ---- What is compiled for C by any compiler ---------------------------------------------------------------------------
+/^#if/      { depth++; hidden[depth] = hidden[depth - 1]; plain_c[depth] = 0 }
+/^#ifdef __cplusplus/  { hidden[depth]++; plain_c[depth] = 1 }
+/^#ifndef __cplusplus/ { plain_c[depth] = -1 }
+/^#if defined/         { hidden[depth]++ }
+/^#else/ && plain_c[depth] { hidden[depth] = hidden[depth - 1] + (plain_c[depth] < 0) }
+/^#endif/   { depth-- }
+hidden[depth] { next }
+
+# ---- Comments ------------------------------------------------------------------------------------------------------------
+in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() } next }
+/^\/\* ----/ {
+    flush()
+    sub(/^\/\* -+ /, "")
+    sub(/ -+ \*\/$/, "")
+    section(toupper($0))
+    next
+}
+/^\/\*/ { flush(); add_comment($0); in_comment = !/\*\//; if (!in_comment && !begun) begin(); next }
+
+# ---- Declarations -------------------------------------------------------------------------------------------------------
+/^    status\(/ {
+    match($0, /TVI_[A-Z]+/)
+    code = substr($0, RSTART, RLENGTH)
+    match($0, /".*"/)
+    put(".TP\n.B " code "\n" text_line(substr($0, RSTART + 1, RLENGTH - 2)))
+    next
+}
+/^#define TVI_STATUS_LIST/ { flush(); next }
+/^#define jet_/ { # name(arguments) and the remark behind the definition
+    signature = $2
+    sub(/^#define /, "")
+    match($0, /^[a-z_]+\([a-z, ]*\)/)
+    signature = substr($0, 1, RLENGTH)
+    remark = index($0, "/*") ? substr($0, index($0, "/*")) : ""
+    line[++lines] = sprintf("%-16s%s", signature, remark)
+    next
+}
+/^ +\/\*.*\*\/$/ && lines { sub(/^ +/, ""); line[++lines] = sprintf("%-16s%s", "", $0); next }
+/^#/ { next }
+/^$/ { flush(); next }
+{
+    sub(/^TVI_NODISCARD /, "")
+    if (sub(/^static inline /, "")) { # its prototype alone
+        sub(/ *\{ */, "; ")
+        line[++lines] = $0
+        in_body = 1
+        next
+    }
+    if (in_body) { if (/^}/) in_body = 0; next }
+    line[++lines] = $0
+}
+END {
+    flush()
+    if (names) for (i = 1; i <= count_names; i++) if (!seen[name[i]]++) print name[i]
+    section("SEE ALSO")
+    put(".BR tvi (3),\n.BR jet (3)\n.br\nThe mathematics: docs/method.md of the sources.")
+}

@@ -1,0 +1,102 @@
+#!/bin/sh
+# install.sh STAGE VERSION
+# Installs below STAGE/usr, and in the manner of a package below STAGE/package, which is then moved; builds the programs of
+# tests/consumer in C and in C++ with what is installed, by pkg-config and by CMake, shared and static; uninstalls.
+# CC, CXX, MAKE, BUILD and STRICT come from the environment.
+set -eu
+stage=$1 version=$2
+here=$(dirname "$0")
+consumer=$(cd "$here/consumer" && pwd)
+fail() {
+    echo "install.sh: $*" >&2
+    exit 1
+}
+install() { $MAKE -s --no-print-directory "$@"; }
+
+# run PROGRAM PREFIX: a program of the shared library, which must be that of PREFIX
+run_shared() {
+    LD_LIBRARY_PATH="$2/lib" ldd "$1" | grep -F "$2/lib/libtvi.so.0"
+    LD_LIBRARY_PATH="$2/lib" "$1"
+}
+run_static() {
+    ! ldd "$1" | grep libtvi || fail "$1 is not static"
+    "$1"
+}
+
+# by_pkg_config PREFIX PKG_CONFIG...
+by_pkg_config() {
+    prefix=$1
+    shift
+    test "$("$@" --modversion tvi)" = "$version"
+    out=$stage/pkg-config
+    rm -rf "$out" && mkdir -p "$out/static"
+    cp "$prefix/lib/libtvi.a" "$out/static"
+    # shellcheck disable=SC2046,SC2086  # flags are words
+    for language in c cpp; do
+        [ $language = c ] && compiler="$CC -std=c11" || compiler="$CXX -std=c++11"
+        $compiler $STRICT -o "$out/shared_$language" "$consumer/consumer.$language" $("$@" --cflags --libs tvi)
+        run_shared "$out/shared_$language" "$prefix"
+        $compiler $STRICT -o "$out/alone_$language" "$consumer/consumer.$language" $("$@" --cflags tvi) \
+            -L"$out/static" $("$@" --static --libs tvi | sed "s|-L$prefix/lib||")
+        run_static "$out/alone_$language"
+    done
+}
+
+configure() { CMAKE_PREFIX_PATH=$1 cmake -S "$consumer" -B "$2" $3 -DCMAKE_C_COMPILER="$CC" -DCMAKE_CXX_COMPILER="$CXX" \
+    -DCMAKE_C_FLAGS="$STRICT" -DCMAKE_CXX_FLAGS="$STRICT"; }
+
+# by_cmake PREFIX shared|static...
+by_cmake() {
+    prefix=$1
+    shift
+    for component; do
+        out=$stage/cmake/$component
+        rm -rf "$out"
+        configure "$prefix" "$out" -DCOMPONENT="${component#shared}"
+        cmake --build "$out"
+        for language in c cpp; do "run_$component" "$out/consumer_$language" "$prefix"; done
+    done
+}
+
+# what there is not: another version, another component
+refused_by_cmake() {
+    for wrong in -DWANTED=0.0 -DWANTED=0.2 -DWANTED=1.0 -DWANTED="$version.1" -DCOMPONENT=gpu; do
+        ! configure "$1" "$stage/cmake/refused" $wrong >"$stage/refused.log" 2>&1 || fail "CMake takes $wrong"
+        grep -qE 'version|components' "$stage/refused.log" || fail "CMake does not say what is wrong with $wrong"
+        rm -rf "$stage/cmake/refused"
+    done
+}
+
+# each function that users call has a manual page which names it, and no page has a fault
+manual() {
+    cd "$1/share/man"
+    mandoc -Tlint -Wwarning man3/tvi.3 man3/jet.3 || fail "faults in the manual pages"
+    for name in $(nm -D --defined-only "$1/lib/libtvi.so" | awk '!/jet_record/ { print $3 }') jet_mul jet_sin; do
+        mandoc "man3/$name.3" | grep -q "$name(" || fail "no manual page with $name"
+    done
+    cd - >/dev/null
+}
+
+rm -rf "$stage"
+mkdir -p "$stage/usr/lib"
+echo foreign >"$stage/usr/lib/foreign"
+install install PREFIX="$stage/usr" DESTDIR=
+by_pkg_config "$stage/usr" env PKG_CONFIG_PATH="$stage/usr/lib/pkgconfig" pkg-config
+by_cmake "$stage/usr" shared static
+refused_by_cmake "$stage/usr"
+manual "$stage/usr"
+install uninstall PREFIX="$stage/usr" DESTDIR=
+left=$(cd "$stage/usr" && find . ! -type d -o -name 'tvi*')
+test "$left" = ./lib/foreign || fail "uninstall leaves $left"
+
+# as a package: nothing outside, nothing that knows where it was staged, and it works where it is moved to
+install install PREFIX=/opt/tvi DESTDIR="$stage/package"
+test "$(ls "$stage/package")" = opt
+! grep -rlF "$stage" "$stage/package" || fail "the package knows where it was staged"
+grep -x 'prefix=/opt/tvi' "$stage/package/opt/tvi/lib/pkgconfig/tvi.pc"
+mv "$stage/package" "$stage/moved"
+moved=$stage/moved/opt/tvi
+by_pkg_config "$moved" env PKG_CONFIG_SYSROOT_DIR="$stage/moved" PKG_CONFIG_PATH="$moved/lib/pkgconfig" pkg-config
+by_cmake "$moved" shared
+install uninstall PREFIX=/opt/tvi DESTDIR="$stage/moved"
+test -z "$(find "$stage/moved" ! -type d -o -name 'tvi?*')" || fail "uninstall leaves files in a package"
