@@ -10,7 +10,16 @@ static double *slot_of(double *x, int index, int lanes) { return x + (size_t)ind
 /* ---- z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number -------------
  */
 
-/* One lane, `terms` known to the compiler where it is small. */
+/* function(tape, run, x, terms), with the number of terms known to the compiler where it is small. */
+#define BY_TERMS(function, tape, run, x)                                                                               \
+    switch ((run)->terms) {                                                                                            \
+    case 1: function(tape, run, x, 1); break;                                                                          \
+    case 2: function(tape, run, x, 2); break;                                                                          \
+    case 3: function(tape, run, x, 3); break;                                                                          \
+    default: function(tape, run, x, (run)->terms);                                                                     \
+    }
+
+/* One lane. */
 static inline __attribute__((always_inline)) void sums_of_one(const jet_tape *tape, const jet_run *run, double *x,
                                                               int terms)
 {
@@ -45,10 +54,7 @@ static void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, in
 static void linear_sums(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
     if (lanes > 1) sums_of_many(tape, run, x, lanes);
-    else if (run->terms == 1) sums_of_one(tape, run, x, 1);
-    else if (run->terms == 2) sums_of_one(tape, run, x, 2);
-    else if (run->terms == 3) sums_of_one(tape, run, x, 3);
-    else sums_of_one(tape, run, x, run->terms);
+    else BY_TERMS(sums_of_one, tape, run, x);
 }
 
 /* To order 0 only. */
@@ -61,15 +67,21 @@ static void linear_numbers(const jet_tape *tape, const jet_run *run, double *x, 
     }
 }
 
-/* One lane. */
+static inline __attribute__((always_inline)) void adjoints_of_one(const jet_tape *tape, const jet_run *run,
+                                                                  double *restrict bar, int terms)
+{
+    const int *restrict to = tape->term_slot + run->term;
+    const double *restrict coefficient = tape->term_coefficient + run->term;
+    for (int i = 0; i < run->count; i++, to += terms, coefficient += terms) {
+        const double zbar = bar[run->z + i];
+        for (int term = 0; term < terms; term++) bar[to[term]] += coefficient[term] * zbar;
+    }
+}
+
+/* One lane, at one order. */
 static void linear_adjoints(const jet_tape *tape, const jet_run *run, double *bar)
 {
-    const int *to = tape->term_slot + run->term;
-    const double *coefficient = tape->term_coefficient + run->term;
-    for (int i = 0; i < run->count; i++, to += run->terms, coefficient += run->terms) {
-        const double zbar = bar[run->z + i];
-        for (int term = 0; term < run->terms; term++) bar[to[term]] += coefficient[term] * zbar;
-    }
+    BY_TERMS(adjoints_of_one, tape, run, bar);
 }
 
 /* ---- The sweeps

@@ -64,7 +64,7 @@ static void take_side(side *x, tvi_arena *arena, const tvi_system *system, const
     const int r = options->degree;
     const size_t n = (size_t)system->n;
     x->sign = x->end = sign;
-    tvi_curve_take(&x->curve, arena, system, r, true);
+    tvi_curve_take(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES);
     tvi_action_take(&x->action, arena, system, options, TVI_ACTION_LAGRANGE, r, r - 1, r);
     x->action.truncated = false; /* y is never truncated */
     tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
@@ -91,7 +91,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     take_side(&w.a, arena, system, options, 1);
     take_side(&w.b, arena, system, options, -1);
     w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
-    tvi_newton_take(&w.newton, arena, 3 * system->n, system->n);
+    tvi_newton_take(&w.newton, arena, 3 * system->n, system->n, true);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_take(&w.legendre, arena, system);
         w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
@@ -384,6 +384,8 @@ static void keep_missing(work *w)
     memcpy(w->a.dz, w->origin->q_low, bytes);
     memcpy(w->a.dz + n, w->newton.correction, bytes);
     memcpy(w->b.dz, w->newton.correction + n, 2 * bytes);
+    tvi_curve_aim(&w->a.curve, w->a.dz);
+    tvi_curve_aim(&w->b.curve, w->b.dz);
 }
 
 /* dq = a(1) - q0;  kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
@@ -391,14 +393,14 @@ static void increments(work *w, double dq[], double dp[])
 {
     const int n = w->n;
     tvi_curve_sum(&w->a.curve, &w->a.to_end, dq);
-    tvi_curve_push(&w->a.curve, &w->a.to_end, w->a.dz, w->shift);
+    tvi_curve_push(&w->a.curve, &w->a.to_end, w->shift);
     for (int i = 0; i < n; i++) dq[i] += w->shift[i];
     tvi_curve_sum(&w->b.curve, &w->b.near_u, dp);
     tvi_curve_sum(&w->a.curve, &w->a.near_u, w->shift);
     for (int i = 0; i < n; i++) dp[i] = w->has_pi ? dp[i] - w->shift[i] : 0;
-    tvi_curve_push(&w->b.curve, &w->b.near_u, w->b.dz, w->shift);
+    tvi_curve_push(&w->b.curve, &w->b.near_u, w->shift);
     for (int i = 0; i < n; i++) dp[i] += w->shift[i];
-    tvi_curve_push(&w->a.curve, &w->a.near_u, w->a.dz, w->shift);
+    tvi_curve_push(&w->a.curve, &w->a.near_u, w->shift);
     for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->shift[i]) / w->a.curve.kappa[i] + w->rise_p[i];
 }
 
@@ -406,7 +408,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
 {
     work *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *dq;
-    const tvi_equations equations = {w, residual, set_scale, jacobian, true};
+    const tvi_equations equations = {w, residual, set_scale, jacobian, NULL, true};
     w->origin = origin;
     w->stats = stats;
     w->tau = h;

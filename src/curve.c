@@ -8,7 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-enum { CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
+enum {
+    CURVE_LANES = 8,       /* directions of one tangent sweep: few enough to stay in the cache */
+    PRODUCTS_FROM = 10     /* the n from which products are cheaper than matrices (docs/performance.md) */
+};
 
 static size_t slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
 
@@ -17,17 +20,28 @@ static size_t block_lanes(const tvi_curve *curve)
     return 2 * (size_t)curve->n < CURVE_LANES ? 2 * (size_t)curve->n : CURVE_LANES;
 }
 
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, bool with_jacobians)
+tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
+{
+    return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_FROM ? TVI_JACOBIAN_PRODUCTS : TVI_JACOBIAN_MATRICES;
+}
+
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians)
 {
     const size_t orders = (size_t)top + 1, n = (size_t)system->n, jacobian = orders * n * 2 * n;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
+    curve->jacobians = jacobians;
     curve->n = system->n;
     curve->top = top;
     curve->kappa = tvi_arena_doubles(arena, n);
     curve->x = tvi_arena_doubles(arena, orders * slots(curve));
-    if (with_jacobians) {
+    if (jacobians == TVI_JACOBIAN_PRODUCTS) {
+        curve->dx = tvi_arena_doubles(arena, orders * slots(curve));
+        curve->bar = tvi_arena_doubles(arena, orders * slots(curve));
+    }
+    if (jacobians == TVI_JACOBIAN_MATRICES) {
         curve->dx = tvi_arena_doubles(arena, orders * slots(curve) * block_lanes(curve));
+        curve->dz = tvi_arena_doubles(arena, 2 * n);
         curve->dQ = tvi_arena_doubles(arena, jacobian);
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
     }
@@ -359,16 +373,42 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     }
 }
 
-void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, const double dz[], double out[])
+/* ---- Products with the Jacobians ------------------------------------------------------------------------------------ */
+
+/* dx of one lane along dz. */
+static void sweep_direction(tvi_curve *curve, const double dz[])
+{
+    const size_t n = (size_t)curve->n, order = slots(curve);
+    const block one = {1, order, 0};
+    memset(curve->dx, 0, ((size_t)curve->top + 1) * order * sizeof *curve->dx);
+    memcpy(curve->dx, dz, n * sizeof *dz);
+    memcpy(curve->dx + order, dz + n, n * sizeof *dz);
+    differentiate_separable(curve, &one);
+}
+
+void tvi_curve_aim(tvi_curve *curve, const double dz[])
+{
+    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) sweep_direction(curve, dz);
+    else memcpy(curve->dz, dz, 2 * (size_t)curve->n * sizeof *dz);
+}
+
+void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
     const size_t n = (size_t)curve->n, directions = 2 * n;
+    const bool products = curve->jacobians == TVI_JACOBIAN_PRODUCTS;
     memset(out, 0, n * sizeof *out);
     for (int k = curve->top; k >= 0; k--) {
-        const double weight = combination->weight[k], *dC = jacobians(curve, combination) + (size_t)k * n * directions;
+        const double weight = combination->weight[k];
         if (weight == 0) continue;
+        if (products) {
+            const double *dQ = curve->dx + (size_t)k * slots(curve);
+            for (size_t i = 0; i < n; i++) out[i] += weight * dQ[i];
+            continue;
+        }
+        const double *dC = jacobians(curve, combination) + (size_t)k * n * directions;
         for (size_t i = 0; i < n; i++) {
             double sum = 0;
-            for (size_t d = 0; d < directions; d++) sum += dC[i * directions + d] * dz[d];
+            for (size_t d = 0; d < directions; d++) sum += dC[i * directions + d] * curve->dz[d];
             out[i] += weight * sum;
         }
     }
@@ -383,11 +423,69 @@ static void pull_rows(const tvi_curve *curve, const double jacobian[], const dou
     }
 }
 
-void tvi_curve_pull(const tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+static double *adjoint_of_Q(const tvi_curve *curve, int k) { return curve->bar + (size_t)k * slots(curve); }
+
+static void clear_adjoints(tvi_curve *curve, int orders)
 {
-    memset(out, 0, 2 * (size_t)curve->n * sizeof *out);
+    memset(curve->bar, 0, (size_t)orders * slots(curve) * sizeof *curve->bar);
+}
+
+/* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
+static void sweep_adjoints(tvi_curve *curve, double out[])
+{
+    const tvi_system *system = curve->system;
+    const size_t n = (size_t)curve->n;
+    for (int k = curve->top - 2; k >= 0; k--) {
+        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
+        double *bar = adjoint_of_Q(curve, k);
+        for (size_t i = 0; i < n; i++) bar[system->field_series->output[i]] += factor / system->mass[i] * above[i];
+        jet_sweep_adjoints(system->field_series, curve->x, curve->bar, k);
+    }
+    memcpy(out, adjoint_of_Q(curve, 0), n * sizeof *out);
+    memcpy(out + n, adjoint_of_Q(curve, 1), n * sizeof *out);
+}
+
+void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+{
+    const size_t n = (size_t)curve->n;
+    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
+        clear_adjoints(curve, curve->top + 1);
+        for (int k = 0; k <= curve->top; k++)
+            memcpy(adjoint_of_Q(curve, k), seed_Q + (size_t)k * n, n * sizeof *seed_Q);
+        sweep_adjoints(curve, out);
+        return;
+    }
+    memset(out, 0, 2 * n * sizeof *out);
     if (curve->dU && seed_U) pull_rows(curve, curve->dU, seed_U, out);
     pull_rows(curve, curve->dQ, seed_Q, out);
+}
+
+static void seed_sum(tvi_curve *curve, const tvi_combination *combination, const double x[])
+{
+    for (int k = 0; k <= curve->top; k++) {
+        const double weight = combination->weight[k];
+        double *bar = adjoint_of_Q(curve, k);
+        for (int i = 0; weight != 0 && i < curve->n; i++) bar[i] += weight * x[i];
+    }
+}
+
+void tvi_curve_pull_sums(tvi_curve *curve, const tvi_combination *first, const double x[],
+                         const tvi_combination *second, const double y[], double out[])
+{
+    clear_adjoints(curve, curve->top + 1);
+    seed_sum(curve, first, x);
+    if (second) seed_sum(curve, second, y);
+    sweep_adjoints(curve, out);
+}
+
+void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[])
+{
+    const jet_tape *tape = curve->system->field_series;
+    clear_adjoints(curve, 1);
+    for (int i = 0; i < curve->n; i++)
+        curve->bar[tape->output[i]] += curve->tau * curve->tau / curve->system->mass[i] * x[i];
+    jet_sweep_adjoints(tape, curve->x, curve->bar, 0);
+    memcpy(out, curve->bar, (size_t)curve->n * sizeof *out);
 }
 
 double tvi_curve_tail(const tvi_curve *curve, int degree)

@@ -11,14 +11,21 @@
 #include "linear.h"
 #include "system.h"
 
+/* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
+ * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is. */
+typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
+
 typedef struct {
     const tvi_system *system;
+    tvi_jacobians jacobians;
     int n, top; /* the highest order of Q that is computed */
     double centre, tau;
     double *kappa;    /* [n] */
     double *x;        /* block of the field's series, orders 0 .. top */
-    double *dx;       /* the same for CURVE_LANES directions */
-    double *dQ, *dU;  /* [top + 1][n][2n]: dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    double *dx;       /* the same for CURVE_LANES directions; products: for one */
+    double *bar;      /* products: the same for adjoints */
+    double *dQ, *dU;  /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    double *dz;       /* [2n] the direction of pushes */
     tvi_factor slope; /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
     double *columns;  /* scratch of the slope: its directions, and right sides */
 } tvi_curve;
@@ -29,8 +36,9 @@ typedef struct {
     double *weight; /* [top + 1] */
 } tvi_combination;
 
-/* with_jacobians: whether tvi_curve_differentiate will be called. */
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, bool with_jacobians);
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians);
+/* What suits the system: matrices where n is small. Products are for separable systems alone. */
+tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
 void tvi_curve_prepare(tvi_curve *curve); /* once, when the memory is there */
 
 tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena);
@@ -51,7 +59,7 @@ TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
  */
 TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 
-/* The Jacobians of the curve last expanded. */
+/* The Jacobian matrices of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
 /* P_k [n]. */
@@ -65,12 +73,19 @@ static inline const double *tvi_curve_Q(const tvi_curve *curve, int k)
 /* out[n], or matrix[n][2n], of a combination and of its Jacobian; the small terms first. */
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
-/* out[n] = Jacobian of the combination times dz. */
-void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, const double dz[], double out[]);
+/* Sets the direction dz of the pushes that follow; then out[n] = Jacobian of the combination times dz. */
+void tvi_curve_aim(tvi_curve *curve, const double dz[]);
+void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 
 /* out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]; seeds [top + 1][n]. seed_U may be NULL, and is
  * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
-void tvi_curve_pull(const tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+
+/* Products: out[2n] = sum of two combinations' transposed Jacobians times x and y [n] each; second may be NULL. */
+void tvi_curve_pull_sums(tvi_curve *curve, const tvi_combination *first, const double x[],
+                         const tvi_combination *second, const double y[], double out[]);
+/* Products: out[n] = K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre. */
+void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[]);
 
 /* |Q_degree| / |Q_0|: the size of the curve's last term a unit of scaled time from the centre. */
 double tvi_curve_tail(const tvi_curve *curve, int degree);

@@ -38,6 +38,8 @@ typedef struct {
     double *shift;                      /* [n] */
 } work;
 
+static bool has_products(const work *w) { return w->closure.curve.jacobians == TVI_JACOBIAN_PRODUCTS; }
+
 static tvi_span span_of(tvi_expansion expansion)
 {
     switch (expansion) {
@@ -74,18 +76,15 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->system = system;
     c->n = system->n;
     c->span = span_of(options->expansion);
-    tvi_curve_take(&c->curve, arena, system, options->degree + one_more, corrects);
+    tvi_curve_take(&c->curve, arena, system, options->degree + one_more,
+                   corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to, &c->q_rise, &c->q_mean,
                                              &c->u_from, &c->u_to, &c->u_rise, &c->u_mean};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(&c->curve, arena);
     double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++) *corrections[i] = tvi_arena_doubles(arena, n);
-    if (!corrects) return;
-    c->D = tvi_arena_doubles(arena, 2 * n);
-    c->G = tvi_arena_doubles(arena, n * 2 * n);
-    tvi_factor_take(&c->half, arena, system->n);
-    tvi_factor_take(&c->full, arena, 2 * system->n);
+    if (corrects) tvi_close_take(c, arena);
 }
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -113,7 +112,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     if (corrects) {
         const tvi_action_kind kind = options->method == TVI_TYPE1 ? TVI_ACTION_LAGRANGE : TVI_ACTION_HAMILTON;
         tvi_action_take(&w.action, arena, system, options, kind, w.q_degree, w.p_degree, curve->top);
-        tvi_newton_take(&w.newton, arena, 2 * system->n, system->n);
+        tvi_newton_take(&w.newton, arena, 2 * system->n, system->n, !has_products(&w));
         w.seed_Q = tvi_arena_doubles(arena, seeds);
         w.seed_U = tvi_arena_doubles(arena, seeds);
     }
@@ -283,6 +282,30 @@ static double staleness(work *w, const double z[])
 }
 
 /* The Jacobians of the first pass serve the later ones as long as that shows nowhere. */
+static tvi_status close_by_matrices(work *w, const double z[])
+{
+    const bool reuses = w->has_jacobian;
+    if (!reuses) differentiate(w, z);
+    tvi_status status = close_equations(w);
+    if (reuses && (status != TVI_OK || staleness(w, z) > STALE)) {
+        differentiate(w, z);
+        status = close_equations(w);
+    }
+    return status;
+}
+
+/* The unknowns of the closing are momenta, or u / kappa. */
+static tvi_status close_by_products(work *w)
+{
+    tvi_closure *c = &w->closure;
+    double largest = 0;
+    set_momentum_size(w);
+    for (int i = 0; i < c->n; i++) largest = fmax(largest, w->p_size[i]);
+    for (int i = 0; i < c->n; i++) c->iteration.size[i] = w->p_size[i] > 0 ? w->p_size[i] : largest;
+    tvi_curve_pull(&c->curve, w->seed_Q, w->seed_U, c->D);
+    return w->close(c);
+}
+
 static tvi_status residual(void *self, const double z[], double r[])
 {
     work *w = self;
@@ -292,13 +315,7 @@ static tvi_status residual(void *self, const double z[], double r[])
     w->stats->force_evaluations += w->action.points;
     status = tvi_action_seed(&w->action, &c->curve, w->seed_Q, w->seed_U);
     if (status != TVI_OK) return status;
-    const bool reuses = w->has_jacobian;
-    if (!reuses) differentiate(w, z);
-    status = close_equations(w);
-    if (reuses && (status != TVI_OK || staleness(w, z) > STALE)) {
-        differentiate(w, z);
-        status = close_equations(w);
-    }
+    status = has_products(w) ? close_by_products(w) : close_by_matrices(w, z);
     if (status == TVI_OK) form_residual(w, r);
     return status;
 }
@@ -315,6 +332,12 @@ static bool jacobian(void *self, double matrix[])
     return true;
 }
 
+static void correct_by_product(void *self, double correction[])
+{
+    work *w = self;
+    tvi_close_correct(&w->closure, correction);
+}
+
 /* ---- The step
  * -------------------------------------------------------------------------------------------------------- */
 
@@ -325,10 +348,18 @@ static tvi_status correct(work *w)
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     /* types II and III, and the end, gain by much the most in the first pass */
     const bool is_rough = w->options->method == TVI_TYPE2 || w->options->method == TVI_TYPE3 || w->closure.span.to == 0;
-    const tvi_equations equations = {w, residual, set_scale, is_identity ? NULL : jacobian, is_rough};
+    const bool products = has_products(w);
+    const tvi_equations equations = {.self = w,
+                                     .residual = residual,
+                                     .scale = set_scale,
+                                     .jacobian = is_identity || products ? NULL : jacobian,
+                                     .solve = is_identity || !products ? NULL : correct_by_product,
+                                     .is_rough = is_rough};
+    w->closure.iteration.has_guess = false;
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, w->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
+    if (status == TVI_OK) tvi_curve_aim(&w->closure.curve, w->dz);
     return status;
 }
 
@@ -337,7 +368,7 @@ static void sum_and_push(work *w, const tvi_combination *combination, double out
 {
     tvi_curve_sum(&w->closure.curve, combination, out);
     if (!w->close) return;
-    tvi_curve_push(&w->closure.curve, combination, w->dz, w->shift);
+    tvi_curve_push(&w->closure.curve, combination, w->shift);
     for (int i = 0; i < w->closure.n; i++) out[i] += w->shift[i];
 }
 

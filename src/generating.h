@@ -9,6 +9,20 @@
 
 #include "action.h"
 
+enum { TVI_MOST_ITERATIONS = 40 };
+
+/* Equations with a transposed Jacobian A^T x = b, solved by its products. */
+typedef struct {
+    double *x;       /* [2n] the solution; that of the last pass is the guess of the next */
+    double *r;       /* [2n] b - A^T x */
+    double *s, *v;   /* [TVI_MOST_ITERATIONS][2n] directions, and A^T times them */
+    double square[TVI_MOST_ITERATIONS]; /* of v */
+    double *scratch; /* [3n] */
+    double *size;    /* [n] what the unknowns' errors are measured by */
+    double slowest; /* the slowest contraction of the corrections of the step at hand */
+    bool has_guess;
+} tvi_iteration;
+
 typedef struct {
     const tvi_system *system;
     int n;
@@ -21,6 +35,7 @@ typedef struct {
     tvi_factor half;                              /* n x n */
     tvi_factor full;                              /* 2n x 2n */
     bool is_fresh;                                /* the Jacobians are new: the factors must be, too */
+    tvi_iteration iteration;                      /* instead of factors where the Jacobians are had as products */
     double *from_q, *from_p, *rise_q, *rise_p;    /* [n] the corrections */
 } tvi_closure;
 
@@ -41,6 +56,12 @@ void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi
 /* Solves [J1; J2]^T (x, y) = D in place, in closure->D. */
 TVI_NODISCARD tvi_status tvi_close_solve_full(tvi_closure *closure, const tvi_combination *first,
                                               const tvi_combination *second);
+
+/* Takes what the closing needs from the arena, for Jacobians as the curve has them. */
+void tvi_close_take(tvi_closure *closure, tvi_arena *arena);
+
+/* correction <- J^-1 correction, nearly, J = d(q-, u-)/dz of a separable system, by one product. */
+void tvi_close_correct(tvi_closure *closure, double correction[]);
 
 tvi_close_fn tvi_close_type1_start, tvi_close_type1_midpoint, tvi_close_type1_end;
 tvi_close_fn tvi_close_type2_start, tvi_close_type2_end;

@@ -16,17 +16,20 @@ static const double NOISE = 1e-13;
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
 static const double CONTRACTION = 0.5;
 
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group)
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix)
 {
     const size_t count = (size_t)size;
+    newton->has_matrix = has_matrix;
     newton->size = size;
     newton->group = group;
     newton->x = tvi_arena_doubles(arena, count);
     newton->correction = tvi_arena_doubles(arena, count);
     newton->scale = tvi_arena_doubles(arena, count);
-    newton->trial = tvi_arena_doubles(arena, count);
-    newton->difference = tvi_arena_doubles(arena, count);
-    tvi_factor_take(&newton->factor, arena, size);
+    if (has_matrix) {
+        newton->trial = tvi_arena_doubles(arena, count);
+        newton->difference = tvi_arena_doubles(arena, count);
+        tvi_factor_take(&newton->factor, arena, size);
+    }
     newton->history = tvi_arena_history(arena, sizeof *newton->history);
 }
 
@@ -150,6 +153,7 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
         if (status != TVI_OK) return status;
     }
     if (refreshes > 0 || equations->jacobian) tvi_factor_solve(&newton->factor, newton->correction);
+    else if (equations->solve) equations->solve(equations->self, newton->correction);
     for (int i = 0; i < newton->size; i++)
         if (!isfinite(newton->correction[i])) return TVI_ENONFINITE;
     stats->passes++;
@@ -165,7 +169,8 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     bool refresh = false;
     for (int count = 1; options->passes > 0 || count <= max_passes; count++) {
         refreshes += refresh;
-        const tvi_status status = pass(newton, equations, count == 1, refreshes, refresh, stats);
+        const tvi_status status =
+            pass(newton, equations, count == 1, newton->has_matrix ? refreshes : 0, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
         at.before = at.size;
         at.size = measure(newton);

@@ -15,6 +15,8 @@ typedef struct {
     /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. false: the one
      * last given still serves, and the matrix is left alone. */
     bool (*jacobian)(void *self, double matrix[]);
+    /* Instead of a matrix, correction <- (dr/dx)^-1 correction, approximately; NULL: see jacobian. */
+    void (*solve)(void *self, double correction[]);
     /* The first contraction tells little of the later ones: one more pass than seems needed, always. */
     bool is_rough;
 } tvi_equations;
@@ -26,6 +28,7 @@ typedef struct {
 } tvi_newton_history;
 
 typedef struct {
+    bool has_matrix;
     int size, group;                /* unknowns come in groups that share a unit */
     double *x, *correction, *scale; /* [size] */
     double *trial, *difference;     /* [size] scratch of the difference Jacobian */
@@ -33,7 +36,8 @@ typedef struct {
     tvi_newton_history *history;
 } tvi_newton;
 
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group);
+/* has_matrix: whether there is room for a Jacobian, which equations that bring `solve` do without. */
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix);
 
 /* From the predictor in newton->x. On success newton->x is the point of the last residual and newton->correction what
  * the last pass found to be missing from it: the caller applies it to first order, which leaves an error of
