@@ -1,0 +1,223 @@
+/* test_products.c - Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of many
+ * bodies against those of few, which use matrices. */
+#include "curve.h"
+#include "problems.h"
+#include "suites.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { COPIES = 7, DEGREE = 9 };
+
+static double wave(int i) { return cos(1 + 0.7 * i) / (1 + 0.1 * i); }
+
+/* ---- Products against matrices -------------------------------------------------------------------------------------- */
+
+typedef struct {
+    void *memory;
+    tvi_curve curve;
+    tvi_combination q, u;
+} open_curve;
+
+static void lay_out(open_curve *x, tvi_arena *arena, const tvi_system *system, tvi_jacobians jacobians)
+{
+    tvi_curve_take(&x->curve, arena, system, DEGREE, jacobians);
+    x->q = tvi_combination_take(&x->curve, arena);
+    x->u = tvi_combination_take(&x->curve, arena);
+}
+
+/* The curve from the problem's start, and sums of it at s = 0.9 for q and s = -0.8 for u. */
+static open_curve open_at(const test_problem *problem, const tvi_system *system, tvi_jacobians jacobians)
+{
+    open_curve x = {0};
+    tvi_arena arena = {0};
+    lay_out(&x, &arena, system, jacobians);
+    arena.base = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    ck_assert_ptr_nonnull(x.memory);
+    memset(arena.base, 0, arena.used);
+    arena.used = 0;
+    lay_out(&x, &arena, system, jacobians);
+    tvi_curve_prepare(&x.curve);
+    const test_state start = problem_start(problem);
+    double z[2 * N_MAX];
+    x.curve.tau = problem->t_end / 50;
+    for (int i = 0; i < system->n; i++) {
+        z[i] = start.q[i];
+        z[system->n + i] = x.curve.tau * start.p[i] / system->mass[i];
+    }
+    tvi_curve_set(&x.curve, z);
+    ck_assert_int_eq(tvi_curve_expand(&x.curve, start.t), TVI_OK);
+    tvi_combination_set_powers(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
+    tvi_combination_set_powers(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
+    if (jacobians == TVI_JACOBIAN_MATRICES) tvi_curve_differentiate(&x.curve);
+    return x;
+}
+
+static void check_close(int count, const double got[], const double want[])
+{
+    double size = 0;
+    for (int i = 0; i < count; i++) size = fmax(size, fabs(want[i]));
+    ck_assert_double_gt(size, 0);
+    for (int i = 0; i < count; i++)
+        ck_assert_msg(fabs(got[i] - want[i]) <= 1e-13 * size, "%d: %.17g, not %.17g", i, got[i], want[i]);
+}
+
+static const test_problem *const product_problems[] = {&problem_kepler, &problem_chain, &problem_fpu, &problem_solar};
+
+START_TEST(products_are_those_of_the_matrices)
+{
+    const test_problem *problem = product_problems[_i];
+    tvi_system *system = problem_system(problem);
+    const int n = system->n;
+    open_curve matrices = open_at(problem, system, TVI_JACOBIAN_MATRICES);
+    open_curve products = open_at(problem, system, TVI_JACOBIAN_PRODUCTS);
+    double seed[(DEGREE + 1) * N_MAX], x[2 * N_MAX], got[2 * N_MAX], want[2 * N_MAX], matrix[2 * N_MAX * N_MAX];
+    for (int i = 0; i < (DEGREE + 1) * n; i++) seed[i] = wave(3 * i);
+    for (int i = 0; i < 2 * n; i++) x[i] = wave(i);
+    tvi_curve_pull(&matrices.curve, seed, NULL, want);
+    tvi_curve_pull(&products.curve, seed, NULL, got);
+    check_close(2 * n, got, want);
+    tvi_curve_aim(&matrices.curve, x);
+    tvi_curve_aim(&products.curve, x);
+    tvi_curve_push(&matrices.curve, &matrices.u, want);
+    tvi_curve_push(&products.curve, &products.u, got);
+    check_close(n, got, want);
+    memset(want, 0, sizeof want);
+    for (int second = 0; second < 2; second++) {
+        tvi_curve_sum_jacobian(&matrices.curve, second ? &matrices.u : &matrices.q, matrix);
+        for (int i = 0; i < n; i++)
+            for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
+    }
+    tvi_curve_pull_sums(&products.curve, &products.q, x, &products.u, x + n, got);
+    check_close(2 * n, got, want);
+    free(matrices.memory);
+    free(products.memory);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* K^T x with K = 2 dQ_2/dQ_0. */
+START_TEST(force_products_are_those_of_the_second_coefficient)
+{
+    const test_problem *problem = product_problems[_i];
+    tvi_system *system = problem_system(problem);
+    const int n = system->n;
+    open_curve matrices = open_at(problem, system, TVI_JACOBIAN_MATRICES);
+    open_curve products = open_at(problem, system, TVI_JACOBIAN_PRODUCTS);
+    double x[N_MAX], got[N_MAX], want[N_MAX] = {0};
+    for (int i = 0; i < n; i++) x[i] = wave(i);
+    const double *dQ2 = matrices.curve.dQ + 2 * n * 2 * n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) want[j] += 2 * dQ2[i * 2 * n + j] * x[i];
+    tvi_curve_pull_force(&products.curve, x, got);
+    check_close(n, got, want);
+    free(matrices.memory);
+    free(products.memory);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------------ */
+
+/* V of Kepler problems that do not know of each other, q of copy i at 2 i. */
+static jet copies_of_kepler(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    jet V = jet_const(0);
+    for (int i = 0; i < COPIES; i++) V = jet_sub(V, jet_pow(jet_add(jet_sqr(q[2 * i]), jet_sqr(q[2 * i + 1])), -0.5));
+    return V;
+}
+
+static jet one_kepler(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(jet_pow(jet_add(jet_sqr(q[0]), jet_sqr(q[1])), -0.5));
+}
+
+/* Copy i starts at q = (1, 0), p = (0, 0.8 + 0.03 i), with masses 1 + i/10 in both directions. */
+static void start_copy(int i, double q[], double p[], double mass[])
+{
+    q[0] = 1, q[1] = 0;
+    mass[0] = mass[1] = 1 + 0.1 * i;
+    p[0] = 0, p[1] = mass[0] * (0.8 + 0.03 * i) / sqrt(mass[0]);
+}
+
+static const struct {
+    const char *name;
+    int order;
+    double h;
+} product_methods[] = {{"midpoint", 16, 0.15}, {"midpoint", 6, 0.05}, {"start", 12, 0.1},    {"end", 12, 0.1},
+                       {"right", 12, 0.1},     {"left", 12, 0.1},     {"poincare", 14, 0.15}, {"tvi", 4, 0.02},
+                       {"htvi-right", 4, 0.02}, {"htvi-left", 4, 0.02}};
+
+static void run(const tvi_system *system, const tvi_options *options, double h, double q[], double p[])
+{
+    tvi_integrator *integrator;
+    double t = 0;
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, options), TVI_OK);
+    ck_assert_int_eq(tvi_integrate(integrator, h, 40, &t, q, p, NULL, NULL), TVI_OK);
+    tvi_integrator_free(integrator);
+}
+
+START_TEST(many_bodies_move_as_one)
+{
+    tvi_options options;
+    tvi_system *many, *one;
+    double Q[2 * COPIES], P[2 * COPIES], masses[2 * COPIES];
+    ck_assert_int_eq(tvi_options_named(product_methods[_i].name, product_methods[_i].order, &options), TVI_OK);
+    for (int i = 0; i < COPIES; i++) start_copy(i, Q + 2 * i, P + 2 * i, masses + 2 * i);
+    ck_assert_int_eq(tvi_system_potential(&many, 2 * COPIES, masses, copies_of_kepler, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_curve_jacobians_for(many), TVI_JACOBIAN_PRODUCTS);
+    run(many, &options, product_methods[_i].h, Q, P);
+    for (int i = 0; i < COPIES; i++) {
+        double q[2], p[2], mass[2];
+        start_copy(i, q, p, mass);
+        ck_assert_int_eq(tvi_system_potential(&one, 2, mass, one_kepler, NULL), TVI_OK);
+        ck_assert_int_eq(tvi_curve_jacobians_for(one), TVI_JACOBIAN_MATRICES);
+        run(one, &options, product_methods[_i].h, q, p);
+        for (int j = 0; j < 2; j++) {
+            ck_assert_double_eq_tol(Q[2 * i + j], q[j], 3e-13);
+            ck_assert_double_eq_tol(P[2 * i + j], p[j], 3e-13);
+        }
+        tvi_system_free(one);
+    }
+    tvi_system_free(many);
+}
+END_TEST
+
+/* Steps beyond what the passes can solve end with a status, and leave the state alone. */
+START_TEST(too_large_steps_are_refused)
+{
+    const tvi_options options = options_type1(TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, DEGREE);
+    runner solar = runner_open(&problem_solar, &options);
+    test_state x = problem_start(&problem_solar);
+    const test_state before = x;
+    int refused = 0;
+    for (double h = 6e3; h < 2e5; h *= 3) {
+        const tvi_status status = tvi_step(solar.integrator, h, &x.t, x.q, x.p);
+        refused += status != TVI_OK;
+        if (status != TVI_OK) ck_assert(memcmp(&x, &before, sizeof x) == 0);
+        x = before;
+    }
+    ck_assert_int_eq(refused, 4);
+    runner_steps(&solar, 100, 3, &x);
+    runner_close(&solar);
+}
+END_TEST
+
+Suite *suite_products(void)
+{
+    Suite *suite = suite_create("products");
+    TCase *products = tcase_create("products");
+    const int problems = sizeof product_problems / sizeof *product_problems;
+    const int methods = sizeof product_methods / sizeof *product_methods;
+    tcase_set_timeout(products, 120);
+    tcase_add_loop_test(products, products_are_those_of_the_matrices, 0, problems);
+    tcase_add_loop_test(products, force_products_are_those_of_the_second_coefficient, 0, problems);
+    tcase_add_loop_test(products, many_bodies_move_as_one, 0, methods);
+    tcase_add_test(products, too_large_steps_are_refused);
+    suite_add_tcase(suite, products);
+    return suite;
+}
