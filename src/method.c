@@ -38,6 +38,7 @@ static const method_row method_table[] = {
     {"midpoint", TVI_TYPE1, TVI_AT_MIDPOINT, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
     {"symmetric-tvi", TVI_TYPE1, TVI_AT_BOTH_ENDS, TRUNCATED, 1, 0, true, 1, MOST, TYPE1_SERVES},
     {"both-ends", TVI_TYPE1, TVI_AT_BOTH_ENDS, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
+    {"galerkin", TVI_TYPE1, TVI_AT_NODES, ON_CURVE, 2, 0, true, 1, TVI_MAX_NODES, HAMILTON_SERVES},
     {"htvi-right", TVI_TYPE2, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
     {"right", TVI_TYPE2, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
     {NULL, TVI_TYPE2, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
@@ -113,7 +114,7 @@ static const char *misfit(const method_row *row, const tvi_system *system)
     if (row->method == TVI_STORMER_VERLET)
         return "Stormer-Verlet needs a constant diagonal mass and a force without velocities";
     if (form == SERVES_LAGRANGIAN)
-        return "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian";
+        return "types II, III, Poincare and the Galerkin curve need the Hamiltonian: write it instead of the Lagrangian";
     return "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare";
 }
 
@@ -132,6 +133,18 @@ static tvi_status resolve_degree(tvi_options *options, const method_row *row, co
         return TVI_OK;
     }
     return refuse(TVI_EINVAL, "no degree gives the method this order", why);
+}
+
+/* The Galerkin curve has its values at the nodes of the quadrature. */
+static tvi_status resolve_nodes(tvi_options *options, const char **why)
+{
+    if (options->quadrature != TVI_QUADRATURE_AUTO && options->quadrature != TVI_GAUSS)
+        return refuse(TVI_EUNSUPPORTED, "the Galerkin curve needs the Gauss quadrature", why);
+    if (options->quadrature_points != 0 && options->quadrature_points != options->degree)
+        return refuse(TVI_EINVAL, "the Galerkin curve has as many quadrature points as its degree", why);
+    options->quadrature = TVI_GAUSS;
+    options->quadrature_points = options->degree;
+    return TVI_OK;
 }
 
 /* The quadrature, and the order that is left with it: min(order of the curve, order of the quadrature). Without a
@@ -170,14 +183,16 @@ tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, co
     if (reason) return refuse(TVI_EUNSUPPORTED, reason, why);
     const bool order_was_asked = options->degree == 0;
     status = resolve_degree(options, row, why);
-    if (status == TVI_OK && has_adjoint(row)) status = resolve_quadrature(options, order_was_asked, why);
-    return status;
+    if (status != TVI_OK || !has_adjoint(row)) return status;
+    if (row->expansion == TVI_AT_NODES) return resolve_nodes(options, why);
+    return resolve_quadrature(options, order_was_asked, why);
 }
 
 const tvi_stepper *tvi_method_stepper(const tvi_options *options)
 {
     if (options->compose_adjoint) return &tvi_stepper_composed;
     if (options->method == TVI_STORMER_VERLET) return &tvi_stepper_verlet;
+    if (options->expansion == TVI_AT_NODES) return &tvi_stepper_galerkin;
     const bool both_ends = options->expansion == TVI_AT_BOTH_ENDS && options->passes != TVI_PREDICT_ONLY;
     return both_ends ? &tvi_stepper_both_ends : &tvi_stepper_curve;
 }

@@ -36,6 +36,7 @@ typedef struct {
     void (*dense)(void *work, double theta, double dq[], double dp[]);
 } tvi_stepper;
 
-extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_composed, tvi_stepper_verlet;
+extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_composed, tvi_stepper_verlet,
+    tvi_stepper_galerkin;
 
 #endif
