@@ -18,13 +18,6 @@ enum { MAX_PASSES = 100, MAX_LANES = 12 };
  * because what a rounded weight lacks is the same in every step, and the energy would drift by it. */
 enum { SUM_B, SUM_B_LOW, SUM_BC, SUM_BC_LOW, SUMS };
 
-/* All that a step leaves to the next one: what drove its unknowns, at its nodes, and its size. */
-typedef struct {
-    bool is_known;
-    double h;
-    double *drive; /* [unknowns][lanes] */
-} galerkin_history;
-
 /* The passes of a step: sums over all unknowns and lanes of how far they moved, relative to their sizes. */
 typedef struct {
     double moved, expected; /* by the last pass; without its roundoff */
@@ -39,7 +32,7 @@ typedef struct {
     int unknowns;         /* of one node: Q, and P of a Hamiltonian */
     double *x;            /* block of the field's values; the unknowns are its first slots */
     int *slot;            /* [unknowns] what drives each unknown, in x */
-    int *place;           /* [unknowns] 0, 1, ...: in a history */
+    int *place;           /* [unknowns] and in the history: 0, 1, ... */
     int *copied, copies;  /* [unknowns] slots of the field that are inputs: they are copied behind those of the tape */
     double *matrix;       /* [j][i] (a a)_ij, or a_ij for a Hamiltonian */
     double *prediction;   /* [j][i] matrix times extrapolation from a step of size h / ratio */
@@ -52,8 +45,8 @@ typedef struct {
     double *start;        /* [unknowns] (q0, p0) */
     double *drift;        /* [unknowns] h M^-1 p0, or 0 */
     double *inverse_size; /* [unknowns] */
-    galerkin_history now, before;
-    double *drives[2];    /* of the histories, in turns */
+    double *last_h;       /* in the history: the step before, 0: none, */
+    double *last_drive;   /* [unknowns][lanes] and what drove its unknowns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
     long double unit[MAX_LANES]; /* 1 / prod_{k != j} (c_j - c_k) */
 } galerkin;
@@ -83,7 +76,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     const size_t unknowns = (size_t)w.unknowns, lanes = (size_t)w.lanes;
     const size_t slots = (size_t)system->field_values->slots + unknowns;
     w.x = tvi_arena_doubles(arena, slots * lanes);
-    for (int i = 0; i < 2; i++) w.drives[i] = tvi_arena_doubles(arena, unknowns * lanes);
+    w.last_h = tvi_arena_history(arena, sizeof *w.last_h);
+    w.last_drive = tvi_arena_history(arena, unknowns * lanes * sizeof *w.last_drive);
     w.matrix = tvi_arena_doubles(arena, lanes * lanes);
     w.prediction = tvi_arena_doubles(arena, lanes * lanes);
     w.node = tvi_arena_doubles(arena, lanes);
@@ -93,8 +87,6 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     int **const indices[] = {&w.slot, &w.place, &w.copied};
     for (size_t i = 0; i < sizeof indices / sizeof *indices; i++)
         *indices[i] = tvi_arena_take(arena, unknowns * sizeof(int));
-    w.now.drive = w.drives[0];
-    w.before = w.now;
     if (taken) *taken = w;
     return taken;
 }
@@ -287,8 +279,7 @@ static tvi_status predict_from_start(galerkin *w, const tvi_origin *origin, tvi_
 /* What a step of another size may be predicted from: 1 + ratio c_i stays near the nodes of that step. */
 static bool can_extrapolate(const galerkin *w)
 {
-    const double ratio = w->h / w->now.h;
-    return w->now.is_known && ratio >= -2 && ratio <= 1.5;
+    return *w->last_h != 0 && w->h / *w->last_h >= -2 && w->h / *w->last_h <= 1.5;
 }
 
 /* A component that is small beside the others of its group has no better roundoff than they. */
@@ -362,8 +353,8 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
 static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates, tvi_stats *stats)
 {
     if (extrapolates) {
-        set_prediction(w, w->h / w->now.h);
-        (void)move(w, w->prediction, w->now.drive, w->place);
+        set_prediction(w, w->h / *w->last_h);
+        (void)move(w, w->prediction, w->last_drive, w->place);
     } else {
         const tvi_status status = predict_from_start(w, origin, stats);
         if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
@@ -390,23 +381,20 @@ static void set_increments(const galerkin *w, const tvi_origin *origin, double d
     }
 }
 
-/* The spare history becomes that of this step. */
 static void remember(galerkin *w)
 {
     const size_t lanes = (size_t)w->lanes;
-    double *drive = w->before.drive == w->drives[0] ? w->drives[1] : w->drives[0];
+    *w->last_h = w->h;
     for (int u = 0; u < w->unknowns; u++)
-        memcpy(drive + (size_t)u * lanes, w->x + (size_t)w->slot[u] * lanes, lanes * sizeof *drive);
-    w->now = (galerkin_history){w->options->passes != TVI_PREDICT_ONLY, w->h, drive};
+        memcpy(w->last_drive + (size_t)u * lanes, w->x + (size_t)w->slot[u] * lanes, lanes * sizeof *w->x);
 }
 
 static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     galerkin *w = work;
-    w->before = w->now;
     set_size(w, h);
     set_start(w, origin);
-    const bool extrapolates = can_extrapolate(w);
+    const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY && can_extrapolate(w);
     tvi_status status = solve(w, origin, extrapolates, stats);
     if (status != TVI_OK && extrapolates) status = solve(w, origin, false, stats);
     if (status != TVI_OK) return status;
@@ -426,7 +414,7 @@ static void dense(void *work, double theta, double dq[], double dp[])
         long double once, twice;
         integrate_lagrange(w, j, theta, &once, &twice);
         for (int u = 0; u < w->unknowns; u++) {
-            const double drive = w->now.drive[u * w->lanes + j];
+            const double drive = w->last_drive[u * w->lanes + j];
             if (separable) {
                 dp[u] += w->h * (double)once * drive;
                 dq[u] += w->scale[u] * (double)twice * drive;
@@ -437,16 +425,4 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-static void undo(void *work)
-{
-    galerkin *w = work;
-    w->now = w->before;
-}
-
-static void forget(void *work)
-{
-    galerkin *w = work;
-    w->now.is_known = false;
-}
-
-const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, undo, forget, dense};
+const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense};

@@ -45,6 +45,7 @@ typedef struct {
 
 #define START .method = TVI_TYPE1, .expansion = TVI_AT_START
 #define MIDPOINT .method = TVI_TYPE1, .expansion = TVI_AT_MIDPOINT
+#define NODES .method = TVI_TYPE1, .expansion = TVI_AT_NODES
 #define TAYLOR .method = TVI_TAYLOR, .expansion = TVI_AT_START
 #define VERLET .method = TVI_STORMER_VERLET, .expansion = TVI_AT_START
 
@@ -108,6 +109,18 @@ static const options_case options_cases[] = {
     {"the adjoint of a symmetric method", {MIDPOINT, .order = 4, .compose_adjoint = true}, TVI_OK},
     {"odd order of a composition", {START, .nodes = TVI_NODES_TRUNCATED, .order = 5, .compose_adjoint = true}, TVI_EINVAL},
     {"even order of a composition", {START, .nodes = TVI_NODES_TRUNCATED, .order = 4, .compose_adjoint = true}, TVI_OK},
+    {"lowest order at the nodes", {NODES, .order = 2}, TVI_OK},
+    {"highest order at the nodes", {NODES, .order = 2 * TVI_MAX_NODES}, TVI_OK},
+    {"order too high at the nodes", {NODES, .order = 2 * TVI_MAX_NODES + 2}, TVI_EINVAL},
+    {"odd order at the nodes", {NODES, .order = 5}, TVI_EINVAL},
+    {"degree too high at the nodes", {NODES, .degree = TVI_MAX_NODES + 1}, TVI_EINVAL},
+    {"truncated at the nodes", {NODES, .nodes = TVI_NODES_TRUNCATED, .order = 4}, TVI_EUNSUPPORTED},
+    {"Gauss at the nodes", {NODES, .order = 4, .quadrature = TVI_GAUSS, .quadrature_points = 2}, TVI_OK},
+    {"more points than nodes", {NODES, .order = 4, .quadrature_points = 3}, TVI_EINVAL},
+    {"fewer points than nodes", {NODES, .order = 4, .quadrature_points = 1}, TVI_EINVAL},
+    {"Lobatto at the nodes", {NODES, .order = 4, .quadrature = TVI_LOBATTO}, TVI_EUNSUPPORTED},
+    {"type II at the nodes", {.method = TVI_TYPE2, .expansion = TVI_AT_NODES, .order = 4}, TVI_EUNSUPPORTED},
+    {"the adjoint at the nodes", {NODES, .order = 4, .compose_adjoint = true}, TVI_OK},
     {"the adjoint of Verlet", {VERLET, .order = 2, .compose_adjoint = true}, TVI_EUNSUPPORTED},
     {"the adjoint of Taylor", {TAYLOR, .order = 4, .compose_adjoint = true}, TVI_EUNSUPPORTED},
 };
@@ -179,11 +192,12 @@ START_TEST(options_combined)
 }
 END_TEST
 
-/* Type I needs velocities that the momenta give, types II and III and Poincare a Hamiltonian, Stormer-Verlet a sum of a
+/* Type I needs velocities that the momenta give, types II and III, Poincare and Galerkin a Hamiltonian, Stormer-Verlet a sum of a
  * part of q and one of p; Taylor needs nothing. */
 static bool serves(const method *m, form of)
 {
     const tvi_options options = options_of(m);
+    if (options.expansion == TVI_AT_NODES) return of != LAGRANGIAN;
     switch (options.method) {
     case TVI_TYPE1: return of != DEGENERATE && of != VORTICES;
     case TVI_TAYLOR: return true;
@@ -272,6 +286,7 @@ static const struct {
     {"right", 2, 2 * TVI_MAX_DEGREE, 2},
     {"left", 2, 2 * TVI_MAX_DEGREE, 2},
     {"poincare", 2, 2 * TVI_MAX_DEGREE + 2, 2},
+    {"galerkin", 2, 2 * TVI_MAX_NODES, 2},
     {"taylor", 1, TVI_MAX_DEGREE - 1, 1},
     {"stormer-verlet", 2, 2, 1},
 };

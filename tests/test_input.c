@@ -14,7 +14,8 @@ const method methods[] = {
     {"tvi", 1},        {"tvi", 4},   {"tvi", 7},      {"start", 2},         {"start", 6},     {"start", 12},
     {"end", 4},        {"end", 8},   {"midpoint", 2}, {"midpoint", 12},     {"both-ends", 4}, {"both-ends", 8},
     {"htvi-right", 3}, {"right", 6}, {"htvi-left", 3}, {"left", 6},         {"svhd", 2},      {"symmetric-tvi", 4},
-    {"poincare", 2},   {"poincare", 8}, {"taylor", 1}, {"taylor", 8},       {"stormer-verlet", 2},
+    {"poincare", 2},   {"poincare", 8}, {"taylor", 1}, {"taylor", 8},       {"galerkin", 2},  {"galerkin", 16},
+    {"stormer-verlet", 2},
 };
 const int method_count = sizeof methods / sizeof *methods;
 

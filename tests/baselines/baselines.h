@@ -10,6 +10,7 @@
 Suite *suite_orders(void);
 Suite *suite_structure(void);
 Suite *suite_forces(void);
+Suite *suite_galerkin(void);
 
 /* The problems of tests/problems.h with a plain force, and two more: the Fermi-Pasta-Ulam chain and the Solar System,
  * whose masses differ; t_end is short. */

@@ -145,7 +145,7 @@ model_path model_solution(const model *m)
 #define BOTH(method, expansion, symmetric)                                                                             \
     {method, expansion, TVI_NODES_ON_CURVE, symmetric}, {method, expansion, TVI_NODES_TRUNCATED, symmetric}
 
-const kind kinds[KINDS] = {
+const kind kinds[ALL_KINDS] = {
     BOTH(TVI_TYPE1, TVI_AT_START, false),
     BOTH(TVI_TYPE1, TVI_AT_END, false),
     BOTH(TVI_TYPE1, TVI_AT_MIDPOINT, true),
@@ -155,6 +155,7 @@ const kind kinds[KINDS] = {
     BOTH(TVI_TYPE3, TVI_AT_START, false),
     BOTH(TVI_TYPE3, TVI_AT_END, false),
     {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true},
+    {TVI_TYPE1, TVI_AT_NODES, TVI_NODES_ON_CURVE, true},
 };
 
 tvi_options kind_options(const kind *k, int degree)
@@ -172,7 +173,11 @@ tvi_options kind_options_with(const kind *k, int degree, tvi_quadrature quadratu
     return options;
 }
 
-bool kind_serves(const kind *k, const model *m) { return m->with & (k->method == TVI_TYPE1 ? WITH_TYPE1 : WITH_HAMILTON); }
+bool kind_serves(const kind *k, const model *m)
+{
+    const bool is_type1 = k->method == TVI_TYPE1 && k->expansion != TVI_AT_NODES;
+    return m->with & (is_type1 ? WITH_TYPE1 : WITH_HAMILTON);
+}
 
 int kind_least_degree(const kind *k) { return k->method == TVI_POINCARE ? 0 : 1; }
 

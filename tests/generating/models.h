@@ -52,8 +52,8 @@ typedef struct {
     bool symmetric;
 } kind;
 
-extern const kind kinds[]; /* every method that has an adjoint */
-enum { KINDS = 17 };
+extern const kind kinds[]; /* every expansion of a generating function, then the Galerkin curve */
+enum { KINDS = 17, GALERKIN = KINDS, ALL_KINDS };
 
 tvi_options kind_options(const kind *k, int degree);
 tvi_options kind_options_with(const kind *k, int degree, tvi_quadrature quadrature, int points);

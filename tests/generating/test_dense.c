@@ -1,6 +1,7 @@
 /* test_dense.c - dense output: the ends of the step, the order between them, continuity. With a curve of degree N the error of
  * one step's inner points is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(K+1)) in both (O(h^2) for K = 0):
- * the curve's own, whatever the order of the method. */
+ * the curve's own, whatever the order of the method. The Galerkin curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable
+ * system. */
 #include "generating.h"
 #include "models.h"
 
@@ -13,15 +14,15 @@ static void dense(tvi_integrator *integrator, double theta, test_state *x)
 }
 
 /* Every generating function, composed ones too, then Taylor and Stormer-Verlet. */
-enum { TAYLOR = 2 * KINDS, VERLET, METHODS };
+enum { TAYLOR = 2 * ALL_KINDS, VERLET, METHODS };
 
 static bool method_options(int method, int degree, const model *m, tvi_options *options)
 {
-    const kind *k = &kinds[method % KINDS];
+    const kind *k = &kinds[method % ALL_KINDS];
     if (method == TAYLOR) *options = options_taylor(degree + 1);
     else if (method == VERLET) *options = options_verlet();
     else *options = kind_options(k, degree - 1 + kind_least_degree(k));
-    options->compose_adjoint = method >= KINDS && method < TAYLOR;
+    options->compose_adjoint = method >= ALL_KINDS && method < TAYLOR;
     return method == TAYLOR ? true : method == VERLET ? m->problem != NULL : kind_serves(k, m);
 }
 
@@ -79,8 +80,8 @@ END_TEST
 START_TEST(composition_has_the_output_of_its_halves)
 {
     static const double places[] = {0.1, 0.3, 0.45, 0.55, 0.7, 0.95};
-    const kind *k = &kinds[_i % KINDS];
-    const model *m = models[_i / KINDS];
+    const kind *k = &kinds[_i % ALL_KINDS];
+    const model *m = models[_i / ALL_KINDS];
     if (!kind_serves(k, m)) return;
     tvi_system *system = model_system(m);
     const tvi_options first = kind_options(k, 2), second = adjoint_of(&first);
@@ -136,9 +137,10 @@ enum { ORDER_MODELS = sizeof order_models / sizeof *order_models, DEGREES = 4 };
 static double larger_degree(double degree, double least) { return fmax(degree, least); }
 
 /* The exponents of h in q and p. */
-static two_errors exponents(const tvi_options *options)
+static two_errors exponents(const model *m, const tvi_options *options)
 {
     const int N = options->degree;
+    if (options->expansion == TVI_AT_NODES) return (two_errors){N + (m->problem ? 2 : 1), N + 1};
     if (options->method == TVI_STORMER_VERLET) return (two_errors){3, 3};
     if (options->method == TVI_POINCARE) return (two_errors){larger_degree(N + 1, 2), larger_degree(N + 1, 2)};
     return (two_errors){N + 1, larger_degree(N, 2)};
@@ -151,14 +153,15 @@ START_TEST(inner_points_have_the_order_of_the_curve)
     const tvi_options fine_options = kind_options(&midpoint, 8);
     tvi_system *system = model_system(m);
     tvi_integrator *fine = integrator_of(system, &fine_options);
-    const int most = _i % METHODS == VERLET ? 1 : DEGREES;
+    const bool galerkin = _i % METHODS < TAYLOR && _i % METHODS % ALL_KINDS == GALERKIN; /* wanders before roundoff at 4 */
+    const int most = _i % METHODS == VERLET ? 1 : galerkin ? DEGREES - 1 : DEGREES;
     for (int degree = 1; degree <= most; degree++) {
         tvi_options options;
         if (!method_options(_i % METHODS, degree, m, &options)) break;
         tvi_integrator *integrator = integrator_of(system, &options);
         const double part[] = {0.1, 0.25, 0.5, 1}, h = part[degree - 1] * m->h, ratio = 0.5;
         const two_errors coarse = error_inside(m, integrator, fine, h), less = error_inside(m, integrator, fine, ratio * h);
-        const two_errors expected = exponents(&options);
+        const two_errors expected = exponents(m, &options);
         const double q = log(less.q / coarse.q) / log(ratio), p = log(less.p / coarse.p) / log(ratio);
         ck_assert_msg(fabs(q - expected.q) < 0.45 && fabs(p - expected.p) < 0.45,
                       "%s, %s: %.2f in q, %.2f in p (errors %.1e, %.1e)", m->name, describe(&options), q, p, less.q, less.p);
@@ -220,7 +223,7 @@ Suite *suite_dense(void)
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, ends_are_the_states, 0, MODELS * METHODS);
     tcase_add_loop_test(tcase, output_is_continuous, 0, MODELS * METHODS);
-    tcase_add_loop_test(tcase, composition_has_the_output_of_its_halves, 0, MODELS * KINDS);
+    tcase_add_loop_test(tcase, composition_has_the_output_of_its_halves, 0, MODELS * ALL_KINDS);
     tcase_add_loop_test(tcase, inner_points_have_the_order_of_the_curve, 0, ORDER_MODELS * METHODS);
     tcase_add_loop_test(tcase, no_output_without_a_step, 0, METHODS);
     suite_add_tcase(suite, tcase);

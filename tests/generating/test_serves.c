@@ -11,6 +11,9 @@
 
 enum { SEPARABLE = 1, LAGRANGIAN = 2, REGULAR = 4, DEGENERATE = 8 };
 
+/* Type I to the options, a method of its own in what it serves. */
+enum { GALERKIN_CURVE = TVI_STORMER_VERLET + 1 };
+
 static const struct {
     const model *m;
     int is;
@@ -22,10 +25,11 @@ static const struct {
 enum { SYSTEMS = sizeof systems / sizeof *systems };
 
 static const struct {
-    tvi_method method;
+    int method;
     int serves;
     const char *word; /* of the reason of a refusal */
 } table[] = {
+    {GALERKIN_CURVE, SEPARABLE | REGULAR | DEGENERATE, "Hamiltonian"},
     {TVI_TYPE1, SEPARABLE | LAGRANGIAN | REGULAR, "degenerate"},
     {TVI_TYPE2, SEPARABLE | REGULAR | DEGENERATE, "Hamiltonian"},
     {TVI_TYPE3, SEPARABLE | REGULAR | DEGENERATE, "Hamiltonian"},
@@ -35,8 +39,9 @@ static const struct {
 };
 enum { METHODS = sizeof table / sizeof *table };
 
-static int row_of(tvi_method method)
+static int row_of(const tvi_options *options)
 {
+    const int method = options->expansion == TVI_AT_NODES ? GALERKIN_CURVE : (int)options->method;
     for (int row = 0; row < METHODS; row++)
         if (table[row].method == method) return row;
     ck_abort_msg("no such method");
@@ -45,7 +50,7 @@ static int row_of(tvi_method method)
 
 static void check_service(int which, const tvi_options *options)
 {
-    const int row = row_of(options->method);
+    const int row = row_of(options);
     const model *m = systems[which].m;
     tvi_system *system = model_system(m);
     tvi_integrator *integrator = (tvi_integrator *)&system;
@@ -70,7 +75,7 @@ static void check_service(int which, const tvi_options *options)
 START_TEST(systems_serve_methods)
 {
     const tvi_options taylor = options_taylor(4), verlet = options_verlet();
-    for (int k = 0; k < KINDS; k++) {
+    for (int k = 0; k < ALL_KINDS; k++) {
         tvi_options options = kind_options(&kinds[k], 3);
         check_service(_i, &options);
         options.compose_adjoint = !kinds[k].symmetric;
@@ -116,6 +121,7 @@ static const struct {
     {"left", TVI_TYPE3, TVI_AT_START, TVI_NODES_ON_CURVE, 8, 4},
     {"poincare", TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 8, 3},
     {"poincare", TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 2, 0},
+    {"galerkin", TVI_TYPE1, TVI_AT_NODES, TVI_NODES_ON_CURVE, 8, 4},
 };
 enum { NAMES = sizeof names / sizeof *names };
 
@@ -130,7 +136,8 @@ START_TEST(names_are_methods)
     tvi_integrator *integrator = integrator_of(system, &options);
     ck_assert_int_eq(tvi_integrator_options(integrator)->degree, names[_i].degree);
     ck_assert_int_eq(tvi_integrator_options(integrator)->order, names[_i].order);
-    ck_assert_int_eq(tvi_integrator_options(integrator)->quadrature_points, names[_i].order / 2 + 1);
+    const bool at_nodes = names[_i].expansion == TVI_AT_NODES;
+    ck_assert_int_eq(tvi_integrator_options(integrator)->quadrature_points, names[_i].order / 2 + !at_nodes);
     tvi_integrator_free(integrator);
     tvi_system_free(system);
 }
