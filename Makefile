@@ -32,7 +32,8 @@ FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-wi
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-SRC_OBJECTS := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*.c))
+SRC_OBJECTS  := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*.c)) \
+                $(ISAS:%=$(BUILD)/src/galerkin_loops.%.o)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
@@ -69,12 +70,12 @@ $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
 	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(BUILD)/ad/isa.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
+$(BUILD)/ad/isa.o $(BUILD)/src/galerkin.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
-$(BUILD)/ad/%.$(1).o: ad/%.c
+$(BUILD)/%.$(1).o: %.c
 	@mkdir -p $$(@D)
-	$$(CC) $$(BASE) $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+	$$(CC) $$(BASE) -Iad $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
 
