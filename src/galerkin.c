@@ -2,8 +2,9 @@
  * With a, b, c its coefficients and F_j the field at node j,
  *     separable:    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
  *                   q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
- *     Hamiltonian:  (Q, P)_i = (q0, p0) + h sum_j a_ij (H_p, -H_q)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (H_p, -H_q)_j.
- * Solved by fixed point, from the fields of the step before. The nodes are lanes of one sweep of the field's tape. */
+ *     Hamiltonian:  (Q, P)_i = (q0, p0) + h sum_j a_ij (H_p, -H_q)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (H_p,
+ * -H_q)_j. Solved by fixed point, from the fields of the step before. The nodes are lanes of one sweep of the field's
+ * tape. */
 #include "galerkin.h"
 #include "quadrature.h"
 #include "stepper.h"
@@ -14,11 +15,13 @@
 
 enum { MAX_PASSES = 100, MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-/* The passes of a step. All sizes are squares, summed over all unknowns and lanes, relative to the sizes of the unknowns. */
+/* The passes of a step. All sizes are squares, summed over all unknowns and lanes, relative to the sizes of the
+ * unknowns. */
 typedef struct {
-    double moved, expected; /* by the last pass; without its roundoff */
-    double contraction;     /* of the last pass that was above roundoff */
-    double slowest;         /* of the last two */
+    double moved, before; /* by the last pass, and the one before it */
+    double expected;      /* of the last one, without its roundoff */
+    double contraction;   /* of the last pass that was above roundoff */
+    double slowest;       /* of the last two */
 } galerkin_progress;
 
 typedef struct {
@@ -45,7 +48,8 @@ typedef struct {
     long double unit[MAX_LANES]; /* 1 / prod_{k != j} (c_j - c_k) */
 } galerkin;
 
-/* ---- Memory and tables --------------------------------------------------------------------------------------------- */
+/* ---- Memory and tables ---------------------------------------------------------------------------------------------
+ */
 
 static int lanes_for(int points)
 {
@@ -217,7 +221,8 @@ static void set_prediction(galerkin *w, double ratio)
         }
 }
 
-/* ---- The field ------------------------------------------------------------------------------------------------------- */
+/* ---- The field
+ * ------------------------------------------------------------------------------------------------------- */
 
 /* What drives the unknowns, where they are. */
 static tvi_status evaluate(galerkin *w)
@@ -226,7 +231,8 @@ static tvi_status evaluate(galerkin *w)
     if (!jet_sweep_values(tape, w->nodes.x, w->nodes.lanes)) return TVI_EDOMAIN;
     const size_t lanes = (size_t)w->nodes.lanes;
     for (int i = 0; i < w->copies; i++)
-        memcpy(w->nodes.x + (size_t)(tape->slots + i) * lanes, w->nodes.x + (size_t)w->copied[i] * lanes, lanes * sizeof *w->nodes.x);
+        memcpy(w->nodes.x + (size_t)(tape->slots + i) * lanes, w->nodes.x + (size_t)w->copied[i] * lanes,
+               lanes * sizeof *w->nodes.x);
     return TVI_OK;
 }
 
@@ -239,7 +245,8 @@ static void set_times(galerkin *w, const tvi_origin *origin, double h)
     tvi_system_set_time(w->system, w->nodes.x, w->nodes.lanes, t);
 }
 
-/* ---- The predictor ----------------------------------------------------------------------------------------------------- */
+/* ---- The predictor
+ * ----------------------------------------------------------------------------------------------------- */
 
 static void set_start(galerkin *w, const tvi_origin *origin)
 {
@@ -287,7 +294,8 @@ static void set_sizes(galerkin *w)
     }
 }
 
-/* ---- The passes -------------------------------------------------------------------------------------------------------- */
+/* ---- The passes
+ * -------------------------------------------------------------------------------------------------------- */
 
 /* Squares of relative movements: one that may be roundoff, one that is no roundoff, and one that no sum of many steps
  * shows. What a step leaves out is the same in the next one, where roundoff changes its sign. */
@@ -308,15 +316,15 @@ static void note(galerkin_progress *at, double moved, double roundoff)
     at->expected = is_measured || at->slowest == 0 || moved < expected ? moved : expected;
 }
 
-/* Whether what the next pass would move is nothing, or the passes do no more than roundoff. */
+/* Whether what the next pass would move is nothing, or the passes do no more than roundoff. Two passes, since in the
+ * equations of a Hamiltonian those of Q may contract as little as those of P contract much, in turns. */
 static bool is_enough(const galerkin *w, galerkin_progress *at, double moved)
 {
-    const double count = w->nodes.unknowns * w->nodes.lanes, before = at->moved;
-    const double tolerance = square(w->options->tolerance);
-    const bool is_first = before == 0;
+    const double count = w->nodes.unknowns * w->nodes.lanes, tolerance = square(w->options->tolerance);
+    const bool stands = at->before > 0 && moved >= at->moved && moved >= at->before;
+    at->before = at->moved;
     at->moved = moved;
-    if (moved == 0) return true;
-    if (!is_first && moved >= before && moved <= MAYBE_ROUNDOFF * count) return true;
+    if (moved == 0 || (stands && moved <= MAYBE_ROUNDOFF * count)) return true;
     if (tolerance > 0) return moved <= tolerance;
     note(at, moved, ROUNDOFF * count);
     return at->slowest > 0 && at->slowest < 0.25 && at->slowest * at->expected <= NOTHING * count;
@@ -358,7 +366,8 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates
     return iterate(w, stats);
 }
 
-/* ---- The step ---------------------------------------------------------------------------------------------------------- */
+/* ---- The step
+ * ---------------------------------------------------------------------------------------------------------- */
 
 static void set_increments(const galerkin *w, const tvi_origin *origin, double dq[], double dp[])
 {

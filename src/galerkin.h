@@ -1,6 +1,6 @@
 /* galerkin.h - the loops of the Galerkin curve in which all time but that of the field goes, compiled once for each
- * instruction set (ad/vector.h). Arrays of nodes are [lanes]; where lanes are more than nodes, the last node is repeated,
- * with weight 0. */
+ * instruction set (ad/vector.h). Arrays of nodes are [lanes]; where lanes are more than nodes, the last node is
+ * repeated, with weight 0. */
 #ifndef TVI_SRC_GALERKIN_H
 #define TVI_SRC_GALERKIN_H
 
@@ -23,8 +23,8 @@ typedef struct {
 } galerkin_nodes;
 
 typedef struct {
-    /* x = start + (base + scale sum_j matrix_ji F_j). Returns the sum of the squares of (change of x) inverse_size, a NaN
-     * where there is one. */
+    /* x = start + (base + scale sum_j matrix_ji F_j). Returns the sum of the squares of (change of x) inverse_size, a
+     * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
     /* sum[u][k] = sum_j weight_jk F_j, F of nodes->x; last[u][j] = F_j. */
     void (*integrate)(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum, double *last);

@@ -16,7 +16,7 @@
     default: call(TVI_GALERKIN_MAX_LANES);                                                                             \
     }
 
-#define VECTOR(V, array, index) (*(V *)((array) + (size_t)(index) * (size_t)lanes + w))
+#define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + w))
 #define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + w))
 
 /* The lanes of a block for all unknowns. */
@@ -75,8 +75,7 @@ INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *weight, c
     }
 }
 
-static void integrate(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum, double *last)
-{
+static void integrate(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum, double *last){
 #define CALL(lanes) integrate_lanes(nodes, weight, slot, sum, last, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL

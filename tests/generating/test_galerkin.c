@@ -146,15 +146,16 @@ static double energy_after(const tvi_options *options)
     return fabs(sum);
 }
 
-/* Roundoff alone: it grows like the square root of the steps, 300 units of it here. Passes that end sooner bias the energy. */
+/* Roundoff alone: 1e-14 is 0.2 units in the last place for the square root of the steps. Weights or nodes of one double
+ * each make 1e-13 to 3e-13, which grows like the steps; passes that end sooner bias the energy too. */
 START_TEST(energy_does_not_drift)
 {
-    tvi_options options = galerkin(7 + _i);
+    tvi_options options = galerkin(6 + _i);
     const double error = energy_after(&options);
-    ck_assert_msg(error < 5e-15, "%d nodes: %.1e", options.degree, error);
+    ck_assert_msg(error < 3e-14, "%d nodes: %.1e", options.degree, error);
     options.tolerance = 1e-10;
     const double biased = energy_after(&options);
-    ck_assert_msg(biased > 5e-14, "%d nodes: %.1e with a tolerance", options.degree, biased);
+    ck_assert_msg(biased > 1e-13, "%d nodes: %.1e with a tolerance", options.degree, biased);
 }
 END_TEST
 
@@ -289,7 +290,7 @@ Suite *suite_galerkin(void)
     tcase_add_loop_test(tcase, exchange_of_variables_changes_nothing, 0, EXCHANGE_CASES * TVI_MAX_NODES);
     tcase_add_test(tcase, field_may_be_its_input);
     tcase_add_test(tcase, hamiltonian_field_may_be_its_input);
-    tcase_add_loop_test(tcase, energy_does_not_drift, 0, 3);
+    tcase_add_loop_test(tcase, energy_does_not_drift, 0, 4);
     tcase_add_loop_test(tcase, step_before_predicts, 0, 5);
     tcase_add_loop_test(tcase, other_steps_begin_anew, 0, 4);
     tcase_add_test(tcase, number_of_passes_is_kept);
