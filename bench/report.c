@@ -28,6 +28,15 @@ static void write_processor(FILE *csv)
     fprintf(csv, "# processor: %s\n", name);
 }
 
+void report_head(FILE *csv, int argc, char *const argv[])
+{
+    fprintf(csv, "# compiler: %s\n# flags: %s\n", COMPILER, BENCH_CFLAGS);
+    write_processor(csv);
+    fprintf(csv, "# command:");
+    for (int i = 0; i < argc; i++) fprintf(csv, " %s", argv[i]);
+    fprintf(csv, "\n");
+}
+
 bool report_open(report *r, const char *dir, int argc, char *const argv[])
 {
     *r = (report){0};
@@ -39,12 +48,9 @@ bool report_open(report *r, const char *dir, int argc, char *const argv[])
         fprintf(stderr, "bench: cannot write %s/work_precision.csv: %s\n", dir, strerror(errno));
         return false;
     }
-    fprintf(r->csv, "# compiler: %s\n# flags: %s\n", COMPILER, BENCH_CFLAGS);
-    write_processor(r->csv);
-    fprintf(r->csv, "# command:");
-    for (int i = 0; i < argc; i++) fprintf(r->csv, " %s", argv[i]);
+    report_head(r->csv, argc, argv);
     fprintf(r->csv,
-            "\n# cpu_s: the fastest of several repetitions on one thread, without making the system and the integrator"
+            "# cpu_s: the fastest of several repetitions on one thread, without making the system and the integrator"
             "\n# max_rel_energy_error: over all steps, or over %d or more evenly spaced ones\n",
             RUN_SAMPLES);
     fprintf(r->csv, "scene,method,order,degree,h,steps,cpu_s,ns_per_step,max_rel_energy_error,end_error,position_error,"

@@ -12,6 +12,8 @@ typedef struct {
     int count, capacity;
 } report;
 
+/* Compiler, flags, processor and command, in comments. */
+void report_head(FILE *csv, int argc, char *const argv[]);
 /* Opens DIR/work_precision.csv, making DIR, and writes its head; false where that fails, which is printed. */
 bool report_open(report *r, const char *dir, int argc, char *const argv[]);
 void report_scene(report *r, const scene *s);   /* a comment: name, title, unit of time */

@@ -23,16 +23,7 @@ double run_wall_clock(void) { return read_clock(CLOCK_MONOTONIC); }
 
 /* ---- A run, whoever runs ------------------------------------------------------------------------------------------- */
 
-typedef struct {
-    const scene *scene;
-    double h, tolerance;
-    long steps;
-    const baseline *baseline;
-    tvi_integrator *integrator; /* where there is no baseline */
-    baseline_counts counts;     /* of the last run */
-} runner;
-
-static tvi_status runner_open(runner *r, const tvi_system *system, const scene *s, const contender *who, double setting)
+tvi_status runner_open(runner *r, const tvi_system *system, const scene *s, const contender *who, double setting)
 {
     const bool adaptive = who->baseline && who->baseline->adaptive;
     *r = (runner){.scene = s, .baseline = who->baseline, .h = setting};
@@ -41,7 +32,7 @@ static tvi_status runner_open(runner *r, const tvi_system *system, const scene *
     return r->baseline ? TVI_OK : tvi_integrator_create(&r->integrator, system, &who->options);
 }
 
-static void runner_close(runner *r) { tvi_integrator_free(r->integrator); }
+void runner_close(runner *r) { tvi_integrator_free(r->integrator); }
 
 static tvi_status go_integrator(runner *r, double q[], double p[], tvi_observer *observer, void *ctx)
 {
@@ -55,8 +46,7 @@ static tvi_status go_integrator(runner *r, double q[], double p[], tvi_observer 
     return status;
 }
 
-/* From the scene's start; q[n] and p[n] receive the end. */
-static tvi_status go(runner *r, double q[], double p[], tvi_observer *observer, void *ctx)
+tvi_status runner_go(runner *r, double q[], double p[], tvi_observer *observer, void *ctx)
 {
     const scene *s = r->scene;
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
@@ -71,7 +61,7 @@ static double time_once(runner *r)
 {
     double q[r->scene->n], p[r->scene->n];
     const double begin = run_clock();
-    const tvi_status status = go(r, q, p, NULL, NULL);
+    const tvi_status status = runner_go(r, q, p, NULL, NULL);
     return status == TVI_OK ? run_clock() - begin : INFINITY;
 }
 
@@ -117,7 +107,7 @@ static void measure_errors(const tvi_system *system, runner *r, double deadline,
     result->status = tvi_energy(system, 0, s->q, s->p, &m.start);
     if (result->status != TVI_OK) return;
     m.scale = fmax(fabs(m.start), s->energy_scale);
-    result->status = go(r, q, p, watch, &m);
+    result->status = runner_go(r, q, p, watch, &m);
     if (result->status != TVI_OK && r->integrator) result->failed_step = r->counts.steps + 1;
     if (result->status != TVI_OK) return;
     result->steps = r->counts.steps;
@@ -130,7 +120,7 @@ static void measure_errors(const tvi_system *system, runner *r, double deadline,
 
 /* ---- Time ---------------------------------------------------------------------------------------------------------- */
 
-static double fastest_time(runner *r)
+double runner_time(runner *r)
 {
     double total = 0, best = INFINITY;
     for (int done = 0; total < longest && (done < repetitions || total < shortest); done++) {
@@ -153,7 +143,7 @@ void run_contender(const tvi_system *system, const scene *s, const contender *wh
     result->steps = r.steps;
     if (r.integrator) result->degree = tvi_integrator_options(r.integrator)->degree;
     measure_errors(system, &r, deadline, result);
-    if (result->status == TVI_OK) result->cpu = fastest_time(&r);
+    if (result->status == TVI_OK) result->cpu = runner_time(&r);
     runner_close(&r);
     result->wall = run_wall_clock() - begin;
 }

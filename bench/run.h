@@ -38,6 +38,23 @@ enum { RUN_SAMPLES = 1000 };
 double run_clock(void);         /* CPU time of this process, s */
 double run_wall_clock(void);    /* s */
 
+/* A contender before the start of a scene: h and steps, or tolerance, from the setting. */
+typedef struct {
+    const scene *scene;
+    double h, tolerance;
+    long steps;
+    const baseline *baseline;
+    tvi_integrator *integrator; /* where there is no baseline */
+    baseline_counts counts;     /* of the last run */
+} runner;
+
+TVI_NODISCARD tvi_status runner_open(runner *r, const tvi_system *system, const scene *s, const contender *who,
+                                     double setting);
+void runner_close(runner *r);
+/* From the scene's start; q[n] and p[n] receive the end. */
+tvi_status runner_go(runner *r, double q[], double p[], tvi_observer *observer, void *ctx);
+double runner_time(runner *r); /* CPU time, the fastest of several repetitions; infinite where it fails */
+
 /* Runs the scene once with an observer for the errors and some times without one for the time. Sets all but method. */
 void run_measure(const tvi_system *system, const scene *s, const tvi_options *options, double h, run *result);
 
