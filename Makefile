@@ -6,6 +6,8 @@
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make order-doubling   the tables and the picture of docs/order-doubling.md
 # make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them
+# make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, two minutes;
+#                 make experiments-docs puts them into docs/experiments.md and docs/experiments
 # make references bench/scenes/references.h anew, in quadruple precision
 
 BUILD   ?= build
@@ -95,6 +97,8 @@ include src/install.mk
 # ---- The bench ---------------------------------------------------------------------------------------------------------
 
 include bench/bench.mk
+
+include bench/experiments/experiments.mk
 
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 
