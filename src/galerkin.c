@@ -18,11 +18,17 @@ enum { MAX_PASSES = 100, MAX_LANES = TVI_GALERKIN_MAX_LANES };
 /* The passes of a step. All sizes are squares, summed over all unknowns and lanes, relative to the sizes of the
  * unknowns. */
 typedef struct {
-    double moved, before; /* by the last pass, and the one before it */
-    double expected;      /* of the last one, without its roundoff */
-    double contraction;   /* of the last pass that was above roundoff */
-    double slowest;       /* of the last two */
+    double moved, before; /* by the last pass, and the one before it; 0: none */
+    double slowest;       /* contraction of the last two passes that were above roundoff */
+    double expected;      /* movement of the last pass, without its roundoff */
 } galerkin_progress;
+
+/* The last two steps. */
+typedef struct {
+    double h, h_before; /* 0: none */
+    double t;           /* where the last one began */
+    int turn;           /* where its drives are */
+} galerkin_history;
 
 typedef struct {
     const tvi_system *system;
@@ -31,19 +37,19 @@ typedef struct {
     int n, points;
     galerkin_nodes nodes; /* x is the block of the field's values; the unknowns, Q and P of a Hamiltonian, come first */
     int *slot;            /* [unknowns] what drives each unknown, in x */
-    int *place;           /* [unknowns] and in the history: 0, 1, ... */
     int *copied, copies;  /* [unknowns] slots of the field that are inputs: they are copied behind those of the tape */
     double *matrix;       /* [j][i] (a a)_ij, or a_ij for a Hamiltonian */
     double *prediction;   /* [j][i] matrix times extrapolation from a step of size h / ratio */
     double ratio;         /* 0: none yet */
+    double *from_two;     /* [2][j][i] matrix times extrapolation from the two steps before, all of one size */
     double *c, *c_rest;   /* [lanes] in two parts */
     double *weight;       /* [lanes][SUMS] */
     double *sum;          /* [unknowns][SUMS] */
     double h;             /* of the rates and the scales; 0: none yet */
     double *rate;         /* [n] h / m */
     double *drift;        /* [n] h M^-1 p0 */
-    double *last_h;       /* in the history: the step before, 0: none, */
-    double *last_drive;   /* [unknowns][lanes] and what drove its unknowns */
+    galerkin_history *last;
+    double *drives[2]; /* in the history: [unknowns][lanes] what drove the unknowns of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
     long double unit[MAX_LANES]; /* 1 / prod_{k != j} (c_j - c_k) */
 } galerkin;
@@ -90,18 +96,19 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.loops = loops_for(system->field_values->sweeps);
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
     nodes->x = tvi_arena_doubles(arena, ((size_t)system->field_values->slots + unknowns) * lanes);
-    w.last_h = tvi_arena_history(arena, sizeof *w.last_h);
-    w.last_drive = tvi_arena_history(arena, unknowns * lanes * sizeof *w.last_drive);
+    w.last = tvi_arena_history(arena, sizeof *w.last);
+    for (int i = 0; i < 2; i++) w.drives[i] = tvi_arena_history(arena, unknowns * lanes * sizeof(double));
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     w.matrix = tvi_arena_doubles(arena, lanes * lanes);
     w.prediction = tvi_arena_doubles(arena, lanes * lanes);
+    w.from_two = tvi_arena_doubles(arena, 2 * lanes * lanes);
     w.c = tvi_arena_doubles(arena, lanes);
     w.c_rest = tvi_arena_doubles(arena, lanes);
     w.weight = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
     double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
-    int **const indices[] = {&w.slot, &w.place, &w.copied};
+    int **const indices[] = {&w.slot, &w.copied};
     for (size_t i = 0; i < sizeof indices / sizeof *indices; i++)
         *indices[i] = tvi_arena_take(arena, unknowns * sizeof(int));
     if (taken) *taken = w;
@@ -175,12 +182,47 @@ static void set_matrix(galerkin *w)
 static void set_slots(galerkin *w)
 {
     for (int u = 0; u < w->nodes.unknowns; u++) {
-        w->place[u] = u;
         w->slot[u] = driving_slot(w->system, u);
         if (w->slot[u] >= w->nodes.unknowns) continue;
         w->copied[w->copies] = w->slot[u];
         w->slot[u] = w->system->field_values->slots + w->copies++;
     }
+}
+
+/* [k][i] of basis: polynomials of degree k, orthonormal on the first 2 m of 3 m points: the nodes of two steps, and of
+ * the next one. */
+static void set_basis(const galerkin *w, int degree, long double basis[][3 * MAX_LANES])
+{
+    const int m = w->points;
+    for (int k = 0; k <= degree; k++) {
+        long double *now = basis[k];
+        for (int i = 0; i < 3 * m; i++) {
+            const long double s = w->exact_node[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
+            now[i] = k > 0 ? s * basis[k - 1][i] : 1;
+        }
+        for (int before = 0; before <= k; before++) { /* the last time: its own length */
+            long double product = 0;
+            for (int i = 0; i < 2 * m; i++) product += now[i] * basis[before][i];
+            for (int i = 0; i < 3 * m && before < k; i++) now[i] -= product * basis[before][i];
+            for (int i = 0; i < 3 * m && before == k; i++) now[i] /= sqrtl(product);
+        }
+    }
+}
+
+/* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j). Of all degrees, 3m/2 was seen to save the most passes:
+ * above it roundoff grows by more than truncation falls. */
+static void set_prediction_from_two(galerkin *w)
+{
+    long double basis[2 * MAX_LANES][3 * MAX_LANES];
+    const int m = w->points, lanes = w->nodes.lanes, degree = m > 1 ? 3 * m / 2 : 1;
+    set_basis(w, degree, basis);
+    for (int point = 0; point < 2 * m; point++)
+        for (int next = 0; next < m; next++) {
+            long double factor = 0;
+            for (int k = 0; k <= degree; k++) factor += basis[k][2 * m + next] * basis[k][point];
+            double *column = w->from_two + (point / m * lanes + point % m) * lanes;
+            for (int i = 0; i < lanes; i++) column[i] += (double)factor * w->matrix[next * lanes + i];
+        }
 }
 
 static void prepare(void *work)
@@ -189,6 +231,7 @@ static void prepare(void *work)
     jet_tape_prepare(w->system->field_values, w->nodes.x, 1, w->nodes.lanes);
     set_nodes(w);
     set_matrix(w);
+    set_prediction_from_two(w);
     set_slots(w);
 }
 
@@ -270,10 +313,25 @@ static tvi_status predict_from_start(galerkin *w, const tvi_origin *origin, tvi_
     return evaluate(w);
 }
 
-/* What a step of another size may be predicted from: 1 + ratio c_i stays near the nodes of that step. */
-static bool can_extrapolate(const galerkin *w)
+/* Whether this step begins where the last one ended, and its nodes, at 1 + ratio c_i, are near those of that one. */
+static bool can_extrapolate(const galerkin *w, const tvi_origin *origin)
 {
-    return *w->last_h != 0 && w->h / *w->last_h >= -2 && w->h / *w->last_h <= 1.5;
+    const galerkin_history *last = w->last;
+    if (last->h == 0 || w->options->passes == TVI_PREDICT_ONLY) return false;
+    const double gap = origin->t - (last->t + last->h), ratio = w->h / last->h;
+    return fabs(gap) < 0.25 * fabs(w->h) && ratio >= -2 && ratio <= 1.5;
+}
+
+static void extrapolate(galerkin *w)
+{
+    const galerkin_history *last = w->last;
+    const double *const drives[] = {w->drives[last->turn], w->drives[!last->turn]};
+    if (w->h == last->h && w->h == last->h_before) {
+        w->loops->predict(&w->nodes, 2, w->from_two, drives);
+    } else {
+        set_prediction(w, w->h / last->h);
+        w->loops->predict(&w->nodes, 1, w->prediction, drives);
+    }
 }
 
 /* A component that is small beside the others of its group has no better roundoff than they. */
@@ -297,37 +355,43 @@ static void set_sizes(galerkin *w)
 /* ---- The passes
  * -------------------------------------------------------------------------------------------------------- */
 
-/* Squares of relative movements: one that may be roundoff, one that is no roundoff, and one that no sum of many steps
- * shows. What a step leaves out is the same in the next one, where roundoff changes its sign. */
+/* Squares of relative movements: one after which there must be another pass, one that may be roundoff, one that is
+ * none, and one that no sum of many steps shows. What a step leaves out is the same in the next one, where roundoff
+ * changes its sign. */
 static double square(double x) { return x * x; }
+#define FAR            square(1e-9)
 #define MAYBE_ROUNDOFF square(1e-12)
 #define ROUNDOFF       square(32 * DBL_EPSILON)
 #define NOTHING        square(DBL_EPSILON / 65536)
 
-static void note(galerkin_progress *at, double moved, double roundoff)
+static double larger(double a, double b) { return a > b ? a : b; }
+static double smaller(double a, double b) { return a < b ? a : b; }
+
+/* Whether what the next pass would move is nothing. */
+static bool is_converged(galerkin_progress *at, double moved, double roundoff, double nothing)
 {
-    const bool is_measured = moved > roundoff;
-    const double expected = at->slowest * at->expected;
-    if (is_measured && at->expected > 0) {
-        const double contraction = moved / at->expected;
-        at->slowest = contraction > at->contraction ? contraction : at->contraction;
-        at->contraction = contraction;
+    if (moved > roundoff) {
+        at->slowest = larger(moved / at->moved, at->before > 0 ? at->moved / at->before : 0);
+        at->expected = moved;
+    } else {
+        at->expected = at->slowest > 0 ? smaller(moved, at->slowest * at->expected) : moved;
     }
-    at->expected = is_measured || at->slowest == 0 || moved < expected ? moved : expected;
+    return at->slowest > 0 && at->slowest < 0.25 && at->slowest * at->expected <= nothing;
 }
 
-/* Whether what the next pass would move is nothing, or the passes do no more than roundoff. Two passes, since in the
- * equations of a Hamiltonian those of Q may contract as little as those of P contract much, in turns. */
+/* Whether the passes may end here, or do no more than roundoff. Two passes, since in the equations of a Hamiltonian
+ * those of Q may contract as little as those of P contract much, in turns. */
 static bool is_enough(const galerkin *w, galerkin_progress *at, double moved)
 {
-    const double count = w->nodes.unknowns * w->nodes.lanes, tolerance = square(w->options->tolerance);
-    const bool stands = at->before > 0 && moved >= at->moved && moved >= at->before;
+    const double count = w->nodes.unknowns * w->nodes.lanes;
+    bool is_last = moved == 0;
+    if (at->before > 0 && moved >= at->moved && moved >= at->before) is_last |= moved <= MAYBE_ROUNDOFF * count;
+    if (w->options->tolerance > 0) is_last |= moved <= square(w->options->tolerance);
+    else if (at->moved > 0 && moved <= FAR * count)
+        is_last |= is_converged(at, moved, ROUNDOFF * count, NOTHING * count);
     at->before = at->moved;
     at->moved = moved;
-    if (moved == 0 || (stands && moved <= MAYBE_ROUNDOFF * count)) return true;
-    if (tolerance > 0) return moved <= tolerance;
-    note(at, moved, ROUNDOFF * count);
-    return at->slowest > 0 && at->slowest < 0.25 && at->slowest * at->expected <= NOTHING * count;
+    return is_last;
 }
 
 static tvi_status iterate(galerkin *w, tvi_stats *stats)
@@ -354,8 +418,7 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
 static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates, tvi_stats *stats)
 {
     if (extrapolates) {
-        set_prediction(w, w->h / *w->last_h);
-        (void)w->loops->move(&w->nodes, w->prediction, w->last_drive, w->place);
+        extrapolate(w);
     } else {
         const tvi_status status = predict_from_start(w, origin, stats);
         if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
@@ -387,12 +450,13 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     galerkin *w = work;
     set_size(w, h);
     set_start(w, origin);
-    const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY && can_extrapolate(w);
+    const bool extrapolates = can_extrapolate(w, origin);
     tvi_status status = solve(w, origin, extrapolates, stats);
     if (status != TVI_OK && extrapolates) status = solve(w, origin, false, stats);
     if (status != TVI_OK) return status;
-    w->loops->integrate(&w->nodes, w->weight, w->slot, w->sum, w->last_drive);
-    *w->last_h = w->h;
+    const int turn = !w->last->turn;
+    w->loops->integrate(&w->nodes, w->weight, w->slot, w->sum, w->drives[turn]);
+    *w->last = (galerkin_history){h, w->last->h, origin->t, turn};
     set_increments(w, origin, dq, dp);
     return TVI_OK;
 }
@@ -408,7 +472,7 @@ static void dense(void *work, double theta, double dq[], double dp[])
         long double once, twice;
         integrate_lagrange(w, j, theta, &once, &twice);
         for (int u = 0; u < w->nodes.unknowns; u++) {
-            const double drive = w->last_drive[u * w->nodes.lanes + j];
+            const double drive = w->drives[w->last->turn][u * w->nodes.lanes + j];
             if (separable) {
                 dp[u] += w->h * (double)once * drive;
                 dq[u] += w->nodes.scale[u] * (double)twice * drive;

@@ -26,6 +26,8 @@ typedef struct {
     /* x = start + (base + scale sum_j matrix_ji F_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
+    /* The same with what drove the unknowns in earlier steps: drives[step][u][j], matrix [steps][j][i]. */
+    void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[]);
     /* sum[u][k] = sum_j weight_jk F_j, F of nodes->x; last[u][j] = F_j. */
     void (*integrate)(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum, double *last);
     /* base_i = c_i drift, c in two parts, for the first `count` unknowns. */

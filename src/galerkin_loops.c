@@ -19,6 +19,16 @@
 #define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + w))
 #define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + w))
 
+/* In halves, which wait less for each other. */
+INLINE double sum_of(const double x[], size_t count)
+{
+    double sum[8];
+    for (size_t i = 0; i < count; i++) sum[i] = x[i];
+    for (size_t half = count / 2; half > 0; half /= 2)
+        for (size_t i = 0; i < half; i++) sum[i] += sum[i + half];
+    return sum[0];
+}
+
 /* The lanes of a block for all unknowns. */
 #define MOVE(V, S)                                                                                                     \
     {                                                                                                                  \
@@ -36,8 +46,7 @@
             squares += change * change;                                                                                \
             VECTOR(V, x, u) = place;                                                                                   \
         }                                                                                                              \
-        const double *part = (const double *)&squares;                                                                 \
-        for (size_t i = 0; i < sizeof squares / sizeof *part; i++) sum += part[i];                                     \
+        sum += sum_of((const double *)&squares, sizeof squares / sizeof(double));                                      \
     }
 
 INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
@@ -55,6 +64,31 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
     return sum;
+}
+
+#define PREDICT(V, S)                                                                                                  \
+    for (int u = 0; u < nodes->unknowns; u++) {                                                                        \
+        V even = {0}, odd = {0};                                                                                       \
+        for (int step = 0; step < steps; step++) {                                                                     \
+            const double *drive = drives[step] + u * lanes, *of_step = matrix + step * lanes * lanes;                  \
+            for (int j = 0; j < lanes; j += 2) {                                                                       \
+                even += OF_VECTOR(V, of_step, j) * drive[j];                                                           \
+                if (lanes > 1) odd += OF_VECTOR(V, of_step, j + 1) * drive[j + 1];                                     \
+            }                                                                                                          \
+        }                                                                                                              \
+        VECTOR(V, nodes->x, u) = nodes->start[u] + (OF_VECTOR(V, nodes->base, u) + nodes->scale[u] * (even + odd));    \
+    }
+
+INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[],
+                          int lanes)
+{
+    JET_BLOCKS(lanes, PREDICT, );
+}
+
+static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[]){
+#define CALL(lanes) predict_lanes(nodes, steps, matrix, drives, lanes)
+    FOR_LANES(nodes->lanes, CALL)
+#undef CALL
 }
 
 #define SUM(V, S)                                                                                                      \
@@ -96,4 +130,4 @@ static void set_base(const galerkin_nodes *nodes, int count, const double *c, co
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move, integrate, set_base};
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move, predict, integrate, set_base};

@@ -177,16 +177,18 @@ static tvi_stats stats_after(const tvi_options *options, double h, double ratio,
     return stats;
 }
 
-/* The step before saves at least 1.5 of the 6 passes, of whatever size it was, and the force at the start. */
-START_TEST(step_before_predicts)
+/* The steps before save two of the five passes, of whatever size they were, and the force at the start; two of the same
+ * size save half a pass more. */
+START_TEST(steps_before_predict)
 {
     static const double ratios[] = {1, 0.75, 1.25, -1, -0.5};
+    static const double least[] = {2.55, 2, 2, 3.5, 2.6};
     enum { STEPS = 200 };
     const tvi_options options = galerkin(8);
     const tvi_stats stats = stats_after(&options, 0.0625, ratios[_i], false, STEPS);
     const tvi_stats first = stats_after(&options, 0.0625, ratios[_i], true, STEPS);
     const double saved = (double)(first.passes - stats.passes) / STEPS;
-    ck_assert_msg(saved > 1.5, "ratio %g: %.2f passes saved of %.2f", ratios[_i], saved, (double)first.passes / STEPS);
+    ck_assert_msg(saved > least[_i], "ratio %g: %.2f passes saved of %.2f", ratios[_i], saved, (double)first.passes / STEPS);
     ck_assert_int_eq(stats.force_evaluations, 8 * stats.passes + 1);
     ck_assert_int_eq(first.force_evaluations, 8 * first.passes + STEPS);
 }
@@ -291,7 +293,7 @@ Suite *suite_galerkin(void)
     tcase_add_test(tcase, field_may_be_its_input);
     tcase_add_test(tcase, hamiltonian_field_may_be_its_input);
     tcase_add_loop_test(tcase, energy_does_not_drift, 0, 4);
-    tcase_add_loop_test(tcase, step_before_predicts, 0, 5);
+    tcase_add_loop_test(tcase, steps_before_predict, 0, 5);
     tcase_add_loop_test(tcase, other_steps_begin_anew, 0, 4);
     tcase_add_test(tcase, number_of_passes_is_kept);
     tcase_add_test(tcase, tolerance_ends_the_passes);

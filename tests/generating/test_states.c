@@ -22,8 +22,8 @@ static saved save(const tvi_integrator *integrator)
     return s;
 }
 
-/* Every generating function and its composition, the Taylor method and Stormer-Verlet. */
-enum { OTHERS = 2, METHODS = 2 * KINDS + OTHERS };
+/* Every generating function and the Galerkin curve, their compositions, the Taylor method and Stormer-Verlet. */
+enum { OTHERS = 2, METHODS = 2 * ALL_KINDS + OTHERS };
 
 static bool method_options(int which, const model *m, tvi_options *options)
 {
