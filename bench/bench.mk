@@ -44,6 +44,10 @@ $(BUILD)/bench/order_doubling: $(BUILD)/bench/order_doubling.o
 $(BUILD)/bench/sweep $(BUILD)/bench/choose $(BUILD)/bench/order_doubling: $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
+# what callgrind runs
+$(BUILD)/bench/steps: $(BUILD)/bench/steps.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
+
 $(BUILD)/bench/reference: $(BUILD)/bench/reference.o $(BUILD)/bench/quad.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LIBS) -lquadmath
 

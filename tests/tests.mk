@@ -5,7 +5,7 @@
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-tests check-sanitizers $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc check-warnings-clang \
-           check-headers check-install check-readme check-tables check-symbols
+           check-headers check-install check-readme check-tables check-symbols check-instructions
 .PHONY: test-programs run-check $(CHECKS) $(CHECKS:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
@@ -60,7 +60,7 @@ $(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
 $(BUILD)/check/tvi: $(call objects_of,$(wildcard tests/*.c)) $(call library_of,)
 $(BUILD)/check/tvi: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
-test-programs: $(PROGRAMS)
+test-programs: $(PROGRAMS) $(BUILD)/bench/steps
 $(PROGRAMS):
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
@@ -144,3 +144,14 @@ do-tables:
 check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 	tests/symbols.sh $^ include/jet.h include/tvi.h
+
+# what a step of each scene costs, in instructions; `make instructions` writes the file anew
+INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps tests/instructions.txt
+COMPILED_BY   = '$(shell $(CC) --version | head -n 1), $(CFLAGS), $(shell $(CC) -dumpmachine)'
+check-instructions: ; $(REPORT) "instructions of a step" $(LOG) $(DO)
+do-instructions: $(BUILD)/bench/steps
+	$(INSTRUCTIONS) compare $(COMPILED_BY)
+instructions: need-check
+	@$(MAKE) --no-print-directory $(BUILD)/bench/steps
+	$(INSTRUCTIONS) renew $(COMPILED_BY)
+.PHONY: instructions
