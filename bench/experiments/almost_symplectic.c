@@ -35,7 +35,7 @@ enum { STOPS = sizeof stops / sizeof *stops };
 static const struct {
     const char *name;
     int order, step_over; /* only every so many-th stop from the fifth on */
-} methods[] = {{"tvi", 4, 1}, {"start", 8, 11}, {"midpoint", 8, 11}};
+} methods[] = {{"tvi", 4, 1}, {"symmetric-tvi", 4, 11}, {"start", 8, 11}, {"midpoint", 8, 11}};
 enum { METHODS = sizeof methods / sizeof *methods, FIXED = 4 };
 
 typedef struct {
