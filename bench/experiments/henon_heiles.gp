@@ -40,7 +40,7 @@ midpoint       12 #1F5FA8 0 5
 END
 eval work_style
 do for [type in types] {
-    eval open(type, "henon_heiles_work", 960, 380)
+    eval open(type, "henon_heiles_work", 920, 370)
     set multiplot layout 1,3 margins 0.07, 0.825, 0.14, 0.91 spacing 0.045, 0.1
     set logscale xy; set format x powers; set format y powers
     set xlabel "CPU time of the run (ms)"; set ytics 1e2
