@@ -41,7 +41,7 @@ END
 eval work_style
 do for [type in types] {
     eval open(type, "henon_heiles_work", 920, 370)
-    set multiplot layout 1,3 margins 0.07, 0.825, 0.14, 0.91 spacing 0.045, 0.1
+    set multiplot layout 1,3 margins 0.08, 0.81, 0.14, 0.91 spacing 0.045, 0.1
     set logscale xy; set format x powers; set format y powers
     set xlabel "CPU time of the run (ms)"; set ytics 1e2
     set yrange [1e-14:10]
@@ -53,7 +53,7 @@ do for [type in types] {
     set title "H = 1/8, t = 100: position"
     plot for [i=1:|$work|] work_rows("henon_heiles_8", i, 8) using 1:2 with linespoints ls i
     set title "H = 1/8: energy (mean)"
-    set key at screen 0.83, 0.93 left top Left reverse vertical title "method and order" left
+    set key at screen 0.815, 0.93 left top Left reverse vertical samplen 2.5 title "method and order" left
     plot for [i=1:|$work|] work_rows("henon_heiles_8", i, 6) using 1:2 with linespoints ls i \
         title work_label(i)
     unset multiplot
