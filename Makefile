@@ -1,6 +1,8 @@
 # make            build/libtvi.a and build/libtvi.so
 # make check      the tests (installs what they need from Debian, as root)
 # make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
+# make cov        lines of ad and src that the tests run; fails below 95%
+# make analyse    clang-tidy and cppcheck over everything
 # make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
@@ -52,7 +54,8 @@ all: need-library
 PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
                     'libblas-dev:pkg-config --exists blas'
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
-                    'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc'
+                    'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
+                    'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun'
 PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
 
 define need

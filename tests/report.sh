@@ -12,6 +12,7 @@ status=$?
 seconds=$(($(date +%s) - start))
 if [ $status -eq 0 ]; then
     checks=$(awk '/^100%: Checks:/ { sum += $3 } END { if (sum) print ", " sum " checks" }' "$log")
+    grep '^SKIP' "$log"
     printf 'ok    %s (%d s%s)\n' "$name" "$seconds" "$checks"
     exit 0
 fi

@@ -5,14 +5,15 @@
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-tests check-sanitizers $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc check-warnings-clang \
-           check-headers check-install check-readme check-tables check-symbols check-instructions
+           check-headers check-install check-readme check-tables check-symbols check-instructions check-examples \
+           check-threads
 .PHONY: test-programs run-check $(CHECKS) $(CHECKS:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
 # what several checks need is built before they run side by side; where that fails, they say so
 check: need-check
 	@echo "Building below $(BUILD), then checking"
-	@$(MAKE) --no-print-directory -s all
+	@$(MAKE) --no-print-directory -s all man
 	@$(MAKE) --no-print-directory -s -k $(JOBS) test-programs >/dev/null 2>&1 || true
 	@$(MAKE) --no-print-directory -k $(JOBS) run-check
 
@@ -92,6 +93,19 @@ do-valgrind: $(addprefix $(BUILD)/check/,tvi ad)
 	$(IN_ONE_GO) 'input/systems,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/tvi
 	$(IN_ONE_GO) 'record,domain,tape' $(VALGRIND) $(BUILD)/check/ad
 
+# two threads on one system, library and all
+check-threads:
+	$(REPORT) "two threads, ten thousand integrators, thread sanitizer" $(LOG) \
+	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads CFLAGS='-O1 -g -fsanitize=thread'
+do-threads: $(BUILD)/check/threads
+	TSAN_OPTIONS=halt_on_error=1 OPENBLAS_NUM_THREADS=1 $<
+$(BUILD)/check/threads: $(BUILD)/tests/threads/threads.o $(BUILD)/libtvi.a
+	@mkdir -p $(@D)
+	$(CC) $(CFLAGS) $(LDFLAGS) -pthread -o $@ $^ $(LIBS)
+$(BUILD)/tests/threads/%.o: tests/threads/%.c
+	@mkdir -p $(@D)
+	$(CC) $(TEST_FLAGS) -c -o $@ $<
+
 # ---- Warnings: all that is compiled --------------------------------------------------------------------------------------
 
 BENCH_SOURCES := $(wildcard bench/*.c bench/*/*.c)
@@ -141,6 +155,11 @@ check-tables: ; $(REPORT) "tables of the documents: verify and replace" $(LOG) $
 do-tables:
 	tests/tables.sh $(BUILD)
 
+# the programs of docs/examples
+check-examples: ; $(REPORT) "the examples, as their README says" $(LOG) $(DO)
+do-examples: all
+	MAKE='$(MAKE)' STRICT='$(STRICT)' tests/examples.sh $(abspath $(BUILD))/check/examples
+
 check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 	tests/symbols.sh $^ include/jet.h include/tvi.h
@@ -155,3 +174,5 @@ instructions: need-check
 	@$(MAKE) --no-print-directory $(BUILD)/bench/steps
 	$(INSTRUCTIONS) renew $(COMPILED_BY)
 .PHONY: instructions
+
+include tests/analyse.mk

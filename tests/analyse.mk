@@ -1,0 +1,34 @@
+# analyse.mk - make cov and make analyse. Included by tests.mk.
+
+.PHONY: cov run-cov analyse run-analyse tidy cppcheck
+
+# Lines of ad and src that the tests run, without sanitizers, and the lines that they do not; fails below 95%. The jets run
+# for each instruction set that the machine has.
+cov: need-check
+	@$(MAKE) --no-print-directory -s run-cov BUILD=$(BUILD)/cov CFLAGS='-O1 -g --coverage'
+run-cov:
+	rm -rf $(BUILD)
+	$(MAKE) --no-print-directory -s $(JOBS) $(addprefix $(BUILD)/check/,tvi ad generating)
+	for run in 'avx2 ad' 'base ad' 'best ad' 'best tvi' 'best generating'; do \
+	    TVI_ISA=$${run% *} CK_FORK=no $(BUILD)/check/$${run#* } >$(BUILD)/tests.log 2>&1 || \
+	    { tail -n 25 $(BUILD)/tests.log; exit 1; }; done
+	tests/coverage.sh 95 $(BUILD)
+
+# Static analysis of all that is compiled with clang: .clang-tidy, bench/.clang-tidy and tests/.clang-tidy name the checks
+# and why some are off. SOURCES=files for some of them.
+PACKAGES_ANALYSE := 'clang-tidy:command -v clang-tidy' 'cppcheck:command -v cppcheck'
+SOURCES          ?= $(filter-out $(patsubst $(BUILD)/%.o,%.c,$(NO_CLANG)),$(wildcard ad/*.c src/*.c bench/*.c bench/*/*.c \
+                    tests/*.c tests/*/*.c))
+CPPCHECK         := cppcheck -q --std=c11 --error-exitcode=1 --inline-suppr --suppress=missingIncludeSystem \
+                    --suppress=uninitvar:bench/baselines/solar_rows.h --suppress=uninitvar:tests/generating/test_references_quad.c \
+                    --enable=warning,performance,portability -Iinclude -Iad -Isrc -Ibench -Ibench/scenes -Ibench/baselines -Itests
+
+analyse: need-check
+	$(call need,$(PACKAGES_ANALYSE))
+	@$(MAKE) --no-print-directory -k $(JOBS) tidy cppcheck
+	@echo "no findings"
+tidy:
+	@printf '%s\n' $(SOURCES) | xargs -P2 -n4 sh -c 'clang-tidy --quiet "$$@" -- $(TOOL) -Ibench/baselines -Itests \
+	    $(CHECK_CFLAGS) -mavx2 -mfma 2>/dev/null' clang-tidy
+cppcheck:
+	@$(CPPCHECK) $(sort $(dir $(SOURCES)))
