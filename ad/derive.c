@@ -50,6 +50,7 @@ static jet adjoint_of(adjoints *bar, int index)
         bar->summing_capacity = count;
     }
     int place = count;
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): room was made when the value was added */
     for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--place] = bar->all[i].value;
     return jet_sum(bar->summing, count);
 }

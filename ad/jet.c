@@ -82,6 +82,7 @@ static uint64_t node_hash(const struct jet_node *node)
     uint64_t hash = mix((uint64_t)node->op, bits(node->number));
     if (node->op == OP_INPUT) hash = mix(hash, (uint64_t)node->index);
     if (node->a) hash = mix(hash, (uint64_t)node->a->index);
+    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): the operation has a second operand */
     if (has_second_operand(node->op)) hash = mix(hash, (uint64_t)node->b->index);
     for (int i = 0; i < node->count; i++)
         hash = mix(mix(hash, bits(node->terms[i].coefficient)), (uint64_t)node->terms[i].node->index);
@@ -197,7 +198,9 @@ tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[])
         if (!output[i].node && !isfinite(output[i].number)) return TVI_ENONFINITE;
         if (!output[i].node) output[i] = constant_node(graph, output[i].number);
         if (graph->out_of_memory) return TVI_ENOMEM;
+        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): no node means out of memory, above */
         if (is_poison(output[i])) return (tvi_status)output[i].node->index;
+        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): no node means out of memory, above */
         if (output[i].node->graph != graph) return TVI_EINVAL;
     }
     return TVI_OK;

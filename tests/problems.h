@@ -67,7 +67,7 @@ exact_state problem_exact(const test_problem *problem, const test_state *start, 
 two_errors problem_roundoff(const test_problem *problem);
 
 /* One step of the classical Runge-Kutta method of order 4 on the plain force. */
-void runge_kutta_step(const test_problem *problem, double h, test_state *state);
+void runge_kutta_step(const test_problem *problem, double h, test_state *x);
 
 /* H = sum p_i^2/(2 m_i) + V of the library's system. */
 double state_energy(const tvi_system *system, const test_state *state);
