@@ -84,8 +84,7 @@ static void linear_adjoints(const jet_tape *tape, const jet_run *run, double *ba
     BY_TERMS(adjoints_of_one, tape, run, bar);
 }
 
-/* ---- The sweeps
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- The sweeps --------------------------------------------------------------------------------------------------- */
 
 static bool values(const jet_tape *tape, double *x, int lanes)
 {

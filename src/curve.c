@@ -430,8 +430,28 @@ static void clear_adjoints(tvi_curve *curve, int orders)
     memset(curve->bar, 0, (size_t)orders * slots(curve) * sizeof *curve->bar);
 }
 
+void tvi_curve_clear_seeds(tvi_curve *curve) { clear_adjoints(curve, curve->top + 1); }
+
+void tvi_curve_add_seeds(tvi_curve *curve, const double seed_Q[])
+{
+    for (int k = 0; k <= curve->top; k++) {
+        const double *seed = seed_Q + (size_t)k * (size_t)curve->n;
+        double *bar = adjoint_of_Q(curve, k);
+        for (int i = 0; i < curve->n; i++) bar[i] += seed[i];
+    }
+}
+
+void tvi_curve_add_sum(tvi_curve *curve, const tvi_combination *combination, double factor, const double x[])
+{
+    for (int k = 0; k <= curve->top; k++) {
+        const double weight = factor * combination->weight[k];
+        double *bar = adjoint_of_Q(curve, k);
+        for (int i = 0; weight != 0 && i < curve->n; i++) bar[i] += weight * x[i];
+    }
+}
+
 /* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
-static void sweep_adjoints(tvi_curve *curve, double out[])
+void tvi_curve_pull_seeds(tvi_curve *curve, double out[])
 {
     const tvi_system *system = curve->system;
     const size_t n = (size_t)curve->n;
@@ -447,35 +467,15 @@ static void sweep_adjoints(tvi_curve *curve, double out[])
 
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    const size_t n = (size_t)curve->n;
     if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
-        clear_adjoints(curve, curve->top + 1);
-        for (int k = 0; k <= curve->top; k++)
-            memcpy(adjoint_of_Q(curve, k), seed_Q + (size_t)k * n, n * sizeof *seed_Q);
-        sweep_adjoints(curve, out);
+        tvi_curve_clear_seeds(curve);
+        tvi_curve_add_seeds(curve, seed_Q);
+        tvi_curve_pull_seeds(curve, out);
         return;
     }
-    memset(out, 0, 2 * n * sizeof *out);
+    memset(out, 0, 2 * (size_t)curve->n * sizeof *out);
     if (curve->dU && seed_U) pull_rows(curve, curve->dU, seed_U, out);
     pull_rows(curve, curve->dQ, seed_Q, out);
-}
-
-static void seed_sum(tvi_curve *curve, const tvi_combination *combination, const double x[])
-{
-    for (int k = 0; k <= curve->top; k++) {
-        const double weight = combination->weight[k];
-        double *bar = adjoint_of_Q(curve, k);
-        for (int i = 0; weight != 0 && i < curve->n; i++) bar[i] += weight * x[i];
-    }
-}
-
-void tvi_curve_pull_sums(tvi_curve *curve, const tvi_combination *first, const double x[],
-                         const tvi_combination *second, const double y[], double out[])
-{
-    clear_adjoints(curve, curve->top + 1);
-    seed_sum(curve, first, x);
-    if (second) seed_sum(curve, second, y);
-    sweep_adjoints(curve, out);
 }
 
 void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[])

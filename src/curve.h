@@ -81,9 +81,12 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
  * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
-/* Products: out[2n] = sum of two combinations' transposed Jacobians times x and y [n] each; second may be NULL. */
-void tvi_curve_pull_sums(tvi_curve *curve, const tvi_combination *first, const double x[],
-                         const tvi_combination *second, const double y[], double out[]);
+/* Products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of combinations times
+ * x [n], are added; out[2n] is the sum. */
+void tvi_curve_clear_seeds(tvi_curve *curve);
+void tvi_curve_add_seeds(tvi_curve *curve, const double seed_Q[]);
+void tvi_curve_add_sum(tvi_curve *curve, const tvi_combination *combination, double factor, const double x[]);
+void tvi_curve_pull_seeds(tvi_curve *curve, double out[]);
 /* Products: out[n] = K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre. */
 void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[]);
 

@@ -27,7 +27,6 @@ typedef struct {
     tvi_combination q_back;             /* q- - Q_0 */
     tvi_combination q_unit, z_unit;     /* the centre data a unit of scaled time later */
     tvi_combination dense_q, dense_u;   /* for one point of dense output */
-    double *seed_Q, *seed_U;            /* [top + 1][n] */
     double *z;                          /* [2n] predictor */
     double *dz;                         /* [2n] what z lacks at the end of the passes */
     double *z_jacobian;                 /* [2n] where the Jacobians of the curve were taken */
@@ -113,8 +112,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
         const tvi_action_kind kind = options->method == TVI_TYPE1 ? TVI_ACTION_LAGRANGE : TVI_ACTION_HAMILTON;
         tvi_action_take(&w.action, arena, system, options, kind, w.q_degree, w.p_degree, curve->top);
         tvi_newton_take(&w.newton, arena, 2 * system->n, system->n, !has_products(&w));
-        w.seed_Q = tvi_arena_doubles(arena, seeds);
-        w.seed_U = tvi_arena_doubles(arena, seeds);
+        w.closure.seed_Q = tvi_arena_doubles(arena, seeds);
+        w.closure.seed_U = tvi_arena_doubles(arena, seeds);
     }
     if (taken) *taken = w;
     return taken;
@@ -246,7 +245,6 @@ static void differentiate(work *w, const double z[])
 static tvi_status close_equations(work *w)
 {
     tvi_closure *c = &w->closure;
-    tvi_curve_pull(&c->curve, w->seed_Q, w->seed_U, c->D);
     if (c->is_fresh) w->stats->factorisations++;
     const tvi_status status = w->close(c);
     c->is_fresh = false;
@@ -256,10 +254,10 @@ static tvi_status close_equations(work *w)
 static double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
 
 /* sum_k |seed_k| of component i. */
-static double seed_size(const work *w, const double seed[], int i)
+static double seed_size(const tvi_closure *c, const double seed[], int i)
 {
     double size = 0;
-    for (int k = 0; k <= w->closure.curve.top; k++) size += fabs(seed[k * w->closure.n + i]);
+    for (int k = 0; k <= c->curve.top; k++) size += fabs(seed[k * c->n + i]);
     return size;
 }
 
@@ -274,7 +272,7 @@ static double staleness(work *w, const double z[])
     set_momentum_size(w);
     for (int i = 0; i < 2 * c->n; i++) distance = fmax(distance, ratio(fabs(z[i] - w->z_jacobian[i]), scale[i]));
     for (int i = 0; i < c->n; i++) {
-        const double of_q = fabs(c->curve.kappa[i]) * seed_size(w, w->seed_U, i), of_p = seed_size(w, w->seed_Q, i);
+        const double of_q = fabs(c->curve.kappa[i]) * seed_size(c, c->seed_U, i), of_p = seed_size(c, c->seed_Q, i);
         part = fmax(part, ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]));
         part = fmax(part, ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, w->p_size[i]));
     }
@@ -302,7 +300,6 @@ static tvi_status close_by_products(work *w)
     set_momentum_size(w);
     for (int i = 0; i < c->n; i++) largest = fmax(largest, w->p_size[i]);
     for (int i = 0; i < c->n; i++) c->iteration.size[i] = w->p_size[i] > 0 ? w->p_size[i] : largest;
-    tvi_curve_pull(&c->curve, w->seed_Q, w->seed_U, c->D);
     return w->close(c);
 }
 
@@ -313,7 +310,7 @@ static tvi_status residual(void *self, const double z[], double r[])
     tvi_status status = expand(w, z, centre(w));
     if (status != TVI_OK) return status;
     w->stats->force_evaluations += w->action.points;
-    status = tvi_action_seed(&w->action, &c->curve, w->seed_Q, w->seed_U);
+    status = tvi_action_seed(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
     status = has_products(w) ? close_by_products(w) : close_by_matrices(w, z);
     if (status == TVI_OK) form_residual(w, r);

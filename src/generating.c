@@ -39,16 +39,30 @@ typedef struct {
 
 static int unknowns(const tvi_closure *c, const operator *a) { return a->second ? 2 * c->n : c->n; }
 
-/* out[2n] = A^T x, both halves. */
-static void apply(tvi_closure *c, const operator *a, const double x[], double out[])
+/* Where the equations stand in a product with both halves. */
+static int place_of(const tvi_closure *c, const operator *a) { return a->second || a->half == TVI_FIRST ? 0 : c->n; }
+
+static void add_seeds(tvi_closure *c, const operator *a, double factor, const double x[])
 {
-    tvi_curve_pull_sums(&c->curve, a->first, x, a->second, a->second ? x + c->n : NULL, out);
+    tvi_curve_add_sum(&c->curve, a->first, factor, x);
+    if (a->second) tvi_curve_add_sum(&c->curve, a->second, factor, x + c->n);
 }
 
-/* The part of a product that the equations speak of. */
-static const double *part_of(const tvi_closure *c, const operator *a, const double product[])
+/* r = D_z - A^T x, both halves, by one product. */
+static void form_remainder(tvi_closure *c, const operator *a)
 {
-    return a->second || a->half == TVI_FIRST ? product : product + c->n;
+    tvi_curve_clear_seeds(&c->curve);
+    tvi_curve_add_seeds(&c->curve, c->seed_Q);
+    if (c->iteration.has_guess) add_seeds(c, a, -1, c->iteration.x);
+    tvi_curve_pull_seeds(&c->curve, c->iteration.r);
+}
+
+/* out = A^T x, both halves. */
+static void apply(tvi_closure *c, const operator *a, const double x[], double out[])
+{
+    tvi_curve_clear_seeds(&c->curve);
+    add_seeds(c, a, 1, x);
+    tvi_curve_pull_seeds(&c->curve, out);
 }
 
 /* The weight of the centre datum that leads: Q_0 or Q_1. */
@@ -110,61 +124,64 @@ static void add(int count, double factor, const double x[], double y[])
     for (int i = 0; i < count; i++) y[i] += factor * x[i];
 }
 
-/* Direction s = P r of step `step`, and v = A^T s, orthogonal to those before; x and r follow. */
+/* The direction s of a step and v = A^T s, orthogonal to those before; x and r follow. */
 static void minimise(tvi_closure *c, const operator *a, int step)
 {
     tvi_iteration *it = &c->iteration;
-    const int count = unknowns(c, a);
-    double *s = it->s + (size_t)step * 2 * (size_t)c->n, *v = it->v + (size_t)step * 2 * (size_t)c->n;
-    apply(c, a, s, c->G);
-    memcpy(v, part_of(c, a, c->G), (size_t)count * sizeof *v);
+    const int count = unknowns(c, a), both = 2 * c->n, place = place_of(c, a);
+    double *s = it->s + step * both, *v = it->v + step * both;
+    apply(c, a, s, v);
     for (int i = 0; i < step; i++) {
-        const double *s_before = it->s + (size_t)i * 2 * (size_t)c->n, *v_before = it->v + (size_t)i * 2 * (size_t)c->n;
-        const double part = ratio(product(c, a, v, v_before), it->square[i]);
-        add(count, -part, v_before, v);
-        add(count, -part, s_before, s);
+        const double *v_before = it->v + i * both;
+        const double part = ratio(product(c, a, v + place, v_before + place), it->square[i]);
+        add(both, -part, v_before, v);
+        add(count, -part, it->s + i * both, s);
     }
-    it->square[step] = product(c, a, v, v);
-    const double part = ratio(product(c, a, it->r, v), it->square[step]);
+    it->square[step] = product(c, a, v + place, v + place);
+    const double part = ratio(product(c, a, it->r + place, v + place), it->square[step]);
     add(count, part, s, it->x);
-    add(count, -part, v, it->r);
+    add(both, -part, v, it->r);
 }
 
-/* Solves A^T x = b in place by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
+/* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. The first pass of a step
+ * leaves an error of second order in the corrections anyway, and need not be solved better than that. TVI_ENOCONV where
  * corrections do not shrink. */
-static tvi_status iterate(tvi_closure *c, const operator *a, double b[])
+static tvi_status iterate(tvi_closure *c, const operator *a)
 {
     tvi_iteration *it = &c->iteration;
     const int count = unknowns(c, a);
-    const size_t bytes = (size_t)count * sizeof *b;
+    const bool is_first = !it->has_guess;
     double before = INFINITY;
-    memcpy(it->r, b, bytes);
-    if (it->has_guess) {
-        apply(c, a, it->x, c->G);
-        add(count, -1, part_of(c, a, c->G), it->r);
-    } else {
-        memset(it->x, 0, bytes);
-        it->slowest = 0;
-    }
+    form_remainder(c, a);
+    if (is_first) memset(it->x, 0, (size_t)count * sizeof *it->x), it->slowest = 0;
     for (int step = 0; step < TVI_MOST_ITERATIONS; step++) {
-        double *s = it->s + (size_t)step * 2 * (size_t)c->n;
-        memcpy(s, it->r, bytes);
+        double *s = it->s + step * 2 * c->n;
+        memcpy(s, it->r + place_of(c, a), (size_t)count * sizeof *s);
         precondition(c, a, s);
-        const double size = measure(c, a, s);
+        const double size = measure(c, a, s), solution = measure(c, a, it->x);
         if (!isfinite(size)) return TVI_ENONFINITE;
-        const double contraction = size / before;
+        const double contraction = size / before, goal = is_first ? fmax(ENOUGH, solution * solution) : ENOUGH;
         if (step > 0) it->slowest = fmax(it->slowest, contraction);
         before = size;
-        if (size * (it->slowest > 0 ? fmin(it->slowest, 1) : 1) <= ENOUGH ||
-            (contraction > 0.5 && size <= STALLED * measure(c, a, it->x))) {
-            add(count, 1, s, it->x);
+        if (size * (it->slowest > 0 ? fmin(it->slowest, 1) : 1) <= goal ||
+            (contraction > 0.5 && size <= STALLED * solution)) {
+            if (a->second) add(count, 1, s, it->x); /* nothing else of r is needed */
+            else minimise(c, a, step);
             it->has_guess = true;
-            memcpy(b, it->x, bytes);
             return TVI_OK;
         }
         minimise(c, a, step);
     }
     return TVI_ENOCONV;
+}
+
+/* D: x where the equations stand, what is left of the gradient elsewhere. */
+static tvi_status close_by_iteration(tvi_closure *c, const operator *a)
+{
+    const tvi_status status = iterate(c, a);
+    memcpy(c->D, c->iteration.r, 2 * (size_t)c->n * sizeof *c->D);
+    memcpy(c->D + place_of(c, a), c->iteration.x, (size_t)unknowns(c, a) * sizeof *c->D);
+    return status;
 }
 
 /* Of a flow that is symplectic but for its truncation, J^T W J = W with W = [0, 1/kappa; -1/kappa, 0] in (q, u), hence
@@ -178,7 +195,10 @@ void tvi_close_correct(tvi_closure *c, double correction[])
         of_q[i] = correction[n + i] / kappa[i];
         of_u[i] = -correction[i] / kappa[i];
     }
-    tvi_curve_pull_sums(&c->curve, &c->q_from, of_q, &c->u_from, of_u, c->G);
+    tvi_curve_clear_seeds(&c->curve);
+    tvi_curve_add_sum(&c->curve, &c->q_from, 1, of_q);
+    tvi_curve_add_sum(&c->curve, &c->u_from, 1, of_u);
+    tvi_curve_pull_seeds(&c->curve, c->G);
     for (int i = 0; i < n; i++) {
         correction[i] = -kappa[i] * c->G[n + i];
         correction[n + i] = kappa[i] * c->G[i];
@@ -206,36 +226,33 @@ static tvi_status factor_full(tvi_closure *closure, const tvi_combination *first
     return tvi_factor_compute(&closure->full);
 }
 
-/* ---- Either ---------------------------------------------------------------------------------------------------------- */
-
-tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double b[])
+/* D_other -= J_other^T x. */
+static void take_other_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {
-    if (has_products(closure)) return iterate(closure, &(operator){combination, NULL, half}, b);
-    const tvi_status status = factor_half(closure, combination, half);
-    if (status == TVI_OK) tvi_factor_solve_transposed(&closure->half, b);
-    return status;
+    const size_t n = (size_t)closure->n, solved = half == TVI_FIRST ? 0 : n, other = n - solved;
+    tvi_curve_sum_jacobian(&closure->curve, combination, closure->G);
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) closure->D[other + j] -= closure->D[solved + i] * closure->G[i * 2 * n + other + j];
 }
 
-tvi_status tvi_close_solve_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
+/* ---- Either ---------------------------------------------------------------------------------------------------------- */
+
+tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {
-    if (has_products(closure)) return iterate(closure, &(operator){first, second, TVI_FIRST}, closure->D);
+    if (has_products(closure)) return close_by_iteration(closure, &(operator){combination, NULL, half});
+    tvi_curve_pull(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
+    const tvi_status status = factor_half(closure, combination, half);
+    if (status != TVI_OK) return status;
+    tvi_factor_solve_transposed(&closure->half, closure->D + (half == TVI_FIRST ? 0 : closure->n));
+    take_other_half(closure, combination, half);
+    return TVI_OK;
+}
+
+tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
+{
+    if (has_products(closure)) return close_by_iteration(closure, &(operator){first, second, TVI_FIRST});
+    tvi_curve_pull(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     const tvi_status status = factor_full(closure, first, second);
     if (status == TVI_OK) tvi_factor_solve_transposed(&closure->full, closure->D);
     return status;
-}
-
-void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double factor,
-                   const double x[], double out[])
-{
-    const size_t n = (size_t)closure->n;
-    if (has_products(closure)) {
-        apply(closure, &(operator){combination, NULL, half}, x, closure->G);
-        for (size_t j = 0; j < n; j++) out[j] += factor * closure->G[(half == TVI_FIRST ? 0 : n) + j];
-        return;
-    }
-    tvi_curve_sum_jacobian(&closure->curve, combination, closure->G);
-    for (size_t i = 0; i < n; i++) {
-        const double *row = closure->G + i * 2 * n + (half == TVI_FIRST ? 0 : n);
-        for (size_t j = 0; j < n; j++) out[j] += factor * x[i] * row[j];
-    }
 }

@@ -14,12 +14,12 @@ enum { TVI_MOST_ITERATIONS = 40 };
 /* Equations with a transposed Jacobian A^T x = b, solved by its products. */
 typedef struct {
     double *x;       /* [2n] the solution; that of the last pass is the guess of the next */
-    double *r;       /* [2n] b - A^T x */
+    double *r;       /* [2n] D - A^T x, all of it */
     double *s, *v;   /* [TVI_MOST_ITERATIONS][2n] directions, and A^T times them */
     double square[TVI_MOST_ITERATIONS]; /* of v */
     double *scratch; /* [3n] */
     double *size;    /* [n] what the unknowns' errors are measured by */
-    double slowest; /* the slowest contraction of the corrections of the step at hand */
+    double slowest;  /* the slowest contraction of the corrections of the step at hand */
     bool has_guess;
 } tvi_iteration;
 
@@ -30,7 +30,8 @@ typedef struct {
     tvi_curve curve;
     tvi_combination q_from, q_to, q_rise, q_mean; /* q-, q+, q+ - q-, (q- + q+)/2 */
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
-    double *D;                                    /* [2n] D_z */
+    double *seed_Q, *seed_U;                      /* [top + 1][n] of D_z */
+    double *D;                                    /* [2n] D_z, then the solution of the equations */
     double *G;                                    /* [n][2n] scratch for Jacobians of the ends */
     tvi_factor half;                              /* n x n */
     tvi_factor full;                              /* 2n x 2n */
@@ -44,18 +45,14 @@ typedef tvi_status tvi_close_fn(tvi_closure *closure);
 /* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
-/* Solves J^T x = b in place, J the n x n block of the combination's Jacobian; one such matrix a generating function,
- * whose factor is kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_close_solve(tvi_closure *closure, const tvi_combination *combination, tvi_half half,
-                                         double b[]);
+/* With D = D_z: solves J^T x = D for the half of D that belongs to the n x n block J of the combination's Jacobian, leaves
+ * x there, and takes the other block's part from the other half. One such matrix a generating function: its factor is
+ * kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE, TVI_ENOCONV. */
+TVI_NODISCARD tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half);
 
-/* out += factor J^T x. */
-void tvi_close_add(tvi_closure *closure, const tvi_combination *combination, tvi_half half, double factor,
-                   const double x[], double out[]);
-
-/* Solves [J1; J2]^T (x, y) = D in place, in closure->D. */
-TVI_NODISCARD tvi_status tvi_close_solve_full(tvi_closure *closure, const tvi_combination *first,
-                                              const tvi_combination *second);
+/* With D = D_z: solves [J1; J2]^T (x, y) = D in place. */
+TVI_NODISCARD tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first,
+                                        const tvi_combination *second);
 
 /* Takes what the closing needs from the arena, for Jacobians as the curve has them. */
 void tvi_close_take(tvi_closure *closure, tvi_arena *arena);

@@ -5,7 +5,7 @@
 
 tvi_status tvi_close_poincare(tvi_closure *c)
 {
-    const tvi_status status = tvi_close_solve_full(c, &c->q_mean, &c->u_mean);
+    const tvi_status status = tvi_close_full(c, &c->q_mean, &c->u_mean);
     if (status != TVI_OK) return status;
     const double *a = c->D, *b = c->D + c->n; /* b / kappa */
     for (int i = 0; i < c->n; i++) {

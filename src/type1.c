@@ -18,9 +18,8 @@ tvi_status tvi_close_type1_start(tvi_closure *c)
 {
     const int n = c->n;
     double *rise = c->D, *d1 = c->D + n;
-    const tvi_status status = tvi_close_solve(c, &c->q_rise, TVI_SECOND, d1);
+    const tvi_status status = tvi_close_half(c, &c->q_rise, TVI_SECOND);
     if (status != TVI_OK) return status;
-    tvi_close_add(c, &c->q_rise, TVI_FIRST, -1, d1, rise);
     for (int i = 0; i < n; i++) d1[i] -= rise[i]; /* d0 */
     set_momenta(c, d1, rise);
     return TVI_OK;
@@ -30,9 +29,8 @@ tvi_status tvi_close_type1_start(tvi_closure *c)
 tvi_status tvi_close_type1_end(tvi_closure *c)
 {
     double *rise = c->D, *d0 = c->D + c->n;
-    const tvi_status status = tvi_close_solve(c, &c->q_rise, TVI_SECOND, d0); /* q_rise has -B */
+    const tvi_status status = tvi_close_half(c, &c->q_rise, TVI_SECOND); /* q_rise has -B */
     if (status != TVI_OK) return status;
-    tvi_close_add(c, &c->q_rise, TVI_FIRST, -1, d0, rise);
     set_momenta(c, d0, rise);
     return TVI_OK;
 }
@@ -41,7 +39,7 @@ tvi_status tvi_close_type1_end(tvi_closure *c)
  *     ((G+ + G-)/2)^T (d1 - d0) + (G+ - G-)^T (d1 + d0)/2 = D_z. */
 tvi_status tvi_close_type1_midpoint(tvi_closure *c)
 {
-    const tvi_status status = tvi_close_solve_full(c, &c->q_mean, &c->q_rise);
+    const tvi_status status = tvi_close_full(c, &c->q_mean, &c->q_rise);
     if (status != TVI_OK) return status;
     double *rise = c->D, *mean = c->D + c->n;
     for (int i = 0; i < c->n; i++) mean[i] -= rise[i] / 2; /* d0 */

@@ -6,9 +6,8 @@ tvi_status tvi_close_type2_start(tvi_closure *c)
 {
     const int n = c->n;
     double *from_p = c->D, *minus_l = c->D + n;
-    const tvi_status status = tvi_close_solve(c, &c->u_to, TVI_SECOND, minus_l);
+    const tvi_status status = tvi_close_half(c, &c->u_to, TVI_SECOND);
     if (status != TVI_OK) return status;
-    tvi_close_add(c, &c->u_to, TVI_FIRST, -1, minus_l, from_p);
     for (int i = 0; i < n; i++) {
         c->from_q[i] = 0;
         c->from_p[i] = -from_p[i];
@@ -23,9 +22,8 @@ tvi_status tvi_close_type2_end(tvi_closure *c)
 {
     const int n = c->n;
     double *minus_d0 = c->D, *rise_u = c->D + n;
-    const tvi_status status = tvi_close_solve(c, &c->q_from, TVI_FIRST, minus_d0);
+    const tvi_status status = tvi_close_half(c, &c->q_from, TVI_FIRST);
     if (status != TVI_OK) return status;
-    tvi_close_add(c, &c->q_from, TVI_SECOND, -1, minus_d0, rise_u);
     for (int i = 0; i < n; i++) {
         c->from_q[i] = 0;
         c->from_p[i] = -minus_d0[i];

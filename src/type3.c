@@ -6,9 +6,8 @@ tvi_status tvi_close_type3_start(tvi_closure *c)
 {
     const int n = c->n;
     double *d = c->D, *from_u = c->D + n;
-    const tvi_status status = tvi_close_solve(c, &c->q_to, TVI_FIRST, d);
+    const tvi_status status = tvi_close_half(c, &c->q_to, TVI_FIRST);
     if (status != TVI_OK) return status;
-    tvi_close_add(c, &c->q_to, TVI_SECOND, -1, d, from_u);
     for (int i = 0; i < n; i++) {
         c->from_q[i] = c->curve.kappa[i] * from_u[i];
         c->from_p[i] = 0;
@@ -23,9 +22,8 @@ tvi_status tvi_close_type3_end(tvi_closure *c)
 {
     const int n = c->n;
     double *rise_p = c->D, *l = c->D + n;
-    const tvi_status status = tvi_close_solve(c, &c->u_from, TVI_SECOND, l);
+    const tvi_status status = tvi_close_half(c, &c->u_from, TVI_SECOND);
     if (status != TVI_OK) return status;
-    tvi_close_add(c, &c->u_from, TVI_FIRST, -1, l, rise_p);
     for (int i = 0; i < n; i++) {
         c->from_q[i] = c->curve.kappa[i] * l[i];
         c->from_p[i] = 0;
