@@ -430,20 +430,20 @@ static void clear_adjoints(tvi_curve *curve, int orders)
     memset(curve->bar, 0, (size_t)orders * slots(curve) * sizeof *curve->bar);
 }
 
-void tvi_curve_clear_seeds(tvi_curve *curve) { clear_adjoints(curve, curve->top + 1); }
+void tvi_curve_clear_seeds(tvi_curve *curve, int last) { clear_adjoints(curve, last + 1); }
 
-void tvi_curve_add_seeds(tvi_curve *curve, const double seed_Q[])
+void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[])
 {
-    for (int k = 0; k <= curve->top; k++) {
+    for (int k = 0; k <= last; k++) {
         const double *seed = seed_Q + (size_t)k * (size_t)curve->n;
         double *bar = adjoint_of_Q(curve, k);
         for (int i = 0; i < curve->n; i++) bar[i] += seed[i];
     }
 }
 
-void tvi_curve_add_sum(tvi_curve *curve, const tvi_combination *combination, double factor, const double x[])
+void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[])
 {
-    for (int k = 0; k <= curve->top; k++) {
+    for (int k = 0; k <= last; k++) {
         const double weight = factor * combination->weight[k];
         double *bar = adjoint_of_Q(curve, k);
         for (int i = 0; weight != 0 && i < curve->n; i++) bar[i] += weight * x[i];
@@ -451,11 +451,11 @@ void tvi_curve_add_sum(tvi_curve *curve, const tvi_combination *combination, dou
 }
 
 /* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
-void tvi_curve_pull_seeds(tvi_curve *curve, double out[])
+void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[])
 {
     const tvi_system *system = curve->system;
     const size_t n = (size_t)curve->n;
-    for (int k = curve->top - 2; k >= 0; k--) {
+    for (int k = last - 2; k >= 0; k--) {
         const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
         double *bar = adjoint_of_Q(curve, k);
         for (size_t i = 0; i < n; i++) bar[system->field_series->output[i]] += factor / system->mass[i] * above[i];
@@ -468,9 +468,9 @@ void tvi_curve_pull_seeds(tvi_curve *curve, double out[])
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
     if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
-        tvi_curve_clear_seeds(curve);
-        tvi_curve_add_seeds(curve, seed_Q);
-        tvi_curve_pull_seeds(curve, out);
+        tvi_curve_clear_seeds(curve, curve->top);
+        tvi_curve_add_seeds(curve, curve->top, seed_Q);
+        tvi_curve_pull_seeds(curve, curve->top, out);
         return;
     }
     memset(out, 0, 2 * (size_t)curve->n * sizeof *out);
@@ -488,12 +488,23 @@ void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[])
     memcpy(out, curve->bar, (size_t)curve->n * sizeof *out);
 }
 
+static double largest(int n, const double x[])
+{
+    double size = 0;
+    for (int i = 0; i < n; i++) size = fabs(x[i]) > size ? fabs(x[i]) : size;
+    return size;
+}
+
+int tvi_curve_order_below(const tvi_curve *curve, double part)
+{
+    const double bound = part * largest(curve->n, first_input(curve, 0));
+    int k = 1;
+    while (k < curve->top && largest(curve->n, first_input(curve, k)) > bound) k++;
+    return k;
+}
+
 double tvi_curve_tail(const tvi_curve *curve, int degree)
 {
-    double last = 0, q = 0;
-    for (int i = 0; i < curve->n; i++) {
-        last = fmax(last, fabs(first_input(curve, degree)[i]));
-        q = fmax(q, fabs(first_input(curve, 0)[i]));
-    }
-    return q > 0 ? last / q : 0;
+    const double q = largest(curve->n, first_input(curve, 0));
+    return q > 0 ? largest(curve->n, first_input(curve, degree)) / q : 0;
 }

@@ -82,11 +82,14 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
 /* Products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of combinations times
- * x [n], are added; out[2n] is the sum. */
-void tvi_curve_clear_seeds(tvi_curve *curve);
-void tvi_curve_add_seeds(tvi_curve *curve, const double seed_Q[]);
-void tvi_curve_add_sum(tvi_curve *curve, const tvi_combination *combination, double factor, const double x[]);
-void tvi_curve_pull_seeds(tvi_curve *curve, double out[]);
+ * x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top: a rough product
+ * costs O(last^2). */
+void tvi_curve_clear_seeds(tvi_curve *curve, int last);
+void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[]);
+void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[]);
+void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[]);
+/* The first order k with max_i |Q_k| <= part max_i |Q_0|, or top: where products are good to about that part. */
+int tvi_curve_order_below(const tvi_curve *curve, double part);
 /* Products: out[n] = K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre. */
 void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[]);
 

@@ -42,27 +42,29 @@ static int unknowns(const tvi_closure *c, const operator *a) { return a->second 
 /* Where the equations stand in a product with both halves. */
 static int place_of(const tvi_closure *c, const operator *a) { return a->second || a->half == TVI_FIRST ? 0 : c->n; }
 
-static void add_seeds(tvi_closure *c, const operator *a, double factor, const double x[])
+static void add_seeds(tvi_closure *c, int last, const operator *a, double factor, const double x[])
 {
-    tvi_curve_add_sum(&c->curve, a->first, factor, x);
-    if (a->second) tvi_curve_add_sum(&c->curve, a->second, factor, x + c->n);
+    tvi_curve_add_sum(&c->curve, last, a->first, factor, x);
+    if (a->second) tvi_curve_add_sum(&c->curve, last, a->second, factor, x + c->n);
 }
 
 /* r = D_z - A^T x, both halves, by one product. */
 static void form_remainder(tvi_closure *c, const operator *a)
 {
-    tvi_curve_clear_seeds(&c->curve);
-    tvi_curve_add_seeds(&c->curve, c->seed_Q);
-    if (c->iteration.has_guess) add_seeds(c, a, -1, c->iteration.x);
-    tvi_curve_pull_seeds(&c->curve, c->iteration.r);
+    const int top = c->curve.top;
+    tvi_curve_clear_seeds(&c->curve, top);
+    tvi_curve_add_seeds(&c->curve, top, c->seed_Q);
+    if (c->iteration.has_guess) add_seeds(c, top, a, -1, c->iteration.x);
+    tvi_curve_pull_seeds(&c->curve, top, c->iteration.r);
 }
 
-/* out = A^T x, both halves. */
+/* out = A^T x, both halves, as roughly as the iteration needs it. */
 static void apply(tvi_closure *c, const operator *a, const double x[], double out[])
 {
-    tvi_curve_clear_seeds(&c->curve);
-    add_seeds(c, a, 1, x);
-    tvi_curve_pull_seeds(&c->curve, out);
+    const int last = c->iteration.last;
+    tvi_curve_clear_seeds(&c->curve, last);
+    add_seeds(c, last, a, 1, x);
+    tvi_curve_pull_seeds(&c->curve, last, out);
 }
 
 /* The weight of the centre datum that leads: Q_0 or Q_1. */
@@ -95,6 +97,8 @@ static void precondition(tvi_closure *c, const operator *a, double r[])
 
 /* The iteration ends when the next correction would be below this part of the momenta: well below roundoff. */
 static const double ENOUGH = DBL_EPSILON / 16;
+/* Each pass forms what is left of the equations anew and exactly, and need not reduce it by more than this. */
+static const double ROUGH = 1e-6;
 /* Corrections this much below the solution, that shrink no more, are roundoff. */
 static const double STALLED = 1e-12;
 
@@ -143,28 +147,26 @@ static void minimise(tvi_closure *c, const operator *a, int step)
     add(both, -part, v, it->r);
 }
 
-/* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. The first pass of a step
- * leaves an error of second order in the corrections anyway, and need not be solved better than that. TVI_ENOCONV where
+/* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
  * corrections do not shrink. */
 static tvi_status iterate(tvi_closure *c, const operator *a)
 {
     tvi_iteration *it = &c->iteration;
     const int count = unknowns(c, a);
-    const bool is_first = !it->has_guess;
-    double before = INFINITY;
+    double before = INFINITY, goal = ENOUGH;
     form_remainder(c, a);
-    if (is_first) memset(it->x, 0, (size_t)count * sizeof *it->x), it->slowest = 0;
+    if (!it->has_guess) memset(it->x, 0, (size_t)count * sizeof *it->x);
+    it->last = tvi_curve_order_below(&c->curve, ROUGH / 10);
     for (int step = 0; step < TVI_MOST_ITERATIONS; step++) {
         double *s = it->s + step * 2 * c->n;
         memcpy(s, it->r + place_of(c, a), (size_t)count * sizeof *s);
         precondition(c, a, s);
-        const double size = measure(c, a, s), solution = measure(c, a, it->x);
+        const double size = measure(c, a, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
-        const double contraction = size / before, goal = is_first ? fmax(ENOUGH, solution * solution) : ENOUGH;
-        if (step > 0) it->slowest = fmax(it->slowest, contraction);
+        if (step == 0) goal = fmax(ENOUGH, ROUGH * size);
+        const double contraction = step > 0 ? size / before : 1;
         before = size;
-        if (size * (it->slowest > 0 ? fmin(it->slowest, 1) : 1) <= goal ||
-            (contraction > 0.5 && size <= STALLED * solution)) {
+        if (size * fmin(contraction, 1) <= goal || (contraction > 0.5 && size <= STALLED * measure(c, a, it->x))) {
             if (a->second) add(count, 1, s, it->x); /* nothing else of r is needed */
             else minimise(c, a, step);
             it->has_guess = true;
@@ -195,10 +197,10 @@ void tvi_close_correct(tvi_closure *c, double correction[])
         of_q[i] = correction[n + i] / kappa[i];
         of_u[i] = -correction[i] / kappa[i];
     }
-    tvi_curve_clear_seeds(&c->curve);
-    tvi_curve_add_sum(&c->curve, &c->q_from, 1, of_q);
-    tvi_curve_add_sum(&c->curve, &c->u_from, 1, of_u);
-    tvi_curve_pull_seeds(&c->curve, c->G);
+    tvi_curve_clear_seeds(&c->curve, c->iteration.last);
+    tvi_curve_add_sum(&c->curve, c->iteration.last, &c->q_from, 1, of_q);
+    tvi_curve_add_sum(&c->curve, c->iteration.last, &c->u_from, 1, of_u);
+    tvi_curve_pull_seeds(&c->curve, c->iteration.last, c->G);
     for (int i = 0; i < n; i++) {
         correction[i] = -kappa[i] * c->G[n + i];
         correction[n + i] = kappa[i] * c->G[i];

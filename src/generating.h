@@ -19,7 +19,7 @@ typedef struct {
     double square[TVI_MOST_ITERATIONS]; /* of v */
     double *scratch; /* [3n] */
     double *size;    /* [n] what the unknowns' errors are measured by */
-    double slowest;  /* the slowest contraction of the corrections of the step at hand */
+    int last;        /* the order of the curve to which products are made */
     bool has_guess;
 } tvi_iteration;
 

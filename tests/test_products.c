@@ -90,10 +90,10 @@ START_TEST(products_are_those_of_the_matrices)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    tvi_curve_clear_seeds(&products.curve);
-    tvi_curve_add_sum(&products.curve, &products.q, 1, x);
-    tvi_curve_add_sum(&products.curve, &products.u, 1, x + n);
-    tvi_curve_pull_seeds(&products.curve, got);
+    tvi_curve_clear_seeds(&products.curve, DEGREE);
+    tvi_curve_add_sum(&products.curve, DEGREE, &products.q, 1, x);
+    tvi_curve_add_sum(&products.curve, DEGREE, &products.u, 1, x + n);
+    tvi_curve_pull_seeds(&products.curve, DEGREE, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
     free(products.memory);
