@@ -162,4 +162,17 @@ static void adjoints(const jet_tape *tape, const double *x, double *bar, int k)
     }
 }
 
-const jet_sweeps JET_FOR_ISA(jet_sweeps) = {values, series, tangents, adjoints};
+#define COMBINE(V, S)                                                                                                  \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 0, count - 1, c[(size_t)(count - 1 - j) * of_c] * S(V, table, count - 1 - j));                 \
+        JET_AT(V, out, 0) = sum;                                                                                       \
+    }
+
+static void combine(int count, const double *c, size_t of_c, int width, const double *table, double *out)
+{
+    const size_t stride = (size_t)width;
+    JET_BLOCKS(width, COMBINE, JET_OF);
+}
+
+const jet_sweeps JET_FOR_ISA(jet_sweeps) = {values, series, tangents, adjoints, combine};

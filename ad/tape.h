@@ -53,6 +53,8 @@ struct jet_sweeps {
     bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k);
+    /* out[w] = sum_{j < count} c_j table[j][w], c_j = c[j * stride], w < width; the last, smallest terms first. */
+    void (*combine)(int count, const double *c, size_t stride, int width, const double *table, double *out);
 };
 
 /* The widest that the machine has; the environment variable TVI_ISA = base or avx2 asks for less. */

@@ -26,6 +26,8 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     const size_t orders = (size_t)top + 1, points = (size_t)options->quadrature_points, n = (size_t)system->n;
     memset(action, 0, sizeof *action);
     action->kind = kind;
+    action->sweeps = system->field_values->sweeps;
+    action->orders = top + 1;
     action->truncated = options->nodes == TVI_NODES_TRUNCATED;
     action->q_degree = q_degree;
     action->p_degree = p_degree;
@@ -38,6 +40,9 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     action->power = tvi_arena_doubles(arena, orders * points);
     action->slope = tvi_arena_doubles(arena, orders * points);
     action->node_power = tvi_arena_doubles(arena, orders * points);
+    action->weighted_power = tvi_arena_doubles(arena, orders * points);
+    action->weighted_slope = tvi_arena_doubles(arena, orders * points);
+    action->row = tvi_arena_doubles(arena, orders);
     if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
     action->x = tvi_arena_doubles(arena, (size_t)system->field_values->slots * points);
     if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->truncated)
@@ -66,6 +71,8 @@ static void fill_powers(tvi_action *action, int node, long double s, bool at_end
         action->power[place] = (double)powl(s, k);
         action->slope[place] = k == 0 ? 0 : k * (double)powl(s, k - 1);
         action->node_power[place] = left_out ? 0 : action->power[place];
+        action->weighted_power[node * action->orders + k] = action->weight[node] * action->power[place];
+        action->weighted_slope[node * action->orders + k] = action->weight[node] * action->slope[place];
     }
 }
 
@@ -97,12 +104,7 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
 static void at_nodes(const tvi_action *action, int degree, const double *first, size_t stride, const double *table,
                      double row[])
 {
-    const int points = action->points;
-    for (int node = 0; node < points; node++) row[node] = 0;
-    for (int k = degree; k >= 0; k--) {
-        const double coefficient = first[(size_t)k * stride];
-        for (int node = 0; node < points; node++) row[node] += coefficient * table[k * points + node];
-    }
+    action->sweeps->combine(degree + 1, first, stride, action->points, table, row);
 }
 
 /* q at the nodes into the inputs of a block; the time too. */
@@ -129,14 +131,16 @@ static void place_velocities(const tvi_action *action, const tvi_curve *curve, d
     }
 }
 
-/* The momentum of the curve and its derivative. */
+/* The momentum of the curve, where it is needed, and its derivative. */
 static void momenta_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve->n, points = action->points;
-    for (int k = 0; k <= action->p_degree; k++) tvi_curve_momentum(curve, k, action->P + k * n);
+    const int n = curve->n, points = action->points, degree = action->p_degree;
+    const bool has_momenta = action->kind == TVI_ACTION_HAMILTON || action->has_velocity_defect;
+    for (int k = 0; k <= degree; k++) tvi_curve_momentum(curve, k, action->P + k * n);
     for (int i = 0; i < n; i++) {
-        at_nodes(action, action->p_degree, action->P + i, (size_t)n, action->power, action->momentum + i * points);
-        at_nodes(action, action->p_degree, action->P + i, (size_t)n, action->slope, action->force + i * points);
+        const double *P = action->P + i;
+        if (has_momenta) at_nodes(action, degree, P, (size_t)n, action->power, action->momentum + i * points);
+        at_nodes(action, degree, P, (size_t)n, action->slope, action->force + i * points);
     }
 }
 
@@ -292,12 +296,11 @@ static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
 /* ---- The seeds ------------------------------------------------------------------------------------------------------
  */
 
-static double weighted(const tvi_action *action, const double *table, int k, const double *row)
+/* row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
+static const double *over_nodes(const tvi_action *action, const double *weighted_table, const double *x)
 {
-    double sum = 0;
-    for (int node = 0; node < action->points; node++)
-        sum += action->weight[node] * table[k * action->points + node] * row[node];
-    return sum;
+    action->sweeps->combine(action->points, x, 1, action->orders, weighted_table, action->row);
+    return action->row;
 }
 
 /* dq_i^T on_q - dg_i^T p. as one defect, less what a truncated node leaves out of dq_i. */
@@ -307,7 +310,8 @@ static void seed_positions(tvi_action *action, int n, double seed[])
     subtract(action, n, action->force, action->on_q); /* the defect */
     for (int i = 0; i < n; i++) {
         const double *defect = action->on_q + i * points, *force = action->force + i * points;
-        for (int k = 0; k <= N; k++) seed[k * n + i] = weighted(action, action->power, k, defect);
+        const double *row = over_nodes(action, action->weighted_power, defect);
+        for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
         for (int node = 0; action->truncated && node < points; node++)
             seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) *
                                (action->power[N * points + node] - action->node_power[N * points + node]);
@@ -316,21 +320,24 @@ static void seed_positions(tvi_action *action, int n, double seed[])
 
 static void seed_velocities(const tvi_action *action, int n, double seed[])
 {
-    for (int i = 0; i < n; i++)
-        for (int k = 1; k <= action->q_degree; k++)
-            seed[k * n + i] += weighted(action, action->slope, k, action->on_v + i * action->points);
+    for (int i = 0; i < n; i++) {
+        const double *row = over_nodes(action, action->weighted_slope, action->on_v + i * action->points);
+        for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
+    }
 }
 
 /* dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
 static void seed_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const int n = curve->n;
-    for (int i = 0; i < n; i++)
+    for (int i = 0; i < n; i++) {
+        const double *row = over_nodes(action, action->weighted_power, action->on_p + i * action->points);
         for (int k = 0; k <= action->p_degree; k++) {
-            const double seed = weighted(action, action->power, k, action->on_p + i * action->points) / curve->kappa[i];
+            const double seed = row[k] / curve->kappa[i];
             if (curve->system->form != TVI_SEPARABLE) seed_U[k * n + i] = seed;
             else if (k < curve->top) seed_Q[(k + 1) * n + i] += (k + 1) * seed;
         }
+    }
 }
 
 static void seed_by_parts(const tvi_action *action, const tvi_curve *curve, double seed[])
