@@ -96,7 +96,7 @@ typedef struct {
                              smallest that gives the order; otherwise it decides */
     bool compose_adjoint; /* half a step, then half a step of the adjoint: symmetric */
     tvi_quadrature quadrature;
-    int quadrature_points; /* AUTO, 0: Gauss with one node more than the order needs; TVI_AT_NODES: the nodes themselves */
+    int quadrature_points; /* AUTO, 0: Gauss with one node more than the order needs; TVI_AT_NODES: the degree */
     double tolerance;      /* stop when a relative correction is not above it; 0 = roundoff */
     int passes;            /* 0 = until converged; k > 0 = exactly k corrections; TVI_PREDICT_ONLY = none */
     int max_passes;        /* 0 = the library's bound */
@@ -106,7 +106,8 @@ typedef struct {
 tvi_options tvi_options_default(void);
 /* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left", "svhd",
  * "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and III at the start),
- * "poincare"; "galerkin" (type I with free values at Gauss nodes, for any Hamiltonian too); and "taylor", "stormer-verlet". TVI_EINVAL: no such name, or an order that the method cannot have. */
+ * "poincare"; "galerkin" (type I with free values at Gauss nodes, for any Hamiltonian too); and "taylor", "stormer-verlet".
+ * TVI_EINVAL: no such name, or an order that the method cannot have. */
 TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
 /* Whether the options make a method for the system. On refusal *why (where why is not NULL) is static text that names
  * what does not fit: TVI_EINVAL for a value out of range, TVI_EUNSUPPORTED for a combination that makes no method. */
@@ -143,8 +144,8 @@ TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, lon
 /* The state at t0 + theta h, 0 <= theta <= 1, of the last step, on the step's own curve; at theta = 0 and 1 it is the
  * state before and after the step. Between them its order is the curve's, not the method's: the error that one step adds
  * is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(N+1)) in both (O(h^2) for N = 0), the Galerkin
- * curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system, Stormer-Verlet O(h^3), as measured by the tests. TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1];
- * TVI_ENONFINITE. */
+ * curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system, Stormer-Verlet O(h^3), as measured by the tests.
+ * TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1]; TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 
 /* Counts since the integrator was made. A pass is one evaluation of the residual followed by one correction, an
@@ -152,7 +153,8 @@ TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, dou
 typedef struct {
     long steps, passes, expansions, force_evaluations, factorisations;
     double residual; /* the last correction of the last step relative to the curve's size, 0 for explicit methods */
-    double tail;     /* size of the curve's last term at the ends relative to q: a free hint that h is too large */
+    double tail;     /* size of the curve's last term at the ends relative to q: a free hint that h is too large; 0 where
+                        there is no series */
     size_t bytes;    /* of memory held by the integrator */
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);

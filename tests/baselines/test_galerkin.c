@@ -1,4 +1,5 @@
-/* test_galerkin.c - runs of the library's Galerkin curve against the baseline's Gauss collocation, which shares nothing with it. */
+/* test_galerkin.c - runs of the library's Galerkin curve against the baseline's Gauss collocation, which shares nothing with
+ * it. */
 #include "baselines.h"
 
 #include <string.h>
@@ -35,8 +36,8 @@ START_TEST(runs_are_those_of_gauss_collocation)
     ck_assert_int_eq(tvi_integrate(it, task.h, task.steps, &x.t, x.q, x.p, NULL, NULL), TVI_OK);
     const double difference = state_difference(s->n, &x, &y).q, passes = (double)tvi_integrator_stats(it)->passes;
     ck_assert_msg(difference < runs[_i].most, "%s, order %d: %.1e", s->name, runs[_i].order, difference);
-    ck_assert_msg(passes < 1.1 * (double)counts.passes && passes > 0.6 * (double)counts.passes, "%s, order %d: %g passes, not %ld",
-                  s->name, runs[_i].order, passes, counts.passes);
+    ck_assert_msg(passes < 1.1 * (double)counts.passes && passes > 0.6 * (double)counts.passes,
+                  "%s, order %d: %g passes, not %ld", s->name, runs[_i].order, passes, counts.passes);
     tvi_integrator_free(it);
     tvi_system_free(system);
 }

@@ -1,5 +1,5 @@
-/* test_galerkin_quad.c - the Galerkin curve against Gauss collocation in its first-order form, in quadruple precision (gcc
- * only). */
+/* test_galerkin_quad.c - the Galerkin curve against Gauss collocation in its first-order form, in quadruple precision
+ * (gcc only). */
 #include "generating.h"
 #include "problems.h"
 #include "quad.h"
@@ -7,7 +7,9 @@
 #include <math.h>
 #include <quadmath.h>
 
-static const test_problem *const problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain};
+static const test_problem *const problems[] = {
+    &problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain,
+};
 static const double steps[] = {0.25, 0.2, 0.5, 0.125};
 enum { PROBLEMS = sizeof problems / sizeof *problems, STEPS = 3, PASSES = 60, MOST = 3 };
 
