@@ -362,7 +362,7 @@ static double square(double x) { return x * x; }
 #define FAR            square(1e-9)
 #define MAYBE_ROUNDOFF square(1e-12)
 #define ROUNDOFF       square(32 * DBL_EPSILON)
-#define NOTHING        square(DBL_EPSILON / 65536)
+#define NOTHING        square(DBL_EPSILON / 4096)
 
 static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
