@@ -202,6 +202,7 @@ static void set_basis(const galerkin *w, int degree, long double basis[][3 * MAX
         }
         for (int before = 0; before <= k; before++) { /* the last time: its own length */
             long double product = 0;
+            /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): m >= 1 */
             for (int i = 0; i < 2 * m; i++) product += now[i] * basis[before][i];
             for (int i = 0; i < 3 * m && before < k; i++) now[i] -= product * basis[before][i];
             for (int i = 0; i < 3 * m && before == k; i++) now[i] /= sqrtl(product);

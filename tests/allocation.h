@@ -21,7 +21,7 @@ typedef struct {
 /* Counts anew from zero, and nothing fails. */
 void allocation_count(void);
 /* Counts anew, and the k-th allocation from now fails, k >= 1. */
-void allocation_fail(allocation_failure failure, long k);
+void allocation_fail(allocation_failure how, long k);
 /* The counts since then; nothing fails any more. */
 allocation_counts allocation_stop(void);
 

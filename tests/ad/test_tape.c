@@ -264,7 +264,7 @@ static recording record_copies(const function *f, jet_tape_kind kind)
  * whose product the inverse functions need, alternate. */
 static bool stays_adjacent(const function *f)
 {
-    return strcmp(f->name, "asin") && strcmp(f->name, "acos") && f->c != -1;
+    return strcmp(f->name, "asin") != 0 && strcmp(f->name, "acos") != 0 && f->c != -1;
 }
 
 /* Twelve copies of an operation take as many runs as one, each with twelve members; each copy has its value. */
