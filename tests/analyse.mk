@@ -21,7 +21,7 @@ SOURCES          ?= $(filter-out $(patsubst $(BUILD)/%.o,%.c,$(NO_CLANG)),$(wild
                     tests/*.c tests/*/*.c))
 CPPCHECK         := cppcheck -q --std=c11 --error-exitcode=1 --inline-suppr --suppress=missingIncludeSystem \
                     --suppress=uninitvar:bench/baselines/solar_rows.h --suppress=uninitvar:tests/generating/test_references_quad.c \
-                    --suppress=uninitvar:src/galerkin_loops.c --suppress=ctunullpointer:bench/experiments/henon_heiles.c \
+                    --suppress=uninitvar:src/galerkin_loops.c --suppress=ctunullpointer \
                     --enable=warning,performance,portability -Iinclude -Iad -Isrc -Ibench -Ibench/scenes -Ibench/baselines -Itests
 
 analyse: need-check
