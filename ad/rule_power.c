@@ -57,14 +57,28 @@ JET_RULE(sqrt, B_NONE)
 
 enum { HALVES_MAX = 16 };
 
-/* a^(halves/2) by multiplications and a square root: it vectorises, where pow does not. */
-static void power_by_halves(int halves, int width, const double *a, double *restrict z)
+/* a^(halves/2) by multiplications and a square root, which vectorise, where pow does not; the best where the compiler
+ * knows halves. */
+static inline __attribute__((always_inline)) void power_by(int halves, int width, const double *a, double *restrict z)
 {
     const int count = abs(halves);
-    for (int w = 0; w < width; w++) z[w] = count % 2 ? sqrt(a[w]) : 1;
-    for (int i = 0; i < count / 2; i++)
-        for (int w = 0; w < width; w++) z[w] *= a[w];
-    for (int w = 0; halves < 0 && w < width; w++) z[w] = 1 / z[w];
+    for (int w = 0; w < width; w++) {
+        double power = count % 2 ? sqrt(a[w]) : 1;
+        for (int i = 0; i < count / 2; i++) power *= a[w];
+        z[w] = halves < 0 ? 1 / power : power;
+    }
+}
+
+static void power_by_halves(int halves, int width, const double *a, double *restrict z)
+{
+    switch (halves) {
+    case -5: power_by(-5, width, a, z); break;
+    case -3: power_by(-3, width, a, z); break; /* the force of gravity */
+    case -2: power_by(-2, width, a, z); break;
+    case -1: power_by(-1, width, a, z); break; /* and its potential */
+    case 3: power_by(3, width, a, z); break;
+    default: power_by(halves, width, a, z);
+    }
 }
 
 static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)

@@ -25,10 +25,11 @@ static inline __attribute__((always_inline)) void sums_of_one(const jet_tape *ta
 {
     const int *from = tape->term_slot + run->term;
     const double *coefficient = tape->term_coefficient + run->term;
-    for (int i = 0; i < run->count; i++, from += terms, coefficient += terms) {
+    double *z = x + run->z, *const end = z + run->count;
+    for (; z < end; z++, from += terms, coefficient += terms) {
         double sum = coefficient[0] * x[from[0]];
         for (int term = 1; term < terms; term++) sum += coefficient[term] * x[from[term]];
-        x[run->z + i] = sum;
+        *z = sum;
     }
 }
 
@@ -50,11 +51,27 @@ static void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, in
     }
 }
 
+/* Eight lanes. */
+static inline __attribute__((always_inline)) void sums_of_eight(const jet_tape *tape, const jet_run *run, double *x,
+                                                                int terms)
+{
+    const int *from = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    double *z = x + 8 * (size_t)run->z, *const end = z + 8 * (size_t)run->count;
+    for (; z < end; z += 8, from += terms, coefficient += terms) {
+        jet_v8 sum = coefficient[0] * *(const jet_v8 *)(x + 8 * (size_t)from[0]);
+        for (int term = 1; term < terms; term++)
+            sum += coefficient[term] * *(const jet_v8 *)(x + 8 * (size_t)from[term]);
+        *(jet_v8 *)z = sum;
+    }
+}
+
 /* At one order; x is the block of the order. */
 static void linear_sums(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    if (lanes > 1) sums_of_many(tape, run, x, lanes);
-    else BY_TERMS(sums_of_one, tape, run, x);
+    if (lanes == 1) BY_TERMS(sums_of_one, tape, run, x)
+    else if (lanes == 8) BY_TERMS(sums_of_eight, tape, run, x)
+    else sums_of_many(tape, run, x, lanes);
 }
 
 /* To order 0 only. */
@@ -67,13 +84,14 @@ static void linear_numbers(const jet_tape *tape, const jet_run *run, double *x, 
     }
 }
 
-static inline __attribute__((always_inline)) void adjoints_of_one(const jet_tape *tape, const jet_run *run,
-                                                                  double *restrict bar, int terms)
+static inline __attribute__((always_inline)) void adjoints_of_one(const jet_tape *tape, const jet_run *run, double *bar,
+                                                                  int terms)
 {
-    const int *restrict to = tape->term_slot + run->term;
-    const double *restrict coefficient = tape->term_coefficient + run->term;
-    for (int i = 0; i < run->count; i++, to += terms, coefficient += terms) {
-        const double zbar = bar[run->z + i];
+    const int *to = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    const double *z = bar + run->z, *const end = z + run->count;
+    for (; z < end; z++, to += terms, coefficient += terms) {
+        const double zbar = *z;
         for (int term = 0; term < terms; term++) bar[to[term]] += coefficient[term] * zbar;
     }
 }
@@ -84,7 +102,8 @@ static void linear_adjoints(const jet_tape *tape, const jet_run *run, double *ba
     BY_TERMS(adjoints_of_one, tape, run, bar);
 }
 
-/* ---- The sweeps --------------------------------------------------------------------------------------------------- */
+/* ---- The sweeps ---------------------------------------------------------------------------------------------------
+ */
 
 static bool values(const jet_tape *tape, double *x, int lanes)
 {
@@ -92,7 +111,7 @@ static bool values(const jet_tape *tape, double *x, int lanes)
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
         if (run->op == OP_LINEAR) {
             linear_sums(tape, run, x, lanes);
-            linear_numbers(tape, run, x, lanes);
+            if (run->has_numbers) linear_numbers(tape, run, x, lanes);
             continue;
         }
         inside &= jet_rules[run->op]->value(run->c, run->count * lanes, slot(x, run->a, lanes), slot(x, run->b, lanes),

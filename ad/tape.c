@@ -241,7 +241,9 @@ static void lay_out(lowering *low, jet_tape *tape)
         const jet_run next = run_of(low, tape, z);
         if (tape->runs > 0 && joins(low, &tape->run[tape->runs - 1], &next)) tape->run[tape->runs - 1].count++;
         else tape->run[tape->runs++] = next;
-        if (next.op == OP_LINEAR) add_row(low, tape, z);
+        if (next.op != OP_LINEAR) continue;
+        add_row(low, tape, z);
+        if (tape->base[tape->rows - 1] != 0) tape->run[tape->runs - 1].has_numbers = true;
     }
 }
 

@@ -21,6 +21,7 @@ typedef struct {
     jet_op op;
     int count, z, a, b;
     double c;     /* the number of the node; LINEAR: see terms */
+    bool has_numbers; /* LINEAR: not all numbers are 0 */
     int first;    /* LINEAR: the number of z + i is base[first + i], ...                            */
     int terms;    /* ... and each has this many terms, from term_slot[term + i * terms] on          */
     int term;
