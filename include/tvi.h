@@ -102,7 +102,8 @@ typedef struct {
     int max_passes;        /* 0 = the library's bound */
 } tvi_options;
 
-/* What a user who does not choose should get: symmetric, on-curve (docs/choosing.md). */
+/* What a user who does not choose should get: symmetric, on-curve, the fastest at equal error over the scenes of the bench
+ * (docs/choosing.md): "galerkin" of order 16, which serves all but general Lagrangians. */
 tvi_options tvi_options_default(void);
 /* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left", "svhd",
  * "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and III at the start),
@@ -117,8 +118,8 @@ TVI_NODISCARD tvi_status tvi_options_check(const tvi_system *system, const tvi_o
 
 typedef struct tvi_integrator tvi_integrator;
 
-/* NULL options: the default for this system, which is tvi_options_default but for a Hamiltonian that is not separable:
- * Poincare of the same order. Fails as tvi_options_check does, and with TVI_ENOMEM; *out is then NULL. */
+/* NULL options: the default for this system, which is tvi_options_default but for a Lagrangian that is not separable:
+ * "midpoint" of order 20. Fails as tvi_options_check does, and with TVI_ENOMEM; *out is then NULL. */
 TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options);
 void tvi_integrator_free(tvi_integrator *integrator);                               /* NULL is allowed */
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator);        /* as resolved: degree, points */
