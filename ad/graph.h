@@ -79,4 +79,10 @@ jet jet_linear(int count, const double coefficient[], const jet x[]);
  * Poison where the output is not a jet of the graph. false without memory. */
 bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
 
+/* Outputs of a closed graph, recorded once more into the open graph of `input`, whose jets, all different, stand for
+ * the inputs of the closed one: value[i] = output_i, and rate[i] = its derivative as the inputs move along `direction`
+ * (forward accumulation). Poison where one of its inputs is. The closed graph is only read. false without memory. */
+bool jet_lift(const jet_graph *from, const jet input[], const jet direction[], int outputs, const jet output[],
+              jet value[], jet rate[]);
+
 #endif

@@ -52,7 +52,11 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     return TVI_OK;
 }
 
-void tvi_integrator_free(tvi_integrator *integrator) { free(integrator); }
+void tvi_integrator_free(tvi_integrator *integrator)
+{
+    if (integrator) tvi_tangent_free(integrator->tangent);
+    free(integrator);
+}
 
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator)
 {

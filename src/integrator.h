@@ -10,6 +10,10 @@ typedef struct {
     long continues; /* t, q, p hold what the last successful step returned */
 } tvi_last_step;
 
+/* What tvi_step_tangent needs, made when it is first called (tangent.c). */
+typedef struct tvi_tangent tvi_tangent;
+void tvi_tangent_free(tvi_tangent *tangent); /* NULL is allowed */
+
 struct tvi_integrator {
     const tvi_system *system;
     tvi_options options; /* as resolved */
@@ -23,6 +27,7 @@ struct tvi_integrator {
     bool has_dense;                /* the work holds the last step */
     double *q_start, *p_start;     /* [n] where that started */
     double *dq, *dp;               /* [n] */
+    tvi_tangent *tangent;          /* NULL: never asked for */
 };
 
 #endif

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What the user gave: one of the four. */
+/* What the user gave: one of the four; or a system to lift. */
 typedef struct {
     tvi_force_fn *force;
     tvi_potential_fn *potential;
@@ -13,6 +13,8 @@ typedef struct {
     tvi_hamiltonian_fn *hamiltonian;
     const double *mass;
     void *ctx;
+    const tvi_system *base;
+    bool has_momenta; /* of the lift: it is not separable */
 } statement;
 
 /* A recording at work: jets of the graph, freed with it. */
@@ -20,7 +22,7 @@ typedef struct {
     tvi_system *system;
     jet *q, *v, *r, t; /* inputs: coordinates; velocities or momenta; directions of the bend; time */
     jet scalar;        /* V, L or H */
-    jet *field;        /* [2n] */
+    jet *field;        /* [2n] the system's */
     jet *bend;         /* [2n] */
 } recording;
 
@@ -36,7 +38,7 @@ static tvi_status check_masses(int n, const double mass[])
 /* Inputs in the order q, v (or p), t, r; a force or a potential has neither v nor r. */
 static tvi_status open_recording(recording *rec, int n, const statement *given)
 {
-    const bool general = given->lagrangian || given->hamiltonian;
+    const bool general = given->lagrangian || given->hamiltonian || given->has_momenta;
     const size_t count = (size_t)n;
     tvi_system *system = rec->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
@@ -44,7 +46,7 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
     system->mass = malloc(count * sizeof *system->mass);
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
     rec->q = malloc(3 * count * sizeof *rec->q);
-    rec->field = malloc(2 * count * sizeof *rec->field);
+    rec->field = system->field = malloc(2 * count * sizeof *rec->field);
     rec->bend = malloc(2 * count * sizeof *rec->bend);
     if (!system->mass || !system->graph || !rec->q || !rec->field || !rec->bend) return TVI_ENOMEM;
     rec->v = rec->q + n;
@@ -167,8 +169,18 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     return status;
 }
 
-/* field = (H_q, H_p), bend = gradient of r.H_p; separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q,
- * 0). */
+/* bend = gradient of r.H_p. */
+static tvi_status record_bend(recording *rec)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n;
+    jet along = jet_dot(rec->r, rec->field + n, n);
+    tvi_status status = jet_graph_accept(system->graph, 1, &along);
+    if (status == TVI_OK) status = gradient(rec, along, rec->bend);
+    return status == TVI_OK ? jet_graph_accept(system->graph, 2 * n, rec->bend) : status;
+}
+
+/* field = (H_q, H_p); separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
 static tvi_status record_hamiltonian(recording *rec, const statement *given)
 {
     tvi_system *system = rec->system;
@@ -185,15 +197,72 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
         return TVI_OK;
     }
     system->form = TVI_HAMILTONIAN;
-    jet along = jet_dot(rec->r, rec->field + n, n);
-    status = jet_graph_accept(system->graph, 1, &along);
-    if (status == TVI_OK) status = gradient(rec, along, rec->bend);
-    return status == TVI_OK ? jet_graph_accept(system->graph, 2 * n, rec->bend) : status;
+    return record_bend(rec);
+}
+
+/* ---- The lift
+ * --------------------------------------------------------------------------------------------------------
+ */
+
+/* The inputs of the base among those of its lift, and the directions that they move in. */
+static void place_inputs(const recording *rec, const tvi_system *base, jet input[], jet direction[])
+{
+    const int n = base->n, inputs = jet_graph_inputs(base->graph), time = inputs == n + 1 ? n : 2 * n;
+    const bool momenta = rec->system->form == TVI_HAMILTONIAN;
+    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_unset();
+    for (int i = 0; i < n; i++) {
+        input[i] = rec->q[i];
+        direction[i] = rec->q[n + i];
+        if (base->form == TVI_SEPARABLE) continue;
+        input[n + i] = rec->v[momenta ? n + i : i];
+        direction[n + i] = rec->v[momenta ? i : n + i];
+    }
+    input[time] = rec->t;
+    direction[time] = jet_const(0);
+}
+
+/* H_Q = ((H_q)', H_q), H_P = (H_p, (H_p)');  L_Q = ((L_q)', L_q), L_V = ((L_v)', L_v);  separable -H_q = F, H_p = M^-1
+ * p, or F and F'. */
+static void place_field(recording *rec, const tvi_system *base, const jet value[], const jet rate[])
+{
+    const int n = base->n;
+    const bool separable = base->form == TVI_SEPARABLE, swaps = base->form == TVI_LAGRANGIAN;
+    jet *field = rec->field;
+    for (int i = 0; i < n; i++) {
+        const bool paired = rec->system->form != TVI_SEPARABLE;
+        field[i] = !paired ? value[i] : separable ? jet_neg(rate[i]) : rate[i];
+        field[n + i] = !paired ? rate[i] : separable ? jet_neg(value[i]) : value[i];
+        if (!paired) continue;
+        const jet first = separable ? jet_div(rec->v[n + i], base->mass[i]) : value[n + i];
+        const jet second = separable ? jet_div(rec->v[i], base->mass[i]) : rate[n + i];
+        field[2 * n + i] = swaps ? second : first;
+        field[3 * n + i] = swaps ? first : second;
+    }
+}
+
+static tvi_status record_lift(recording *rec, const statement *given)
+{
+    const tvi_system *base = given->base;
+    tvi_system *system = rec->system;
+    system->regular = base->regular;
+    if (given->has_momenta) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
+    for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
+    const size_t inputs = (size_t)jet_graph_inputs(base->graph), outputs = (size_t)base->inputs;
+    jet *jets = malloc(2 * (inputs + outputs) * sizeof *jets);
+    if (!jets) return TVI_ENOMEM;
+    jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
+    place_inputs(rec, base, input, direction);
+    const bool lifted = jet_lift(base->graph, input, direction, base->inputs, base->field, value, rate);
+    if (lifted) place_field(rec, base, value, rate);
+    free(jets);
+    if (!lifted) return TVI_ENOMEM;
+    return system->form == TVI_HAMILTONIAN ? record_bend(rec) : TVI_OK;
 }
 
 static tvi_status record_statement(recording *rec, const statement *given)
 {
     rec->system->energy_sign = 1;
+    if (given->base) return record_lift(rec, given);
     if (given->lagrangian) return record_lagrangian(rec, given);
     if (given->hamiltonian) return record_hamiltonian(rec, given);
     if (given->potential) return record_potential(rec, given);
@@ -217,10 +286,25 @@ static tvi_status lower(recording *rec, const statement *given)
         system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);
         if (!system->bend_values) return TVI_ENOMEM;
     }
-    if (given->force) return TVI_OK;
+    if (given->force || given->base) return TVI_OK;
     system->energy_inputs = given->potential ? n : 2 * n;
     system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &rec->scalar, JET_TAPE_VALUES);
     return system->energy ? TVI_OK : TVI_ENOMEM;
+}
+
+static tvi_status record_system(tvi_system **out, int n, const statement *given)
+{
+    *out = NULL;
+    recording rec = {0};
+    tvi_status status = open_recording(&rec, n, given);
+    if (status == TVI_OK) status = record_statement(&rec, given);
+    if (status == TVI_OK) status = lower(&rec, given);
+    if (status == TVI_OK && !given->base) status = tvi_legendre_probe(rec.system);
+    free(rec.q);
+    free(rec.bend);
+    if (status == TVI_OK) *out = rec.system;
+    else tvi_system_free(rec.system);
+    return status;
 }
 
 static tvi_status make_system(tvi_system **out, int n, const statement *given)
@@ -230,19 +314,14 @@ static tvi_status make_system(tvi_system **out, int n, const statement *given)
     if (n < 1 || n > TVI_MAX_DIMENSION ||
         (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian))
         return TVI_EINVAL;
-    tvi_status status = check_masses(n, given->mass);
-    if (status != TVI_OK) return status;
-    recording rec = {0};
-    status = open_recording(&rec, n, given);
-    if (status == TVI_OK) status = record_statement(&rec, given);
-    if (status == TVI_OK) status = lower(&rec, given);
-    if (status == TVI_OK) status = tvi_legendre_probe(rec.system);
-    free(rec.q);
-    free(rec.field);
-    free(rec.bend);
-    if (status == TVI_OK) *out = rec.system;
-    else tvi_system_free(rec.system);
-    return status;
+    const tvi_status status = check_masses(n, given->mass);
+    return status == TVI_OK ? record_system(out, n, given) : status;
+}
+
+tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
+{
+    const bool has_momenta = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
+    return record_system(out, 2 * system->n, &(statement){.base = system, .has_momenta = has_momenta});
 }
 
 tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)
@@ -273,6 +352,7 @@ void tvi_system_free(tvi_system *system)
     jet_tape_free(system->bend_values);
     jet_tape_free(system->energy);
     jet_graph_free(system->graph);
+    free(system->field);
     free(system->mass);
     free(system);
 }

@@ -22,7 +22,8 @@ struct tvi_system {
     bool uses_time;   /* the field depends on t */
     double *mass;     /* [n], separable only */
     bool regular;     /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
-    jet_graph *graph; /* closed; kept so that jets that outlive it are recognised */
+    jet_graph *graph; /* closed; kept so that jets that outlive it are recognised, and for the lift */
+    jet *field;       /* [inputs] the outputs of the field, in the graph */
     jet_tape *field_series;
     jet_tape *field_values;
     jet_tape *
@@ -31,6 +32,13 @@ struct tvi_system {
     double energy_sign; /* separable from a Lagrangian: the energy tape gives -V */
     int energy_inputs;  /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
 };
+
+/* The lift of a system to 2n degrees of freedom: (q, p) and a tangent vector (dq, dp) that moves with it, by H_q.dq +
+ * H_p.dp or L_q.dq + L_v.dv (docs/method.md section 10). Coordinates (q, dq), momenta (dp, p). A separable system has a
+ * separable lift, too, for methods that pair no momenta with coordinates: masses twice, momenta (p, dp). The lift
+ * shares nothing with the system. *out is NULL on failure. */
+typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
+TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
 
 /* Writes the time to all lanes of order 0 of a block of a tape whose first inputs are the system's. */
 static inline void tvi_system_set_time(const tvi_system *system, double *x, int lanes, const double t[])

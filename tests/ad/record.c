@@ -66,6 +66,25 @@ recording record_second_gradient(const function *f, int output, int i, jet_tape_
     return record_close(graph, f->inputs, second, kind);
 }
 
+recording record_lift(const function *f, bool of_gradient, jet_tape_kind kind)
+{
+    jet z[OUTPUTS_MAX + INPUTS_MAX], x[INPUTS_MAX], dx[INPUTS_MAX], lifted[2 * (OUTPUTS_MAX + INPUTS_MAX)];
+    jet_graph *from = record_open(f, z), *graph = jet_graph_create(2 * f->inputs);
+    const int outputs = of_gradient ? f->inputs : f->outputs;
+    if (of_gradient) ck_assert(jet_gradient(from, z[f->outputs - 1], f->inputs, z));
+    ck_assert_int_eq(jet_graph_accept(from, outputs, z), TVI_OK);
+    jet_graph_close(from);
+    const int nodes = jet_graph_count(from);
+    for (int i = 0; i < f->inputs; i++) {
+        x[i] = jet_graph_input(graph, f->inputs - 1 - i);
+        dx[i] = jet_graph_input(graph, 2 * f->inputs - 1 - i);
+    }
+    ck_assert(jet_lift(from, x, dx, outputs, z, lifted, lifted + outputs));
+    ck_assert_int_eq(jet_graph_count(from), nodes);
+    jet_graph_free(from); /* nothing is left of it in the lift */
+    return record_close(graph, 2 * outputs, lifted, kind);
+}
+
 /* ---- Running ----------------------------------------------------------------------------------------------------- */
 
 /* Copies orders first..last of the inputs into a block. */

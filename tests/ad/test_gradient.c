@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* ---- Analytic derivatives ---------------------------------------------------------------------------------------- */
 
@@ -164,6 +165,62 @@ START_TEST(second_gradient_agrees_with_tangents)
 }
 END_TEST
 
+/* ---- The lift ---------------------------------------------------------------------------------------------------- */
+
+/* Values are the function's own, and rates its tangents, along any series. */
+static void check_lift(const function *f, bool of_gradient)
+{
+    static double direction[INPUTS_MAX * SHORT], in[2 * INPUTS_MAX * SHORT];
+    recording lift = record_lift(f, of_gradient, JET_TAPE_SERIES);
+    recording r = of_gradient ? record_gradient(f, f->outputs - 1, JET_TAPE_SERIES) : record_outputs(f, JET_TAPE_SERIES);
+    const size_t size = (size_t)r.outputs * SHORT;
+    double *out = numbers(2 * size), *z = numbers(size), *dz = numbers(size);
+    dense_series(f, DEGREE, series);
+    dense_direction(f, 1, DEGREE, direction);
+    for (int i = 0; i < f->inputs; i++) {
+        memcpy(in + (f->inputs - 1 - i) * SHORT, series + i * SHORT, SHORT * sizeof *in);
+        memcpy(in + (2 * f->inputs - 1 - i) * SHORT, direction + i * SHORT, SHORT * sizeof *in);
+    }
+    ck_assert(run_series(&lift, DEGREE, 1, in, out));
+    ck_assert(run_series(&r, DEGREE, 1, series, z));
+    run_tangents(&r, DEGREE, 1, series, direction, dz);
+    for (int i = 0; i < r.outputs; i++) {
+        check_series(f->name, DEGREE, out + i * SHORT, z + i * SHORT, 10 * f->bound);
+        check_series(f->name, DEGREE, out + (r.outputs + i) * SHORT, dz + i * SHORT, 10 * f->bound);
+    }
+    free(out);
+    free(z);
+    free(dz);
+    recording_free(&lift);
+    recording_free(&r);
+}
+
+START_TEST(lift_agrees_with_tangents)
+{
+    check_lift(any_function(_i), false);
+    check_lift(any_function(_i), true);
+}
+END_TEST
+
+/* What an output depends on must be there. */
+START_TEST(lift_of_poison_is_poison)
+{
+    jet_graph *from = jet_graph_create(2), *graph = jet_graph_create(2);
+    jet z = jet_mul(jet_graph_input(from, 0), jet_exp(jet_graph_input(from, 1))), value, rate;
+    ck_assert_int_eq(jet_graph_accept(from, 1, &z), TVI_OK);
+    jet_graph_close(from);
+    const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_unset()};
+    ck_assert(jet_lift(from, all, one, 1, &z, &value, &rate));
+    ck_assert_int_eq(jet_graph_accept(graph, 1, &value), TVI_OK);
+    ck_assert_int_eq(jet_graph_accept(graph, 1, &rate), TVI_EINVAL);
+    ck_assert(jet_lift(from, one, all, 1, &z, &value, &rate));
+    ck_assert_int_eq(jet_graph_accept(graph, 1, &value), TVI_EINVAL);
+    ck_assert_int_eq(jet_graph_accept(graph, 1, &rate), TVI_EINVAL);
+    jet_graph_free(from);
+    jet_graph_free(graph);
+}
+END_TEST
+
 /* ---- What is recorded -------------------------------------------------------------------------------------------- */
 
 /* row(name, output of x and y, d/dx, d/dy, nodes added by the gradient): the derivatives are these very nodes. */
@@ -302,6 +359,9 @@ Suite *gradient_suite(void)
     TCase *tangents = add_case(suite, "tangents");
     tcase_add_loop_test(tangents, gradient_agrees_with_tangents, 0, functions);
     tcase_add_loop_test(tangents, second_gradient_agrees_with_tangents, 0, functions);
+    TCase *lift = add_case(suite, "lift");
+    tcase_add_loop_test(lift, lift_agrees_with_tangents, 0, functions);
+    tcase_add_test(lift, lift_of_poison_is_poison);
     TCase *graph = add_case(suite, "graph");
     tcase_add_loop_test(graph, gradient_records_no_more_than_needed, 0, COUNT(recorded));
     tcase_add_test(graph, gradient_of_poison_is_poison);
