@@ -165,8 +165,8 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 /* A step, bit for bit what tvi_step makes, that also moves tangent vectors: D <- M D with M the Jacobian of the step, exact
  * to roundoff (docs/method.md section 10). D is [2n][columns] row-major, rows (dq, dp); the identity gives M. Each column
  * costs a step of a system of 2n degrees of freedom, and is treated alone: it carries no sums and no guesses from one step
- * to the next, and scaling it by a power of two scales its result. Where the passes do not run to roundoff (tolerance), M is
- * that of the step to the tolerance only.
+ * to the next, and scaling it by a power of two scales its result. With a tolerance or a fixed number of passes M may differ
+ * from the Jacobian by what the passes have left to do.
  * The first call, and the first with more columns than before, allocate (TVI_ENOMEM); later ones allocate nothing. Of
  * tvi_stats only the bytes count what the columns take, without their recording of the lifted system.
  *   TVI_EINVAL      as tvi_step, and D NULL, columns < 1

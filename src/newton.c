@@ -61,7 +61,7 @@ static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *e
     const int size = newton->size;
     for (int column = 0; column < size; column++) {
         memcpy(newton->trial, newton->x, (size_t)size * sizeof *newton->x);
-        newton->trial[column] += sqrt(DBL_EPSILON) * newton->scale[column];
+        newton->trial[column] += sqrt(DBL_EPSILON) * fmax(newton->scale[column], fabs(newton->x[column]));
         const double step = newton->trial[column] - newton->x[column];
         const tvi_status status = equations->residual(equations->self, newton->trial, newton->difference);
         if (status != TVI_OK) return status;

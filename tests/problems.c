@@ -260,33 +260,3 @@ two_errors problem_roundoff(const test_problem *problem)
     return (two_errors){DBL_EPSILON * fmax(fmax(size.q, first.q), moves.q),
                         DBL_EPSILON * fmax(fmax(size.p, first.p), moves.p)};
 }
-
-/* d(q, p)/dt at start + a h slope. */
-static test_state slope_at(const test_problem *problem, double h, const test_state *start, const test_state *slope, double a)
-{
-    const int n = problem->scene->n;
-    long double q[N_MAX], F[N_MAX];
-    test_state out = {0};
-    for (int i = 0; i < n; i++) q[i] = start->q[i] + a * h * slope->q[i];
-    problem->plain(start->t + a * h, q, F);
-    for (int i = 0; i < n; i++) {
-        out.q[i] = (start->p[i] + a * h * slope->p[i]) / problem_mass(problem, i);
-        out.p[i] = (double)F[i];
-    }
-    return out;
-}
-
-void runge_kutta_step(const test_problem *problem, double h, test_state *x)
-{
-    static const double node[] = {0, 0.5, 0.5, 1}, weight[] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
-    const test_state start = *x;
-    test_state slope = {0};
-    for (int stage = 0; stage < 4; stage++) {
-        slope = slope_at(problem, h, &start, &slope, node[stage]);
-        for (int i = 0; i < problem->scene->n; i++) {
-            x->q[i] += weight[stage] * h * slope.q[i];
-            x->p[i] += weight[stage] * h * slope.p[i];
-        }
-    }
-    x->t += h;
-}

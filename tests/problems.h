@@ -66,9 +66,6 @@ exact_state problem_exact(const test_problem *problem, const test_state *start, 
 /* What a relative change by DBL_EPSILON makes of the state, here and at problem->t_end: no run can be better. */
 two_errors problem_roundoff(const test_problem *problem);
 
-/* One step of the classical Runge-Kutta method of order 4 on the plain force. */
-void runge_kutta_step(const test_problem *problem, double h, test_state *x);
-
 /* H = sum p_i^2/(2 m_i) + V of the library's system. */
 double state_energy(const tvi_system *system, const test_state *state);
 

@@ -264,6 +264,35 @@ START_TEST(integrators_without_memory)
 }
 END_TEST
 
+/* A first step with one tangent vector, then one with more of them. */
+static tvi_status make_tangents(const void *argument, bool *cleared)
+{
+    const integrator_arguments *of = argument;
+    tvi_integrator *integrator;
+    double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, D[4 * N * N] = {42};
+    tvi_status status = tvi_integrator_create(&integrator, of->system, of->options);
+    if (status == TVI_OK) status = tvi_step_tangent(integrator, 0.01, &t, q, p, D, 1);
+    *cleared = t == 0 && q[0] == 0.1 && D[0] == 42;
+    if (status == TVI_OK) {
+        const double before = D[0];
+        status = tvi_step_tangent(integrator, 0.01, &t, q, p, D, 2 * N);
+        *cleared = t == 0.01 && D[0] == before;
+    }
+    tvi_integrator_free(integrator);
+    return status;
+}
+
+START_TEST(tangents_without_memory)
+{
+    tvi_system *system = create_system(ways[_i].by, true);
+    const tvi_options options = options_of(_i);
+    const integrator_arguments chosen = {system, &options};
+    for (int how = FAIL_ONCE; how <= FAIL_ONWARD; how++)
+        ck_assert_int_gt(fail_each(make_tangents, &chosen, (allocation_failure)how), 50);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* tvi_stats.bytes is what the integrator asked for. */
 START_TEST(bytes)
 {
@@ -295,7 +324,7 @@ static int observe(long step, double t, const double q[], const double p[], void
  * had not the status that it should have. */
 static bool make_steps(tvi_integrator *integrator)
 {
-    double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, q_dense[N], p_dense[N];
+    double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, q_dense[N], p_dense[N], D[4 * N * N] = {1};
     bool good = true;
     for (int i = 0; i < STEPS; i++) {
         good = good && tvi_step(integrator, i % 2 ? 0.01 : -0.01, &t, q, p) == TVI_OK;
@@ -303,6 +332,8 @@ static bool make_steps(tvi_integrator *integrator)
         if (i % 10 == 0) tvi_integrator_reset(integrator);
         if (i % 50 == 0) good = good && tvi_step(integrator, 1e200, &t, q, p) != TVI_OK;
         if (i % 50 == 0) good = good && tvi_step(integrator, NAN, &t, q, p) == TVI_EINVAL;
+        if (i % 50 == 0) good = good && tvi_step_tangent(integrator, 0.01, &t, q, p, D, 1 + i % N) == TVI_OK;
+        if (i % 50 == 0) good = good && tvi_step_tangent(integrator, 1e200, &t, q, p, D, 2 * N) != TVI_OK;
     }
     long seen = 0;
     good = good && tvi_integrate(integrator, 1e-4, STEPS, &t, q, p, observe, &seen) == TVI_ESTOPPED && seen == STEPS - 1;
@@ -316,6 +347,8 @@ START_TEST(steps_allocate_nothing)
     const tvi_options options = options_of(_i);
     tvi_integrator *integrator;
     ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, D[4 * N * N] = {1};
+    ck_assert_int_eq(tvi_step_tangent(integrator, 0.01, &t, q, p, D, 2 * N), TVI_OK); /* the first may allocate */
     allocation_fail(FAIL_ONWARD, 1);
     const bool good = make_steps(integrator);
     const allocation_counts counts = allocation_stop();
@@ -368,6 +401,9 @@ Suite *suite_faults(void)
     TCase *integrators = add_case(suite, "integrators");
     tcase_add_loop_test(integrators, integrators_without_memory, 0, WAYS);
     tcase_add_loop_test(integrators, bytes, 0, WAYS);
+    TCase *tangents = add_case(suite, "tangents");
+    tcase_set_timeout(tangents, 60);
+    tcase_add_loop_test(tangents, tangents_without_memory, 0, WAYS);
     tcase_add_loop_test(add_case(suite, "steps"), steps_allocate_nothing, 0, WAYS);
     return suite;
 }

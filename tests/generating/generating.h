@@ -8,6 +8,7 @@ Suite *suite_orders(void);
 Suite *suite_adjoints(void);
 Suite *suite_forms(void);
 Suite *suite_geometry(void);
+Suite *suite_tangent_map(void);
 Suite *suite_statements(void);
 Suite *suite_serves(void);
 Suite *suite_points(void);

@@ -81,6 +81,14 @@ test_state model_start(const model *m)
     return x;
 }
 
+test_state model_place(const model *m)
+{
+    test_state x = model_start(m);
+    x.q[0] += 0.1;
+    x.p[0] += 0.05;
+    return x;
+}
+
 /* At the scene's end, or that of the problem. */
 static exact_state exact_end(const model *m)
 {
@@ -224,6 +232,30 @@ void go(tvi_integrator *integrator, double h, long steps, test_state *x)
     const tvi_status status = tvi_integrate(integrator, h, steps, &x->t, x->q, x->p, NULL, NULL);
     ck_assert_msg(status == TVI_OK, "%s, h = %g, t = %g: %s", describe(tvi_integrator_options(integrator)), h, x->t,
                   tvi_status_string(status));
+}
+
+void go_tangent(int n, tvi_integrator *integrator, double h, test_state *x, double M[])
+{
+    const tvi_options *options = tvi_integrator_options(integrator);
+    const int rows = 2 * n;
+    for (int i = 0; i < rows * rows; i++) M[i] = i % (rows + 1) == 0;
+    tvi_integrator_reset(integrator);
+    const tvi_status status = tvi_step_tangent(integrator, h, &x->t, x->q, x->p, M, rows);
+    ck_assert_msg(status == TVI_OK, "%s, h = %g, t = %g: %s", describe(options), h, x->t, tvi_status_string(status));
+}
+
+double symplectic_defect(int n, const double M[])
+{
+    double largest = 0;
+    for (int a = 0; a < 2 * n; a++)
+        for (int b = 0; b < 2 * n; b++) {
+            double sum = b == a + n ? -1 : a == b + n ? 1 : 0;
+            for (int i = 0; i < n; i++)
+                sum += M[i * 2 * n + a] * M[(n + i) * 2 * n + b] - M[(n + i) * 2 * n + a] * M[i * 2 * n + b];
+            ck_assert(isfinite(sum));
+            largest = fmax(largest, fabs(sum));
+        }
+    return largest;
 }
 
 double distance(int n, const test_state *a, const test_state *b)

@@ -33,6 +33,8 @@ enum { MODELS = 10 };
 /* Ends the test where it cannot be made. */
 tvi_system *model_system(const model *m);
 test_state model_start(const model *m);
+/* Near the start, away from any symmetry. */
+test_state model_place(const model *m);
 
 /* The solution at t0 + k (t_end - t0)/PARTS, k = 1..PARTS, and what roundoff alone makes of the state there. By a fine run of
  * order 16, which is checked against the scene's reference or problem_exact at the end. */
@@ -74,6 +76,10 @@ const char *describe(const tvi_options *options);
 tvi_integrator *integrator_of(const tvi_system *system, const tvi_options *options);
 /* The test fails where a step does. */
 void go(tvi_integrator *integrator, double h, long steps, test_state *x);
+/* A step from x that continues no other, with its Jacobian M[2n][2n], rows and columns (q, p). The test fails where it does. */
+void go_tangent(int n, tvi_integrator *integrator, double h, test_state *x, double M[]);
+/* The largest element of M^T J M - J. */
+double symplectic_defect(int n, const double M[]);
 /* max over q and p of |a - b|, each relative to the largest component of b or 1. */
 double distance(int n, const test_state *a, const test_state *b);
 
