@@ -104,6 +104,7 @@ include src/install.mk
 include bench/bench.mk
 
 include bench/experiments/experiments.mk
+include bench/performance/performance.mk
 
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 

@@ -113,7 +113,8 @@ static void refine(line *l, int from)
     for (int i = from + 1; i < l->rungs; i++) {
         const run *before = &l->rung[i - 1];
         const double cost = expected(before, l->ladder[i]), left = left_for(l);
-        if (before->position_error < l->sweep->enough) {
+        report_error *const error = l->sweep->enough_of ? l->sweep->enough_of : report_position_error;
+        if (error(before) < l->sweep->enough) {
             l->why = "accurate enough";
             return;
         }

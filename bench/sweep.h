@@ -9,7 +9,8 @@ typedef struct {
     report report;
     double begin, end;      /* of the wall clock: when the sweeps began, and must be over */
     double longest;         /* s: no measurement may take longer; 0 = only the budget ends it */
-    double enough;          /* a line ends below this position error; 0 = at roundoff */
+    double enough;          /* a line ends below this error; 0 = at roundoff */
+    report_error *enough_of; /* which error; NULL = of the position */
     const char *only;       /* of the contenders' names; NULL = all */
     long failed, skipped;   /* runs of the scene */
 } sweep;

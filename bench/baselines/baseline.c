@@ -35,5 +35,5 @@ const baseline *baseline_find(const char *name, int order)
 
 bool baseline_serves(const baseline *b, const scene *s)
 {
-    return force_of(s) != FORCE_NONE && (!b->serves || b->serves(b, s));
+    return b->serves ? b->serves(b, s) : force_of(s) != FORCE_NONE;
 }

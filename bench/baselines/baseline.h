@@ -1,5 +1,5 @@
 /* baseline.h - the integrators that the library is measured against: plain C on hand-written forces, and the libraries
- * that Debian has. For the scenes with a potential only: M q'' = F(q), M diagonal.
+ * that Debian has. For the scenes with a potential: M q'' = F(q), M diagonal; and one for the double pendulum.
  *
  * baselines.mk has the compiler's flags: the times are worth something only with these, and with gcc. */
 #ifndef BASELINE_H
@@ -51,6 +51,7 @@ extern const char *const baseline_flags;                     /* of the compiler 
 bool baseline_serves(const baseline *b, const scene *s);
 
 extern const baseline baselines_composition[], baselines_gauss[], baselines_shooting[], baselines_taylor[];
+extern const baseline baseline_double_pendulum; /* in no list: of general_scenes */
 extern const baseline baselines_gsl[], baselines_sundials[]; /* with BASELINES_GSL, BASELINES_SUNDIALS */
 
 #endif

@@ -44,11 +44,11 @@ static long double integrated(const gauss_tableau *t, int i, int j)
     return t->node[i] * sum;
 }
 
-/* The product A A. It is not int_0^{c_i} (c_i - t) l_j(t) dt, which makes a method of the same order that is not
+/* A, and the product A A. It is not int_0^{c_i} (c_i - t) l_j(t) dt, which makes a method of the same order that is not
  * symplectic: the integral of l_j is no polynomial of degree s - 1. */
 static void set_matrix(gauss_tableau *t)
 {
-    long double A[GAUSS_STAGES_MAX][GAUSS_STAGES_MAX];
+    long double(*A)[GAUSS_STAGES_MAX] = t->first_order;
     for (int i = 0; i < t->s; i++)
         for (int j = 0; j < t->s; j++) A[i][j] = integrated(t, i, j);
     for (int i = 0; i < t->s; i++)

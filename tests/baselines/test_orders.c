@@ -122,6 +122,30 @@ START_TEST(taylor_is_its_polynomial)
 }
 END_TEST
 
+/* ---- The double pendulum ------------------------------------------------------------------------------------------ */
+
+/* The largest error at the scene's end, against its reference. */
+static double double_pendulum_error(long steps)
+{
+    const scene *s = &scene_double_pendulum;
+    const baseline_task task = {.scene = s, .h = s->t_end / (double)steps, .steps = steps};
+    double q[2] = {s->q[0], s->q[1]}, p[2] = {s->p[0], s->p[1]}, error = 0;
+    baseline_counts counts;
+    ck_assert_int_eq(baseline_double_pendulum.run(&baseline_double_pendulum, &task, q, p, &counts), TVI_OK);
+    for (int i = 0; i < 2; i++)
+        error = fmax(error, fmax(fabs(q[i] - s->reference[i]), fabs(p[i] - s->reference[2 + i])));
+    return error;
+}
+
+/* Slopes wander: the error changes sign. From 20 to 80 steps it falls as the power 11.2 of the step. */
+START_TEST(double_pendulum_has_its_order)
+{
+    const double order = log(double_pendulum_error(20) / double_pendulum_error(80)) / log(4);
+    ck_assert_double_eq_tol(order, 11.2, 0.3);
+    ck_assert_double_lt(double_pendulum_error(120), 1e-14);
+}
+END_TEST
+
 /* ---- Those that choose their steps -------------------------------------------------------------------------------- */
 
 static double error_at(const baseline *b, double tolerance)
@@ -157,6 +181,7 @@ Suite *suite_orders(void)
     tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, baseline_has_its_order, 0, count * BASELINE_PROBLEMS);
     tcase_add_loop_test(tcase, taylor_is_its_polynomial, 0, count);
+    tcase_add_test(tcase, double_pendulum_has_its_order);
     tcase_add_loop_test(tcase, error_follows_the_tolerance, 0, count);
     suite_add_tcase(suite, tcase);
     return suite;

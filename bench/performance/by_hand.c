@@ -1,0 +1,30 @@
+#include "by_hand.h"
+
+#ifndef JET_ISA
+#define JET_ISA base
+#endif
+#define JOIN_(a, b) a##_##b
+#define JOIN(a, b)  JOIN_(a, b)
+
+static void kepler(int N, double tau, const power_weights *weights, kepler_series *c)
+{
+    for (int k = 0; k + 2 <= N; k++) {
+        double a[2];
+        kepler_acceleration(k, weights, c, a);
+        const double scale = tau * tau / ((k + 1) * (k + 2));
+        c->x[k + 2] = scale * a[0], c->y[k + 2] = scale * a[1];
+    }
+}
+
+static void solar(int N, double tau, const power_weights *weights, solar_series *c)
+{
+    for (int k = 0; k + 2 <= N; k++) {
+        double a[18];
+        solar_acceleration(k, weights, c, a);
+        const double scale = tau * tau / ((k + 1) * (k + 2));
+        for (int i = 0; i < 18; i++) c->q[k + 2][i] = scale * a[i];
+    }
+}
+
+extern const by_hand JOIN(by_hand, JET_ISA);
+const by_hand JOIN(by_hand, JET_ISA) = {kepler, solar};

@@ -1,0 +1,25 @@
+/* curves.h - a curve of the library about the middle of a step, and the gradient of the discrete action along it: the
+ * parts of a step of type I at the midpoint. */
+#ifndef CURVES_H
+#define CURVES_H
+
+#include "action.h"
+
+typedef struct {
+    void *memory;
+    tvi_curve curve;
+    tvi_action action;
+    double *seed_Q, *seed_U, *D; /* [top + 1][n], and the gradient [2n] */
+    double *z;                   /* [2n] */
+} open_curve;
+
+/* Of degree N, from (q, p) as the middle of a step h; Jacobians as products. What fails ends the program. */
+open_curve *curve_open(const tvi_system *system, int N, const double q[], const double p[], double h);
+void curve_close(open_curve *c);
+
+/* Each is a turn of turns.h. */
+void curve_expand(void *open_curve);   /* one plain expansion */
+void curve_gradient(void *open_curve); /* the force at the nodes, the seeds, and one adjoint sweep */
+void curve_pull(void *open_curve);     /* the adjoint sweep alone */
+
+#endif

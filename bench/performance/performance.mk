@@ -1,0 +1,29 @@
+# What docs/performance.md shows. Included by the Makefile after bench.mk.
+
+PERFORMANCE          := series gradient cost dispatch targets
+PERFORMANCE_DIR       = $(BUILD)/bench/performance
+PERFORMANCE_PROGRAMS  = $(PERFORMANCE:%=$(PERFORMANCE_DIR)/%)
+PERFORMANCE_SHARED    = $(patsubst %,$(PERFORMANCE_DIR)/%.o,turns bodies curves stepping) $(EXPERIMENTS_DIR)/experiment.o
+
+# ONE=name for one of them
+performance: need-bench need-check
+	@$(MAKE) --no-print-directory -s $(PERFORMANCE_PROGRAMS) $(BUILD)/bench/steps
+	@for name in $(or $(ONE),$(PERFORMANCE)); do \
+	    OPENBLAS_NUM_THREADS=1 $(PERFORMANCE_DIR)/$$name $(PERFORMANCE_DIR) || exit 1; done
+	@[ -n "$(ONE)" ] || bench/performance/profile.sh $(BUILD)/bench/steps >$(PERFORMANCE_DIR)/profile.md
+	@[ -n "$(ONE)" ] || gnuplot -c bench/performance/performance.gp $(PERFORMANCE_DIR) bench/experiments
+	@for file in $(or $(ONE:%=$(PERFORMANCE_DIR)/%.md),$(PERFORMANCE_DIR)/*.md); do echo && cat $$file; done
+.PHONY: performance
+
+# the recurrences by hand, compiled as the library is
+BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand.%.o)
+$(BY_HAND): BASE += -Ibench -Ibench/scenes -Ibench/baselines
+$(PERFORMANCE_DIR)/by_hand.o: TOOL = $(BASE)
+$(PERFORMANCE_DIR)/%.o: TOOL += -Ibench/baselines $(if $(ISAS),-DJET_ISA_X86)
+$(PERFORMANCE_DIR)/series: $(BY_HAND)
+
+# matrices where the library takes products, and the reverse
+$(PERFORMANCE_DIR)/cost: LDFLAGS += -Wl,--wrap=tvi_curve_jacobians_for
+
+$(PERFORMANCE_PROGRAMS): $(PERFORMANCE_DIR)/%: $(PERFORMANCE_DIR)/%.o $(PERFORMANCE_SHARED) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
+	$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
