@@ -6,7 +6,7 @@
 # make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
-# make performance   the tables and the pictures of docs/performance.md, five minutes
+# make performance   the tables and the picture of docs/performance.md, two minutes; make performance-docs puts them there
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
 # make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them

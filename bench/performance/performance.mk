@@ -1,4 +1,4 @@
-# What docs/performance.md shows. Included by the Makefile after bench.mk.
+# What docs/performance.md shows, two minutes. Included by the Makefile after bench.mk.
 
 PERFORMANCE          := series gradient cost dispatch targets
 PERFORMANCE_DIR       = $(BUILD)/bench/performance
@@ -10,10 +10,18 @@ performance: need-bench need-check
 	@$(MAKE) --no-print-directory -s $(PERFORMANCE_PROGRAMS) $(BUILD)/bench/steps
 	@for name in $(or $(ONE),$(PERFORMANCE)); do \
 	    OPENBLAS_NUM_THREADS=1 $(PERFORMANCE_DIR)/$$name $(PERFORMANCE_DIR) || exit 1; done
+	@[ -n "$(ONE)" ] || { echo '| | |'; echo '|---|---|'; \
+	    sed -n 's/^# \(processor\|compiler\|flags\|flags of the baselines\): \(.*\)/| \1 | \2 |/p' \
+	        $(PERFORMANCE_DIR)/work_precision.csv; } >$(PERFORMANCE_DIR)/machine.md
 	@[ -n "$(ONE)" ] || bench/performance/profile.sh $(BUILD)/bench/steps >$(PERFORMANCE_DIR)/profile.md
 	@[ -n "$(ONE)" ] || gnuplot -c bench/performance/performance.gp $(PERFORMANCE_DIR) bench/experiments
 	@for file in $(or $(ONE:%=$(PERFORMANCE_DIR)/%.md),$(PERFORMANCE_DIR)/*.md); do echo && cat $$file; done
-.PHONY: performance
+
+# docs/performance.md anew: its tables and its picture
+performance-docs: need-bench
+	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) docs/performance.md
+	cp $(PERFORMANCE_DIR)/performance.png docs/performance.png
+.PHONY: performance performance-docs
 
 # the recurrences by hand, compiled as the library is
 BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand.%.o)

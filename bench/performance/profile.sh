@@ -4,9 +4,9 @@
 # tests/instructions.txt, counted by callgrind with TVI_ISA=avx2 (valgrind knows no AVX-512). PROGRAM: see bench/instructions.sh.
 #   expansion     the Taylor curve
 #   node forces   the function at the nodes of the quadrature
-#   gradient      seeds and the pull back of the discrete action, without the forces
-#   Jacobians     matrices dQ/dz, where they are had
-#   closing       the equations of the generating function
+#   gradient      seeds of the discrete action's gradient, without the forces, and their product with the Jacobian matrices
+#   Jacobians     these matrices dQ/dz; 0 where only products are had
+#   closing       the equations of the generating function; with products the seeds' adjoint sweep is one with it
 #   corrector     factors, solutions and decisions of the passes, without the residuals
 #   rest          predictor, increments, compensated sums, copies
 set -u
@@ -24,6 +24,7 @@ grep -v '^#' tests/instructions.txt | while read -r scene method order h rest; d
             callee == "tvi_curve_expand" { expansion += n }
             callee == "values" && caller !~ /^series$|legendre/ { forces += n }
             callee == "tvi_action_seed" || callee == "tvi_curve_pull" { gradient += n }
+            callee == "tvi_curve_pull" && caller ~ /^tvi_close/ { closing -= n }
             callee == "tvi_curve_differentiate" { jacobians += n }
             callee ~ /^tvi_close_(type[123]|poincare)/ { closing += n }
             callee == "tvi_newton_solve" { corrector += n }
