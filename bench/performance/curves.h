@@ -17,9 +17,9 @@ typedef struct {
 open_curve *curve_open(const tvi_system *system, int N, const double q[], const double p[], double h);
 void curve_close(open_curve *c);
 
-/* Each is a turn of turns.h. */
-void curve_expand(void *open_curve);   /* one plain expansion */
-void curve_gradient(void *open_curve); /* the force at the nodes, the seeds, and one adjoint sweep */
-void curve_pull(void *open_curve);     /* the adjoint sweep alone */
+/* Each is a turn of turns.h; its context is an open_curve. */
+void curve_expand(void *opened);   /* one plain expansion */
+void curve_gradient(void *opened); /* the force at the nodes, the seeds, and one adjoint sweep */
+void curve_pull(void *opened);     /* the adjoint sweep alone */
 
 #endif

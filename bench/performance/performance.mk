@@ -11,7 +11,7 @@ performance: need-bench need-check
 	@for name in $(or $(ONE),$(PERFORMANCE)); do \
 	    OPENBLAS_NUM_THREADS=1 $(PERFORMANCE_DIR)/$$name $(PERFORMANCE_DIR) || exit 1; done
 	@[ -n "$(ONE)" ] || { echo '| | |'; echo '|---|---|'; \
-	    sed -n 's/^# \(processor\|compiler\|flags\|flags of the baselines\): \(.*\)/| \1 | \2 |/p' \
+	    sed -n 's/^# \(processor\|compiler\|flags\|flags of the baselines\|widest instruction set\): \(.*\)/| \1 | \2 |/p' \
 	        $(PERFORMANCE_DIR)/work_precision.csv; } >$(PERFORMANCE_DIR)/machine.md
 	@[ -n "$(ONE)" ] || bench/performance/profile.sh $(BUILD)/bench/steps >$(PERFORMANCE_DIR)/profile.md
 	@[ -n "$(ONE)" ] || gnuplot -c bench/performance/performance.gp $(PERFORMANCE_DIR) bench/experiments

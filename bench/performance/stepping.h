@@ -19,7 +19,7 @@ typedef struct {
 stepping stepping_open(const tvi_system *system, const tvi_options *options, const double q[], const double p[],
                        double h);
 void stepping_close(stepping *s);
-void stepping_go(void *stepping);
+void stepping_go(void *ctx); /* a stepping */
 /* us of a step. */
 double stepping_time(const turn *t);
 

@@ -4,6 +4,7 @@
  *   targets DIR */
 #include "experiments/experiment.h"
 #include "sweep.h"
+#include "turns.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -36,10 +37,7 @@ static const struct {
     double h;
 } collocations[] = {{&scene_kepler, "Kepler, galerkin 16 against Gauss 16, h = 0.25", 0.25},
                     {&scene_solar, "Solar System, galerkin 16 against Gauss 16, h = 400", 400}};
-enum {
-    RIVALRIES = sizeof rivalries / sizeof *rivalries,
-    COLLOCATIONS = sizeof collocations / sizeof *collocations
-};
+enum { RIVALRIES = sizeof rivalries / sizeof *rivalries, COLLOCATIONS = sizeof collocations / sizeof *collocations };
 static const double POSITION_ERROR = 1e-10, ENERGY_ERROR = 1e-6, COLLOCATION_MOST = 1.6, PAPER_LEAST = 10;
 
 /* ---- The table ------------------------------------------------------------------------------------------------------
@@ -76,7 +74,8 @@ static double write_pair(FILE *table, const run *ours, const run *theirs)
     return ours && theirs ? cpu[0] / cpu[1] : ours ? 0 : theirs ? INFINITY : NAN;
 }
 
-/* ---- Costs that the other programs have measured ----------------------------------------------------------------------
+/* ---- Costs that the other programs have measured
+ * ----------------------------------------------------------------------
  */
 
 /* Field `column` of the line of DIR/NAME.csv that begins with `key`; NAN where there is none. */
@@ -124,7 +123,8 @@ static void write_costs(FILE *table, const experiment *e)
         write_cost(table, series[i].what, field_of(e, "series", series[i].key, 5), series[i].most);
 }
 
-/* ---- Rivals -----------------------------------------------------------------------------------------------------------
+/* ---- Rivals
+ * -----------------------------------------------------------------------------------------------------------
  */
 
 static bool is_among(const run *row, const void *names)
@@ -171,13 +171,15 @@ static void write_collocations(FILE *table)
     }
 }
 
-/* ---- The paper ----------------------------------------------------------------------------------------------------------
+/* ---- The paper
+ * ----------------------------------------------------------------------------------------------------------
  */
 
 static void write_paper(const experiment *e, const report *r)
 {
-    FILE *table = experiment_table(e, "paper", "scene|default (h), position error|ms (time)|symmetric-tvi (h), position error|"
-                                               "ms (time)|times faster (time)|at least|met (time)");
+    FILE *table = experiment_table(e, "paper",
+                                   "scene|default (h), position error|ms (time)|symmetric-tvi (h), position error|"
+                                   "ms (time)|times faster (time)|at least|met (time)");
     for (const scene *const *s = scenes; *s; s++) {
         const run *ours = report_fastest(r, *s, report_energy_error, ENERGY_ERROR, report_is_named, "default");
         const run *theirs = report_fastest(r, *s, report_energy_error, ENERGY_ERROR, report_is_named, "symmetric-tvi");
@@ -188,7 +190,8 @@ static void write_paper(const experiment *e, const report *r)
     experiment_close(table);
 }
 
-/* ---- The sweeps ---------------------------------------------------------------------------------------------------------
+/* ---- The sweeps
+ * ---------------------------------------------------------------------------------------------------------
  */
 
 static void sweep_rivals(sweep *b)
@@ -219,8 +222,8 @@ static void sweep_paper(sweep *b)
 {
     static const method_range paper = {"symmetric-tvi", 4, 4, 1, true};
     static contenders list;
-    list.of[list.count++] = (contender){.name = "default", .order = tvi_options_default().order, .symplectic = true,
-                                        .options = tvi_options_default()};
+    list.of[list.count++] = (contender){
+        .name = "default", .order = tvi_options_default().order, .symplectic = true, .options = tvi_options_default()};
     contenders_add_methods(&list, &paper, 1);
     b->enough = ENERGY_ERROR;
     b->enough_of = report_energy_error;
@@ -236,10 +239,13 @@ int main(int argc, char *argv[])
     sweep b = {.begin = run_wall_clock(), .longest = LONGEST};
     b.end = b.begin + BUDGET;
     if (!report_open(&b.report, e.dir, argc, argv)) return EXIT_FAILURE;
+    report_remark(&b.report, "flags of the baselines: %s", baseline_flags);
+    report_remark(&b.report, "widest instruction set: %s", isa_name(ISA_WIDEST));
     sweep_rivals(&b);
     sweep_paper(&b);
-    FILE *table = experiment_table(&e, "targets", "target|ours: method order (h), position error (time)|ms (time)|"
-                                                  "theirs (time)|ms (time)|ratio (time)|at most|met (time)");
+    FILE *table = experiment_table(&e, "targets",
+                                   "target|ours: method order (h), position error (time)|ms (time)|"
+                                   "theirs (time)|ms (time)|ratio (time)|at most|met (time)");
     write_costs(table, &e);
     write_rivalries(table, &b.report);
     write_collocations(table);
