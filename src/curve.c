@@ -10,7 +10,7 @@
 
 enum {
     CURVE_LANES = 8,       /* directions of one tangent sweep: few enough to stay in the cache */
-    PRODUCTS_FROM = 10     /* the n from which products are cheaper than matrices (docs/performance.md) */
+    PRODUCTS_FROM = 8     /* the n from which products are cheaper than matrices (docs/performance.md) */
 };
 
 static size_t slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
