@@ -12,6 +12,7 @@ int main(void)
     srunner_add_suite(runner, identity_suite());
     srunner_add_suite(runner, tangent_suite());
     srunner_add_suite(runner, adjoint_suite());
+    srunner_add_suite(runner, isa_suite());
     srunner_add_suite(runner, gradient_suite());
     srunner_run_all(runner, CK_ENV);
     const int failed = srunner_ntests_failed(runner);

@@ -14,6 +14,7 @@ Suite *series_suite(void);
 Suite *identity_suite(void);
 Suite *tangent_suite(void);
 Suite *adjoint_suite(void);
+Suite *isa_suite(void);
 Suite *gradient_suite(void);
 
 /* An empty case of the suite. */
