@@ -119,6 +119,12 @@ extern const jet_rule JET_RULE_OF(mul), JET_RULE_OF(sqr), JET_RULE_OF(div), JET_
         JET_BLOCKS(x->width, ADJOINT, JET_OF);                                                                         \
     }
 
+/* All three, from KIND_SERIES, KIND_TANGENT and KIND_ADJOINT. */
+#define JET_FRAMES(name, KIND)                                                                                         \
+    JET_SERIES_FRAME(name, KIND##_SERIES)                                                                              \
+    JET_TANGENT_FRAME(name, KIND##_TANGENT)                                                                            \
+    JET_ADJOINT_FRAME(name, KIND##_ADJOINT)
+
 /* The line of the table. */
 #define JET_RULE(name, role)                                                                                           \
     const jet_rule JET_RULE_OF(name) = {role, name##_value, name##_series, name##_tangent, name##_adjoint, name##_pull};

@@ -44,9 +44,7 @@
         for (int i = 0; i < width; i++) z[i] = function(a[i]);                                                         \
         return true;                                                                                                   \
     }                                                                                                                  \
-    JET_SERIES_FRAME(name, SIGN##_SERIES)                                                                              \
-    JET_TANGENT_FRAME(name, SIGN##_TANGENT)                                                                            \
-    JET_ADJOINT_FRAME(name, SIGN##_ADJOINT)                                                                            \
+    JET_FRAMES(name, SIGN)                                                                                             \
     static jet name##_pull(struct jet_node *z, jet zbar, int which)                                                    \
     {                                                                                                                  \
         (void)which;                                                                                                   \
@@ -81,7 +79,6 @@ static bool sech2_value(double c, int width, const double *a, const double *b, d
         JET_SUM(V, sum, 0, k, S(V, b, j) * S(V, b, k - j));                                                            \
         JET_AT(V, z, k) = -sum;                                                                                        \
     }
-JET_SERIES_FRAME(sech2, SECH2_SERIES)
 
 /* dz_k = -2 sum_{j=0}^{k} b_j db_{k-j}. */
 #define SECH2_TANGENT(V, S)                                                                                            \
@@ -90,7 +87,6 @@ JET_SERIES_FRAME(sech2, SECH2_SERIES)
         JET_SUM(V, sum, 0, k, S(V, b, j) * JET_D_OF(V, db, k - j));                                                    \
         JET_D_AT(V, dz, k) = -2.0 * sum;                                                                                 \
     }
-JET_TANGENT_FRAME(sech2, SECH2_TANGENT)
 
 /* bbar_j -= 2 zbar_k b_{k-j},  j = 0..k. */
 #define SECH2_ADJOINT(V, S)                                                                                            \
@@ -98,7 +94,8 @@ JET_TANGENT_FRAME(sech2, SECH2_TANGENT)
         const V bar = -2.0 * S(V, zbar, k);                                                                              \
         JET_EACH(0, k, JET_AT(V, bbar, j) += bar * S(V, b, k - j));                                                    \
     }
-JET_ADJOINT_FRAME(sech2, SECH2_ADJOINT)
+
+JET_FRAMES(sech2, SECH2)
 
 /* dz/da = -2 b z. */
 static jet sech2_pull(struct jet_node *z, jet zbar, int which)

@@ -51,9 +51,7 @@
         }                                                                                                              \
         return !bad;                                                                                                   \
     }                                                                                                                  \
-    JET_SERIES_FRAME(name, SIGN##_SERIES)                                                                              \
-    JET_TANGENT_FRAME(name, SIGN##_TANGENT)                                                                            \
-    JET_ADJOINT_FRAME(name, SIGN##_ADJOINT)                                                                            \
+    JET_FRAMES(name, SIGN)                                                                                             \
     static jet name##_pull(struct jet_node *z, jet zbar, int which)                                                    \
     {                                                                                                                  \
         (void)which;                                                                                                   \

@@ -24,7 +24,6 @@ static bool sqrt_value(double c, int width, const double *a, const double *b, do
         JET_SUM(V, sum, 1, k - 1, S(V, z, j) * S(V, z, k - j));                                                        \
         JET_AT(V, z, k) = (S(V, a, k) - sum) / (2.0 * S(V, z, 0));                                                       \
     }
-JET_SERIES_FRAME(sqrt, SQRT_SERIES)
 
 /* dz_k = (da_k - 2 sum_{j=1}^{k} z_j dz_{k-j}) / (2 z_0). */
 #define SQRT_TANGENT(V, S)                                                                                             \
@@ -33,7 +32,6 @@ JET_SERIES_FRAME(sqrt, SQRT_SERIES)
         JET_SUM(V, sum, 1, k, S(V, z, j) * JET_D_OF(V, dz, k - j));                                                    \
         JET_D_AT(V, dz, k) = (JET_D_OF(V, da, k) - 2.0 * sum) / (2.0 * S(V, z, 0));                                        \
     }
-JET_TANGENT_FRAME(sqrt, SQRT_TANGENT)
 
 /* With s = zbar_k / (2 z_0):  abar_k += s,  zbar_{k-j} -= 2 s z_j (j = 1..k). */
 #define SQRT_ADJOINT(V, S)                                                                                             \
@@ -42,7 +40,8 @@ JET_TANGENT_FRAME(sqrt, SQRT_TANGENT)
         JET_AT(V, abar, k) += s;                                                                                       \
         JET_EACH(1, k, JET_AT(V, zbar, k - j) -= 2.0 * s * S(V, z, j));                                                  \
     }
-JET_ADJOINT_FRAME(sqrt, SQRT_ADJOINT)
+
+JET_FRAMES(sqrt, SQRT)
 
 /* dz/da = 1 / (2 z). */
 static jet sqrt_pull(struct jet_node *z, jet zbar, int which)
@@ -106,7 +105,6 @@ static bool pow_value(double c, int width, const double *a, const double *b, dou
         JET_SUM(V, sum, 1, k, ((c + 1) * j - k) * S(V, a, j) * S(V, z, k - j));                                        \
         JET_AT(V, z, k) = sum / ((double)k * S(V, a, 0));                                                                      \
     }
-JET_SERIES_FRAME(pow, POW_SERIES)
 
 /* k a_0 dz_k = sum_{j=1}^{k} (c j - (k-j)) (a_j dz_{k-j} + z_{k-j} da_j) - k z_k da_0;   dz_0 = c z_0 / a_0 da_0. */
 #define POW_TANGENT(V, S)                                                                                              \
@@ -117,7 +115,6 @@ JET_SERIES_FRAME(pow, POW_SERIES)
                 ((c + 1) * j - k) * (S(V, a, j) * JET_D_OF(V, dz, k - j) + S(V, z, k - j) * JET_D_OF(V, da, j)));      \
         JET_D_AT(V, dz, k) = sum / (order * S(V, a, 0));                                                               \
     }
-JET_TANGENT_FRAME(pow, POW_TANGENT)
 
 /* With s = zbar_k / (k a_0):  abar_j += s (c j - (k-j)) z_{k-j} and zbar_{k-j} += s (c j - (k-j)) a_j (j = 1..k),
  * abar_0 -= s k z_k;   abar_0 += c zbar_0 z_0 / a_0. */
@@ -129,7 +126,8 @@ JET_TANGENT_FRAME(pow, POW_TANGENT)
         JET_EACH(1, k, JET_AT(V, zbar, k - j) += ((c + 1) * j - k) * s * S(V, a, j));                                  \
         JET_AT(V, abar, 0) += (k > 0 ? -k : c) * s * S(V, z, k);                                                       \
     }
-JET_ADJOINT_FRAME(pow, POW_ADJOINT)
+
+JET_FRAMES(pow, POW)
 
 /* dz/da = c a^(c-1). */
 static jet pow_pull(struct jet_node *z, jet zbar, int which)

@@ -17,7 +17,6 @@ static bool mul_value(double c, int width, const double *a, const double *b, dou
         JET_SUM(V, sum, 0, k, S(V, a, j) * S(V, b, k - j));                                                            \
         JET_AT(V, z, k) = sum;                                                                                         \
     }
-JET_SERIES_FRAME(mul, MUL_SERIES)
 
 /* dz_k = sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
 #define MUL_TANGENT(V, S)                                                                                              \
@@ -26,7 +25,6 @@ JET_SERIES_FRAME(mul, MUL_SERIES)
         JET_SUM(V, sum, 0, k, S(V, b, j) * JET_D_OF(V, da, k - j) + S(V, a, j) * JET_D_OF(V, db, k - j));              \
         JET_D_AT(V, dz, k) = sum;                                                                                      \
     }
-JET_TANGENT_FRAME(mul, MUL_TANGENT)
 
 /* abar_j += zbar_k b_{k-j},  bbar_j += zbar_k a_{k-j},  j = 0..k. */
 #define MUL_ADJOINT(V, S)                                                                                              \
@@ -35,7 +33,8 @@ JET_TANGENT_FRAME(mul, MUL_TANGENT)
         JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, b, k - j));                                                    \
         JET_EACH(0, k, JET_AT(V, bbar, j) += bar * S(V, a, k - j));                                                    \
     }
-JET_ADJOINT_FRAME(mul, MUL_ADJOINT)
+
+JET_FRAMES(mul, MUL)
 
 static jet mul_pull(struct jet_node *z, jet zbar, int which)
 {
@@ -61,7 +60,6 @@ static bool sqr_value(double c, int width, const double *a, const double *b, dou
         const V half = S(V, a, k / 2);                                                                                 \
         JET_AT(V, z, k) = 2.0 * sum + (k % 2 == 0 ? 1.0 : 0.0) * (half * half);                                          \
     }
-JET_SERIES_FRAME(sqr, SQR_SERIES)
 
 /* dz_k = 2 sum_{j=0}^{k} a_j da_{k-j}. */
 #define SQR_TANGENT(V, S)                                                                                              \
@@ -70,7 +68,6 @@ JET_SERIES_FRAME(sqr, SQR_SERIES)
         JET_SUM(V, sum, 0, k, S(V, a, j) * JET_D_OF(V, da, k - j));                                                    \
         JET_D_AT(V, dz, k) = 2.0 * sum;                                                                                  \
     }
-JET_TANGENT_FRAME(sqr, SQR_TANGENT)
 
 /* abar_j += 2 zbar_k a_{k-j},  j = 0..k. */
 #define SQR_ADJOINT(V, S)                                                                                              \
@@ -78,7 +75,8 @@ JET_TANGENT_FRAME(sqr, SQR_TANGENT)
         const V bar = 2.0 * S(V, zbar, k);                                                                               \
         JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, a, k - j));                                                    \
     }
-JET_ADJOINT_FRAME(sqr, SQR_ADJOINT)
+
+JET_FRAMES(sqr, SQR)
 
 static jet sqr_pull(struct jet_node *z, jet zbar, int which)
 {
@@ -108,7 +106,6 @@ static bool div_value(double c, int width, const double *a, const double *b, dou
         JET_SUM(V, sum, 1, k, S(V, b, j) * S(V, z, k - j));                                                            \
         JET_AT(V, z, k) = (S(V, a, k) - sum) / S(V, b, 0);                                                             \
     }
-JET_SERIES_FRAME(div, DIV_SERIES)
 
 /* dz_k = (da_k - sum_{j=0}^{k} z_j db_{k-j} - sum_{j=1}^{k} b_j dz_{k-j}) / b_0. */
 #define DIV_TANGENT(V, S)                                                                                              \
@@ -117,7 +114,6 @@ JET_SERIES_FRAME(div, DIV_SERIES)
         JET_SUM(V, sum, 1, k, S(V, z, j) * JET_D_OF(V, db, k - j) + S(V, b, j) * JET_D_OF(V, dz, k - j));              \
         JET_D_AT(V, dz, k) = (JET_D_OF(V, da, k) - sum) / S(V, b, 0);                                                  \
     }
-JET_TANGENT_FRAME(div, DIV_TANGENT)
 
 /* With s = zbar_k / b_0:  abar_k += s,  bbar_j -= s z_{k-j} (j = 0..k),  zbar_{k-j} -= s b_j (j = 1..k). */
 #define DIV_ADJOINT(V, S)                                                                                              \
@@ -127,7 +123,8 @@ JET_TANGENT_FRAME(div, DIV_TANGENT)
         JET_EACH(0, k, JET_AT(V, bbar, j) -= s * S(V, z, k - j));                                                      \
         JET_EACH(1, k, JET_AT(V, zbar, k - j) -= s * S(V, b, j));                                                      \
     }
-JET_ADJOINT_FRAME(div, DIV_ADJOINT)
+
+JET_FRAMES(div, DIV)
 
 /* dz/da = 1 / b,  dz/db = -z / b. */
 static jet div_pull(struct jet_node *z, jet zbar, int which)
