@@ -8,7 +8,7 @@
 #   Jacobians     these matrices dQ/dz; 0 where only products are had
 #   closing       the equations of the generating function; with products the seeds' adjoint sweep is one with it
 #   corrector     factors, solutions and decisions of the passes, without the residuals
-#   rest          predictor, increments, compensated sums, copies
+#   rest          predictor, increments, compensated sums, copies; of Galerkin the sums of the collocation
 set -u
 program=$1
 
@@ -34,7 +34,7 @@ grep -v '^#' tests/instructions.txt | while read -r scene method order h rest; d
                 if (!total) exit 1
                 rest = total
                 printf "%s %d |", head, total
-                cell(expansion); cell(forces); cell(gradient - forces); cell(jacobians); cell(closing); cell(corrector)
+                cell(expansion); cell(forces); cell(gradient ? gradient - forces : 0); cell(jacobians); cell(closing); cell(corrector)
                 printf " %.1f |\n", 100 * rest / total
             }' || exit 1
 done
