@@ -147,6 +147,7 @@ static void write_rivalries(FILE *table, const report *r, const char *method)
 {
     for (int i = 0; i < RIVALRIES; i++) {
         const scene *s = rivalries[i].scene;
+        if (!report_fastest(r, s, report_position_error, INFINITY, report_is_named, method)) continue; /* not served */
         const run *ours = report_fastest(r, s, report_position_error, POSITION_ERROR, report_is_named, method);
         const run *theirs = report_fastest(r, s, report_position_error, POSITION_ERROR, is_among, rivalries[i].rivals);
         fprintf(table, "| %s |", rivalries[i].title);
