@@ -49,8 +49,7 @@ static tvi_status find_graph(int count, const jet x[], jet_graph **graph)
 
 static jet number_or_poison(double value) { return isfinite(value) ? jet_const(value) : poison(TVI_ENONFINITE); }
 
-/* ---- The graph ----------------------------------------------------------------------------------------------------
- */
+/* ---- The graph --------------------------------------------------------------------------------------------------- */
 
 struct jet_node *jet_graph_node(const jet_graph *graph, int index)
 {
@@ -206,8 +205,7 @@ tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[])
     return TVI_OK;
 }
 
-/* ---- Linear combinations ------------------------------------------------------------------------------------------
- */
+/* ---- Linear combinations ----------------------------------------------------------------------------------------- */
 
 /* Adds coefficient * node to the terms, to an equal node's term where there is one. */
 static void collect(struct jet_node *sum, double coefficient, struct jet_node *node)
@@ -298,8 +296,7 @@ jet jet_dot(const jet x[], const jet y[], int count)
     return sum;
 }
 
-/* ---- Products, quotients, powers, functions -----------------------------------------------------------------------
- */
+/* ---- Products, quotients, powers, functions ---------------------------------------------------------------------- */
 
 /* The operation on numbers alone, by the rule's own value. */
 static jet fold(jet_op op, double c, double a, double b)

@@ -81,7 +81,7 @@ extern const jet_rule JET_RULE_OF(mul), JET_RULE_OF(sqr), JET_RULE_OF(div), JET_
     JET_RULE_OF(exp), JET_RULE_OF(sin), JET_RULE_OF(cos), JET_RULE_OF(sinh), JET_RULE_OF(cosh), JET_RULE_OF(tan),
     JET_RULE_OF(tanh), JET_RULE_OF(sech2), JET_RULE_OF(log), JET_RULE_OF(asin), JET_RULE_OF(acos), JET_RULE_OF(atan);
 
-/* ---- Frames -------------------------------------------------------------------------------------------------------- */
+/* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 /* Defines name_series from SERIES(V, S), which sets JET_AT(V, z, k). */
 #define JET_SERIES_FRAME(name, SERIES)                                                                                 \

@@ -8,7 +8,7 @@
 #define GROWTH_SERIES(V, S, s)                                                                                         \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 1, k, (double)j * S(V, a, j) * S(V, b, k - j));                                                \
+        JET_SUM(V, sum, 1, k, (double)j *S(V, a, j) * S(V, b, k - j));                                                 \
         JET_AT(V, z, k) = sum * ((s) / (double)k);                                                                     \
     }
 
@@ -16,7 +16,7 @@
 #define GROWTH_TANGENT(V, S, s)                                                                                        \
     {                                                                                                                  \
         V sum = (k == 0 ? 1.0 : 0.0) * S(V, b, 0) * JET_D_OF(V, da, 0);                                                \
-        JET_SUM(V, sum, 1, k, (double)j * (S(V, a, j) * JET_D_OF(V, db, k - j) + S(V, b, k - j) * JET_D_OF(V, da, j))); \
+        JET_SUM(V, sum, 1, k, (double)j *(S(V, a, j) * JET_D_OF(V, db, k - j) + S(V, b, k - j) * JET_D_OF(V, da, j))); \
         JET_D_AT(V, dz, k) = sum * ((s) / (k > 0 ? (double)k : 1.0));                                                  \
     }
 
@@ -85,13 +85,13 @@ static bool sech2_value(double c, int width, const double *a, const double *b, d
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 0, k, S(V, b, j) * JET_D_OF(V, db, k - j));                                                    \
-        JET_D_AT(V, dz, k) = -2.0 * sum;                                                                                 \
+        JET_D_AT(V, dz, k) = -2.0 * sum;                                                                               \
     }
 
 /* bbar_j -= 2 zbar_k b_{k-j},  j = 0..k. */
 #define SECH2_ADJOINT(V, S)                                                                                            \
     {                                                                                                                  \
-        const V bar = -2.0 * S(V, zbar, k);                                                                              \
+        const V bar = -2.0 * S(V, zbar, k);                                                                            \
         JET_EACH(0, k, JET_AT(V, bbar, j) += bar * S(V, b, k - j));                                                    \
     }
 

@@ -18,12 +18,13 @@
     {                                                                                                                  \
         const double scale = k > 0 ? 1 / (double)k : 1;                                                                \
         V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 1, k, (double)j * S(V, z, j) * JET_D_OF(V, db, k - j));                                        \
+        JET_SUM(V, sum, 1, k, (double)j *S(V, z, j) * JET_D_OF(V, db, k - j));                                         \
         JET_SUM(V, sum, 1, k - 1, (double)(k - j) * S(V, b, j) * JET_D_OF(V, dz, k - j));                              \
         JET_D_AT(V, dz, k) = (s * JET_D_OF(V, da, k) - scale * sum) / S(V, b, 0);                                      \
     }
 
-/* With u = zbar_k / b_0:  abar_k += s u,  bbar_{k-j} -= (j/k) u z_j (j = 1..k),  zbar_j -= (j/k) u b_{k-j} (j = 1..k-1). */
+/* With u = zbar_k / b_0:  abar_k += s u,  bbar_{k-j} -= (j/k) u z_j (j = 1..k),  zbar_j -= (j/k) u b_{k-j} (j
+ * = 1..k-1). */
 #define INVERSE_ADJOINT(V, S, s)                                                                                       \
     {                                                                                                                  \
         const V u = S(V, zbar, k) / S(V, b, 0);                                                                        \

@@ -22,7 +22,7 @@ static bool sqrt_value(double c, int width, const double *a, const double *b, do
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 1, k - 1, S(V, z, j) * S(V, z, k - j));                                                        \
-        JET_AT(V, z, k) = (S(V, a, k) - sum) / (2.0 * S(V, z, 0));                                                       \
+        JET_AT(V, z, k) = (S(V, a, k) - sum) / (2.0 * S(V, z, 0));                                                     \
     }
 
 /* dz_k = (da_k - 2 sum_{j=1}^{k} z_j dz_{k-j}) / (2 z_0). */
@@ -30,15 +30,15 @@ static bool sqrt_value(double c, int width, const double *a, const double *b, do
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 1, k, S(V, z, j) * JET_D_OF(V, dz, k - j));                                                    \
-        JET_D_AT(V, dz, k) = (JET_D_OF(V, da, k) - 2.0 * sum) / (2.0 * S(V, z, 0));                                        \
+        JET_D_AT(V, dz, k) = (JET_D_OF(V, da, k) - 2.0 * sum) / (2.0 * S(V, z, 0));                                    \
     }
 
 /* With s = zbar_k / (2 z_0):  abar_k += s,  zbar_{k-j} -= 2 s z_j (j = 1..k). */
 #define SQRT_ADJOINT(V, S)                                                                                             \
     {                                                                                                                  \
-        const V s = S(V, zbar, k) / (2.0 * S(V, z, 0));                                                                  \
+        const V s = S(V, zbar, k) / (2.0 * S(V, z, 0));                                                                \
         JET_AT(V, abar, k) += s;                                                                                       \
-        JET_EACH(1, k, JET_AT(V, zbar, k - j) -= 2.0 * s * S(V, z, j));                                                  \
+        JET_EACH(1, k, JET_AT(V, zbar, k - j) -= 2.0 * s * S(V, z, j));                                                \
     }
 
 JET_FRAMES(sqrt, SQRT)
@@ -103,13 +103,13 @@ static bool pow_value(double c, int width, const double *a, const double *b, dou
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 1, k, ((c + 1) * j - k) * S(V, a, j) * S(V, z, k - j));                                        \
-        JET_AT(V, z, k) = sum / ((double)k * S(V, a, 0));                                                                      \
+        JET_AT(V, z, k) = sum / ((double)k * S(V, a, 0));                                                              \
     }
 
 /* k a_0 dz_k = sum_{j=1}^{k} (c j - (k-j)) (a_j dz_{k-j} + z_{k-j} da_j) - k z_k da_0;   dz_0 = c z_0 / a_0 da_0. */
 #define POW_TANGENT(V, S)                                                                                              \
     {                                                                                                                  \
-        const double order = k > 0 ? k : 1;                                                                              \
+        const double order = k > 0 ? k : 1;                                                                            \
         V sum = (k > 0 ? -k : c) * S(V, z, k) * JET_D_OF(V, da, 0);                                                    \
         JET_SUM(V, sum, 1, k,                                                                                          \
                 ((c + 1) * j - k) * (S(V, a, j) * JET_D_OF(V, dz, k - j) + S(V, z, k - j) * JET_D_OF(V, da, j)));      \
@@ -120,7 +120,7 @@ static bool pow_value(double c, int width, const double *a, const double *b, dou
  * abar_0 -= s k z_k;   abar_0 += c zbar_0 z_0 / a_0. */
 #define POW_ADJOINT(V, S)                                                                                              \
     {                                                                                                                  \
-        const double order = k > 0 ? k : 1;                                                                              \
+        const double order = k > 0 ? k : 1;                                                                            \
         const V s = S(V, zbar, k) / (order * S(V, a, 0));                                                              \
         JET_EACH(1, k, JET_AT(V, abar, j) += ((c + 1) * j - k) * s * S(V, z, k - j));                                  \
         JET_EACH(1, k, JET_AT(V, zbar, k - j) += ((c + 1) * j - k) * s * S(V, a, j));                                  \

@@ -58,7 +58,7 @@ static bool sqr_value(double c, int width, const double *a, const double *b, dou
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 0, (k - 1) / 2, S(V, a, j) * S(V, a, k - j));                                                  \
         const V half = S(V, a, k / 2);                                                                                 \
-        JET_AT(V, z, k) = 2.0 * sum + (k % 2 == 0 ? 1.0 : 0.0) * (half * half);                                          \
+        JET_AT(V, z, k) = 2.0 * sum + (k % 2 == 0 ? 1.0 : 0.0) * (half * half);                                        \
     }
 
 /* dz_k = 2 sum_{j=0}^{k} a_j da_{k-j}. */
@@ -66,13 +66,13 @@ static bool sqr_value(double c, int width, const double *a, const double *b, dou
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 0, k, S(V, a, j) * JET_D_OF(V, da, k - j));                                                    \
-        JET_D_AT(V, dz, k) = 2.0 * sum;                                                                                  \
+        JET_D_AT(V, dz, k) = 2.0 * sum;                                                                                \
     }
 
 /* abar_j += 2 zbar_k a_{k-j},  j = 0..k. */
 #define SQR_ADJOINT(V, S)                                                                                              \
     {                                                                                                                  \
-        const V bar = 2.0 * S(V, zbar, k);                                                                               \
+        const V bar = 2.0 * S(V, zbar, k);                                                                             \
         JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, a, k - j));                                                    \
     }
 

@@ -7,8 +7,7 @@
 static const double *slot(const double *x, int index, int lanes) { return x + (size_t)index * (size_t)lanes; }
 static double *slot_of(double *x, int index, int lanes) { return x + (size_t)index * (size_t)lanes; }
 
-/* ---- z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number -------------
- */
+/* ---- z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number ---------- */
 
 /* function(tape, run, x, terms), with the number of terms known to the compiler where it is small. */
 #define BY_TERMS(function, tape, run, x)                                                                               \
@@ -102,8 +101,7 @@ static void linear_adjoints(const jet_tape *tape, const jet_run *run, double *ba
     BY_TERMS(adjoints_of_one, tape, run, bar);
 }
 
-/* ---- The sweeps ---------------------------------------------------------------------------------------------------
- */
+/* ---- The sweeps -------------------------------------------------------------------------------------------------- */
 
 static bool values(const jet_tape *tape, double *x, int lanes)
 {

@@ -97,8 +97,7 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
     if (action->bend) jet_tape_prepare(system->bend_values, action->bend, 1, points);
 }
 
-/* ---- The curve at the nodes -----------------------------------------------------------------------------------------
- */
+/* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
 /* row[node] = sum_{k <= degree} coefficient_k table[k][node], coefficient_k at first + k * stride. */
 static void at_nodes(const tvi_action *action, int degree, const double *first, size_t stride, const double *table,
@@ -149,8 +148,7 @@ static const double *output_row(const tvi_action *action, const jet_tape *tape, 
     return x + (size_t)tape->output[i] * (size_t)action->points;
 }
 
-/* ---- What multiplies dq_i, dv_i and dp_i
- * ------------------------------------------------------------------------------ */
+/* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
 
 static tvi_status run_field(const tvi_action *action, const tvi_curve *curve)
 {
@@ -293,8 +291,7 @@ static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
     return TVI_OK;
 }
 
-/* ---- The seeds ------------------------------------------------------------------------------------------------------
- */
+/* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
 /* row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
 static const double *over_nodes(const tvi_action *action, const double *weighted_table, const double *x)

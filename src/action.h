@@ -20,12 +20,12 @@ typedef struct {
     tvi_action_kind kind;
     bool truncated;
     const jet_sweeps *sweeps;
-    bool has_velocity_defect; /* L_v - p is not 0 by construction */
-    bool has_momentum_defect; /* g. - tau H_p is not 0 by construction */
+    bool has_velocity_defect;               /* L_v - p is not 0 by construction */
+    bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points, orders; /* orders: top + 1 */
-    double *s, *weight;    /* [points] in scaled time, sum of the weights = to - from */
-    double *power, *slope; /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
-    double *node_power;    /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
+    double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
+    double *power, *slope;                  /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
+    double *node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
     double *weighted_power, *weighted_slope; /* [points][top + 1]: times the weight, for sums over the nodes */
     double *row;                             /* [top + 1] */
     double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */

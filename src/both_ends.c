@@ -45,19 +45,18 @@ typedef struct {
     side a, b;
     tvi_newton newton; /* unknowns v0, q1, v1, scaled as the z of the curves */
     tvi_legendre legendre;
-    tvi_combination q_unit, z_unit;     /* the centre data of a, a unit of scaled time later */
-    double *pi_rate;                    /* [n][points] pi. */
-    double *row;                        /* [points] */
-    double *z;                          /* [2n] */
-    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
-    double *from_p;                     /* [n] p0 - p_a(0) */
-    double *rise_p;                     /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
-    double *dq, *dp;                    /* [n] of the last step */
-    double *shift;                      /* [n] */
+    tvi_combination q_unit, z_unit; /* the centre data of a, a unit of scaled time later */
+    double *pi_rate;                /* [n][points] pi. */
+    double *row;                    /* [points] */
+    double *z;                      /* [2n] */
+    double *velocity;               /* [n] of the last predictor, Lagrangian; in the history */
+    double *from_p;                 /* [n] p0 - p_a(0) */
+    double *rise_p;                 /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
+    double *dq, *dp;                /* [n] of the last step */
+    double *shift;                  /* [n] */
 } work;
 
-/* ---- Memory and tables
- * ----------------------------------------------------------------------------------------------- */
+/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
 static void take_side(side *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options, double sign)
 {
@@ -133,8 +132,7 @@ static void prepare(void *taken)
     if (w->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
 }
 
-/* ---- The nodes
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- The nodes --------------------------------------------------------------------------------------------------- */
 
 /* row = sum_{least <= k <= degree} coefficient_k table_k, coefficient_k at first + k * stride. */
 static void sum_at_nodes(work *w, int least, int degree, const double *first, size_t stride, const double *table)
@@ -236,8 +234,7 @@ static tvi_status gradient(work *w)
     return TVI_OK;
 }
 
-/* ---- The residual
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* B^T multiplier = R_v;  out += sign (A - I)^T multiplier. */
 static tvi_status solve_multiplier(work *w, side *x)
@@ -359,8 +356,7 @@ static bool jacobian(void *self, double matrix[])
     return true;
 }
 
-/* ---- The step
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 /* The curve a from (q0, p0), and its end as the data of b. */
 static tvi_status predict(work *w)

@@ -12,7 +12,8 @@
 #include "system.h"
 
 /* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
- * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is. */
+ * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is.
+ */
 typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
 
 typedef struct {
@@ -62,13 +63,35 @@ TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 /* The Jacobian matrices of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
+/* ---- The block of the series ------------------------------------------------------------------------------------- */
+
+enum { TVI_CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
+
+static inline size_t tvi_curve_slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
+
+static inline size_t tvi_curve_lanes(const tvi_curve *curve)
+{
+    return 2 * curve->n < TVI_CURVE_LANES ? 2 * (size_t)curve->n : TVI_CURVE_LANES;
+}
+
+/* Order k: q, then velocity or momentum of a Lagrangian or a Hamiltonian. */
+static inline double *tvi_curve_input(const tvi_curve *curve, int k)
+{
+    return curve->x + (size_t)k * tvi_curve_slots(curve);
+}
+
+/* Output i of the field at order k. */
+static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
+{
+    return tvi_curve_input(curve, k)[curve->system->field_series->output[i]];
+}
+
+/* ---- Sums -------------------------------------------------------------------------------------------------------- */
+
 /* P_k [n]. */
 void tvi_curve_momentum(const tvi_curve *curve, int k, double out[]);
 /* Q_k where it stands. */
-static inline const double *tvi_curve_Q(const tvi_curve *curve, int k)
-{
-    return curve->x + (size_t)k * (size_t)curve->system->field_series->slots;
-}
+static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return tvi_curve_input(curve, k); }
 
 /* out[n], or matrix[n][2n], of a combination and of its Jacobian; the small terms first. */
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
@@ -81,9 +104,9 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
  * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
-/* Products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of combinations times
- * x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top: a rough product
- * costs O(last^2). */
+/* Products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of combinations
+ * times x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top: a rough
+ * product costs O(last^2). */
 void tvi_curve_clear_seeds(tvi_curve *curve, int last);
 void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[]);
 void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[]);

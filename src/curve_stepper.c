@@ -24,17 +24,17 @@ typedef struct {
     tvi_action action;
     tvi_newton newton;
     tvi_legendre legendre;
-    tvi_combination q_back;             /* q- - Q_0 */
-    tvi_combination q_unit, z_unit;     /* the centre data a unit of scaled time later */
-    tvi_combination dense_q, dense_u;   /* for one point of dense output */
-    double *z;                          /* [2n] predictor */
-    double *dz;                         /* [2n] what z lacks at the end of the passes */
-    double *z_jacobian;                 /* [2n] where the Jacobians of the curve were taken */
-    bool has_jacobian;                  /* they were, in the step at hand */
-    bool is_new_jacobian;               /* they were, since the corrector last asked */
-    double *p_size;                     /* [n] sum_k |P_k| */
-    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
-    double *shift;                      /* [n] */
+    tvi_combination q_back;           /* q- - Q_0 */
+    tvi_combination q_unit, z_unit;   /* the centre data a unit of scaled time later */
+    tvi_combination dense_q, dense_u; /* for one point of dense output */
+    double *z;                        /* [2n] predictor */
+    double *dz;                       /* [2n] what z lacks at the end of the passes */
+    double *z_jacobian;               /* [2n] where the Jacobians of the curve were taken */
+    bool has_jacobian;                /* they were, in the step at hand */
+    bool is_new_jacobian;             /* they were, since the corrector last asked */
+    double *p_size;                   /* [n] sum_k |P_k| */
+    double *velocity;                 /* [n] of the last predictor, Lagrangian; in the history */
+    double *shift;                    /* [n] */
 } work;
 
 static bool has_products(const work *w) { return w->closure.curve.jacobians == TVI_JACOBIAN_PRODUCTS; }
@@ -119,8 +119,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
-/* ---- The weights of the ends ----------------------------------------------------------------------------------------
- */
+/* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
 /* z_unit: tau v = sum k Q_k, but p of a Hamiltonian. */
 static void set_unit_step(work *w)
@@ -154,8 +153,7 @@ static void prepare(void *taken)
     if (w->close) tvi_action_prepare(&w->action, c->system, w->options, c->span, c->curve.top);
 }
 
-/* ---- The predictor --------------------------------------------------------------------------------------------------
- */
+/* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
 static tvi_status expand(work *w, const double z[], double centre)
 {
@@ -182,8 +180,7 @@ static double centre(const work *w)
     return w->origin->t + (w->origin->t_low - w->closure.span.from * w->closure.curve.tau);
 }
 
-/* ---- The residual ---------------------------------------------------------------------------------------------------
- */
+/* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve
  * of degree 0 or 1 knows of a body that starts at rest is the corrections. */
@@ -335,8 +332,7 @@ static void correct_by_product(void *self, double correction[])
     tvi_close_correct(&w->closure, correction);
 }
 
-/* ---- The step
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 static tvi_status correct(work *w)
 {

@@ -54,8 +54,7 @@ typedef struct {
     long double unit[MAX_LANES]; /* 1 / prod_{k != j} (c_j - c_k) */
 } galerkin;
 
-/* ---- Memory and tables ---------------------------------------------------------------------------------------------
- */
+/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
 static int lanes_for(int points)
 {
@@ -265,8 +264,7 @@ static void set_prediction(galerkin *w, double ratio)
         }
 }
 
-/* ---- The field
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- The field --------------------------------------------------------------------------------------------------- */
 
 /* What drives the unknowns, where they are. */
 static tvi_status evaluate(galerkin *w)
@@ -289,8 +287,7 @@ static void set_times(galerkin *w, const tvi_origin *origin, double h)
     tvi_system_set_time(w->system, w->nodes.x, w->nodes.lanes, t);
 }
 
-/* ---- The predictor
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
 static void set_start(galerkin *w, const tvi_origin *origin)
 {
@@ -353,8 +350,7 @@ static void set_sizes(galerkin *w)
     }
 }
 
-/* ---- The passes
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- The passes -------------------------------------------------------------------------------------------------- */
 
 /* Squares of relative movements: one after which there must be another pass, one that may be roundoff, one that is
  * none, and one that no sum of many steps shows. What a step leaves out is the same in the next one, where roundoff
@@ -430,8 +426,7 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates
     return iterate(w, stats);
 }
 
-/* ---- The step
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 static void set_increments(const galerkin *w, const tvi_origin *origin, double dq[], double dp[])
 {

@@ -1,6 +1,6 @@
-/* generating.c - the linear algebra that generating functions share: solutions of equations with the transposed Jacobians
- * of the curve's ends. Where the curve has these as matrices they are factored. Where it has only products with them,
- * the equations are solved by iteration, and no matrix is formed at all. */
+/* generating.c - the linear algebra that generating functions share: solutions of equations with the transposed
+ * Jacobians of the curve's ends. Where the curve has these as matrices they are factored. Where it has only products
+ * with them, the equations are solved by iteration, and no matrix is formed at all. */
 #include "generating.h"
 
 #include <float.h>
@@ -29,7 +29,7 @@ void tvi_close_take(tvi_closure *closure, tvi_arena *arena)
     tvi_factor_take(&closure->full, arena, 2 * closure->n);
 }
 
-/* ---- By iteration --------------------------------------------------------------------------------------------------- */
+/* ---- By iteration ------------------------------------------------------------------------------------------------ */
 
 /* A^T x = b, x of the combination(s): columns `half` of one Jacobian, or all of two. */
 typedef struct {
@@ -37,19 +37,19 @@ typedef struct {
     tvi_half half;
 } operator;
 
-static int unknowns(const tvi_closure *c, const operator *a) { return a->second ? 2 * c->n : c->n; }
+static int unknowns(const tvi_closure *c, const operator* a) { return a->second ? 2 * c->n : c->n; }
 
 /* Where the equations stand in a product with both halves. */
-static int place_of(const tvi_closure *c, const operator *a) { return a->second || a->half == TVI_FIRST ? 0 : c->n; }
+static int place_of(const tvi_closure *c, const operator* a) { return a->second || a->half == TVI_FIRST ? 0 : c->n; }
 
-static void add_seeds(tvi_closure *c, int last, const operator *a, double factor, const double x[])
+static void add_seeds(tvi_closure *c, int last, const operator* a, double factor, const double x[])
 {
     tvi_curve_add_sum(&c->curve, last, a->first, factor, x);
     if (a->second) tvi_curve_add_sum(&c->curve, last, a->second, factor, x + c->n);
 }
 
 /* r = D_z - A^T x, both halves, by one product. */
-static void form_remainder(tvi_closure *c, const operator *a)
+static void form_remainder(tvi_closure *c, const operator* a)
 {
     const int top = c->curve.top;
     tvi_curve_clear_seeds(&c->curve, top);
@@ -59,7 +59,7 @@ static void form_remainder(tvi_closure *c, const operator *a)
 }
 
 /* out = A^T x, both halves, as roughly as the iteration needs it. */
-static void apply(tvi_closure *c, const operator *a, const double x[], double out[])
+static void apply(tvi_closure *c, const operator* a, const double x[], double out[])
 {
     const int last = c->iteration.last;
     tvi_curve_clear_seeds(&c->curve, last);
@@ -87,7 +87,7 @@ static void precondition_half(tvi_closure *c, const tvi_combination *combination
 }
 
 /* r <- nearly A^-T r. */
-static void precondition(tvi_closure *c, const operator *a, double r[])
+static void precondition(tvi_closure *c, const operator* a, double r[])
 {
     double *x = c->iteration.scratch + c->n;
     precondition_half(c, a->first, a->second ? TVI_FIRST : a->half, r, x);
@@ -105,7 +105,7 @@ static const double STALLED = 1e-12;
 static double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
 
 /* max_i |x_i| / size_i. */
-static double measure(const tvi_closure *c, const operator *a, const double x[])
+static double measure(const tvi_closure *c, const operator* a, const double x[])
 {
     double largest = 0;
     for (int i = 0; i < unknowns(c, a); i++) largest = fmax(largest, ratio(fabs(x[i]), c->iteration.size[i % c->n]));
@@ -113,7 +113,7 @@ static double measure(const tvi_closure *c, const operator *a, const double x[])
 }
 
 /* sum_i x_i y_i / size_i^2. */
-static double product(const tvi_closure *c, const operator *a, const double x[], const double y[])
+static double product(const tvi_closure *c, const operator* a, const double x[], const double y[])
 {
     double sum = 0;
     for (int i = 0; i < unknowns(c, a); i++) {
@@ -129,7 +129,7 @@ static void add(int count, double factor, const double x[], double y[])
 }
 
 /* The direction s of a step and v = A^T s, orthogonal to those before; x and r follow. */
-static void minimise(tvi_closure *c, const operator *a, int step)
+static void minimise(tvi_closure *c, const operator* a, int step)
 {
     tvi_iteration *it = &c->iteration;
     const int count = unknowns(c, a), both = 2 * c->n, place = place_of(c, a);
@@ -149,7 +149,7 @@ static void minimise(tvi_closure *c, const operator *a, int step)
 
 /* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
  * corrections do not shrink. */
-static tvi_status iterate(tvi_closure *c, const operator *a)
+static tvi_status iterate(tvi_closure *c, const operator* a)
 {
     tvi_iteration *it = &c->iteration;
     const int count = unknowns(c, a);
@@ -178,7 +178,7 @@ static tvi_status iterate(tvi_closure *c, const operator *a)
 }
 
 /* D: x where the equations stand, what is left of the gradient elsewhere. */
-static tvi_status close_by_iteration(tvi_closure *c, const operator *a)
+static tvi_status close_by_iteration(tvi_closure *c, const operator* a)
 {
     const tvi_status status = iterate(c, a);
     memcpy(c->D, c->iteration.r, 2 * (size_t)c->n * sizeof *c->D);
@@ -207,7 +207,7 @@ void tvi_close_correct(tvi_closure *c, double correction[])
     }
 }
 
-/* ---- By factors ------------------------------------------------------------------------------------------------------ */
+/* ---- By factors -------------------------------------------------------------------------------------------------- */
 
 static tvi_status factor_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {
@@ -234,10 +234,11 @@ static void take_other_half(tvi_closure *closure, const tvi_combination *combina
     const size_t n = (size_t)closure->n, solved = half == TVI_FIRST ? 0 : n, other = n - solved;
     tvi_curve_sum_jacobian(&closure->curve, combination, closure->G);
     for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) closure->D[other + j] -= closure->D[solved + i] * closure->G[i * 2 * n + other + j];
+        for (size_t j = 0; j < n; j++)
+            closure->D[other + j] -= closure->D[solved + i] * closure->G[i * 2 * n + other + j];
 }
 
-/* ---- Either ---------------------------------------------------------------------------------------------------------- */
+/* ---- Either ------------------------------------------------------------------------------------------------------ */
 
 tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {

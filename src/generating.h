@@ -13,13 +13,13 @@ enum { TVI_MOST_ITERATIONS = 40 };
 
 /* Equations with a transposed Jacobian A^T x = b, solved by its products. */
 typedef struct {
-    double *x;       /* [2n] the solution; that of the last pass is the guess of the next */
-    double *r;       /* [2n] D - A^T x, all of it */
-    double *s, *v;   /* [TVI_MOST_ITERATIONS][2n] directions, and A^T times them */
+    double *x;                          /* [2n] the solution; that of the last pass is the guess of the next */
+    double *r;                          /* [2n] D - A^T x, all of it */
+    double *s, *v;                      /* [TVI_MOST_ITERATIONS][2n] directions, and A^T times them */
     double square[TVI_MOST_ITERATIONS]; /* of v */
-    double *scratch; /* [3n] */
-    double *size;    /* [n] what the unknowns' errors are measured by */
-    int last;        /* the order of the curve to which products are made */
+    double *scratch;                    /* [3n] */
+    double *size;                       /* [n] what the unknowns' errors are measured by */
+    int last;                           /* the order of the curve to which products are made */
     bool has_guess;
 } tvi_iteration;
 
@@ -45,9 +45,9 @@ typedef tvi_status tvi_close_fn(tvi_closure *closure);
 /* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
-/* With D = D_z: solves J^T x = D for the half of D that belongs to the n x n block J of the combination's Jacobian, leaves
- * x there, and takes the other block's part from the other half. One such matrix a generating function: its factor is
- * kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE, TVI_ENOCONV. */
+/* With D = D_z: solves J^T x = D for the half of D that belongs to the n x n block J of the combination's Jacobian,
+ * leaves x there, and takes the other block's part from the other half. One such matrix a generating function: its
+ * factor is kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE, TVI_ENOCONV. */
 TVI_NODISCARD tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half);
 
 /* With D = D_z: solves [J1; J2]^T (x, y) = D in place. */

@@ -1,5 +1,5 @@
-/* linear_small.h - factor and solve of systems so small that a call of LAPACK costs more than its arithmetic: what dgetf2
- * and dgetrs do, on the same data. Matrices are column-major, pivots count from 1. */
+/* linear_small.h - factor and solve of systems so small that a call of LAPACK costs more than its arithmetic: what
+ * dgetf2 and dgetrs do, on the same data. Matrices are column-major, pivots count from 1. */
 #ifndef TVI_SRC_LINEAR_SMALL_H
 #define TVI_SRC_LINEAR_SMALL_H
 

@@ -114,7 +114,8 @@ static const char *misfit(const method_row *row, const tvi_system *system)
     if (row->method == TVI_STORMER_VERLET)
         return "Stormer-Verlet needs a constant diagonal mass and a force without velocities";
     if (form == SERVES_LAGRANGIAN)
-        return "types II, III, Poincare and the Galerkin curve need the Hamiltonian: write it instead of the Lagrangian";
+        return "types II, III, Poincare and the Galerkin curve need the Hamiltonian: write it instead of the "
+               "Lagrangian";
     return "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare";
 }
 

@@ -169,8 +169,8 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
     bool refresh = false;
     for (int count = 1; options->passes > 0 || count <= max_passes; count++) {
         refreshes += refresh;
-        const tvi_status status =
-            pass(newton, equations, count == 1, newton->has_matrix ? refreshes : 0, newton->has_matrix && refresh, stats);
+        const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix ? refreshes : 0,
+                                       newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
         at.before = at.size;
         at.size = measure(newton);

@@ -62,8 +62,7 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
     return TVI_OK;
 }
 
-/* ---- The structure that is there ----------------------------------------------------------------------------------
- */
+/* ---- The structure that is there --------------------------------------------------------------------------------- */
 
 /* Whether x = sum_j row_j v_j, v_j the input first + j: its coefficients, by one walk back through the graph. share is
  * scratch for each node. */
@@ -122,8 +121,7 @@ static tvi_status find_separable(recording *rec, const jet linear[], const jet o
     return TVI_OK;
 }
 
-/* ---- From each statement to a form ---------------------------------------------------------------------------------
- */
+/* ---- From each statement to a form ------------------------------------------------------------------------------- */
 
 /* out[2n] = dx/d(q, v). */
 static tvi_status gradient(const recording *rec, jet x, jet out[])
