@@ -2,8 +2,8 @@
  *
  *     separable    (k+1)(k+2) Q_{k+2} = tau^2 M^-1 [s^k] F
  *
- *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for the velocity's coefficient k+1 with L_vv at the
- * centre
+ *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for the velocity's coefficient k+1 with L_vv at
+ *         the centre
  *
  *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
  *
