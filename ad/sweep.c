@@ -35,14 +35,14 @@ static inline __attribute__((always_inline)) void sums_of_one(const jet_tape *ta
 #define LINEAR(V, S)                                                                                                   \
     {                                                                                                                  \
         V sum = coefficient[0] * S(V, x, from[0]);                                                                     \
-        for (int term = 1; term < run->terms; term++) sum += coefficient[term] * S(V, x, from[term]);                  \
+        for (int term = 1; term < terms; term++) sum += coefficient[term] * S(V, x, from[term]);                       \
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
 static void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
     const size_t stride = (size_t)lanes;
-    const int *from = tape->term_slot + run->term;
+    const int *from = tape->term_slot + run->term, terms = run->terms;
     const double *coefficient = tape->term_coefficient + run->term;
     for (int i = 0; i < run->count; i++, from += run->terms, coefficient += run->terms) {
         double *z = x + (size_t)(run->z + i) * stride;
@@ -54,15 +54,11 @@ static void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, in
 static inline __attribute__((always_inline)) void sums_of_eight(const jet_tape *tape, const jet_run *run, double *x,
                                                                 int terms)
 {
+    enum { stride = 8 };
     const int *from = tape->term_slot + run->term;
     const double *coefficient = tape->term_coefficient + run->term;
-    double *z = x + 8 * (size_t)run->z, *const end = z + 8 * (size_t)run->count;
-    for (; z < end; z += 8, from += terms, coefficient += terms) {
-        jet_v8 sum = coefficient[0] * *(const jet_v8 *)(x + 8 * (size_t)from[0]);
-        for (int term = 1; term < terms; term++)
-            sum += coefficient[term] * *(const jet_v8 *)(x + 8 * (size_t)from[term]);
-        *(jet_v8 *)z = sum;
-    }
+    double *z = x + stride * (size_t)run->z, *const end = z + stride * (size_t)run->count;
+    for (; z < end; z += stride, from += terms, coefficient += terms) JET_BLOCKS(stride, LINEAR, JET_OF);
 }
 
 /* At one order; x is the block of the order. */

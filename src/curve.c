@@ -13,7 +13,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The n from which products are cheaper than matrices (docs/performance.md). */
+/* The n from which a system has products. They are cheaper from about 6 on (docs/performance.md), but stiff systems of
+ * few bodies at large steps do better with matrices, which can be made anew by differences. */
 enum { PRODUCTS_FROM = 8 };
 
 tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)

@@ -289,13 +289,24 @@ static tvi_status close_by_matrices(work *w, const double z[])
     return status;
 }
 
-/* The unknowns of the closing are momenta, or u / kappa. */
+/* The momentum that moves a body by the size of its position in the time of the step; where all is at the origin, 1. */
+static double momentum_unit(const tvi_closure *c)
+{
+    double largest = 0;
+    for (int k = 0; k <= c->curve.top; k++)
+        for (int i = 0; i < c->n; i++) largest = fmax(largest, fabs(tvi_curve_Q(&c->curve, k)[i] / c->curve.kappa[i]));
+    return largest > 0 ? largest : 1;
+}
+
+/* The unknowns of the closing are momenta, or u / kappa. A body whose curve has none is measured by the others, and where
+ * none has any, as at rest with degree 1, by their positions. */
 static tvi_status close_by_products(work *w)
 {
     tvi_closure *c = &w->closure;
     double largest = 0;
     set_momentum_size(w);
     for (int i = 0; i < c->n; i++) largest = fmax(largest, w->p_size[i]);
+    if (largest == 0) largest = momentum_unit(c);
     for (int i = 0; i < c->n; i++) c->iteration.size[i] = w->p_size[i] > 0 ? w->p_size[i] : largest;
     return w->close(c);
 }

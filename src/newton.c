@@ -135,6 +135,14 @@ static bool is_enough(tvi_newton *newton, const tvi_options *options, int count,
     return at->expected <= ROUNDOFF && (!at->checks || was_expected);
 }
 
+/* Whether the passes get nearer. Without a matrix to make anew they go on as long as the largest unknowns do: what one
+ * body hands on to the next in each pass, to bodies that had nothing before, is the last to settle. */
+static bool contracts(const tvi_newton *newton, const progress *at)
+{
+    return at->size.relative <= CONTRACTION * at->before.relative ||
+           (!newton->has_matrix && at->size.of_group <= CONTRACTION * at->before.of_group);
+}
+
 /* One pass: correction = -K^-1 r(x), with K the approximate Jacobian or, once it was needed, a fresh one. */
 static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool is_first, int refreshes, bool refresh,
                        tvi_stats *stats)
@@ -177,7 +185,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         stats->residual = at.size.relative;
         if (is_enough(newton, options, count, &at)) return TVI_OK;
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
-        refresh = count > 1 && options->passes == 0 && at.size.relative > CONTRACTION * at.before.relative;
+        refresh = count > 1 && options->passes == 0 && !contracts(newton, &at);
         if (refresh && refreshes == MAX_REFRESHES) return TVI_ENOCONV;
     }
     return TVI_ENOCONV;

@@ -190,6 +190,38 @@ START_TEST(many_bodies_move_as_one)
 }
 END_TEST
 
+/* V of a chain whose bodies rest, n = 2 COPIES. */
+static jet chain(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    jet V = jet_const(0);
+    for (int i = 0; i < 2 * COPIES; i++) {
+        V = jet_add(V, jet_mul(0.5 + 0.1 * i, jet_sqr(q[i])));
+        if (i > 0) V = jet_add(V, jet_mul(0.1, jet_mul(q[i], q[i - 1])));
+    }
+    return V;
+}
+
+/* From rest, of all bodies, of all but one displaced, and at the origin, where nothing has a size. */
+START_TEST(bodies_start_at_rest)
+{
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, 2 * COPIES, NULL, chain, NULL), TVI_OK);
+    for (int order = 2; order <= 8; order += 2)
+        for (int displaced = 0; displaced < 3; displaced++) {
+            tvi_options options;
+            double q[2 * COPIES] = {0}, p[2 * COPIES] = {0}, before, after;
+            if (tvi_options_named(product_methods[_i].name, order, &options) != TVI_OK) continue;
+            for (int i = 0; i < (displaced == 2 ? 2 * COPIES : displaced); i++) q[i] = 0.5;
+            ck_assert_int_eq(tvi_energy(system, 0, q, p, &before), TVI_OK);
+            run(system, &options, 0.05, q, p);
+            ck_assert_int_eq(tvi_energy(system, 0, q, p, &after), TVI_OK);
+            ck_assert_double_le(fabs(after - before), 0.02 * before);
+        }
+    tvi_system_free(system);
+}
+END_TEST
+
 /* Steps beyond what the passes can solve end with a status, and leave the state alone. */
 START_TEST(too_large_steps_are_refused)
 {
@@ -220,6 +252,7 @@ Suite *suite_products(void)
     tcase_add_loop_test(products, products_are_those_of_the_matrices, 0, problems);
     tcase_add_loop_test(products, force_products_are_those_of_the_second_coefficient, 0, problems);
     tcase_add_loop_test(products, many_bodies_move_as_one, 0, methods);
+    tcase_add_loop_test(products, bodies_start_at_rest, 0, methods);
     tcase_add_test(products, too_large_steps_are_refused);
     suite_add_tcase(suite, products);
     return suite;
