@@ -60,7 +60,7 @@ static void add_penalty(penalty *p, const report *r, const scene *s, const char 
 static void write_orders(const report *r, FILE *out)
 {
     fprintf(out, "| method |");
-    for (int i = 0; i < ORDERS; i++) fprintf(out, " %d (time) |", 2 * i + 2);
+    for (int i = 0; i < ORDERS; i++) fprintf(out, " %d |", 2 * i + 2);
     fprintf(out, "\n|---|");
     for (int i = 0; i < ORDERS; i++) fprintf(out, "---|");
     for (int k = 0; k < METHODS; k++) {
@@ -101,7 +101,7 @@ static void write_advice(const report *r, FILE *out)
     };
     static const scene *const shown[] = {&scene_kepler, &scene_solar, &scene_double_pendulum};
     fprintf(out, "| you have | take |");
-    for (int i = 0; i < 3; i++) fprintf(out, " %s (time) |", shown[i]->title);
+    for (int i = 0; i < 3; i++) fprintf(out, " %s |", shown[i]->title);
     fprintf(out, "\n|---|---|---|---|---|\n");
     for (size_t k = 0; k < sizeof rows / sizeof *rows; k++) {
         fprintf(out, "| %s | %s |", rows[k].have, rows[k].take);
@@ -152,11 +152,14 @@ int main(int argc, char *argv[])
     b.end = b.begin + budget;
     if (!report_open(&b.report, argv[1], argc, argv)) return EXIT_FAILURE;
     bool good = true;
-    int left = 0;
+    double left = 0;
     for (int i = 0; i < LISTS; i++)
-        for (const scene *const *s = lists[i]; *s; s++) left++;
+        for (const scene *const *s = lists[i]; *s; s++) left += (*s)->n;
     for (int i = 0; i < LISTS; i++)
-        for (const scene *const *s = lists[i]; *s; s++) good &= sweep_scene(&b, *s, &list, sweep_share(b.end, left--));
+        for (const scene *const *s = lists[i]; *s; s++) {
+            good &= sweep_scene(&b, *s, &list, sweep_share(b.end, (*s)->n / left));
+            left -= (*s)->n;
+        }
     good &= write_tables(&b.report, argv[1]);
     return report_close(&b.report) && good ? EXIT_SUCCESS : EXIT_FAILURE;
 }

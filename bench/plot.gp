@@ -19,6 +19,8 @@ midpoint       8  #56A8E8 0 7
 midpoint       12 #2277C4 0 7
 midpoint       16 #0F4C97 0 7
 midpoint       20 #08254F 0 7
+gauss          16 #777777 1 9
+blanes-moan    6  #B8A000 1 11
 END
 field(i, k) = word($curves[i], k)
 label(i) = field(i, 1)." ".field(i, 2)

@@ -140,7 +140,7 @@ void report_methods(const report *r, const scene *s, const char *const names[], 
 void report_methods_head(const char *const names[], int count, FILE *out)
 {
     fprintf(out, "| scene | position error |");
-    for (int k = 0; k < count; k++) fprintf(out, " %s (time) |", names[k]);
+    for (int k = 0; k < count; k++) fprintf(out, " %s |", names[k]);
     fprintf(out, "\n|---|---|");
     for (int k = 0; k < count; k++) fprintf(out, "---|");
     fprintf(out, "\n");

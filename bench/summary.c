@@ -85,8 +85,8 @@ static void print_line(summary *m, int t, const scene *s, double bound, FILE *ou
     fprintf(out, "| %-15s | %14.0e |", s->name, bound);
     for (int i = 0; i < 2; i++) print_run(best[i], cpu[i], out);
     const double ratio = cpu[0] / cpu[1];
-    if (best[0] && best[1]) fprintf(out, " %22.2f |\n", ratio);
-    else fprintf(out, " %22s |\n", "-");
+    if (best[0] && best[1]) fprintf(out, " %15.2f |\n", ratio);
+    else fprintf(out, " %15s |\n", "-");
     if (best[0] && best[1]) *(ratio <= 1 ? &result->wins : &result->losses) += 1;
     else if (best[0]) result->alone++;
     else if (best[1]) result->beaten++;
@@ -95,8 +95,8 @@ static void print_line(summary *m, int t, const scene *s, double bound, FILE *ou
 static void print_table(summary *m, int t, const scene *const *list, const scene *only, FILE *out, score *result)
 {
     *result = (score){0};
-    fprintf(out, "| %-15s | %14s | %-30s | %9s | %-30s | %9s | %22s |\n|---|---|---|---|---|---|---|\n", "scene",
-            tables[t].head, "ours (time)", "ms (time)", "baseline (time)", "ms (time)", "ours / baseline (time)");
+    fprintf(out, "| %-15s | %14s | %-30s | %9s | %-30s | %9s | %15s |\n|---|---|---|---|---|---|---|\n", "scene",
+            tables[t].head, "ours", "ms", "baseline", "ms", "ours / baseline");
     for (const scene *const *s = list; *s; s++)
         for (const double *bound = tables[t].bounds; *bound > 0 && (!only || *s == only); bound++)
             print_line(m, t, *s, *bound, out, result);

@@ -47,6 +47,20 @@ static bool at_roundoff(const run *before, const run *row)
 /* Nothing right in it: a longer step has no use. */
 static bool useless(const run *r) { return !(r->end_error < size_of(r->scene)); }
 
+/* Whether another run was better: of the same side, symplectic if this one is, with smaller errors, and in a
+ * `dearest`th of the time. */
+static bool outdone(const sweep *b, const run *r)
+{
+    const report *all = &b->report;
+    if (!(b->dearest > 0)) return false;
+    for (const run *row = all->rows; row < all->rows + all->count; row++)
+        if (row->scene == r->scene && !row->who->baseline == !r->who->baseline &&
+            row->who->symplectic >= r->who->symplectic && row->energy_error <= r->energy_error &&
+            row->position_error <= r->position_error && row->cpu * b->dearest < r->cpu)
+            return true;
+    return false;
+}
+
 /* What the next rung will take, from the last one that ended well: the time is proportional to the steps, or half as
  * much again for a tenth of the tolerance. */
 static double expected(const run *last, double setting)
@@ -118,6 +132,12 @@ static void refine(line *l, int from)
             l->why = "accurate enough";
             return;
         }
+        if (outdone(l->sweep, before)) {
+            remark(l, i, "skipped", " and on: a more accurate run is far cheaper");
+            l->sweep->skipped += l->rungs - i;
+            l->why = "outdone";
+            return;
+        }
         if (cost > left) {
             skip_from(l, i, cost, left);
             return;
@@ -186,10 +206,10 @@ static bool serves(sweep *b, const tvi_system *system, const scene *s, const con
     return false;
 }
 
-double sweep_share(double end, int left)
+double sweep_share(double end, double part)
 {
     const double now = run_wall_clock();
-    return now + (end - now) / left;
+    return now + (end - now) * part;
 }
 
 static bool sweep_system(sweep *b, const tvi_system *system, const scene *s, const contenders *list, double end)
@@ -201,7 +221,7 @@ static bool sweep_system(sweep *b, const tvi_system *system, const scene *s, con
         const bool adaptive = who->baseline && who->baseline->adaptive;
         line l = {.sweep = b, .system = system, .scene = s, .who = who, .ladder = adaptive ? tolerances : s->steps};
         while (l.rungs < LADDER_MOST && l.ladder[l.rungs] > 0) l.rungs++;
-        l.end = fmin(end, sweep_share(end, (list->count - i + 1) / 2)); /* twice its share: the best come first */
+        l.end = sweep_share(end, fmin(1, 2.0 / (list->count - i)));
         const int coarsest = walk(&l, adaptive ? 0 : start);
         if (!adaptive) start = coarsest;
         if (!report_line(&l, b->begin, b->end)) return false;
