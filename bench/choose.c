@@ -155,7 +155,7 @@ int main(int argc, char *argv[])
     double left = 0;
     for (int i = 0; i < LISTS; i++)
         for (const scene *const *s = lists[i]; *s; s++) left += (*s)->n;
-    for (int i = 0; i < LISTS; i++)
+    for (int i = LISTS - 1; i >= 0; i--) /* the dearest scenes last: what the others leave is theirs */
         for (const scene *const *s = lists[i]; *s; s++) {
             good &= sweep_scene(&b, *s, &list, sweep_share(b.end, (*s)->n / left));
             left -= (*s)->n;
