@@ -79,7 +79,7 @@ static void print_baselines(const report *r, const scene *only)
 int main(int argc, char *argv[])
 {
     static contenders list;
-    command c = {.dir = ".", .budget = 255};
+    command c = {.dir = ".", .budget = 235};
     sweep_insist_on_one_thread(argv);
     if (!parse(&c, argc, argv)) return usage();
     if (!c.baselines) contenders_add_methods(&list, methods, METHODS);

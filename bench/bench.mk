@@ -8,19 +8,19 @@ SWEEP_OBJECTS = $(patsubst %,$(BUILD)/bench/%.o,run report contenders sweep) $(B
 
 # CSV, tables and plots in $(BUILD)/bench; SCENE=name for one scene, BUDGET=seconds for all of it.
 bench: need-bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/sweep
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/sweep
 	$(BUILD)/bench/sweep --out $(BUILD)/bench $(if $(SCENE),--scene $(SCENE)) $(if $(BUDGET),--budget $(BUDGET))
 	gnuplot -c bench/plot.gp $(BUILD)/bench
 	@echo "Tables and plots: $(BUILD)/bench/*.csv, *.png, *.svg"
 
 # the tables of docs/choosing.md and README.md, five minutes
 choose: need-library
-	@$(MAKE) --no-print-directory $(BUILD)/bench/choose
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/choose
 	$(BUILD)/bench/choose $(BUILD)/bench/choosing $(BUDGET)
 
 # the tables and the picture of docs/order-doubling.md
 order-doubling: need-bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/order_doubling
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/order_doubling
 	$(BUILD)/bench/order_doubling $(BUILD)/bench/order-doubling
 	gnuplot -c bench/order_doubling.gp $(BUILD)/bench/order-doubling
 .PHONY: order-doubling

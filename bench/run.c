@@ -21,7 +21,8 @@ static double read_clock(clockid_t clock)
 double run_clock(void) { return read_clock(CLOCK_PROCESS_CPUTIME_ID); }
 double run_wall_clock(void) { return read_clock(CLOCK_MONOTONIC); }
 
-/* ---- A run, whoever runs ------------------------------------------------------------------------------------------- */
+/* ---- A run, whoever runs -------------------------------------------------------------------------------------------
+ */
 
 tvi_status runner_open(runner *r, const tvi_system *system, const scene *s, const contender *who, double setting)
 {
@@ -65,7 +66,8 @@ static double time_once(runner *r)
     return status == TVI_OK ? run_clock() - begin : INFINITY;
 }
 
-/* ---- Errors -------------------------------------------------------------------------------------------------------- */
+/* ---- Errors --------------------------------------------------------------------------------------------------------
+ */
 
 typedef struct {
     const tvi_system *system;
@@ -118,7 +120,8 @@ static void measure_errors(const tvi_system *system, runner *r, double deadline,
     compare_with_reference(s, q, p, result);
 }
 
-/* ---- Time ---------------------------------------------------------------------------------------------------------- */
+/* ---- Time ----------------------------------------------------------------------------------------------------------
+ */
 
 double runner_time(runner *r)
 {
@@ -163,8 +166,8 @@ void run_in_turns(const tvi_system *system, const run *a, const run *b, double c
     for (int i = 0; i < 2; i++) cpu[i] = INFINITY;
     bool good = true;
     for (int i = 0; i < 2; i++) good &= runner_open(&r[i], system, a->scene, runs[i]->who, runs[i]->setting) == TVI_OK;
-    for (int turn = 0; good && (turn < least_turns || (total < longest_pair && (turn < turns || total < shortest_pair)));
-         turn++)
+    for (int turn = 0;
+         good && (turn < least_turns || (total < longest_pair && (turn < turns || total < shortest_pair))); turn++)
         for (int i = 0; i < 2; i++) {
             const double once = time_once(&r[i]);
             cpu[i] = fmin(cpu[i], once);

@@ -17,7 +17,7 @@ ifdef PEERS
 	@$(MAKE) --no-print-directory $(BUILD)/bench/peers
 	$(BUILD)/bench/peers $(PEERS)
 else
-	@$(MAKE) --no-print-directory $(BUILD)/bench/sweep
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/sweep
 	$(BUILD)/bench/sweep --baselines --out $(BUILD)/bench/baselines --budget $(or $(BUDGET),60) $(if $(SCENE),--scene $(SCENE))
 endif
 .PHONY: compare
