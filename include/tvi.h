@@ -7,7 +7,7 @@
  *      its context last.
  *   3. Every function that can fail returns a tvi_status and then leaves what its arguments point to as it was.
  *   4. A system is read-only once made and may be shared between threads; an integrator is used by one thread at a time.
- *   5. The library prints nothing, never exits and has no global state. A step allocates nothing.
+ *   5. The library prints nothing (but tvi_progress), never exits and has no global state. A step allocates nothing.
  * The mathematics and its notation are in docs/method.md.
  */
 #ifndef TVI_H
@@ -148,6 +148,59 @@ TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, lon
  * curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system, Stormer-Verlet O(h^3), as measured by the tests.
  * TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1]; TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
+
+/* ---- Events, and results at given times -------------------------------------------------------------------------- */
+
+/* Both give states between steps. Such a state is that of a step of the method, of the part of h that leads there from
+ * the start of the step at hand, in an integrator of its own: its invariants are as good as those of the steps, and the
+ * steps are bit for bit those of tvi_integrate. A state at a given time costs one step, an event two to four. */
+
+/* A function g of the state; an event is where it changes sign. It is written in jets, like a force. */
+typedef jet tvi_event_fn(const jet q[], const jet p[], jet t, void *ctx);
+/* Of g along the run, whatever the sign of h. */
+typedef enum { TVI_FALLING = -1, TVI_EITHER = 0, TVI_RISING = 1 } tvi_direction;
+
+typedef struct tvi_event tvi_event;
+/* g is called once, during the call, with n coordinates and momenta; a terminal event ends the run. The event serves
+ * every system of dimension n, is read-only once made and may be shared. *out is NULL on failure; statuses as of
+ * tvi_system_force, TVI_EINVAL also for what is no direction. */
+TVI_NODISCARD tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, bool terminal,
+                                          tvi_event_fn *g, void *ctx);
+void tvi_event_free(tvi_event *event); /* NULL is allowed */
+
+/* Called at events[which], with its time and state; a value other than 0 ends the run there. */
+typedef int tvi_event_observer(int which, double t, const double q[], const double p[], void *ctx);
+/* tvi_integrate with events[count]: on_event is told of them in the order of time, before the observer is told of the
+ * step that they are in. They are the sign changes of g along the step's curve (tvi_dense), between the ends of 8 equal
+ * parts of it, and where |g| has a least value between them, there. To become 0 is to change sign, so that an event at
+ * the end of a step is told once, with that step; to leave 0 is not, so that a run that starts on an event, to roundoff,
+ * does not meet it. The time is found to roundoff of g. Either observer may be NULL; both are given ctx.
+ *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
+ *                  event is no step: from it the run goes on as from any new state.
+ *   TVI_EDOMAIN, TVI_ENONFINITE   also where g has no value: t, q, p are then those at the end of the step
+ *   TVI_EINVAL     also an event of another dimension or NULL, count < 0;  TVI_ENOMEM */
+TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double h, long steps,
+                                              const tvi_event *const events[], int count, double *t, double q[],
+                                              double p[], tvi_observer *observer, tvi_event_observer *on_event,
+                                              void *ctx);
+
+/* Steps of size h until the last of times[count] is reached or passed. The observer is called at each of the times, with
+ * 1..count as its step. They go the way of h, none before *t. The state is that after the last step, not that at the
+ * last time; where the observer stopped the run (TVI_ESTOPPED), after the step that holds that time.
+ *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order;  TVI_ENOMEM;  else as tvi_integrate */
+TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, const double times[], int count,
+                                          double *t, double q[], double p[], tvi_observer *observer, void *ctx);
+
+/* A ready-made observer for long runs: where the standard error is a terminal it draws a bar there, elsewhere nothing.
+ * ctx is a tvi_progress_bar, {.steps = steps}. An observer of your own in it is called after each step, with its ctx.
+ * This is the one function of the library that prints. */
+typedef struct {
+    long steps;             /* of the whole run: there the bar is full */
+    tvi_observer *observer; /* NULL: none */
+    void *ctx;
+    long shown;             /* the library's own */
+} tvi_progress_bar;
+int tvi_progress(long step, double t, const double q[], const double p[], void *ctx);
 
 /* Counts since the integrator was made. A pass is one evaluation of the residual followed by one correction, an
  * expansion one series of the curve, a force evaluation one value of the force at one node. */

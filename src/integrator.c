@@ -31,6 +31,21 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     return integrator;
 }
 
+static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi_options *resolved)
+{
+    const tvi_stepper *stepper = tvi_method_stepper(resolved);
+    tvi_arena arena = {0};
+    (void)lay_out(&arena, system, resolved, stepper);
+    const size_t bytes = arena.used + 2 * arena.remembered;
+    char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
+    if (!memory) return TVI_ENOMEM;
+    memset(memory, 0, bytes);
+    arena = (tvi_arena){.base = memory, .history = memory + arena.used};
+    *out = lay_out(&arena, system, resolved, stepper);
+    stepper->prepare((*out)->work);
+    return TVI_OK;
+}
+
 tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options)
 {
     if (!out) return TVI_EINVAL;
@@ -38,18 +53,12 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     if (!system) return TVI_EINVAL;
     tvi_options resolved = options ? *options : tvi_method_default(system);
     const tvi_status status = tvi_method_resolve(&resolved, system, NULL);
-    if (status != TVI_OK) return status;
-    const tvi_stepper *stepper = tvi_method_stepper(&resolved);
-    tvi_arena arena = {0};
-    (void)lay_out(&arena, system, &resolved, stepper);
-    const size_t bytes = arena.used + 2 * arena.remembered;
-    char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
-    if (!memory) return TVI_ENOMEM;
-    memset(memory, 0, bytes);
-    arena = (tvi_arena){.base = memory, .history = memory + arena.used};
-    *out = lay_out(&arena, system, &resolved, stepper);
-    stepper->prepare((*out)->work);
-    return TVI_OK;
+    return status == TVI_OK ? make(out, system, &resolved) : status;
+}
+
+tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *it)
+{
+    return make(out, it->system, &it->options);
 }
 
 void tvi_integrator_free(tvi_integrator *integrator)
@@ -116,6 +125,9 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
         memcpy(it->history, it->before, it->remembered);
         return status;
     }
+    it->h = h;
+    it->t_start = *t;
+    it->t_start_low = it->last->t_low;
     memcpy(it->q_start, q, (size_t)n * sizeof *q);
     memcpy(it->p_start, p, (size_t)n * sizeof *p);
     it->has_dense = true;

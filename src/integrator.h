@@ -25,9 +25,13 @@ struct tvi_integrator {
     tvi_last_step *last;           /* in the history, as are */
     double *q, *p, *q_low, *p_low; /* [n] */
     bool has_dense;                /* the work holds the last step */
-    double *q_start, *p_start;     /* [n] where that started */
-    double *dq, *dp;               /* [n] */
-    tvi_tangent *tangent;          /* NULL: never asked for */
+    double h;                      /* its size, and where it started */
+    double t_start, t_start_low, *q_start, *p_start;
+    double *dq, *dp;      /* [n] */
+    tvi_tangent *tangent; /* NULL: never asked for */
 };
+
+/* Another one for the same system and options, which has made no step. */
+TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *integrator);
 
 #endif

@@ -1,0 +1,89 @@
+/* between.c - the state inside a step, and results at given times. */
+#include "between.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps)
+{
+    const size_t n = (size_t)steps->system->n;
+    *between = (tvi_between){.steps = steps, .q = calloc(2 * n, sizeof(double))};
+    if (!between->q) return TVI_ENOMEM;
+    between->p = between->q + n;
+    const tvi_status status = tvi_integrator_twin(&between->partial, steps);
+    if (status != TVI_OK) free(between->q);
+    return status;
+}
+
+void tvi_between_close(tvi_between *between)
+{
+    tvi_integrator_free(between->partial);
+    free(between->q);
+}
+
+tvi_status tvi_between_state(tvi_between *between, double part)
+{
+    const tvi_integrator *steps = between->steps;
+    const size_t bytes = (size_t)steps->system->n * sizeof *between->q;
+    const bool is_end = part == steps->h;
+    if (between->step == steps->stats.steps && between->part == part) return TVI_OK;
+    between->step = 0;
+    between->t = is_end ? steps->last->t : steps->t_start;
+    memcpy(between->q, is_end ? steps->q : steps->q_start, bytes);
+    memcpy(between->p, is_end ? steps->p : steps->p_start, bytes);
+    if (!is_end && part != 0) {
+        memcpy(between->partial->history, steps->before, steps->remembered);
+        const tvi_status status = tvi_step(between->partial, part, &between->t, between->q, between->p);
+        if (status != TVI_OK) return status;
+    }
+    between->step = steps->stats.steps;
+    between->part = part;
+    return TVI_OK;
+}
+
+/* Finite, in the order of h, and none before t. */
+static bool are_in_order(double h, double t, const double times[], int count)
+{
+    for (int i = 0; i < count; i++) {
+        const double before = i > 0 ? times[i - 1] : t;
+        if (!isfinite(times[i]) || (h > 0 ? times[i] < before : times[i] > before)) return false;
+    }
+    return true;
+}
+
+/* The observer is called at the times from the next on that are not after the last step. */
+static tvi_status tell_times(tvi_between *between, const double times[], int count, int *next, tvi_observer *observer,
+                             void *ctx)
+{
+    const tvi_integrator *steps = between->steps;
+    const double h = steps->h, t = steps->last->t;
+    for (; *next < count && (h > 0 ? times[*next] <= t : times[*next] >= t); ++*next) {
+        const double part = (times[*next] - steps->t_start) - steps->t_start_low;
+        const double inside = fmax(fmin(part, fmax(h, 0)), fmin(h, 0));
+        const tvi_status status = tvi_between_state(between, times[*next] == t ? h : inside);
+        if (status != TVI_OK) return status;
+        if (observer && observer(*next + 1, times[*next], between->q, between->p, ctx) != 0) return TVI_ESTOPPED;
+    }
+    return TVI_OK;
+}
+
+tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
+                            double p[], tvi_observer *observer, void *ctx)
+{
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || count < 0 || (count > 0 && !times)) return TVI_EINVAL;
+    if (!are_in_order(h, *t, times, count)) return TVI_EINVAL;
+    int next = 0;
+    for (; next < count && times[next] == *t; next++)
+        if (observer && observer(next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
+    if (next == count) return TVI_OK;
+    tvi_between between;
+    tvi_status status = tvi_between_open(&between, it);
+    if (status != TVI_OK) return status;
+    while (next < count && status == TVI_OK) {
+        status = tvi_step(it, h, t, q, p);
+        if (status == TVI_OK) status = tell_times(&between, times, count, &next, observer, ctx);
+    }
+    tvi_between_close(&between);
+    return status;
+}
