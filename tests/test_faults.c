@@ -162,6 +162,51 @@ static tvi_status ask_velocity(const void *argument, bool *cleared)
     return status;
 }
 
+static jet radius(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_sub(jet_dot(q, q, N), jet_mul(0.5, jet_dot(p, p, N)));
+}
+
+static tvi_status make_event(const void *argument, bool *cleared)
+{
+    (void)argument;
+    tvi_event *event = (tvi_event *)&(char){0};
+    const tvi_status status = tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL);
+    *cleared = event == NULL;
+    tvi_event_free(event);
+    return status;
+}
+
+typedef struct {
+    tvi_integrator *integrator;
+    const tvi_event *event;
+} run_arguments;
+
+static tvi_status run_with_events(const void *argument, bool *cleared)
+{
+    const run_arguments *of = argument;
+    const tvi_event *const events[] = {of->event, of->event};
+    double t = 0, q[N], p[N];
+    memcpy(q, some_q, sizeof q);
+    memcpy(p, some_p, sizeof p);
+    const tvi_status status = tvi_integrate_events(of->integrator, 0.01, 1, events, 2, &t, q, p, NULL, NULL, NULL);
+    *cleared = t == 0 && memcmp(q, some_q, sizeof q) == 0 && memcmp(p, some_p, sizeof p) == 0;
+    return status;
+}
+
+static tvi_status run_to_time(const void *argument, bool *cleared)
+{
+    const run_arguments *of = argument;
+    const double time = 0.005;
+    double t = 0, q[N], p[N];
+    memcpy(q, some_q, sizeof q);
+    memcpy(p, some_p, sizeof p);
+    const tvi_status status = tvi_integrate_at(of->integrator, 0.01, &time, 1, &t, q, p, NULL, NULL);
+    *cleared = t == 0 && memcmp(q, some_q, sizeof q) == 0 && memcmp(p, some_p, sizeof p) == 0;
+    return status;
+}
+
 /* The number of allocations that were made to fail before all went well. */
 static long fail_each(maker *make, const void *argument, allocation_failure how)
 {
@@ -180,6 +225,24 @@ static long fail_each(maker *make, const void *argument, allocation_failure how)
         ck_assert_msg(cleared, "the output when allocation %ld fails", k);
     }
 }
+
+START_TEST(events_without_memory)
+{
+    const allocation_failure how = (allocation_failure)_i;
+    tvi_system *system = create_system(POTENTIAL, true);
+    run_arguments of = {0};
+    tvi_event *event;
+    ck_assert_int_eq(tvi_integrator_create(&of.integrator, system, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL), TVI_OK);
+    of.event = event;
+    ck_assert_int_gt(fail_each(make_event, NULL, how), 5);
+    ck_assert_int_eq(fail_each(run_with_events, &of, how), 7);
+    ck_assert_int_eq(fail_each(run_to_time, &of, how), 2);
+    tvi_event_free(event);
+    tvi_integrator_free(of.integrator);
+    tvi_system_free(system);
+}
+END_TEST
 
 START_TEST(systems_without_memory)
 {
@@ -396,6 +459,7 @@ Suite *suite_faults(void)
     Suite *suite = suite_create("faults");
     tcase_add_test(add_case(suite, "hooks"), hooks_count);
     TCase *systems = add_case(suite, "systems");
+    tcase_add_loop_test(systems, events_without_memory, 0, 2);
     tcase_add_loop_test(systems, systems_without_memory, 0, 2 * STATEMENTS);
     tcase_add_loop_test(systems, questions_without_memory, 0, 2 * STATEMENTS);
     TCase *integrators = add_case(suite, "integrators");

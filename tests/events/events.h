@@ -1,0 +1,11 @@
+/* events.h - the suites of this program. */
+#ifndef TESTS_EVENTS_H
+#define TESTS_EVENTS_H
+
+#include <check.h>
+
+Suite *suite_events(void);
+Suite *suite_times(void);
+Suite *suite_progress(void);
+
+#endif

@@ -1,0 +1,151 @@
+/* test_times.c - results at given times. */
+#include "events.h"
+#include "runs.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_TIMES = 256 };
+
+typedef struct {
+    int count, n, stop_at;
+    point at[MOST_TIMES];
+} results;
+
+static int note(long which, double t, const double q[], const double p[], void *ctx)
+{
+    results *d = ctx;
+    ck_assert_int_eq(which, d->count + 1);
+    point *x = &d->at[d->count++];
+    *x = (point){.t = t};
+    memcpy(x->q, q, (size_t)d->n * sizeof *q);
+    memcpy(x->p, p, (size_t)d->n * sizeof *p);
+    return d->count == d->stop_at;
+}
+
+static tvi_status ask(run *r, double h, const double times[], int count, results *d)
+{
+    d->n = tvi_system_dimension(r->system);
+    return tvi_integrate_at(r->integrator, h, times, count, &r->x.t, r->x.q, r->x.p, note, d);
+}
+
+/* Forward and back, with times at the start, at ends of steps, twice the same, and several in a step: the steps are bit for
+ * bit those without, and a state is that of a step of the part. */
+START_TEST(states_at_times)
+{
+    static const double in_steps[] = {0, 0, 0.3, 0.30001, 1, 1, 1.5, 4.25, 4.75, 8, 11.9375};
+    enum { COUNT = sizeof in_steps / sizeof *in_steps };
+    const pairing *x = &pairings[_i / 2];
+    const double h = (_i % 2 ? -1 : 1) * ldexp(1, (int)floor(log2(x->h))); /* ends of steps without rounding */
+    static results d;
+    double times[COUNT];
+    d = (results){0};
+    for (int i = 0; i < COUNT; i++) times[i] = in_steps[i] * h + 0.0; /* no -0 */
+    run r = run_open(x->scene, x->method, x->order), plain = run_open(x->scene, x->method, x->order);
+    ck_assert_int_eq(ask(&r, h, times, COUNT, &d), TVI_OK);
+    ck_assert_int_eq(d.count, COUNT);
+    for (int i = 0, step = 0; i < COUNT; i++) {
+        for (; step < (int)in_steps[i]; step++) ck_assert_int_eq(run_steps(&plain, h, 1), TVI_OK);
+        run part = run_open(x->scene, x->method, x->order);
+        part.x = plain.x;
+        const double rest = times[i] - plain.x.t;
+        if (rest != 0) ck_assert_int_eq(run_steps(&part, rest, 1), TVI_OK);
+        ck_assert_double_eq(d.at[i].t, times[i]);
+        for (int k = 0; k < x->scene->n; k++) { /* but for the low-order parts */
+            ck_assert_double_eq_tol(d.at[i].q[k], part.x.q[k], 1e-13 * (1 + fabs(part.x.q[k])));
+            ck_assert_double_eq_tol(d.at[i].p[k], part.x.p[k], 1e-13 * (1 + fabs(part.x.p[k])));
+        }
+        part.x.t = times[i];
+        if (rest == 0 || step == 0) ck_assert(same_point(&d.at[i], &part.x));
+        run_close(&part);
+    }
+    ck_assert_int_eq(run_steps(&plain, h, 1), TVI_OK);
+    ck_assert(same_point(&r.x, &plain.x));
+    ck_assert_int_eq(tvi_integrator_stats(r.integrator)->passes, tvi_integrator_stats(plain.integrator)->passes);
+    run_close(&r);
+    run_close(&plain);
+}
+END_TEST
+
+/* Over long times the results keep what the steps keep; those of the curve do not (test_events.c). */
+START_TEST(results_keep_invariants)
+{
+    static results d;
+    run r = run_open(&scene_kepler, NULL, 0);
+    drift at_steps = {0}, between = {0};
+    d = (results){.n = 2};
+    for (int call = 0; call < 20; call++) {
+        double times[MOST_TIMES];
+        for (int i = 0; i < MOST_TIMES; i++) times[i] = r.x.t + 0.377 * (i + 1);
+        d.count = 0;
+        ck_assert_int_eq(ask(&r, 0.25, times, MOST_TIMES, &d), TVI_OK);
+        for (int i = 0; i < MOST_TIMES; i++) add_drift(&between, d.at[i].q, d.at[i].p);
+        add_drift(&at_steps, r.x.q, r.x.p);
+        for (int i = 0; i < 16; i++) {
+            ck_assert_int_eq(run_steps(&r, 0.25, 1), TVI_OK);
+            add_drift(&at_steps, r.x.q, r.x.p);
+        }
+    }
+    ck_assert_double_le(between.energy, 10 * at_steps.energy);
+    ck_assert_double_le(between.momentum, 10 * at_steps.momentum);
+    run_close(&r);
+}
+END_TEST
+
+START_TEST(observers_stop)
+{
+    static results d;
+    const double times[] = {0, 0.1, 0.35, 0.4};
+    for (int stop = 1; stop <= 4; stop++) {
+        run r = run_open(&scene_kepler, NULL, 0);
+        d = (results){.stop_at = stop};
+        ck_assert_int_eq(ask(&r, 0.25, times, 4, &d), TVI_ESTOPPED);
+        ck_assert_int_eq(d.count, stop);
+        ck_assert_double_eq(r.x.t, stop == 1 ? 0 : stop == 2 ? 0.25 : 0.5);
+        run_close(&r);
+    }
+}
+END_TEST
+
+START_TEST(bad_times_are_refused)
+{
+    static const double rows[][3] = {{0.1, 0.3, 0.2}, {-0.1, 0.1, 0.2}, {0.1, NAN, 0.2}, {0.1, 0.2, INFINITY}};
+    static const double good[] = {0.1, 0.2, 0.3};
+    run r = run_open(&scene_kepler, NULL, 0);
+    const point start = r.x;
+    static results d;
+    d = (results){0};
+    for (int i = 0; i < 4; i++) ck_assert_int_eq(ask(&r, 0.25, rows[i], 3, &d), TVI_EINVAL);
+    ck_assert_int_eq(ask(&r, -0.25, good, 3, &d), TVI_EINVAL);
+    ck_assert_int_eq(ask(&r, 0, good, 3, &d), TVI_EINVAL);
+    ck_assert_int_eq(ask(&r, INFINITY, good, 3, &d), TVI_EINVAL);
+    ck_assert_int_eq(ask(&r, 0.25, good, -1, &d), TVI_EINVAL);
+    ck_assert_int_eq(ask(&r, 0.25, NULL, 3, &d), TVI_EINVAL);
+    double *t = &r.x.t, *q = r.x.q, *p = r.x.p;
+    ck_assert_int_eq(tvi_integrate_at(NULL, 0.25, good, 3, t, q, p, note, &d), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, good, 3, NULL, q, p, note, &d), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, good, 3, t, NULL, p, note, &d), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, good, 3, t, q, NULL, note, &d), TVI_EINVAL);
+    ck_assert(same_point(&r.x, &start));
+    ck_assert_int_eq(d.count, 0);
+    ck_assert_int_eq(ask(&r, 0.25, NULL, 0, &d), TVI_OK);
+    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, good, 3, t, q, p, NULL, NULL), TVI_OK);
+    ck_assert_double_eq(r.x.t, 0.5);
+    r.x.q[0] = NAN;
+    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, &(double){1}, 1, t, q, p, note, &d), TVI_ENONFINITE);
+    run_close(&r);
+}
+END_TEST
+
+Suite *suite_times(void)
+{
+    Suite *suite = suite_create("times");
+    TCase *tcase = tcase_create("times");
+    tcase_set_timeout(tcase, 60);
+    tcase_add_loop_test(tcase, states_at_times, 0, 2 * PAIRINGS);
+    tcase_add_test(tcase, results_keep_invariants);
+    tcase_add_test(tcase, observers_stop);
+    tcase_add_test(tcase, bad_times_are_refused);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
