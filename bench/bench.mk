@@ -25,6 +25,13 @@ order-doubling: need-bench
 	gnuplot -c bench/order_doubling.gp $(BUILD)/bench/order-doubling
 .PHONY: order-doubling
 
+# the tables and the picture of docs/chaos.md
+chaos: need-bench
+	@$(MAKE) --no-print-directory $(BUILD)/bench/chaos
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/chaos $(BUILD)/bench
+	gnuplot -c bench/chaos.gp $(BUILD)/bench bench/experiments
+.PHONY: chaos
+
 # The generated tables of the documents: all made anew and compared, but for times; or put into the documents.
 DOCUMENTS ?= README.md $(wildcard docs/*.md)
 verify: need-bench
@@ -41,7 +48,8 @@ references: need-library
 $(BUILD)/bench/sweep: $(BUILD)/bench/bench.o $(BUILD)/bench/summary.o
 $(BUILD)/bench/choose: $(BUILD)/bench/choose.o
 $(BUILD)/bench/order_doubling: $(BUILD)/bench/order_doubling.o
-$(BUILD)/bench/sweep $(BUILD)/bench/choose $(BUILD)/bench/order_doubling: $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
+$(BUILD)/bench/chaos: $(BUILD)/bench/chaos.o $(BUILD)/bench/experiments/experiment.o
+$(BUILD)/bench/sweep $(BUILD)/bench/choose $(BUILD)/bench/order_doubling $(BUILD)/bench/chaos: $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
 # what callgrind runs

@@ -1,0 +1,167 @@
+/* chaos.c - order and chaos of the three Henon-Heiles orbits of docs/method.md section 9, by the tangent map: the largest
+ * Lyapunov exponent and MEGNO, for docs/chaos.md; and what a column costs.
+ *
+ *   chaos DIR */
+#include "experiments/experiment.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { N = 2 };
+static const double H_STEP = 0.5;
+
+static const struct {
+    const char *label;
+    double q[N], p[N];
+} orbits[] = {
+    {"1/12", {0.25, -0.25}, {0.25, 0}},
+    {"1/8 (regular)", {0, 0.375}, {0.375, 0.0625}},
+    {"1/8 (chaotic)", {0.25, 0.375}, {0.1875, 0}},
+};
+enum { ORBITS = sizeof orbits / sizeof *orbits };
+
+enum { DECADES = 4, FIRST = 200, LAST = 200000 }; /* rows of the tables at FIRST 10^k steps */
+static const double CSV_RATIO = 1.08; /* of the times in the CSV file */
+
+/* With d_k the length of the tangent vector after k steps (Cincotta, Giordano and Simo, Physica D 182 (2003), for maps):
+ *     lambda = ln(d_k/d_0) / t,   Y_k = (2/k) sum_{j <= k} j ln(d_j/d_{j-1}),   MEGNO = (1/k) sum_{j <= k} Y_j. */
+typedef struct {
+    double logarithm, weighted, sum_Y; /* sum ln(d_j/d_{j-1}), sum j ln(d_j/d_{j-1}), sum Y_j */
+} growth;
+
+static double note_growth(growth *g, long step, double ratio)
+{
+    g->logarithm += log(ratio);
+    g->weighted += (double)step * log(ratio);
+    g->sum_Y += 2 / (double)step * g->weighted;
+    return g->sum_Y / (double)step;
+}
+
+static double length(const double D[2 * N])
+{
+    double sum = 0;
+    for (int i = 0; i < 2 * N; i++) sum += D[i] * D[i];
+    return sqrt(sum);
+}
+
+typedef struct {
+    double exponent, megno;
+} chaos;
+
+static void insist(tvi_status status, const char *what)
+{
+    if (status != TVI_OK) experiment_fail(what, tvi_status_string(status));
+}
+
+/* Rows of the table in at[], the CSV file, and the largest relative energy error. */
+static double measure(const tvi_system *system, int orbit, FILE *csv, chaos at[DECADES])
+{
+    tvi_integrator *integrator;
+    double t = 0, q[N], p[N], D[2 * N] = {0.5, 0.5, 0.5, 0.5}, H0, H, worst = 0, next = 20;
+    growth g = {0, 0, 0};
+    int row = 0;
+    long row_step = FIRST;
+    memcpy(q, orbits[orbit].q, sizeof q);
+    memcpy(p, orbits[orbit].p, sizeof p);
+    insist(tvi_integrator_create(&integrator, system, NULL), "the integrator");
+    insist(tvi_energy(system, t, q, p, &H0), "the energy");
+    for (long step = 1; step <= LAST; step++) {
+        insist(tvi_step_tangent(integrator, H_STEP, &t, q, p, D, 1), "a step");
+        insist(tvi_energy(system, t, q, p, &H), "the energy");
+        worst = fmax(worst, fabs((H - H0) / H0));
+        const double ratio = length(D);
+        for (int i = 0; i < 2 * N; i++) D[i] /= ratio;
+        const double megno = note_growth(&g, step, ratio);
+        if ((double)step >= next) {
+            fprintf(csv, "%s,%.10g,%.6e,%.6e\n", orbits[orbit].label, t, g.logarithm / t, megno);
+            next *= CSV_RATIO;
+        }
+        if (step != row_step) continue;
+        at[row++] = (chaos){g.logarithm / t, megno};
+        row_step *= 10;
+    }
+    tvi_integrator_free(integrator);
+    return worst;
+}
+
+static void write_exponents(const experiment *e, const tvi_system *system)
+{
+    chaos at[ORBITS][DECADES];
+    double worst = 0;
+    FILE *csv = experiment_csv(e, "chaos", "H,t,exponent,megno");
+    for (int orbit = 0; orbit < ORBITS; orbit++) {
+        worst = fmax(worst, measure(system, orbit, csv, at[orbit]));
+        experiment_progress("H = %s", orbits[orbit].label);
+    }
+    experiment_close(csv);
+    FILE *table = experiment_table(e, "chaos",
+                                   " t | exponent, H = 1/12 | exponent, H = 1/8 | exponent, H = 1/8 (chaotic) | MEGNO, H = 1/12 | "
+                                   "MEGNO, H = 1/8 | MEGNO, H = 1/8 (chaotic) ");
+    long step = FIRST;
+    for (int row = 0; row < DECADES; row++, step *= 10) {
+        fprintf(table, "| %g |", (double)step * H_STEP);
+        for (int orbit = 0; orbit < ORBITS; orbit++) fprintf(table, " %.2g |", at[orbit][row].exponent);
+        for (int orbit = 0; orbit < ORBITS; orbit++) fprintf(table, " %.4g |", at[orbit][row].megno);
+        fprintf(table, "\n");
+    }
+    experiment_close(table);
+    experiment_progress("largest relative energy error: %.1e", worst);
+}
+
+/* ---- What a column costs --------------------------------------------------------------------------------------- */
+
+enum { TIMED_STEPS = 20000, REPETITIONS = 3 };
+
+/* us a step, the fastest repetition; columns 0: tvi_step. */
+static double time_steps(const tvi_system *system, const tvi_options *options, int columns)
+{
+    double fastest = INFINITY;
+    for (int repetition = 0; repetition < REPETITIONS; repetition++) {
+        tvi_integrator *integrator;
+        double t = 0, q[N], p[N], D[4 * N * N] = {1};
+        memcpy(q, orbits[0].q, sizeof q);
+        memcpy(p, orbits[0].p, sizeof p);
+        insist(tvi_integrator_create(&integrator, system, options), "the integrator");
+        for (int step = -1; step < TIMED_STEPS; step++) { /* the first one makes what is kept */
+            static double before;
+            if (step == 0) before = run_clock();
+            insist(columns == 0 ? tvi_step(integrator, H_STEP, &t, q, p)
+                                : tvi_step_tangent(integrator, H_STEP, &t, q, p, D, columns),
+                   "a step");
+            if (step == TIMED_STEPS - 1) fastest = fmin(fastest, (run_clock() - before) / TIMED_STEPS * 1e6);
+        }
+        tvi_integrator_free(integrator);
+    }
+    return fastest;
+}
+
+static void write_costs(const experiment *e, const tvi_system *system)
+{
+    static const struct {
+        const char *name;
+        int order;
+    } methods[] = {{"galerkin", 16}, {"midpoint", 20}, {"poincare", 20}, {"right", 12}, {"taylor", 12}, {"stormer-verlet", 2}};
+    FILE *table = experiment_table(e, "chaos_cost",
+                                   " method | us a step (time) | with 1 column (time) | with 4 columns (time) | a column, in steps "
+                                   "(time) ");
+    for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
+        tvi_options options;
+        insist(tvi_options_named(methods[i].name, methods[i].order, &options), methods[i].name);
+        const double none = time_steps(system, &options, 0), one = time_steps(system, &options, 1);
+        const double four = time_steps(system, &options, 4);
+        fprintf(table, "| %s %d | %.2g | %.2g | %.2g | %.1f |\n", methods[i].name, methods[i].order, none, one, four,
+                (four - none) / (4 * none));
+    }
+    experiment_close(table);
+}
+
+int main(int argc, char *argv[])
+{
+    const experiment e = experiment_begin(argc, argv);
+    tvi_system *system = experiment_system(&scene_henon_heiles_8);
+    write_exponents(&e, system);
+    write_costs(&e, system);
+    tvi_system_free(system);
+    return EXIT_SUCCESS;
+}
