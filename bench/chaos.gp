@@ -16,8 +16,10 @@ do for [type in types] {
     set key bottom left Left reverse samplen 2
     plot for [k=1:3] rows("chaos", of(labels[k]), "$2, $3") with lines lw 1.6 lc rgb colours[k] title "H = ".labels[k]
     set title "MEGNO"
+    set yrange [0.5:1e4]
     set key top left Left reverse samplen 2
     plot for [k=1:3] rows("chaos", of(labels[k]), "$2, $4") with lines lw 1.6 lc rgb colours[k] notitle, \
         2 lc rgb grey dt 2 title "2: regular"
     unset multiplot
+    unset yrange
 }

@@ -312,6 +312,31 @@ START_TEST(defect_is_measured)
 }
 END_TEST
 
+/* ln(d/d_0)/t of a tangent vector: large on a chaotic orbit, ln(t)/t on a regular one, where d grows like t. */
+static double exponent(const double q[2], const double p[2])
+{
+    const double t_end = 2000;
+    tvi_system *system;
+    tvi_integrator *integrator;
+    double t = 0, x[4] = {q[0], q[1], p[0], p[1]}, D[4] = {0.5, 0.5, 0.5, 0.5}, square = 0;
+    ck_assert_int_eq(scene_system(&scene_henon_heiles_8, &system), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, NULL), TVI_OK);
+    while (t < t_end) ck_assert_int_eq(tvi_step_tangent(integrator, 0.5, &t, x, x + 2, D, 1), TVI_OK);
+    for (int i = 0; i < 4; i++) square += D[i] * D[i];
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    return 0.5 * log(square) / t;
+}
+
+START_TEST(chaos_shows)
+{
+    const double q[] = {0, 0.375}, p[] = {0.375, 0.0625}; /* regular, of the same energy */
+    const double of_regular = exponent(q, p), of_chaotic = exponent(scene_henon_heiles_8.q, scene_henon_heiles_8.p);
+    ck_assert(of_regular > 0.002 && of_regular < 0.004);
+    ck_assert(of_chaotic > 0.015 && of_chaotic < 0.15);
+}
+END_TEST
+
 /* ---- The step itself --------------------------------------------------------------------------------------------- */
 
 static bool same_bits(int n, const test_state *a, const test_state *b)
@@ -412,6 +437,7 @@ Suite *suite_tangent_map(void)
     tcase_add_loop_test(tcase, columns_are_alone, 0, MODELS * ALL_KINDS);
     tcase_add_loop_test(tcase, momentum_maps_are_kept, 0, ALL_KINDS);
     tcase_add_test(tcase, defect_is_measured);
+    tcase_add_test(tcase, chaos_shows);
     tcase_add_loop_test(tcase, step_is_the_step, 0, MODELS * ALL_KINDS);
     tcase_add_loop_test(tcase, failures_leave_all_as_it_was, 0, ALL_KINDS);
     suite_add_tcase(suite, tcase);
