@@ -271,6 +271,29 @@ START_TEST(columns_are_alone)
 }
 END_TEST
 
+/* Nothing is carried from step to step: an integrator that knows no step before gives the same D, bit for bit. */
+START_TEST(steps_are_alone)
+{
+    const kind *k = &kinds[_i % ALL_KINDS];
+    const model *m = models[_i / ALL_KINDS];
+    if (!kind_serves(k, m)) return;
+    const tvi_options options = kind_options(k, 3);
+    runs r = open_runs(m, &options);
+    test_state x = model_place(m);
+    double D[MOST] = {1}, other[MOST];
+    for (int step = 0; step < 5; step++) {
+        runs fresh = open_runs(m, &options);
+        test_state y = x;
+        memcpy(other, D, sizeof D);
+        tangent_step(&r, m->h, &x, D, 1);
+        tangent_step(&fresh, m->h, &y, other, 1);
+        ck_assert_mem_eq(D, other, sizeof D);
+        close_runs(&fresh);
+    }
+    close_runs(&r);
+}
+END_TEST
+
 /* The angular momentum L is the same after the step: its gradient there, times M, is its gradient before. Row vectors. */
 static double gradient_change(const model *m, const tvi_options *options)
 {
@@ -435,6 +458,7 @@ Suite *suite_tangent_map(void)
     tcase_add_loop_test(tcase, midpoint_rule_on_the_oscillator, 0, 2);
     tcase_add_loop_test(tcase, maps_multiply, 0, MODELS * ALL_KINDS);
     tcase_add_loop_test(tcase, columns_are_alone, 0, MODELS * ALL_KINDS);
+    tcase_add_loop_test(tcase, steps_are_alone, 0, MODELS * ALL_KINDS);
     tcase_add_loop_test(tcase, momentum_maps_are_kept, 0, ALL_KINDS);
     tcase_add_test(tcase, defect_is_measured);
     tcase_add_test(tcase, chaos_shows);
