@@ -72,6 +72,9 @@ jet jet_unset(void);
 /* Makes the jets outputs of the open graph: nodes of it stay, finite numbers become constant nodes; else why not. */
 tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[]);
 
+/* op of one operand, from OP_SQRT on but OP_POW. */
+jet jet_record_op(jet_op op, jet a);
+
 /* sum_i coefficient[i] x[i]; equal nodes are collected, numbers folded. */
 jet jet_linear(int count, const double coefficient[], const jet x[]);
 

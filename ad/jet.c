@@ -397,6 +397,14 @@ static jet record_function(jet_graph *graph, jet_op op, struct jet_node *a)
     return jet_of_node(z);
 }
 
+jet jet_record_op(jet_op op, jet a)
+{
+    jet_graph *graph;
+    const tvi_status status = find_graph(1, &a, &graph);
+    if (status != TVI_OK) return poison(status);
+    return graph ? record_function(graph, op, a.node) : fold(op, 0, a.number, 0);
+}
+
 jet jet_record_function(jet_function f, jet a)
 {
     static const jet_op ops[] = {
@@ -406,8 +414,5 @@ jet jet_record_function(jet_function f, jet a)
     };
     if (f == JET_NEG) return jet_mul(-1, a);
     if (f == JET_SQR) return jet_mul(a, a);
-    jet_graph *graph;
-    const tvi_status status = find_graph(1, &a, &graph);
-    if (status != TVI_OK) return poison(status);
-    return graph ? record_function(graph, ops[f], a.node) : fold(ops[f], 0, a.number, 0);
+    return jet_record_op(ops[f], a);
 }

@@ -1,5 +1,5 @@
-/* chaos.c - order and chaos of the three Henon-Heiles orbits of docs/method.md section 9, by the tangent map: the largest
- * Lyapunov exponent and MEGNO, for docs/chaos.md; and what a column costs.
+/* chaos.c - order and chaos of the three Henon-Heiles orbits of docs/method.md section 9, by the tangent map: the
+ * largest Lyapunov exponent and MEGNO, for docs/chaos.md; and what a column costs.
  *
  *   chaos DIR */
 #include "experiments/experiment.h"
@@ -22,10 +22,10 @@ static const struct {
 enum { ORBITS = sizeof orbits / sizeof *orbits };
 
 enum { DECADES = 4, FIRST = 200, LAST = 200000 }; /* rows of the tables at FIRST 10^k steps */
-static const double CSV_RATIO = 1.08; /* of the times in the CSV file */
+static const double CSV_RATIO = 1.08;             /* of the times in the CSV file */
 
-/* With d_k the length of the tangent vector after k steps (Cincotta, Giordano and Simo, Physica D 182 (2003), for maps):
- *     lambda = ln(d_k/d_0) / t,   Y_k = (2/k) sum_{j <= k} j ln(d_j/d_{j-1}),   MEGNO = (1/k) sum_{j <= k} Y_j. */
+/* With d_k the length of the tangent vector after k steps (Cincotta, Giordano and Simo, Physica D 182 (2003), for
+ * maps): lambda = ln(d_k/d_0) / t,   Y_k = (2/k) sum_{j <= k} j ln(d_j/d_{j-1}),   MEGNO = (1/k) sum_{j <= k} Y_j. */
 typedef struct {
     double logarithm, weighted, sum_Y; /* sum ln(d_j/d_{j-1}), sum j ln(d_j/d_{j-1}), sum Y_j */
 } growth;
@@ -95,9 +95,10 @@ static void write_exponents(const experiment *e, const tvi_system *system)
         experiment_progress("H = %s", orbits[orbit].label);
     }
     experiment_close(csv);
-    FILE *table = experiment_table(e, "chaos",
-                                   " t | exponent, H = 1/12 | exponent, H = 1/8 | exponent, H = 1/8 (chaotic) | MEGNO, H = 1/12 | "
-                                   "MEGNO, H = 1/8 | MEGNO, H = 1/8 (chaotic) ");
+    FILE *table = experiment_table(
+        e, "chaos",
+        " t | exponent, H = 1/12 | exponent, H = 1/8 | exponent, H = 1/8 (chaotic) | MEGNO, H = 1/12 | "
+        "MEGNO, H = 1/8 | MEGNO, H = 1/8 (chaotic) ");
     long step = FIRST;
     for (int row = 0; row < DECADES; row++, step *= 10) {
         fprintf(table, "| %g |", (double)step * H_STEP);
@@ -141,10 +142,12 @@ static void write_costs(const experiment *e, const tvi_system *system)
     static const struct {
         const char *name;
         int order;
-    } methods[] = {{"galerkin", 16}, {"midpoint", 20}, {"poincare", 20}, {"right", 12}, {"taylor", 12}, {"stormer-verlet", 2}};
-    FILE *table = experiment_table(e, "chaos_cost",
-                                   " method | us a step (time) | with 1 column (time) | with 4 columns (time) | a column, in steps "
-                                   "(time) ");
+    } methods[] = {{"galerkin", 16}, {"midpoint", 20}, {"poincare", 20},
+                   {"right", 12},    {"taylor", 12},   {"stormer-verlet", 2}};
+    FILE *table = experiment_table(
+        e, "chaos_cost",
+        " method | us a step (time) | with 1 column (time) | with 4 columns (time) | a column, in steps "
+        "(time) ");
     for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
         tvi_options options;
         insist(tvi_options_named(methods[i].name, methods[i].order, &options), methods[i].name);
