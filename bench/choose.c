@@ -94,8 +94,8 @@ static void write_advice(const report *r, FILE *out)
     static const struct {
         const char *have, *take, *method;
     } rows[] = {
-        {"a force, a potential or a Lagrangian, and long times", "the default: \"midpoint\", order 20", "midpoint"},
-        {"any Hamiltonian, degenerate ones too", "\"poincare\", order 20 (the default for it)", "poincare"},
+        {"a force, a potential or any Hamiltonian, and long times", "the default: \"galerkin\", order 16", "galerkin"},
+        {"a Lagrangian that does not separate, and long times", "the default for it: \"midpoint\", order 20", "midpoint"},
         {"a short orbit, energy may drift", "\"taylor\", order 10 to 14", "taylor"},
         {"the paper's form to compare with", "\"symmetric-tvi\", its best order", "symmetric-tvi"},
     };
