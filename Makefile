@@ -9,6 +9,7 @@
 # make performance   the tables and the picture of docs/performance.md, two minutes; make performance-docs puts them there
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
+# make stability  where methods break: the tables and pictures of docs/stability.md, five minutes
 # make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md
 # make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, two minutes;
@@ -110,6 +111,8 @@ include bench/performance/performance.mk
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 
 include tests/tests.mk
+
+include bench/stability/stability.mk
 
 clean:
 	rm -rf build

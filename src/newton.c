@@ -5,7 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_PASSES = 50, MAX_REFRESHES = 3, CHECK_EVERY = 16 };
+/* Passes that just contract, by a half, are at roundoff after 53. */
+enum { MAX_PASSES = 64, MAX_REFRESHES = 3, CHECK_EVERY = 16 };
 
 /* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns. */
 static const double STAGNATION = 256 * DBL_EPSILON;

@@ -47,7 +47,8 @@ $(QUAD_OBJECTS): $(BUILD)/%.o: %.c
 	$(QUADCC) $(QUAD_FLAGS) -c -o $@ $<
 
 # what the programs take from each other and from the bench
-HELPERS := $(call objects_of,tests/problems.c bench/quad.c $(wildcard bench/scenes/*.c bench/baselines/*.c))
+HELPERS := $(call objects_of,tests/problems.c bench/quad.c $(wildcard bench/scenes/*.c bench/baselines/*.c) \
+            $(filter-out %/stability.c,$(wildcard bench/stability/*.c)))
 $(BUILD)/check/helpers.a: $(HELPERS)
 	@mkdir -p $(@D) && rm -f $@
 	$(AR) rcs $@ $^

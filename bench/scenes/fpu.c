@@ -3,13 +3,14 @@
 
 /* Fermi-Pasta-Ulam chain of six unit masses, three stiff springs of frequency w = 50 between soft ones, q_0 = q_7 = 0
  * (docs/method.md section 8.8 in q):
- *   V = w^2/4 sum_{i=1..3} (q_{2i} - q_{2i-1})^2 + sum_{i=0..3} (q_{2i+1} - q_{2i})^4. */
+ *   V = w^2/4 sum_{i=1..3} (q_{2i} - q_{2i-1})^2 + sum_{i=0..3} (q_{2i+1} - q_{2i})^4.
+ * A context is another w. */
 enum { N = 6 };
 
 static jet potential(const jet q[], jet t, void *ctx)
 {
-    (void)t, (void)ctx;
-    const double w = 50;
+    (void)t;
+    const double w = ctx ? *(const double *)ctx : 50;
     jet x[N + 2], stiff[3], soft[4];
     x[0] = x[N + 1] = jet_const(0);
     for (int i = 0; i < N; i++)

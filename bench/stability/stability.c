@@ -1,0 +1,328 @@
+/* stability.c - where methods break: the tables of docs/stability.md and the data of its pictures, in DIR.
+ *
+ *   stability --out DIR [--only linear|survive|fpu|extremes] [--case NAME] */
+#include "hard_run.h"
+#include "linear.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <time.h>
+
+/* ---- Files
+ * ----------------------------------------------------------------------------------------------------------- */
+
+typedef struct {
+    const char *dir, *only_case;
+} command;
+
+static FILE *open_file(const command *at, const char *name)
+{
+    char path[4096];
+    FILE *file = NULL;
+    if (snprintf(path, sizeof path, "%s/%s", at->dir, name) < (int)sizeof path) file = fopen(path, "w");
+    if (!file) fprintf(stderr, "stability: cannot write %s/%s: %s\n", at->dir, name, strerror(errno));
+    return file;
+}
+
+static void progress(const char *what, const char *which)
+{
+    fprintf(stderr, "%6.1f s  %s %s\n", (double)clock() / CLOCKS_PER_SEC, what, which);
+}
+
+/* A number of a table: a dash where there is none. */
+static const char *number(double x, const char *format, char text[32])
+{
+    if (isnan(x)) strcpy(text, "-");
+    else snprintf(text, 32, format, x);
+    return text;
+}
+
+static void name_of(const hard_method *m, char text[32])
+{
+    snprintf(text, 32, "%s%s", m->name, m->composed ? " composed" : "");
+}
+
+/* ---- Linear stability
+ * -------------------------------------------------------------------------------------------------- */
+
+enum { LINEAR_MOST = 40, LINEAR_ORDERS = 10 };
+static const char *const linear_names[] = {
+    "stormer-verlet", "svhd", "tvi",      "htvi-right", "htvi-left", "symmetric-tvi", "start", "end",
+    "right",          "left", "midpoint", "both-ends",  "poincare",  "taylor",
+};
+enum { LINEAR_NAMES = sizeof linear_names / sizeof *linear_names };
+
+static void write_limit(FILE *md, FILE *csv, const char *name, const tvi_options *resolved, const linear_limit *limit)
+{
+    char onset[32], growth[32], percent[32], refused[64] = "-";
+    number(isinf(limit->onset) ? NAN : limit->onset, "%.5f", onset);
+    number(isinf(limit->onset) ? NAN : limit->growth, "%.1e", growth);
+    number(isinf(limit->one_percent) ? NAN : limit->one_percent, "%.4f", percent);
+    if (limit->status != TVI_OK) {
+        const hard_run refusal = {.status = limit->status};
+        snprintf(refused, sizeof refused, "%.2f, %s", limit->refused_at, hard_run_cause(&refusal));
+    }
+    fprintf(md, "| %s | %d | %d | %s | %s | %s | %s |\n", name, resolved->degree, resolved->order, onset, growth,
+            percent, refused);
+    fprintf(csv, "%s,%d,%d,%s,%s,%s,%s\n", name, resolved->degree, resolved->order, onset, growth, percent, refused);
+}
+
+static bool linear_table(const command *at)
+{
+    tvi_system *system;
+    FILE *md = open_file(at, "linear.md"), *csv = open_file(at, "linear.csv");
+    if (!md || !csv || hard_system(&oscillator, &system) != TVI_OK) return false;
+    fprintf(md, "| method | degree | order | stable below h w = | growth a step there | growth of 1%% from h w = | "
+                "refused from h w = (chaotic) |\n"
+                "|---|---|---|---|---|---|---|\n");
+    fprintf(csv, "method,degree,order,onset,growth,one_percent,refused\n");
+    for (int i = 0; i < LINEAR_NAMES; i++) {
+        progress("linear", linear_names[i]);
+        for (int order = 1; order <= 20; order++) {
+            tvi_options options;
+            tvi_integrator *integrator;
+            if (order > 8 && order % 4 != 0) continue;
+            if (tvi_options_named(linear_names[i], order, &options) != TVI_OK) continue;
+            if (tvi_integrator_create(&integrator, system, &options) != TVI_OK) continue;
+            const linear_limit limit = linear_search(integrator, LINEAR_MOST);
+            write_limit(md, csv, linear_names[i], tvi_integrator_options(integrator), &limit);
+            tvi_integrator_free(integrator);
+        }
+    }
+    tvi_system_free(system);
+    return fclose(md) == 0 && fclose(csv) == 0;
+}
+
+/* Spectral radius less 1 over h w, for the picture. */
+static bool linear_curves(const command *at)
+{
+    static const hard_method curves[] = {{"stormer-verlet", 2, false}, {"svhd", 2, false},      {"tvi", 4, false},
+                                         {"symmetric-tvi", 4, false},  {"start", 4, false},     {"midpoint", 4, false},
+                                         {"midpoint", 8, false},       {"both-ends", 8, false}, {"poincare", 8, false}};
+    FILE *csv = open_file(at, "linear_curves.csv");
+    tvi_system *system;
+    if (!csv || hard_system(&oscillator, &system) != TVI_OK) return false;
+    for (size_t i = 0; i < sizeof curves / sizeof *curves; i++) {
+        tvi_options options;
+        tvi_integrator *integrator;
+        if (!hard_options(&curves[i], &options) || tvi_integrator_create(&integrator, system, &options) != TVI_OK)
+            return false;
+        fprintf(csv, "%s\"%s %d\"\n", i ? "\n\n" : "", curves[i].name, curves[i].order);
+        for (double z = 0.005; z < 8; z += 0.005) {
+            step_matrix M;
+            if (linear_matrix(integrator, z, &M) == TVI_OK) fprintf(csv, "%.3f %.6e\n", z, 1 + linear_growth(&M));
+        }
+        tvi_integrator_free(integrator);
+    }
+    tvi_system_free(system);
+    return fclose(csv) == 0;
+}
+
+static bool linear(const command *at) { return linear_table(at) && linear_curves(at); }
+
+/* ---- The largest step that survives
+ * -------------------------------------------------------------------------------------- */
+
+static const hard_method survivors[] = {
+    {"stormer-verlet", 2, false}, {"svhd", 2, false},          {"poincare", 2, false},
+    {"gauss", 4, false},          {"tvi", 4, false},           {"symmetric-tvi", 4, false},
+    {"start", 4, false},          {"midpoint", 4, false},      {"poincare", 4, false},
+    {"gauss", 8, false},          {"tvi", 8, false},           {"htvi-right", 8, false},
+    {"htvi-left", 8, false},      {"symmetric-tvi", 8, false}, {"start", 8, false},
+    {"start", 8, true},           {"right", 8, false},         {"left", 8, false},
+    {"midpoint", 8, false},       {"both-ends", 8, false},     {"poincare", 8, false},
+    {"gauss", 16, false},         {"start", 16, false},        {"midpoint", 16, false},
+    {"both-ends", 16, false},     {"poincare", 16, false},     {"midpoint", 20, false},
+};
+enum { SURVIVORS = sizeof survivors / sizeof *survivors };
+
+/* How the steps above the largest that survives ended. */
+typedef struct {
+    int energy, count[TVI_STATUS_COUNT];
+} tally;
+
+static void add(tally *ends, const hard_run *run)
+{
+    if (run->status == TVI_ESTOPPED) ends->energy++;
+    else ends->count[run->status]++;
+}
+
+/* "energy 2, TVI_ENOCONV 5". */
+static void describe(const tally *ends, char text[128])
+{
+    int length = 0;
+    text[0] = '\0';
+    if (ends->energy) length = snprintf(text, 128, "energy %d", ends->energy);
+    for (int status = 1; status < TVI_STATUS_COUNT && length < 100; status++)
+        if (ends->count[status])
+            length += snprintf(text + length, 128 - (size_t)length, "%s%s %d", length ? ", " : "",
+                               hard_run_cause(&(hard_run){.status = (tvi_status)status}), ends->count[status]);
+}
+
+typedef struct {
+    hard_run largest, above; /* that survives; the next larger one */
+    tally ends;              /* of all larger ones */
+    bool found;
+} survival;
+
+/* Down the ladder, until a step and the next smaller one survive; of a long run, until one does. */
+static survival search(const hard_case *c, const tvi_system *system, const hard_method *m)
+{
+    survival found = {.above = {.status = TVI_OK}};
+    hard_run candidate = {.status = TVI_ESTOPPED};
+    bool last_survived = false;
+    for (double h = c->h_most; h > c->h_least; h /= c->ladder) {
+        const hard_run run = hard_run_make(c, system, m, (long)ceil(c->scene.t_end / h));
+        const bool survives = hard_run_survives(&run);
+        if (survives && (last_survived || c->long_run)) {
+            found.largest = last_survived ? candidate : run;
+            found.found = true;
+            return found;
+        }
+        if (survives) candidate = run;
+        else found.above = run, add(&found.ends, &run);
+        last_survived = survives;
+    }
+    return found;
+}
+
+static void write_survival(FILE *md, FILE *csv, const hard_case *c, const hard_method *m, const survival *s)
+{
+    char name[32], h[32], energy[32], position[32], passes[32], ends[128];
+    name_of(m, name);
+    describe(&s->ends, ends);
+    number(s->found ? s->largest.h : NAN, "%.3g", h);
+    number(s->found ? s->largest.energy_error : NAN, "%.1e", energy);
+    number(s->found ? s->largest.position_error : NAN, "%.1e", position);
+    number(s->found ? s->largest.passes : NAN, "%.1f", passes);
+    fprintf(md, "| %s | %d | %s | %s | %s | %s | %s at step %ld | %s |\n", name, m->order, h, energy, position, passes,
+            hard_run_cause(&s->above), s->above.steps + (s->above.status != TVI_ESTOPPED), ends);
+    fprintf(csv, "%s,%s,%d,%s,%s,%s,%s,%s,%ld,\"%s\"\n", c->scene.name, name, m->order, h, energy, position, passes,
+            hard_run_cause(&s->above), s->above.steps, ends);
+    fflush(csv);
+}
+
+static bool survive_case(const command *at, const hard_case *c, FILE *csv)
+{
+    char file[64];
+    tvi_system *system;
+    snprintf(file, sizeof file, "survive_%s.md", c->scene.name);
+    FILE *md = open_file(at, file);
+    if (!md || hard_system(c, &system) != TVI_OK) return false;
+    progress("survive", c->scene.name);
+    fprintf(md, "| method | order | largest h (chaotic) | energy error (chaotic) | position error (chaotic) | "
+                "passes a step (chaotic) | the next larger h ends by (chaotic) | all larger ones (chaotic) |\n"
+                "|---|---|---|---|---|---|---|---|\n");
+    for (int i = 0; i < SURVIVORS; i++) {
+        const bool is_rival = strcmp(survivors[i].name, "gauss") == 0 || survivors[i].order == 20;
+        if (survivors[i].order < c->least_order || (c->long_run && !is_rival)) continue;
+        const survival s = search(c, system, &survivors[i]);
+        write_survival(md, csv, c, &survivors[i], &s);
+    }
+    tvi_system_free(system);
+    return fclose(md) == 0;
+}
+
+static bool survive(const command *at)
+{
+    FILE *csv = open_file(at, "survive.csv");
+    if (!csv) return false;
+    fprintf(csv,
+            "case,method,order,h,energy_error,position_error,passes_per_step,next_ends_by,after_steps,all_larger\n");
+    for (const hard_case *const *c = hard_cases; *c; c++)
+        if ((!at->only_case || strcmp(at->only_case, (*c)->scene.name) == 0) && !survive_case(at, *c, csv))
+            return false;
+    return fclose(csv) == 0;
+}
+
+/* ---- Fermi-Pasta-Ulam over h w
+ * ---------------------------------------------------------------------------------------------- */
+
+static const double ratios[] = {0.1, 0.2, 0.3, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3};
+enum { RATIOS = sizeof ratios / sizeof *ratios };
+static const hard_method chains[] = {
+    {"stormer-verlet", 2, false}, {"svhd", 2, false},      {"gauss", 4, false},     {"tvi", 4, false},
+    {"midpoint", 4, false},       {"poincare", 4, false},  {"gauss", 8, false},     {"symmetric-tvi", 8, false},
+    {"start", 8, false},          {"midpoint", 8, false},  {"both-ends", 8, false}, {"poincare", 8, false},
+    {"gauss", 16, false},         {"midpoint", 16, false},
+};
+enum { CHAINS = sizeof chains / sizeof *chains };
+
+static bool fpu_case(const command *at, const hard_case *c, FILE *csv)
+{
+    char file[64], text[32];
+    tvi_system *system;
+    snprintf(file, sizeof file, "%s.md", c->scene.name);
+    FILE *md = open_file(at, file);
+    if (!md || hard_system(c, &system) != TVI_OK) return false;
+    progress("fpu", c->scene.name);
+    fprintf(md, "| method |");
+    for (int k = 0; k < RATIOS; k++) fprintf(md, " h w = %g (chaotic) |", ratios[k]);
+    fprintf(md, "\n|---|");
+    for (int k = 0; k < RATIOS; k++) fprintf(md, "---|");
+    for (int i = 0; i < CHAINS; i++) {
+        fprintf(md, "\n| %s %d |", chains[i].name, chains[i].order);
+        fprintf(csv, "\n\n\"%s %d\"\n", chains[i].name, chains[i].order);
+        for (int k = 0; k < RATIOS; k++) {
+            const double w = *(const double *)c->ctx;
+            const hard_run run = hard_run_make(c, system, &chains[i], (long)ceil(c->scene.t_end * w / ratios[k]));
+            const bool survives = hard_run_survives(&run);
+            fprintf(md, " %s |", survives ? number(run.energy_error, "%.0e", text) : hard_run_cause(&run));
+            if (survives) fprintf(csv, "%g %g %g\n", ratios[k], run.energy_error, run.passes);
+        }
+    }
+    fprintf(md, "\n");
+    tvi_system_free(system);
+    return fclose(md) == 0;
+}
+
+static bool fpu(const command *at)
+{
+    static const hard_case *const cases[] = {&fpu_50, &fpu_100, &fpu_200};
+    for (int i = 0; i < 3; i++) {
+        char file[64];
+        snprintf(file, sizeof file, "%s.dat", cases[i]->scene.name);
+        FILE *csv = open_file(at, file);
+        if (!csv || !fpu_case(at, cases[i], csv) || fclose(csv) != 0) return false;
+    }
+    return true;
+}
+
+/* ---- The command
+ * -------------------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    bool (*make)(const command *at);
+} parts[] = {{"linear", linear}, {"fpu", fpu}, {"survive", survive}};
+enum { PARTS = sizeof parts / sizeof *parts };
+
+static int usage(void)
+{
+    fprintf(stderr, "usage: stability --out DIR [--only PART] [--case NAME]\nparts:");
+    for (int i = 0; i < PARTS; i++) fprintf(stderr, " %s", parts[i].name);
+    fprintf(stderr, "\n");
+    return EXIT_FAILURE;
+}
+
+int main(int argc, char *argv[])
+{
+    const char *only = NULL;
+    command at = {.dir = "."};
+    for (int i = 1; i < argc; i += 2) {
+        if (i + 1 == argc) return usage();
+        if (strcmp(argv[i], "--out") == 0 && (at.dir = argv[i + 1])) continue;
+        if (strcmp(argv[i], "--only") == 0 && (only = argv[i + 1])) continue;
+        if (strcmp(argv[i], "--case") == 0 && (at.only_case = argv[i + 1])) continue;
+        return usage();
+    }
+    if (mkdir(at.dir, 0777) != 0 && errno != EEXIST) return usage();
+    for (int i = 0; i < PARTS; i++)
+        if ((!only || strcmp(only, parts[i].name) == 0) && !parts[i].make(&at)) return EXIT_FAILURE;
+    progress("done", "");
+    return EXIT_SUCCESS;
+}

@@ -1,0 +1,78 @@
+/* main.c - the hard cases of bench/stability. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every Check program.
+ */
+#include "stability.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const hard_case *const all_cases[] = {
+    &kepler_60,     &kepler_90,     &kepler_99,       &separatrix,     &pythagorean,  &fpu_50,
+    &fpu_100,       &fpu_200,       &spring_pendulum, &henon_heiles_6, &figure_eight, &unequal_masses,
+    &pendulum_tiny, &pendulum_huge, &kepler_tiny,     &kepler_huge,
+};
+const int case_count = sizeof all_cases / sizeof *all_cases;
+
+const hard_method all_methods[] = {
+    {"tvi", 1, false},           {"tvi", 4, false},        {"tvi", 7, false},        {"tvi", 8, true},
+    {"start", 2, false},         {"start", 8, false},      {"start", 8, true},       {"start", 20, false},
+    {"end", 4, false},           {"end", 12, false},       {"midpoint", 2, false},   {"midpoint", 8, false},
+    {"midpoint", 20, false},     {"both-ends", 4, false},  {"both-ends", 16, false}, {"symmetric-tvi", 4, false},
+    {"symmetric-tvi", 8, false}, {"htvi-right", 3, false}, {"htvi-right", 8, false}, {"htvi-left", 3, false},
+    {"htvi-left", 8, false},     {"right", 8, false},      {"right", 16, false},     {"left", 8, false},
+    {"left", 16, false},         {"svhd", 2, false},       {"poincare", 2, false},   {"poincare", 8, false},
+    {"poincare", 20, false},     {"taylor", 4, false},     {"taylor", 20, false},    {"stormer-verlet", 2, false},
+};
+const int method_count = sizeof all_methods / sizeof *all_methods;
+
+hard_state start_of(const hard_case *c)
+{
+    hard_state x = {0};
+    memcpy(x.q, c->scene.q, (size_t)c->scene.n * sizeof *x.q);
+    memcpy(x.p, c->scene.p, (size_t)c->scene.n * sizeof *x.p);
+    return x;
+}
+
+bool is_finite(const hard_state *x)
+{
+    bool finite = isfinite(x->t);
+    for (int i = 0; i < STATE_MOST; i++) finite = finite && isfinite(x->q[i]) && isfinite(x->p[i]);
+    return finite;
+}
+
+hard_pair pair_open(const hard_case *c, const hard_method *m, int max_passes)
+{
+    hard_pair pair = {.of = c};
+    tvi_options options;
+    ck_assert(hard_options(m, &options));
+    options.max_passes = max_passes;
+    ck_assert_int_eq(hard_system(c, &pair.system), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&pair.integrator, pair.system, &options), TVI_OK);
+    snprintf(pair.name, sizeof pair.name, "%s, %s %d%s", c->scene.name, m->name, m->order,
+             m->composed ? " composed" : "");
+    return pair;
+}
+
+void pair_close(hard_pair *pair)
+{
+    tvi_integrator_free(pair->integrator);
+    tvi_system_free(pair->system);
+}
+
+tvi_status pair_step(const hard_pair *pair, double h, hard_state *x)
+{
+    return tvi_step(pair->integrator, h, &x->t, x->q, x->p);
+}
+
+int main(void)
+{
+    SRunner *runner = srunner_create(NULL);
+    srunner_add_suite(runner, suite_failing());
+    srunner_add_suite(runner, suite_limits());
+    srunner_add_suite(runner, suite_extremes());
+    srunner_run_all(runner, CK_ENV);
+    const int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}
