@@ -76,7 +76,7 @@ static jet attract(const jet q[], jet t, void *ctx)
                                    .long_run = is_long}
 
 KEPLER(60, 0.6, 0.5, 2, 0.01, COARSE, 2, false);
-KEPLER(90, 0.9, 0.229415733870561766, 1, 0.01, COARSE, 8, false);
+KEPLER(90, 0.9, 0.229415733870561766, 1, 0.02, COARSE, 8, false);
 KEPLER(99, 0.99, 0.0708881205008335901, 0.004, 0.0004, COARSE, 16, true);
 
 /* ---- A pendulum whose energy is a millionth below the separatrix's

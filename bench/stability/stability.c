@@ -1,8 +1,8 @@
 /* stability.c - where methods break: the tables of docs/stability.md and the data of its pictures, in DIR.
  *
  *   stability --out DIR [--only linear|survive|fpu|extremes] [--case NAME] */
-#include "hard_run.h"
 #include "linear.h"
+#include "tables.h"
 
 #include <errno.h>
 #include <math.h>
@@ -10,41 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
-
-/* ---- Files
- * ----------------------------------------------------------------------------------------------------------- */
-
-typedef struct {
-    const char *dir, *only_case;
-} command;
-
-static FILE *open_file(const command *at, const char *name)
-{
-    char path[4096];
-    FILE *file = NULL;
-    if (snprintf(path, sizeof path, "%s/%s", at->dir, name) < (int)sizeof path) file = fopen(path, "w");
-    if (!file) fprintf(stderr, "stability: cannot write %s/%s: %s\n", at->dir, name, strerror(errno));
-    return file;
-}
-
-static void progress(const char *what, const char *which)
-{
-    fprintf(stderr, "%6.1f s  %s %s\n", (double)clock() / CLOCKS_PER_SEC, what, which);
-}
-
-/* A number of a table: a dash where there is none. */
-static const char *number(double x, const char *format, char text[32])
-{
-    if (isnan(x)) strcpy(text, "-");
-    else snprintf(text, 32, format, x);
-    return text;
-}
-
-static void name_of(const hard_method *m, char text[32])
-{
-    snprintf(text, 32, "%s%s", m->name, m->composed ? " composed" : "");
-}
 
 /* ---- Linear stability
  * -------------------------------------------------------------------------------------------------- */
@@ -59,9 +24,9 @@ enum { LINEAR_NAMES = sizeof linear_names / sizeof *linear_names };
 static void write_limit(FILE *md, FILE *csv, const char *name, const tvi_options *resolved, const linear_limit *limit)
 {
     char onset[32], growth[32], percent[32], refused[64] = "-";
-    number(isinf(limit->onset) ? NAN : limit->onset, "%.5f", onset);
-    number(isinf(limit->onset) ? NAN : limit->growth, "%.1e", growth);
-    number(isinf(limit->one_percent) ? NAN : limit->one_percent, "%.4f", percent);
+    table_number(isinf(limit->onset) ? NAN : limit->onset, "%.5f", onset);
+    table_number(isinf(limit->onset) ? NAN : limit->growth, "%.1e", growth);
+    table_number(isinf(limit->one_percent) ? NAN : limit->one_percent, "%.4f", percent);
     if (limit->status != TVI_OK) {
         const hard_run refusal = {.status = limit->status};
         snprintf(refused, sizeof refused, "%.2f, %s", limit->refused_at, hard_run_cause(&refusal));
@@ -71,17 +36,17 @@ static void write_limit(FILE *md, FILE *csv, const char *name, const tvi_options
     fprintf(csv, "%s,%d,%d,%s,%s,%s,%s\n", name, resolved->degree, resolved->order, onset, growth, percent, refused);
 }
 
-static bool linear_table(const command *at)
+static bool linear_table(const table_command *at)
 {
     tvi_system *system;
-    FILE *md = open_file(at, "linear.md"), *csv = open_file(at, "linear.csv");
+    FILE *md = table_open(at, "linear.md"), *csv = table_open(at, "linear.csv");
     if (!md || !csv || hard_system(&oscillator, &system) != TVI_OK) return false;
     fprintf(md, "| method | degree | order | stable below h w = | growth a step there | growth of 1%% from h w = | "
                 "refused from h w = (chaotic) |\n"
                 "|---|---|---|---|---|---|---|\n");
     fprintf(csv, "method,degree,order,onset,growth,one_percent,refused\n");
     for (int i = 0; i < LINEAR_NAMES; i++) {
-        progress("linear", linear_names[i]);
+        table_progress("linear", linear_names[i]);
         for (int order = 1; order <= 20; order++) {
             tvi_options options;
             tvi_integrator *integrator;
@@ -98,12 +63,12 @@ static bool linear_table(const command *at)
 }
 
 /* Spectral radius less 1 over h w, for the picture. */
-static bool linear_curves(const command *at)
+static bool linear_curves(const table_command *at)
 {
     static const hard_method curves[] = {{"stormer-verlet", 2, false}, {"svhd", 2, false},      {"tvi", 4, false},
                                          {"symmetric-tvi", 4, false},  {"start", 4, false},     {"midpoint", 4, false},
                                          {"midpoint", 8, false},       {"both-ends", 8, false}, {"poincare", 8, false}};
-    FILE *csv = open_file(at, "linear_curves.csv");
+    FILE *csv = table_open(at, "linear_curves.csv");
     tvi_system *system;
     if (!csv || hard_system(&oscillator, &system) != TVI_OK) return false;
     for (size_t i = 0; i < sizeof curves / sizeof *curves; i++) {
@@ -122,7 +87,7 @@ static bool linear_curves(const command *at)
     return fclose(csv) == 0;
 }
 
-static bool linear(const command *at) { return linear_table(at) && linear_curves(at); }
+static bool linear(const table_command *at) { return linear_table(at) && linear_curves(at); }
 
 /* ---- The largest step that survives
  * -------------------------------------------------------------------------------------- */
@@ -193,12 +158,12 @@ static survival search(const hard_case *c, const tvi_system *system, const hard_
 static void write_survival(FILE *md, FILE *csv, const hard_case *c, const hard_method *m, const survival *s)
 {
     char name[32], h[32], energy[32], position[32], passes[32], ends[128];
-    name_of(m, name);
+    table_method(m, name);
     describe(&s->ends, ends);
-    number(s->found ? s->largest.h : NAN, "%.3g", h);
-    number(s->found ? s->largest.energy_error : NAN, "%.1e", energy);
-    number(s->found ? s->largest.position_error : NAN, "%.1e", position);
-    number(s->found ? s->largest.passes : NAN, "%.1f", passes);
+    table_number(s->found ? s->largest.h : NAN, "%.3g", h);
+    table_number(s->found ? s->largest.energy_error : NAN, "%.1e", energy);
+    table_number(s->found ? s->largest.position_error : NAN, "%.1e", position);
+    table_number(s->found ? s->largest.passes : NAN, "%.1f", passes);
     fprintf(md, "| %s | %d | %s | %s | %s | %s | %s at step %ld | %s |\n", name, m->order, h, energy, position, passes,
             hard_run_cause(&s->above), s->above.steps + (s->above.status != TVI_ESTOPPED), ends);
     fprintf(csv, "%s,%s,%d,%s,%s,%s,%s,%s,%ld,\"%s\"\n", c->scene.name, name, m->order, h, energy, position, passes,
@@ -206,14 +171,14 @@ static void write_survival(FILE *md, FILE *csv, const hard_case *c, const hard_m
     fflush(csv);
 }
 
-static bool survive_case(const command *at, const hard_case *c, FILE *csv)
+static bool survive_case(const table_command *at, const hard_case *c, FILE *csv)
 {
     char file[64];
     tvi_system *system;
     snprintf(file, sizeof file, "survive_%s.md", c->scene.name);
-    FILE *md = open_file(at, file);
+    FILE *md = table_open(at, file);
     if (!md || hard_system(c, &system) != TVI_OK) return false;
-    progress("survive", c->scene.name);
+    table_progress("survive", c->scene.name);
     fprintf(md, "| method | order | largest h (chaotic) | energy error (chaotic) | position error (chaotic) | "
                 "passes a step (chaotic) | the next larger h ends by (chaotic) | all larger ones (chaotic) |\n"
                 "|---|---|---|---|---|---|---|---|\n");
@@ -227,9 +192,9 @@ static bool survive_case(const command *at, const hard_case *c, FILE *csv)
     return fclose(md) == 0;
 }
 
-static bool survive(const command *at)
+static bool survive(const table_command *at)
 {
-    FILE *csv = open_file(at, "survive.csv");
+    FILE *csv = table_open(at, "survive.csv");
     if (!csv) return false;
     fprintf(csv,
             "case,method,order,h,energy_error,position_error,passes_per_step,next_ends_by,after_steps,all_larger\n");
@@ -252,14 +217,14 @@ static const hard_method chains[] = {
 };
 enum { CHAINS = sizeof chains / sizeof *chains };
 
-static bool fpu_case(const command *at, const hard_case *c, FILE *csv)
+static bool fpu_case(const table_command *at, const hard_case *c, FILE *csv)
 {
     char file[64], text[32];
     tvi_system *system;
     snprintf(file, sizeof file, "%s.md", c->scene.name);
-    FILE *md = open_file(at, file);
+    FILE *md = table_open(at, file);
     if (!md || hard_system(c, &system) != TVI_OK) return false;
-    progress("fpu", c->scene.name);
+    table_progress("fpu", c->scene.name);
     fprintf(md, "| method |");
     for (int k = 0; k < RATIOS; k++) fprintf(md, " h w = %g (chaotic) |", ratios[k]);
     fprintf(md, "\n|---|");
@@ -271,7 +236,7 @@ static bool fpu_case(const command *at, const hard_case *c, FILE *csv)
             const double w = *(const double *)c->ctx;
             const hard_run run = hard_run_make(c, system, &chains[i], (long)ceil(c->scene.t_end * w / ratios[k]));
             const bool survives = hard_run_survives(&run);
-            fprintf(md, " %s |", survives ? number(run.energy_error, "%.0e", text) : hard_run_cause(&run));
+            fprintf(md, " %s |", survives ? table_number(run.energy_error, "%.0e", text) : hard_run_cause(&run));
             if (survives) fprintf(csv, "%g %g %g\n", ratios[k], run.energy_error, run.passes);
         }
     }
@@ -280,13 +245,13 @@ static bool fpu_case(const command *at, const hard_case *c, FILE *csv)
     return fclose(md) == 0;
 }
 
-static bool fpu(const command *at)
+static bool fpu(const table_command *at)
 {
     static const hard_case *const cases[] = {&fpu_50, &fpu_100, &fpu_200};
     for (int i = 0; i < 3; i++) {
         char file[64];
         snprintf(file, sizeof file, "%s.dat", cases[i]->scene.name);
-        FILE *csv = open_file(at, file);
+        FILE *csv = table_open(at, file);
         if (!csv || !fpu_case(at, cases[i], csv) || fclose(csv) != 0) return false;
     }
     return true;
@@ -297,8 +262,8 @@ static bool fpu(const command *at)
 
 static const struct {
     const char *name;
-    bool (*make)(const command *at);
-} parts[] = {{"linear", linear}, {"fpu", fpu}, {"survive", survive}};
+    bool (*make)(const table_command *at);
+} parts[] = {{"linear", linear}, {"extremes", table_extremes}, {"fpu", fpu}, {"survive", survive}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 static int usage(void)
@@ -312,7 +277,7 @@ static int usage(void)
 int main(int argc, char *argv[])
 {
     const char *only = NULL;
-    command at = {.dir = "."};
+    table_command at = {.dir = "."};
     for (int i = 1; i < argc; i += 2) {
         if (i + 1 == argc) return usage();
         if (strcmp(argv[i], "--out") == 0 && (at.dir = argv[i + 1])) continue;
@@ -323,6 +288,6 @@ int main(int argc, char *argv[])
     if (mkdir(at.dir, 0777) != 0 && errno != EEXIST) return usage();
     for (int i = 0; i < PARTS; i++)
         if ((!only || strcmp(only, parts[i].name) == 0) && !parts[i].make(&at)) return EXIT_FAILURE;
-    progress("done", "");
+    table_progress("done", "");
     return EXIT_SUCCESS;
 }

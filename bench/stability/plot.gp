@@ -1,0 +1,62 @@
+# gnuplot -c plot.gp DIR
+# Reads what break wrote to DIR and draws there, as PNG and SVG,
+#   linear.*   spectral radius of a step of the harmonic oscillator against h w
+#   fpu_W.*    energy error of the Fermi-Pasta-Ulam chain against h w
+#   survive.*  the largest step that survives, of each method, over some cases
+
+dir = ARG1
+open(type, name, width, height) = sprintf("set terminal %s size %d,%d font 'DejaVu Sans,%d' lw 1.2; set output '%s/%s.%s'", \
+    type eq "png" ? "pngcairo" : "svg", width, height, type eq "png" ? 11 : 13, dir, name, type)
+set grid xtics ytics lt 1 lw 0.6 lc rgb "#DDDDDD"
+set border 3 lw 1 lc rgb "#444444"
+set tics nomirror
+set key outside right top Left reverse samplen 3 spacing 1.2 width 1
+
+colours = "#222222 #D55E00 #009E73 #56A8E8 #08254F #AA5599 #E69F00 #0F7F7F #7F7F7F #A05020 #2277C4 #B0B000 #FF6080 #308030"
+colour(i) = word(colours, i)
+
+do for [type in "png svg"] {
+    eval open(type, "linear", 1000, 560)
+    set title "Harmonic oscillator: spectral radius of a step"
+    set xlabel "h w"
+    set ylabel "spectral radius"
+    set xrange [0:8]
+    set yrange [0.95:2.2]
+    plot for [i=0:8] dir."/linear_curves.csv" index i using 1:2 every ::1 with points pt 7 ps 0.35 lc rgb colour(i + 1) \
+        notitle, for [i=0:8] dir."/linear_curves.csv" index i using (NaN):(NaN) every ::1 with points pt 7 ps 1.2 \
+        lc rgb colour(i + 1) title system(sprintf("sed -n '/\"/p' %s/linear_curves.csv | sed -n '%dp' | tr -d '\"'", dir, i + 1))
+
+    set logscale y
+    set format y "10^{%T}"
+    set xrange [0:3.1]
+    set yrange [1e-16:1e-1]
+    set ylabel "largest relative energy error"
+    do for [w in "50 100 200"] {
+        eval open(type, "fpu_".w, 960, 500)
+        set title "Fermi-Pasta-Ulam, w = ".w.", to w t = 500"
+        plot for [i=1:14] dir."/fpu_".w.".dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps 0.5 lw 1.4 \
+            lc rgb colour(i) title system(sprintf("sed -n '/\"/p' %s/fpu_%s.dat | sed -n '%dp' | tr -d '\"'", dir, w, i))
+    }
+    unset logscale y
+    set format y
+
+    eval open(type, "survive", 1150, 760)
+    set title "The largest step that survives, as a part of that of Gauss collocation of order 16"
+    set xlabel "h / h(gauss 16)"
+    set ylabel ""
+    set logscale x
+    set xrange [0.01:3]
+    set yrange [27.5:0.5]
+    set lmargin 22
+    rows = "< awk -F, 'NR > 1 && $1 == \"%s\" && $4 != \"-\" {name = $2 \" \" $3; h[name] = $4; if (name == \"gauss 16\") g = $4} " \
+        ."END {while ((getline < \"%s/methods.txt\") > 0) {n++; if ($0 in h) print n, h[$0] / g, \"\\\"\" $0 \"\\\"\"}}' %s/survive.csv"
+    system(sprintf("awk -F, '$1 == \"kepler_60\" {print $2 \" \" $3}' %s/survive.csv > %s/methods.txt", dir, dir))
+    cases = "kepler_60 kepler_90 separatrix pythagorean spring_pendulum henon_heiles_6 figure_eight unequal_masses"
+    plot dir."/methods.txt" using (1e-9):0:ytic(1) notitle, \
+        sprintf(rows, "kepler_60", dir, dir) using (1e-9):1:ytic(stringcolumn(3)) notitle, \
+        for [i=1:8] sprintf(rows, word(cases, i), dir, dir) using 2:1 with points pt (i < 5 ? 7 : 5) ps 1.3 \
+        lc rgb colour(i == 1 ? 1 : i) title word(cases, i) noenhanced
+    unset logscale x
+    set lmargin
+    set ytics autofreq
+}
