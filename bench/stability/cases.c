@@ -4,8 +4,7 @@
 #define FINE   1.1892071150027211 /* 2^(1/4) */
 #define COARSE 1.4142135623730951 /* 2^(1/2) */
 
-/* ---- Potentials ----------------------------------------------------------------------------------------------------
- */
+/* ---- Potentials -------------------------------------------------------------------------------------------------- */
 
 static jet kepler(const jet q[], jet t, void *ctx) { return scene_kepler.potential(q, t, ctx); }
 static jet pendulum(const jet q[], jet t, void *ctx) { return scene_pendulum.potential(q, t, ctx); }
@@ -55,8 +54,7 @@ static jet attract(const jet q[], jet t, void *ctx)
     return jet_sum(term, pairs);
 }
 
-/* ---- Kepler, from apocentre, a = 1: q = 1 + e, p = sqrt((1 - e)/(1 + e)), H0 = -1/2 ---------------------------------
- */
+/* ---- Kepler, from apocentre, a = 1: q = 1 + e, p = sqrt((1 - e)/(1 + e)), H0 = -1/2 ------------------------------ */
 
 #define KEPLER(id, e, p_start, most, least, ratio, order, is_long)                                                     \
     const hard_case kepler_##id = {.scene = {.name = "kepler_" #id,                                                    \
@@ -79,8 +77,7 @@ KEPLER(60, 0.6, 0.5, 2, 0.01, COARSE, 2, false);
 KEPLER(90, 0.9, 0.229415733870561766, 1, 0.02, COARSE, 8, false);
 KEPLER(99, 0.99, 0.0708881205008335901, 0.004, 0.0004, COARSE, 16, true);
 
-/* ---- A pendulum whose energy is a millionth below the separatrix's
- * --------------------------------------------------- */
+/* ---- A pendulum whose energy is a millionth below the separatrix's ----------------------------------------------- */
 
 /* At rest at cos q = -(1 - 2e-6), so that 2g - H0 = 2g 1e-6, and the period is 4 K(k)/sqrt g with k'= 1e-3. With an
  * energy error of 1e-6 it turns over. */
@@ -101,8 +98,7 @@ const hard_case separatrix = {
     .ladder = FINE,
 };
 
-/* ---- Bodies in the plane --------------------------------------------------------------------------------------------
- */
+/* ---- Bodies in the plane ----------------------------------------------------------------------------------------- */
 
 /* Burrau's problem: masses 3, 4, 5 at rest in the corners opposite to the sides 3, 4, 5 of a triangle. The first close
  * encounter is at t = 1.88. */
@@ -169,8 +165,7 @@ const hard_case unequal_masses = {
     .ladder = FINE,
 };
 
-/* ---- Stiffness and chaos --------------------------------------------------------------------------------------------
- */
+/* ---- Stiffness and chaos ----------------------------------------------------------------------------------------- */
 
 /* The start of bench/scenes/fpu.c: q = ((1 - 1/w)/sqrt 2, (1 + 1/w)/sqrt 2, 0...), p = (0, sqrt 2, 0...). */
 #define FPU(w_, q_0, q_1)                                                                                              \
@@ -224,8 +219,7 @@ const hard_case henon_heiles_6 = {
     .ladder = COARSE,
 };
 
-/* ---- Sizes
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
 
 const hard_case oscillator = {
     .scene = {.name = "oscillator",
@@ -280,8 +274,7 @@ PENDULUM(huge, 0x1p498, "Pendulum of length 2^498, to t = 20");
 SIZED_KEPLER(tiny, 1e-150);
 SIZED_KEPLER(huge, 1e150);
 
-/* ---- The list
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- The list ---------------------------------------------------------------------------------------------------- */
 
 const hard_case *const hard_cases[] = {
     &kepler_60,       &kepler_90,      &kepler_99,    &separatrix,     &pythagorean,

@@ -11,8 +11,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- Linear stability
- * -------------------------------------------------------------------------------------------------- */
+/* ---- Linear stability -------------------------------------------------------------------------------------------- */
 
 enum { LINEAR_MOST = 40, LINEAR_ORDERS = 10 };
 static const char *const linear_names[] = {
@@ -89,8 +88,7 @@ static bool linear_curves(const table_command *at)
 
 static bool linear(const table_command *at) { return linear_table(at) && linear_curves(at); }
 
-/* ---- The largest step that survives
- * -------------------------------------------------------------------------------------- */
+/* ---- The largest step that survives ------------------------------------------------------------------------------ */
 
 static const hard_method survivors[] = {
     {"stormer-verlet", 2, false}, {"svhd", 2, false},          {"poincare", 2, false},
@@ -204,8 +202,7 @@ static bool survive(const table_command *at)
     return fclose(csv) == 0;
 }
 
-/* ---- Fermi-Pasta-Ulam over h w
- * ---------------------------------------------------------------------------------------------- */
+/* ---- Fermi-Pasta-Ulam over h w ----------------------------------------------------------------------------------- */
 
 static const double ratios[] = {0.1, 0.2, 0.3, 0.5, 0.75, 1, 1.25, 1.5, 1.75, 2, 2.25, 2.5, 2.75, 3};
 enum { RATIOS = sizeof ratios / sizeof *ratios };
@@ -257,8 +254,7 @@ static bool fpu(const table_command *at)
     return true;
 }
 
-/* ---- The command
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- The command ------------------------------------------------------------------------------------------------- */
 
 static const struct {
     const char *name;

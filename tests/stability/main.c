@@ -23,6 +23,7 @@ const hard_method all_methods[] = {
     {"htvi-left", 8, false},     {"right", 8, false},      {"right", 16, false},     {"left", 8, false},
     {"left", 16, false},         {"svhd", 2, false},       {"poincare", 2, false},   {"poincare", 8, false},
     {"poincare", 20, false},     {"taylor", 4, false},     {"taylor", 20, false},    {"stormer-verlet", 2, false},
+    {"galerkin", 2, false},      {"galerkin", 8, false},   {"galerkin", 16, false},  {"galerkin", 20, false},
 };
 const int method_count = sizeof all_methods / sizeof *all_methods;
 

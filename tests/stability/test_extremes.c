@@ -8,8 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- Short runs
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- Short runs -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     const hard_case *of;
@@ -37,7 +36,8 @@ static const short_run short_runs[] = {
 };
 enum { SHORT_RUNS = sizeof short_runs / sizeof *short_runs };
 static const hard_method short_methods[] = {{"midpoint", 8, false},  {"poincare", 8, false},  {"start", 8, true},
-                                            {"both-ends", 8, false}, {"midpoint", 20, false}, {"gauss", 8, false}};
+                                            {"both-ends", 8, false}, {"midpoint", 20, false}, {"galerkin", 8, false},
+                                            {"galerkin", 16, false}, {"gauss", 8, false}};
 enum { SHORT_METHODS = sizeof short_methods / sizeof *short_methods };
 
 START_TEST(hard_cases_run)
@@ -95,8 +95,7 @@ START_TEST(gauss_is_the_baseline)
 }
 END_TEST
 
-/* ---- Sizes
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- Sizes ------------------------------------------------------------------------------------------------------- */
 
 /* Powers of 2 commute with rounding: bit for bit the same pendulum. */
 START_TEST(sizes_do_not_matter)
@@ -145,8 +144,7 @@ START_TEST(force_that_underflows_is_none)
 }
 END_TEST
 
-/* ---- Small steps, high degrees, unequal masses
- * ------------------------------------------------------------------------ */
+/* ---- Small steps, high degrees, unequal masses ------------------------------------------------------------------- */
 
 /* 1,000 steps of 1e-8 against one step of 1e-5 of the Taylor method of degree 20. */
 START_TEST(tiny_steps_add_up)
