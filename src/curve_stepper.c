@@ -307,7 +307,8 @@ static tvi_status close_by_products(work *w)
     set_momentum_size(w);
     for (int i = 0; i < c->n; i++) largest = fmax(largest, w->p_size[i]);
     if (largest == 0) largest = momentum_unit(c);
-    for (int i = 0; i < c->n; i++) c->iteration.size[i] = w->p_size[i] > 0 ? w->p_size[i] : largest;
+    for (int i = 0; i < c->n; i++)
+        c->iteration.size[i] = w->p_size[i] > 0 ? fmax(w->p_size[i], TVI_LEAST_SHARE * largest) : largest;
     return w->close(c);
 }
 

@@ -84,7 +84,8 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
     return tvi_factor_compute(&newton->factor);
 }
 
-/* An unknown without a size has the largest of its group, or 1. */
+/* An unknown without a size has the largest of its group, or 1; one that is much smaller than others, such as a body that a
+ * wave has not reached, has no accuracy of its own. */
 static void fill_scale(tvi_newton *newton)
 {
     for (int first = 0; first < newton->size; first += newton->group) {
@@ -92,6 +93,7 @@ static void fill_scale(tvi_newton *newton)
         for (int i = first; i < first + newton->group; i++) largest = fmax(largest, newton->scale[i]);
         for (int i = first; i < first + newton->group; i++)
             if (newton->scale[i] == 0) newton->scale[i] = largest > 0 ? largest : 1;
+            else newton->scale[i] = fmax(newton->scale[i], TVI_LEAST_SHARE * largest);
     }
 }
 

@@ -4,6 +4,9 @@
 
 #include "linear.h"
 
+/* What is smaller than this part of the largest of its kind is measured as if it had this size. */
+static const double TVI_LEAST_SHARE = 1e-20;
+
 /* The equations r(x) = 0 of a method. The functions are called with `self`. */
 typedef struct {
     void *self;

@@ -222,6 +222,40 @@ START_TEST(bodies_start_at_rest)
 }
 END_TEST
 
+enum { LONG_CHAIN = 60 };
+
+static jet long_chain(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    jet V = jet_const(0);
+    for (int i = 0; i < LONG_CHAIN; i++) {
+        const jet d = i > 0 ? jet_sub(q[i], q[i - 1]) : q[0];
+        V = jet_add(V, jet_add(jet_mul(0.5, jet_sqr(d)), jet_mul(0.25, jet_sqr(jet_sqr(d)))));
+    }
+    return V;
+}
+
+/* A wave enters a chain at rest: what has not been reached has sizes down to 1e-100, and is no obstacle. */
+START_TEST(bodies_far_from_a_wave_rest)
+{
+    tvi_system *system;
+    tvi_options options;
+    tvi_integrator *integrator;
+    double t = 0, q[LONG_CHAIN] = {1}, p[LONG_CHAIN] = {0}, before, after;
+    ck_assert_int_eq(tvi_system_potential(&system, LONG_CHAIN, NULL, long_chain, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_options_named(product_methods[_i].name, product_methods[_i].order, &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    ck_assert_int_eq(tvi_energy(system, 0, q, p, &before), TVI_OK);
+    ck_assert_int_eq(tvi_integrate(integrator, 0.05, 40, &t, q, p, NULL, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_energy(system, 0, q, p, &after), TVI_OK);
+    ck_assert_double_le(fabs(after - before), 1e-5 * before);
+    ck_assert_double_gt(fabs(q[5]), 1e-6); /* it moves on */
+    ck_assert_int_lt(tvi_integrator_stats(integrator)->passes, 40 * 8);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* Steps beyond what the passes can solve end with a status, and leave the state alone. */
 START_TEST(too_large_steps_are_refused)
 {
@@ -253,6 +287,7 @@ Suite *suite_products(void)
     tcase_add_loop_test(products, force_products_are_those_of_the_second_coefficient, 0, problems);
     tcase_add_loop_test(products, many_bodies_move_as_one, 0, methods);
     tcase_add_loop_test(products, bodies_start_at_rest, 0, methods);
+    tcase_add_loop_test(products, bodies_far_from_a_wave_rest, 0, methods);
     tcase_add_test(products, too_large_steps_are_refused);
     suite_add_tcase(suite, products);
     return suite;
