@@ -11,14 +11,13 @@ $curves << END
 stormer-verlet 2  #222222 0 4
 tvi            4  #D55E00 1 6
 tvi            8  #D55E00 0 7
-start          8  #009E73 0 5
 taylor         8  #AA5599 1 12
 taylor         16 #AA5599 0 13
-midpoint       4  #9FD0F5 0 7
 midpoint       8  #56A8E8 0 7
 midpoint       12 #2277C4 0 7
-midpoint       16 #0F4C97 0 7
 midpoint       20 #08254F 0 7
+galerkin       8  #009E73 1 4
+galerkin       16 #009E73 0 5
 gauss          16 #777777 1 9
 blanes-moan    6  #B8A000 1 11
 END
@@ -27,9 +26,8 @@ label(i) = field(i, 1)." ".field(i, 2)
 # method and order of the curves that show a slope, which is their order
 $slopes << END
 stormer-verlet 2
-midpoint       4
-midpoint       8
-midpoint       16
+galerkin       8
+galerkin       16
 END
 
 # ---- What is in the file -----------------------------------------------------------------------------------------------
