@@ -207,8 +207,8 @@ int tvi_progress(long step, double t, const double q[], const double p[], void *
 typedef struct {
     long steps, passes, expansions, force_evaluations, factorisations;
     double residual; /* the last correction of the last step relative to the curve's size, 0 for explicit methods */
-    double tail;     /* size of the curve's last term at the ends relative to q: a free hint that h is too large; 0 where
-                        there is no series */
+    double tail;     /* size of the curve's last term at the ends relative to q: a free hint that h is too large; 0 for
+                        Stormer-Verlet, which has no curve */
     size_t bytes;    /* of memory held by the integrator */
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);

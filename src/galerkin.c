@@ -141,6 +141,14 @@ static void split(long double x, double *part, double *rest)
     *rest = (double)(x - *part);
 }
 
+/* The leading term a x^(m-1) of what drives an unknown, x in [-1/2, 1/2] about the middle of the step, makes of a
+ * position at the ends a 2^-m / m by one integration, and a 2^-(m+1) / (m (m+1)) by two. */
+static long double tail_factor(const galerkin *w)
+{
+    const int m = w->points;
+    return w->system->form == TVI_SEPARABLE ? ldexpl(1, -m - 1) / (m * (m + 1)) : ldexpl(1, -m) / m;
+}
+
 static void set_nodes(galerkin *w)
 {
     tvi_quadrature_nodes(TVI_GAUSS, w->points, w->exact_node, w->exact_weight);
@@ -158,6 +166,7 @@ static void set_nodes(galerkin *w)
         w->unit[j] = 1;
         for (int k = 0; k < w->points; k++)
             if (k != j) w->unit[j] /= w->exact_node[j] - w->exact_node[k];
+        w->weight[j * SUMS + SUM_TAIL] = (double)(w->unit[j] * tail_factor(w));
     }
 }
 
@@ -428,6 +437,17 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
+/* Size of the last term of the positions' polynomials at the ends, relative to the positions. */
+static double tail(const galerkin *w)
+{
+    double last = 0, q = 0;
+    for (int u = 0; u < w->n; u++) {
+        last = fmax(last, fabs(w->nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
+        q = fmax(q, fabs(w->nodes.start[u]));
+    }
+    return q > 0 ? last / q : 0;
+}
+
 static void set_increments(const galerkin *w, const tvi_origin *origin, double dq[], double dp[])
 {
     for (int u = 0; u < w->nodes.unknowns; u++) {
@@ -454,6 +474,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     w->loops->integrate(&w->nodes, w->weight, w->slot, w->sum, w->drives[turn]);
     *w->last = (galerkin_history){h, w->last->h, origin->t, turn};
     set_increments(w, origin, dq, dp);
+    stats->tail = tail(w);
     return TVI_OK;
 }
 

@@ -10,7 +10,7 @@ enum { TVI_GALERKIN_MAX_LANES = 12 };
 /* The sums over the nodes: b_j and b_j (1 - c_j), each in two parts, of which the first is short. What a rounded weight
  * lacks is the same in every step, and the energy would drift by it; of two doubles the second would be lost when the
  * sums are added. */
-enum { SUM_B, SUM_B_REST, SUM_BC, SUM_BC_REST, SUMS };
+enum { SUM_B, SUM_B_REST, SUM_BC, SUM_BC_REST, SUM_TAIL, SUMS };
 
 /* Unknown u of node i stands at x[u][i]. What drives it is F_j = drives[slot[u]][j]. */
 typedef struct {

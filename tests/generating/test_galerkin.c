@@ -272,6 +272,43 @@ START_TEST(prediction_is_a_parabola)
 END_TEST
 
 /* A fixed point that does not contract: bounded, and nothing is touched; the step after it is as if it had not been. */
+/* t^power. */
+static jet power_of(jet t, int power)
+{
+    jet product = jet_const(1);
+    for (int i = 0; i < power; i++) product = jet_mul(product, t);
+    return product;
+}
+
+static jet pushed(const jet q[], jet t, void *ctx) { return jet_neg(jet_mul(q[0], power_of(t, *(int *)ctx))); }
+static jet carried(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q;
+    return jet_mul(p[0], power_of(t, *(int *)ctx));
+}
+
+/* Of m q'' = t^(N-1) and of q' = t^(N-1), whose polynomials are known: h^(N+1) 2^-(N+1) / (m N (N+1)) and h^N 2^-N / N. */
+START_TEST(tail_is_the_last_term)
+{
+    const int N = _i;
+    int power = N - 1;
+    const double mass = 2.5, h = 0.75, q0 = 4;
+    const double want[] = {pow(h / 2, N + 1) / (mass * N * (N + 1)) / q0, pow(h / 2, N) / N / q0};
+    const tvi_options options = galerkin(N);
+    tvi_system *systems[2];
+    ck_assert_int_eq(tvi_system_potential(&systems[0], 1, &mass, pushed, &power), TVI_OK);
+    ck_assert_int_eq(tvi_system_hamiltonian(&systems[1], 1, carried, &power), TVI_OK);
+    for (int i = 0; i < 2; i++) {
+        tvi_integrator *it = integrator_of(systems[i], &options);
+        test_state x = {.t = 1.25, .q = {q0}, .p = {-1}};
+        go(it, h, 1, &x);
+        ck_assert_double_eq_tol(tvi_integrator_stats(it)->tail, want[i], 1e-6 * want[i] + 1e-17);
+        tvi_integrator_free(it);
+        tvi_system_free(systems[i]);
+    }
+}
+END_TEST
+
 START_TEST(too_large_steps_fail)
 {
     tvi_options options = galerkin(8);
@@ -312,6 +349,7 @@ Suite *suite_galerkin(void)
     tcase_add_test(tcase, number_of_passes_is_kept);
     tcase_add_test(tcase, tolerance_ends_the_passes);
     tcase_add_test(tcase, prediction_is_a_parabola);
+    tcase_add_loop_test(tcase, tail_is_the_last_term, 1, TVI_MAX_NODES + 1);
     tcase_add_loop_test(tcase, too_large_steps_fail, 0, 2);
     suite_add_tcase(suite, tcase);
     return suite;
