@@ -1,21 +1,11 @@
-/* solar.c - many bodies with masses: the Sun, Jupiter, Saturn, Uranus, Neptune and Pluto for 200,000 days.
+/* solar.c - the Sun, Jupiter, Saturn, Uranus, Neptune, Pluto for 200,000 days: events, a bar on the terminal.
  *   cc solar.c $(pkg-config --cflags --libs tvi) -lm */
+#include "solar.h"
+
 #include <tvi.h>
 
 #include <math.h>
 #include <stdio.h>
-
-/* AU, days, solar masses; 5 September 1994 (Hairer, Lubich and Wanner, Geometric Numerical Integration, I.2.4) */
-enum { BODIES = 6, N = 3 * BODIES };
-static const double G = 2.95912208286e-4;
-static const double mass[BODIES] = {1.00000597682,      0.000954786104043,  0.000285583733151,
-                                    0.0000437273164546, 0.0000517759138449, 1 / 1.3e8};
-static const double place[N] = {0,          0,           0,           -3.5023653,  -3.8169847,  -1.5507963,
-                                9.0755314,  -3.0458353,  -1.6483708,  8.3101420,   -16.2901086, -7.2521278,
-                                11.4707666, -25.7294829, -10.8169456, -15.5387357, -25.2225594, -3.1902382};
-static const double speed[N] = {0,          0,          0,          0.00565429, -0.00412490, -0.00190589,
-                                0.00168318, 0.00483525, 0.00192462, 0.00354178, 0.00137102,  0.00055029,
-                                0.00288930, 0.00114527, 0.00039677, 0.00276725, -0.00170702, -0.00136504};
 
 /* V = -G sum_{i<j} m_i m_j / |q_i - q_j| */
 static jet potential(const jet q[], jet t, void *ctx)
@@ -31,24 +21,39 @@ static jet potential(const jet q[], jet t, void *ctx)
     return V;
 }
 
+/* Rises through 0 at Pluto's perihelion: r . v, of Pluto from the Sun. */
+static jet radial(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    jet r[3], v[3];
+    for (int k = 0; k < 3; k++)
+        r[k] = jet_sub(q[15 + k], q[k]), v[k] = jet_sub(jet_div(p[15 + k], mass[5]), jet_div(p[k], mass[0]));
+    return jet_dot(r, v, 3);
+}
+
+static int perihelion(int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)which, (void)p, (void)ctx;
+    return printf("%.2f days: Pluto at %.4f AU\n", t, hypot(hypot(q[15] - q[0], q[16] - q[1]), q[17] - q[2])) < 0;
+}
+
 int main(void)
 {
-    double t = 0, m[N], q[N], p[N], H0 = 0, H = 0;
+    double t = 0, m[N], q[N], p[N], H0, H;
     for (int i = 0; i < N; i++) m[i] = mass[i / 3], q[i] = place[i], p[i] = m[i] * speed[i];
     tvi_system *system;
-    tvi_integrator *integrator = NULL;
-    tvi_status status = tvi_system_potential(&system, N, m, potential, NULL);
-    if (status == TVI_OK) status = tvi_energy(system, t, q, p, &H0);
-    if (status == TVI_OK) status = tvi_integrator_create(&integrator, system, NULL);
-    for (int part = 1; part <= 4 && status == TVI_OK; part++) {
-        status =
-            tvi_integrate(integrator, 500, 100, &t, q, p, NULL, NULL); /* observer and events have their place here */
-        if (status == TVI_OK) status = tvi_energy(system, t, q, p, &H);
-        if (status == TVI_OK)
-            printf("%6.0f days: Pluto at %8.4f AU, energy error %.0e\n", t,
-                   hypot(hypot(q[15] - q[0], q[16] - q[1]), q[17] - q[2]), fabs(H / H0 - 1));
-    }
+    tvi_integrator *integrator;
+    tvi_event *event;
+    if (tvi_system_potential(&system, N, m, potential, NULL) || tvi_integrator_create(&integrator, system, NULL) ||
+        tvi_event_create(&event, N, TVI_RISING, false, radial, NULL) || tvi_energy(system, t, q, p, &H0))
+        return 1;
+    tvi_progress_bar bar = {.steps = 400};
+    const tvi_event *const events[] = {event};
+    if (tvi_integrate_events(integrator, 500, bar.steps, events, 1, &t, q, p, tvi_progress, perihelion, &bar) ||
+        tvi_energy(system, t, q, p, &H))
+        return 1;
+    printf("%.0f days: energy error %.0e\n", t, fabs(H / H0 - 1));
+    tvi_event_free(event);
     tvi_integrator_free(integrator);
     tvi_system_free(system);
-    return status != TVI_OK;
 }

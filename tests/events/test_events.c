@@ -48,13 +48,14 @@ static tvi_event *event_of(int n, tvi_direction direction, bool terminal, tvi_ev
 static tvi_status watch(run *r, double h, long steps, tvi_event *events[], int count, diary *d)
 {
     d->n = tvi_system_dimension(r->system);
-    const tvi_status status = tvi_integrate_events(r->integrator, h, steps, (const tvi_event *const *)events, count, &r->x.t,
-                                                   r->x.q, r->x.p, note_step, note_event, d);
+    const tvi_status status = tvi_integrate_events(r->integrator, h, steps, (const tvi_event *const *)events, count,
+                                                   &r->x.t, r->x.q, r->x.p, note_step, note_event, d);
     for (int i = 0; i < count; i++) tvi_event_free(events[i]);
     return status;
 }
 
-/* ---- States as good as those of steps ------------------------------------------------------------------------------ */
+/* ---- States as good as those of steps ------------------------------------------------------------------------------
+ */
 
 /* q.p, which rises through 0 at the pericentre. */
 static jet radial(const jet q[], const jet p[], jet t, void *ctx)
@@ -91,8 +92,9 @@ static const struct {
     const char *method;
     int order, orbits;
     double h, period_error;
-} kepler_rows[] = {{NULL, 0, 1000, 0.25, 2e-11},      {"poincare", 20, 1000, 0.25, 1e-9}, {"midpoint", 8, 1000, 0.1, 1e-5},
-                   {"both-ends", 8, 100, 0.1, 1e-5},  {"right", 6, 100, 0.1, 1e-3},      {"taylor", 16, 1000, 0.1, 1e-9},
+} kepler_rows[] = {{NULL, 0, 1000, 0.25, 2e-11},           {"poincare", 20, 1000, 0.25, 1e-9},
+                   {"midpoint", 8, 1000, 0.1, 1e-5},       {"both-ends", 8, 100, 0.1, 1e-5},
+                   {"right", 6, 100, 0.1, 1e-3},           {"taylor", 16, 1000, 0.1, 1e-9},
                    {"stormer-verlet", 2, 1000, 0.02, 0.1}, {"svhd", 2, 1000, 0.02, 0.1}};
 enum { KEPLER_ROWS = sizeof kepler_rows / sizeof *kepler_rows };
 
@@ -106,8 +108,9 @@ START_TEST(perihelia_are_as_good_as_steps)
     passages d = {0};
     const long steps = lround(ceil(kepler_rows[_i].orbits * 3.96160805282904 / h));
     const tvi_event *const events[] = {event};
-    ck_assert_int_eq(tvi_integrate_events(r.integrator, h, steps, events, 1, &r.x.t, r.x.q, r.x.p, see_steps, see_passage, &d),
-                     TVI_OK);
+    ck_assert_int_eq(
+        tvi_integrate_events(r.integrator, h, steps, events, 1, &r.x.t, r.x.q, r.x.p, see_steps, see_passage, &d),
+        TVI_OK);
     ck_assert_int_eq(d.count, kepler_rows[_i].orbits);
     ck_assert_double_le(d.events.energy, 10 * d.steps.energy);
     ck_assert_double_le(d.events.momentum, 10 * d.steps.momentum);
@@ -135,7 +138,8 @@ START_TEST(the_curve_is_not_as_good)
 }
 END_TEST
 
-/* ---- Every method and form ----------------------------------------------------------------------------------------- */
+/* ---- Every method and form -----------------------------------------------------------------------------------------
+ */
 
 /* q_0 less its start, q_0 p_0 less a number, and the time. */
 static jet about_the_start(const jet q[], const jet p[], jet t, void *ctx)
@@ -169,7 +173,8 @@ START_TEST(steps_are_not_disturbed)
         const tvi_direction direction = part < 0 ? TVI_EITHER : part ? TVI_RISING : TVI_FALLING;
         diary *d = part < 0 ? &all : &half[part];
         run r = run_open(x->scene, x->method, x->order);
-        tvi_event *events[] = {event_of(n, direction, false, about_the_start, &level), event_of(n, direction, false, product, NULL),
+        tvi_event *events[] = {event_of(n, direction, false, about_the_start, &level),
+                               event_of(n, direction, false, product, NULL),
                                event_of(n, direction, false, beats, &speed)};
         *d = (diary){0};
         ck_assert_int_eq(watch(&r, x->h, 100, events, 3, d), TVI_OK);
@@ -192,7 +197,8 @@ START_TEST(steps_are_not_disturbed)
 }
 END_TEST
 
-/* ---- All, once, in order ------------------------------------------------------------------------------------------- */
+/* ---- All, once, in order -------------------------------------------------------------------------------------------
+ */
 
 /* A pendulum serves the time. */
 static run clock_run(void) { return run_open(&scene_pendulum, "midpoint", 4); }
@@ -255,8 +261,8 @@ static jet since(const jet q[], const jet p[], jet t, void *ctx)
     return jet_sub(t, *(const double *)ctx);
 }
 
-/* A zero at the end of a step is told once, with that step, and its state is that of the step; one at the start of the run
- * is none; also where each step is a call. */
+/* A zero at the end of a step is told once, with that step, and its state is that of the step; one at the start of the
+ * run is none; also where each step is a call. */
 START_TEST(at_the_ends_of_steps)
 {
     static diary whole, pieces;
@@ -286,7 +292,8 @@ START_TEST(at_the_ends_of_steps)
 }
 END_TEST
 
-/* ---- The end of a run ---------------------------------------------------------------------------------------------- */
+/* ---- The end of a run ----------------------------------------------------------------------------------------------
+ */
 
 /* A terminal event, or an observer, leaves its state, tells no later one, and the run goes on as from a new state: the
  * event it stands on is not met again. Forward and back. */
@@ -302,7 +309,8 @@ START_TEST(terminal_events_end_the_run)
         const point before = r.x;
         d = (diary){0};
         e = (diary){.stop_at = 1};
-        tvi_event *events[] = {event_of(n, TVI_EITHER, false, since, &never), event_of(n, TVI_EITHER, true, about_the_start, &level)};
+        tvi_event *events[] = {event_of(n, TVI_EITHER, false, since, &never),
+                               event_of(n, TVI_EITHER, true, about_the_start, &level)};
         tvi_event *same = event_of(n, TVI_EITHER, false, about_the_start, &level);
         const tvi_status status = watch(&r, h, 1000, events, 2, &d);
         if (status == TVI_OK) { /* it went for good */
@@ -349,7 +357,8 @@ START_TEST(an_event_is_a_new_state)
 }
 END_TEST
 
-/* ---- Refusals ------------------------------------------------------------------------------------------------------ */
+/* ---- Refusals ------------------------------------------------------------------------------------------------------
+ */
 
 static jet kept;
 static jet constant(const jet q[], const jet p[], jet t, void *ctx)
@@ -392,15 +401,20 @@ START_TEST(bad_events_are_refused)
         tvi_event_fn *g;
         double *ctx;
         tvi_status status;
-    } rows[] = {{0, 0, constant, &one, TVI_EINVAL},          {-1, 0, constant, &one, TVI_EINVAL},
-                {TVI_MAX_DIMENSION + 1, 0, constant, &one, TVI_EINVAL}, {1, 2, constant, &one, TVI_EINVAL},
-                {1, -2, constant, &one, TVI_EINVAL},         {1, 0, NULL, &one, TVI_EINVAL},
-                {1, 0, of_another, NULL, TVI_EINVAL},        {1, 0, constant, &nan_value, TVI_ENONFINITE},
+    } rows[] = {{0, 0, constant, &one, TVI_EINVAL},
+                {-1, 0, constant, &one, TVI_EINVAL},
+                {TVI_MAX_DIMENSION + 1, 0, constant, &one, TVI_EINVAL},
+                {1, 2, constant, &one, TVI_EINVAL},
+                {1, -2, constant, &one, TVI_EINVAL},
+                {1, 0, NULL, &one, TVI_EINVAL},
+                {1, 0, of_another, NULL, TVI_EINVAL},
+                {1, 0, constant, &nan_value, TVI_ENONFINITE},
                 {1, 0, log_of_minus_one, NULL, TVI_EDOMAIN}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         event = (tvi_event *)&nan_value;
-        ck_assert_int_eq(tvi_event_create(&event, rows[i].n, (tvi_direction)rows[i].direction, false, rows[i].g, rows[i].ctx),
-                         rows[i].status);
+        ck_assert_int_eq(
+            tvi_event_create(&event, rows[i].n, (tvi_direction)rows[i].direction, false, rows[i].g, rows[i].ctx),
+            rows[i].status);
         ck_assert_ptr_null(event);
     }
     ck_assert_int_eq(tvi_event_create(NULL, 1, TVI_EITHER, false, constant, &one), TVI_EINVAL);
@@ -413,26 +427,32 @@ START_TEST(bad_calls_are_refused)
 {
     double one = 1;
     run r = run_open(&scene_kepler, NULL, 0);
-    tvi_event *good = event_of(2, TVI_EITHER, false, constant, &one), *other = event_of(1, TVI_EITHER, false, constant, &one);
+    tvi_event *good = event_of(2, TVI_EITHER, false, constant, &one),
+              *other = event_of(1, TVI_EITHER, false, constant, &one);
     const tvi_event *const events[] = {good, good}, *const mixed[] = {good, other}, *const missing[] = {good, NULL};
     const point start = r.x;
     double *const t = &r.x.t, *const q = r.x.q, *const p = r.x.p;
     tvi_integrator *const it = r.integrator;
-#define CALL(it, h, steps, events, count, t, q, p) tvi_integrate_events(it, h, steps, events, count, t, q, p, NULL, NULL, NULL)
+#define CALL(it, h, steps, events, count, t, q, p)                                                                     \
+    tvi_integrate_events(it, h, steps, events, count, t, q, p, NULL, NULL, NULL)
     const tvi_status refused[] = {
-        CALL(NULL, 0.1, 1, events, 2, t, q, p), CALL(it, 0, 1, events, 2, t, q, p),    CALL(it, NAN, 1, events, 2, t, q, p),
-        CALL(it, 0.1, -1, events, 2, t, q, p),  CALL(it, 0.1, 1, NULL, 2, t, q, p),    CALL(it, 0.1, 1, events, -1, t, q, p),
-        CALL(it, 0.1, 1, events, 2, NULL, q, p), CALL(it, 0.1, 1, events, 2, t, NULL, p), CALL(it, 0.1, 1, events, 2, t, q, NULL),
-        CALL(it, 0.1, 1, mixed, 2, t, q, p),    CALL(it, 0.1, 1, missing, 2, t, q, p), CALL(it, 0.1, -1, NULL, 0, t, q, p),
+        CALL(NULL, 0.1, 1, events, 2, t, q, p),  CALL(it, 0, 1, events, 2, t, q, p),
+        CALL(it, NAN, 1, events, 2, t, q, p),    CALL(it, 0.1, -1, events, 2, t, q, p),
+        CALL(it, 0.1, 1, NULL, 2, t, q, p),      CALL(it, 0.1, 1, events, -1, t, q, p),
+        CALL(it, 0.1, 1, events, 2, NULL, q, p), CALL(it, 0.1, 1, events, 2, t, NULL, p),
+        CALL(it, 0.1, 1, events, 2, t, q, NULL), CALL(it, 0.1, 1, mixed, 2, t, q, p),
+        CALL(it, 0.1, 1, missing, 2, t, q, p),   CALL(it, 0.1, -1, NULL, 0, t, q, p),
     };
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) ck_assert_msg(refused[i] == TVI_EINVAL, "call %zu", i);
+    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
+        ck_assert_msg(refused[i] == TVI_EINVAL, "call %zu", i);
     ck_assert(same_point(&r.x, &start));
     ck_assert_int_eq(CALL(it, 0.1, 0, events, 2, t, q, p), TVI_OK);
     ck_assert(same_point(&r.x, &start));
     ck_assert_int_eq(CALL(it, 0.1, 3, events, 2, t, q, p), TVI_OK);
     run same = run_open(&scene_kepler, NULL, 0);
-    ck_assert_int_eq(tvi_integrate_events(same.integrator, 0.1, 3, NULL, 0, &same.x.t, same.x.q, same.x.p, NULL, NULL, NULL),
-                     TVI_OK);
+    ck_assert_int_eq(
+        tvi_integrate_events(same.integrator, 0.1, 3, NULL, 0, &same.x.t, same.x.q, same.x.p, NULL, NULL, NULL),
+        TVI_OK);
     ck_assert(same_point(&r.x, &same.x));
 #undef CALL
     tvi_event_free(good);

@@ -34,7 +34,8 @@ static size_t read_all(int end, char text[], size_t size)
 {
     size_t length = 0;
     fcntl(end, F_SETFL, O_NONBLOCK);
-    for (ssize_t got; length + 1 < size && (got = read(end, text + length, size - 1 - length)) > 0;) length += (size_t)got;
+    for (ssize_t got; length + 1 < size && (got = read(end, text + length, size - 1 - length)) > 0;)
+        length += (size_t)got;
     text[length] = 0;
     return length;
 }

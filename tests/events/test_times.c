@@ -29,8 +29,8 @@ static tvi_status ask(run *r, double h, const double times[], int count, results
     return tvi_integrate_at(r->integrator, h, times, count, &r->x.t, r->x.q, r->x.p, note, d);
 }
 
-/* Forward and back, with times at the start, at ends of steps, twice the same, and several in a step: the steps are bit for
- * bit those without, and a state is that of a step of the part. */
+/* Forward and back, with times at the start, at ends of steps, twice the same, and several in a step: the steps are bit
+ * for bit those without, and a state is that of a step of the part. */
 START_TEST(states_at_times)
 {
     static const double in_steps[] = {0, 0, 0.3, 0.30001, 1, 1, 1.5, 4.25, 4.75, 8, 11.9375};
