@@ -5,6 +5,12 @@
 #include <string.h>
 
 const pairing pairings[] = {
+    {&scene_kepler, "galerkin", 16, 0.25},
+    {&scene_kepler, "galerkin", 4, 0.05},
+    {&scene_pendulum, "galerkin", 12, 0.1},
+    {&scene_nonseparable, "galerkin", 8, 0.1},
+    {&scene_vortices, "galerkin", 8, 0.05},
+    {&scene_degenerate, "galerkin", 6, 0.05},
     {&scene_kepler, "midpoint", 20, 0.25},
     {&scene_kepler, "midpoint", 6, 0.1},
     {&scene_kepler, "start", 6, 0.1},

@@ -18,7 +18,7 @@ typedef struct {
     point x;
 } run;
 
-/* A method by name on a scene; false where it does not serve the scene. */
+/* A method by name on a scene that it serves. */
 typedef struct {
     const scene *scene;
     const char *method;
@@ -26,7 +26,7 @@ typedef struct {
     double h;
 } pairing;
 extern const pairing pairings[];
-enum { PAIRINGS = 22 };
+enum { PAIRINGS = 28 };
 
 run run_open(const scene *s, const char *method, int order); /* method NULL: the default */
 void run_close(run *r);
