@@ -2,6 +2,7 @@
 # make check      the tests (installs what they need from Debian, as root)
 # make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
 # make cov        lines of ad and src that the tests run; fails below 95%
+# make fuzz       random programs led by coverage (libFuzzer), a minute; SECONDS=n for longer
 # make analyse    clang-tidy and cppcheck over everything
 # make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one

@@ -84,10 +84,11 @@ IN_ONE_GO  := CK_FORK=no tests/suites.sh
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(addprefix $(BUILD)/check/,tvi ad generating)
+do-sanitizers: $(addprefix $(BUILD)/check/,tvi ad generating fuzz)
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms' $(BUILD)/check/tvi
 	$(IN_ONE_GO) 'record,domain,tape,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements' $(BUILD)/check/generating
+	$(BUILD)/check/fuzz
 
 check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)
 do-valgrind: $(addprefix $(BUILD)/check/,tvi ad)
@@ -106,6 +107,16 @@ $(BUILD)/check/threads: $(BUILD)/tests/threads/threads.o $(BUILD)/libtvi.a
 $(BUILD)/tests/threads/%.o: tests/threads/%.c
 	@mkdir -p $(@D)
 	$(CC) $(TEST_FLAGS) -c -o $@ $<
+
+# random programs led by coverage, with the sanitizers; SECONDS=n for longer. What fails is left in $(BUILD)/fuzz.
+FUZZ_SECONDS  = $(or $(SECONDS),60)
+FUZZ_SOURCES := $(wildcard ad/*.c src/*.c) tests/fuzz/fuzz.c tests/fuzz/libfuzzer.c
+fuzz: need-check
+	@mkdir -p $(BUILD)/fuzz/corpus
+	clang $(BASE) -Iad -Isrc -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -o $(BUILD)/fuzz/fuzz \
+	    $(FUZZ_SOURCES) $(LIBS)
+	cd $(BUILD)/fuzz && OPENBLAS_NUM_THREADS=1 ./fuzz -max_total_time=$(FUZZ_SECONDS) -max_len=512 -len_control=0 -timeout=20 corpus
+.PHONY: fuzz
 
 # ---- Warnings: all that is compiled --------------------------------------------------------------------------------------
 
