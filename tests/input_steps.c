@@ -327,6 +327,35 @@ START_TEST(no_convergence)
 }
 END_TEST
 
+/* L = q x'^2 / 2: L_vv = q, regular but where the step starts. */
+static jet massless_at_the_origin(const jet q[], const jet v[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(0.5, jet_mul(q[0], jet_sqr(v[0])));
+}
+
+START_TEST(singular_at_the_start)
+{
+    static const char *const names[] = {"start", "midpoint", "taylor"};
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, massless_at_the_origin, NULL), TVI_OK);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        tvi_options options;
+        tvi_integrator *integrator;
+        state s = {0, {0}, {1}};
+        const state was = s;
+        ck_assert_int_eq(tvi_options_named(names[i], 4, &options), TVI_OK);
+        ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+        expect(names[i], tvi_step(integrator, 0.1, &s.t, s.q, s.p), TVI_ESINGULAR);
+        expect_same(names[i], &s, &was);
+        s.q[0] = 1;
+        expect(names[i], tvi_step(integrator, 0.1, &s.t, s.q, s.p), TVI_OK);
+        tvi_integrator_free(integrator);
+    }
+    tvi_system_free(system);
+}
+END_TEST
+
 /* ---- After a failure ----------------------------------------------------------------------------------------------- */
 
 enum { BEFORE_MOST = 20, AFTER = 20, LONG_RUN = BEFORE_MOST + AFTER };
@@ -673,6 +702,7 @@ TCase *tcase_bad_steps(void)
     tcase_add_loop_test(tcase, large_steps, 0, PROBLEMS * method_count);
     tcase_add_loop_test(tcase, extreme_states, 0, PROBLEMS * method_count);
     tcase_add_test(tcase, no_convergence);
+    tcase_add_test(tcase, singular_at_the_start);
     return tcase;
 }
 
