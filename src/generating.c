@@ -35,21 +35,21 @@ void tvi_close_take(tvi_closure *closure, tvi_arena *arena)
 typedef struct {
     const tvi_combination *first, *second; /* second NULL: one */
     tvi_half half;
-} operator;
+} transposed;
 
-static int unknowns(const tvi_closure *c, const operator* a) { return a->second ? 2 * c->n : c->n; }
+static int unknowns(const tvi_closure *c, const transposed *a) { return a->second ? 2 * c->n : c->n; }
 
 /* Where the equations stand in a product with both halves. */
-static int place_of(const tvi_closure *c, const operator* a) { return a->second || a->half == TVI_FIRST ? 0 : c->n; }
+static int place_of(const tvi_closure *c, const transposed *a) { return a->second || a->half == TVI_FIRST ? 0 : c->n; }
 
-static void add_seeds(tvi_closure *c, int last, const operator* a, double factor, const double x[])
+static void add_seeds(tvi_closure *c, int last, const transposed *a, double factor, const double x[])
 {
     tvi_curve_add_sum(&c->curve, last, a->first, factor, x);
     if (a->second) tvi_curve_add_sum(&c->curve, last, a->second, factor, x + c->n);
 }
 
 /* r = D_z - A^T x, both halves, by one product. */
-static void form_remainder(tvi_closure *c, const operator* a)
+static void form_remainder(tvi_closure *c, const transposed *a)
 {
     const int top = c->curve.top;
     tvi_curve_clear_seeds(&c->curve, top);
@@ -59,7 +59,7 @@ static void form_remainder(tvi_closure *c, const operator* a)
 }
 
 /* out = A^T x, both halves, as roughly as the iteration needs it. */
-static void apply(tvi_closure *c, const operator* a, const double x[], double out[])
+static void apply(tvi_closure *c, const transposed *a, const double x[], double out[])
 {
     const int last = c->iteration.last;
     tvi_curve_clear_seeds(&c->curve, last);
@@ -87,7 +87,7 @@ static void precondition_half(tvi_closure *c, const tvi_combination *combination
 }
 
 /* r <- nearly A^-T r. */
-static void precondition(tvi_closure *c, const operator* a, double r[])
+static void precondition(tvi_closure *c, const transposed *a, double r[])
 {
     double *x = c->iteration.scratch + c->n;
     precondition_half(c, a->first, a->second ? TVI_FIRST : a->half, r, x);
@@ -105,7 +105,7 @@ static const double STALLED = 1e-12;
 static double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
 
 /* max_i |x_i| / size_i. */
-static double measure(const tvi_closure *c, const operator* a, const double x[])
+static double measure(const tvi_closure *c, const transposed *a, const double x[])
 {
     double largest = 0;
     for (int i = 0; i < unknowns(c, a); i++) largest = fmax(largest, ratio(fabs(x[i]), c->iteration.size[i % c->n]));
@@ -113,7 +113,7 @@ static double measure(const tvi_closure *c, const operator* a, const double x[])
 }
 
 /* sum_i x_i y_i / size_i^2. */
-static double product(const tvi_closure *c, const operator* a, const double x[], const double y[])
+static double product(const tvi_closure *c, const transposed *a, const double x[], const double y[])
 {
     double sum = 0;
     for (int i = 0; i < unknowns(c, a); i++) {
@@ -129,7 +129,7 @@ static void add(int count, double factor, const double x[], double y[])
 }
 
 /* The direction s of a step and v = A^T s, orthogonal to those before; x and r follow. */
-static void minimise(tvi_closure *c, const operator* a, int step)
+static void minimise(tvi_closure *c, const transposed *a, int step)
 {
     tvi_iteration *it = &c->iteration;
     const int count = unknowns(c, a), both = 2 * c->n, place = place_of(c, a);
@@ -149,7 +149,7 @@ static void minimise(tvi_closure *c, const operator* a, int step)
 
 /* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
  * corrections do not shrink. */
-static tvi_status iterate(tvi_closure *c, const operator* a)
+static tvi_status iterate(tvi_closure *c, const transposed *a)
 {
     tvi_iteration *it = &c->iteration;
     const int count = unknowns(c, a);
@@ -178,7 +178,7 @@ static tvi_status iterate(tvi_closure *c, const operator* a)
 }
 
 /* D: x where the equations stand, what is left of the gradient elsewhere. */
-static tvi_status close_by_iteration(tvi_closure *c, const operator* a)
+static tvi_status close_by_iteration(tvi_closure *c, const transposed *a)
 {
     const tvi_status status = iterate(c, a);
     memcpy(c->D, c->iteration.r, 2 * (size_t)c->n * sizeof *c->D);
@@ -242,7 +242,7 @@ static void take_other_half(tvi_closure *closure, const tvi_combination *combina
 
 tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {
-    if (has_products(closure)) return close_by_iteration(closure, &(operator){combination, NULL, half});
+    if (has_products(closure)) return close_by_iteration(closure, &(transposed){combination, NULL, half});
     tvi_curve_pull(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     const tvi_status status = factor_half(closure, combination, half);
     if (status != TVI_OK) return status;
@@ -253,7 +253,7 @@ tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combinati
 
 tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
 {
-    if (has_products(closure)) return close_by_iteration(closure, &(operator){first, second, TVI_FIRST});
+    if (has_products(closure)) return close_by_iteration(closure, &(transposed){first, second, TVI_FIRST});
     tvi_curve_pull(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     const tvi_status status = factor_full(closure, first, second);
     if (status == TVI_OK) tvi_factor_solve_transposed(&closure->full, closure->D);
