@@ -162,7 +162,7 @@ const hard_case unequal_masses = {
     .bound = 1e-2,
     .h_most = 4,
     .h_least = 0.01,
-    .ladder = FINE,
+    .ladder = COARSE,
 };
 
 /* ---- Stiffness and chaos ----------------------------------------------------------------------------------------- */
@@ -200,7 +200,7 @@ const hard_case spring_pendulum = {
     .bound = 1e-2,
     .h_most = 1,
     .h_least = 3e-4,
-    .ladder = FINE,
+    .ladder = COARSE,
 };
 
 /* H0 = 1/6, the energy of the saddles: the orbit may come as near to them as it likes. */

@@ -12,7 +12,7 @@ set border 3 lw 1 lc rgb "#444444"
 set tics nomirror
 set key outside right top Left reverse samplen 3 spacing 1.2 width 1
 
-colours = "#222222 #D55E00 #009E73 #56A8E8 #08254F #AA5599 #E69F00 #0F7F7F #7F7F7F #A05020 #2277C4 #B0B000 #FF6080 #308030"
+colours = "#222222 #D55E00 #009E73 #56A8E8 #08254F #AA5599 #E69F00 #0F7F7F #7F7F7F #A05020 #2277C4 #B0B000 #FF6080 #308030 #CC0000 #0000CC #00AACC"
 colour(i) = word(colours, i)
 
 do for [type in "png svg"] {
@@ -22,8 +22,8 @@ do for [type in "png svg"] {
     set ylabel "spectral radius"
     set xrange [0:8]
     set yrange [0.95:2.2]
-    plot for [i=0:8] dir."/linear_curves.csv" index i using 1:2 every ::1 with points pt 7 ps 0.35 lc rgb colour(i + 1) \
-        notitle, for [i=0:8] dir."/linear_curves.csv" index i using (NaN):(NaN) every ::1 with points pt 7 ps 1.2 \
+    plot for [i=0:9] dir."/linear_curves.csv" index i using 1:2 every ::1 with points pt 7 ps 0.35 lc rgb colour(i + 1) \
+        notitle, for [i=0:9] dir."/linear_curves.csv" index i using (NaN):(NaN) every ::1 with points pt 7 ps 1.2 \
         lc rgb colour(i + 1) title system(sprintf("sed -n '/\"/p' %s/linear_curves.csv | sed -n '%dp' | tr -d '\"'", dir, i + 1))
 
     set logscale y
@@ -34,7 +34,7 @@ do for [type in "png svg"] {
     do for [w in "50 100 200"] {
         eval open(type, "fpu_".w, 960, 500)
         set title "Fermi-Pasta-Ulam, w = ".w.", to w t = 500"
-        plot for [i=1:14] dir."/fpu_".w.".dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps 0.5 lw 1.4 \
+        plot for [i=1:17] dir."/fpu_".w.".dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps 0.5 lw 1.4 \
             lc rgb colour(i) title system(sprintf("sed -n '/\"/p' %s/fpu_%s.dat | sed -n '%dp' | tr -d '\"'", dir, w, i))
     }
     unset logscale y
@@ -46,7 +46,7 @@ do for [type in "png svg"] {
     set ylabel ""
     set logscale x
     set xrange [0.01:3]
-    set yrange [27.5:0.5]
+    set yrange [31.5:0.5]
     set lmargin 22
     rows = "< awk -F, 'NR > 1 && $1 == \"%s\" && $4 != \"-\" {name = $2 \" \" $3; h[name] = $4; if (name == \"gauss 16\") g = $4} " \
         ."END {while ((getline < \"%s/methods.txt\") > 0) {n++; if ($0 in h) print n, h[$0] / g, \"\\\"\" $0 \"\\\"\"}}' %s/survive.csv"

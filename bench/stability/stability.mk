@@ -8,7 +8,12 @@ stability: need-bench
 	$(BUILD)/bench/break --out $(STABILITY)
 	gnuplot -c bench/stability/plot.gp $(STABILITY)
 	@echo "Tables and plots: $(STABILITY)/*.md, *.csv, *.png, *.svg"
-.PHONY: stability
+
+# the tables and pictures of docs/stability.md anew
+stability-docs: need-bench
+	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) docs/stability.md
+	mkdir -p docs/stability && cp $(STABILITY)/*.png docs/stability
+.PHONY: stability stability-docs
 
 $(BUILD)/check/stability: CHECK_LIBS += $(BASELINE_LIBS)
 
