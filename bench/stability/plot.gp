@@ -32,7 +32,7 @@ do for [type in "png svg"] {
     set yrange [1e-16:1e-1]
     set ylabel "largest relative energy error"
     do for [w in "50 100 200"] {
-        eval open(type, "fpu_".w, 960, 500)
+        eval open(type, "fpu_".w, 880, 440)
         set title "Fermi-Pasta-Ulam, w = ".w.", to w t = 500"
         plot for [i=1:17] dir."/fpu_".w.".dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps 0.5 lw 1.4 \
             lc rgb colour(i) title system(sprintf("sed -n '/\"/p' %s/fpu_%s.dat | sed -n '%dp' | tr -d '\"'", dir, w, i))

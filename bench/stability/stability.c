@@ -40,9 +40,11 @@ static bool linear_table(const table_command *at)
     tvi_system *system;
     FILE *md = table_open(at, "linear.md"), *csv = table_open(at, "linear.csv");
     if (!md || !csv || hard_system(&oscillator, &system) != TVI_OK) return false;
-    fprintf(md, "| method | degree | order | stable below h w = | growth a step there | growth of 1%% from h w = | "
-                "refused from h w = (chaotic) |\n"
-                "|---|---|---|---|---|---|---|\n");
+    fprintf(
+        md,
+        "| method | degree | order | stable below h w = | growth a step there (chaotic) | growth of 1%% from h w = | "
+        "refused from h w = (chaotic) |\n"
+        "|---|---|---|---|---|---|---|\n");
     fprintf(csv, "method,degree,order,onset,growth,one_percent,refused\n");
     for (int i = 0; i < LINEAR_NAMES; i++) {
         table_progress("linear", linear_names[i]);
@@ -158,15 +160,18 @@ static survival search(const hard_case *c, const tvi_system *system, const hard_
 
 static void write_survival(FILE *md, FILE *csv, const hard_case *c, const hard_method *m, const survival *s)
 {
-    char name[32], h[32], energy[32], position[32], passes[32], ends[128];
+    char name[32], h[32], energy[32], position[32], passes[32], ends[128], above[64] = "-";
     table_method(m, name);
     describe(&s->ends, ends);
     table_number(s->found ? s->largest.h : NAN, "%.3g", h);
     table_number(s->found ? s->largest.energy_error : NAN, "%.1e", energy);
     table_number(s->found ? s->largest.position_error : NAN, "%.1e", position);
     table_number(s->found ? s->largest.passes : NAN, "%.1f", passes);
-    fprintf(md, "| %s | %d | %s | %s | %s | %s | %s at step %ld | %s |\n", name, m->order, h, energy, position, passes,
-            hard_run_cause(&s->above), s->above.steps + (s->above.status != TVI_ESTOPPED), ends);
+    if (s->above.status != TVI_OK)
+        snprintf(above, sizeof above, "%s at step %ld", hard_run_cause(&s->above),
+                 s->above.steps + (s->above.status != TVI_ESTOPPED));
+    fprintf(md, "| %s | %d | %s | %s | %s | %s | %s | %s |\n", name, m->order, h, energy, position, passes, above,
+            ends[0] ? ends : "-");
     fprintf(csv, "%s,%s,%d,%s,%s,%s,%s,%s,%ld,\"%s\"\n", c->scene.name, name, m->order, h, energy, position, passes,
             hard_run_cause(&s->above), s->above.steps, ends);
     fflush(csv);
