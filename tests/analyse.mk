@@ -8,8 +8,8 @@ cov: need-check
 	@$(MAKE) --no-print-directory -s run-cov BUILD=$(BUILD)/cov CFLAGS='-O1 -g --coverage'
 run-cov:
 	rm -rf $(BUILD)
-	$(MAKE) --no-print-directory -s $(JOBS) $(addprefix $(BUILD)/check/,tvi ad generating)
-	for run in 'avx2 ad' 'base ad' 'best ad' 'best tvi' 'best generating'; do \
+	$(MAKE) --no-print-directory -s $(JOBS) $(addprefix $(BUILD)/check/,tvi ad generating events)
+	for run in 'avx2 ad' 'base ad' 'best ad' 'best tvi' 'best generating' 'best events'; do \
 	    TVI_ISA=$${run% *} CK_FORK=no $(BUILD)/check/$${run#* } >$(BUILD)/tests.log 2>&1 || \
 	    { tail -n 25 $(BUILD)/tests.log; exit 1; }; done
 	tests/coverage.sh 95 $(BUILD)
