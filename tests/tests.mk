@@ -4,9 +4,9 @@
 # -Werror below $(BUILD)/gcc and $(BUILD)/clang.
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
-CHECKS  := check-tests check-sanitizers $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc check-warnings-clang \
-           check-headers check-install check-readme check-tables check-symbols check-instructions check-examples \
-           check-threads
+CHECKS  := check-tests check-sanitizers check-coverage $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc \
+           check-warnings-clang check-headers check-install check-readme check-tables check-symbols \
+           check-instructions check-examples check-threads
 .PHONY: test-programs run-check $(CHECKS) $(CHECKS:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
