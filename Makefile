@@ -4,6 +4,7 @@
 # make cov        lines of ad and src that the tests run; fails below 95%
 # make fuzz       random programs led by coverage (libFuzzer), a minute; SECONDS=n for longer
 # make analyse    clang-tidy and cppcheck over everything
+# make blas-threads     the same bits for any number of threads of OpenBLAS
 # make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes

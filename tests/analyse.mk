@@ -35,3 +35,10 @@ tidy:
 	    $(CHECK_CFLAGS) -mavx2 -mfma 2>/dev/null' clang-tidy
 cppcheck:
 	@$(CPPCHECK) $(sort $(dir $(SOURCES)))
+
+# The same bits for any number of BLAS threads: fetches OpenBLAS from Debian, half a minute.
+.PHONY: blas-threads
+blas-threads: need-library
+	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a
+	$(CC) -std=c11 $(WARNINGS) $(CFLAGS) -Iinclude -o $(BUILD)/blas tests/threads/blas.c $(BUILD)/libtvi.a $(LIBS)
+	tests/blas_threads.sh $(BUILD)/blas $(BUILD)/openblas
