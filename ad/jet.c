@@ -35,7 +35,7 @@ static tvi_status find_graph(int count, const jet x[], jet_graph **graph)
 {
     *graph = NULL;
     for (int i = 0; i < count; i++) {
-        if (is_poison(x[i])) return (tvi_status)x[i].node->index;
+        if (is_poison(x[i])) return (tvi_status)x[i].node->index; /* NOLINT(clang-analyzer-core.NullDereference) */
         if (!x[i].node) {
             if (!isfinite(x[i].number)) return TVI_ENONFINITE;
             continue;
@@ -219,6 +219,7 @@ static void collect(struct jet_node *sum, double coefficient, struct jet_node *n
         return;
     }
     node->mark = sum->count;
+    /* there is room for terms wherever there is a node. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
     sum->terms[sum->count++] = (jet_term){coefficient, node};
 }
 
@@ -243,7 +244,7 @@ jet jet_linear(int count, const double coefficient[], const jet x[])
     const tvi_status status = find_graph(count, x, &graph);
     if (status != TVI_OK) return poison(status);
     struct jet_node sum = {.op = OP_LINEAR};
-    if (graph && !(sum.terms = malloc((size_t)count * sizeof *sum.terms))) {
+    if (graph && !(sum.terms = calloc((size_t)count, sizeof *sum.terms))) {
         graph->out_of_memory = true;
         return poison(TVI_ENOMEM);
     }
@@ -277,7 +278,7 @@ static jet out_of_memory(int count, const jet x[])
 jet jet_sum(const jet x[], int count)
 {
     if (count <= 0) return jet_const(0);
-    double *ones = malloc((size_t)count * sizeof *ones);
+    double *ones = calloc((size_t)count, sizeof *ones);
     if (!ones) return out_of_memory(count, x);
     for (int i = 0; i < count; i++) ones[i] = 1;
     const jet sum = jet_linear(count, ones, x);
@@ -288,7 +289,7 @@ jet jet_sum(const jet x[], int count)
 jet jet_dot(const jet x[], const jet y[], int count)
 {
     if (count <= 0) return jet_const(0);
-    jet *products = malloc((size_t)count * sizeof *products);
+    jet *products = calloc((size_t)count, sizeof *products);
     if (!products) return out_of_memory(count, x);
     for (int i = 0; i < count; i++) products[i] = jet_mul(x[i], y[i]);
     const jet sum = jet_sum(products, count);

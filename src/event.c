@@ -8,7 +8,7 @@
 static tvi_status record(tvi_event *event, tvi_event_fn *g, void *ctx)
 {
     const int n = event->n, inputs = 2 * n + 1;
-    jet *state = malloc((size_t)inputs * sizeof *state);
+    jet *state = calloc((size_t)inputs, sizeof *state);
     event->graph = jet_graph_create(inputs);
     tvi_status status = state && event->graph ? TVI_OK : TVI_ENOMEM;
     for (int i = 0; i < inputs && status == TVI_OK; i++) state[i] = jet_graph_input(event->graph, i);

@@ -17,8 +17,8 @@ int tvi_progress(long step, double t, const double q[], const double p[], void *
         const int filled = percent * WIDTH / 100;
         bar->shown = percent;
         if (isatty(STDERR_FILENO))
-            fprintf(stderr, "\r[%.*s%*s] %3d %%  t = %-12.6g%s", filled, full, WIDTH - filled, "", percent, t,
-                    percent == 100 ? "\n" : "");
+            (void)fprintf(stderr, "\r[%.*s%*s] %3d %%  t = %-12.6g%s", filled, full, WIDTH - filled, "", percent, t,
+                          percent == 100 ? "\n" : "");
     }
     return bar->observer ? bar->observer(step, t, q, p, bar->ctx) : 0;
 }

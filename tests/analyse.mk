@@ -23,7 +23,8 @@ SOURCES          ?= $(filter-out $(patsubst $(BUILD)/%.o,%.c,$(NO_CLANG)),$(wild
                     tests/*.c tests/*/*.c))
 CPPCHECK         := cppcheck -q --std=c11 --error-exitcode=1 --inline-suppr --suppress=missingIncludeSystem \
                     --suppress=uninitvar:bench/baselines/solar_rows.h --suppress=uninitvar:tests/generating/test_references_quad.c \
-                    --suppress=uninitvar:src/galerkin_loops.c --suppress=ctunullpointer \
+                    --suppress=uninitvar:src/galerkin_loops.c --suppress=ctunullpointer --suppress=nullPointerRedundantCheck:bench/experiments/*.c \
+                    --suppress=nullPointerRedundantCheck:bench/longrun.c \
                     --enable=warning,performance,portability -Iinclude -Iad -Isrc -Ibench -Ibench/scenes -Ibench/baselines -Itests
 
 analyse: need-check
