@@ -256,21 +256,19 @@ START_TEST(bodies_far_from_a_wave_rest)
 }
 END_TEST
 
-/* Steps beyond what the passes can solve end with a status, and leave the state alone. */
+/* Steps beyond what the passes can solve end with a status, and leave the state alone: all from 2.0e3 to 2.3e5 days do,
+ * with each instruction set; these are far from both ends. */
 START_TEST(too_large_steps_are_refused)
 {
     const tvi_options options = options_type1(TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, DEGREE);
     runner solar = runner_open(&problem_solar, &options);
     test_state x = problem_start(&problem_solar);
     const test_state before = x;
-    int refused = 0;
-    for (double h = 6e3; h < 2e5; h *= 3) {
-        const tvi_status status = tvi_step(solar.integrator, h, &x.t, x.q, x.p);
-        refused += status != TVI_OK;
-        if (status != TVI_OK) ck_assert(memcmp(&x, &before, sizeof x) == 0);
-        x = before;
+    const double steps[] = {6e3, 2e4, 6e4};
+    for (size_t i = 0; i < sizeof steps / sizeof *steps; i++) {
+        ck_assert_int_ne(tvi_step(solar.integrator, steps[i], &x.t, x.q, x.p), TVI_OK);
+        ck_assert_mem_eq(&x, &before, sizeof x);
     }
-    ck_assert_int_eq(refused, 4);
     runner_steps(&solar, 100, 3, &x);
     runner_close(&solar);
 }

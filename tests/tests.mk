@@ -4,7 +4,7 @@
 # -Werror below $(BUILD)/gcc and $(BUILD)/clang.
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
-CHECKS  := check-tests check-sanitizers check-coverage $(FOLDERS:%=check-%) check-valgrind check-warnings-gcc \
+CHECKS  := check-tests check-sanitizers check-coverage $(FOLDERS:%=check-%) check-base check-valgrind check-warnings-gcc \
            check-warnings-clang check-headers check-install check-readme check-tables check-symbols \
            check-instructions check-examples check-threads
 .PHONY: test-programs run-check $(CHECKS) $(CHECKS:check-%=do-%)
@@ -74,6 +74,14 @@ do-tests: $(BUILD)/check/tvi
 $(FOLDERS:%=check-%): check-%: ; $(REPORT) "tests/$*" $(LOG) $(DO)
 $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 	$<
+
+# what integrates, without the wider vectors that this machine may have (tests/ad runs every instruction set)
+check-base: ; $(REPORT) "the base instruction set" $(LOG) $(DO)
+do-base: export TVI_ISA = base
+do-base: $(addprefix $(BUILD)/check/,tvi events generating)
+	tests/suites.sh 'closed forms,order,structure,stepping,products,linear' $(BUILD)/check/tvi
+	$(BUILD)/check/events
+	tests/suites.sh 'forms,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
 
 # ---- Memory and undefined behaviour: the same programs, some of their suites -------------------------------------------
 
