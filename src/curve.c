@@ -9,6 +9,7 @@
  *
  * each with the field evaluated as a power series along the curve, one order after the other. */
 #include "curve.h"
+#include "sizes.h"
 
 #include <math.h>
 #include <string.h>
@@ -210,23 +211,16 @@ void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, d
     }
 }
 
-static double largest(int n, const double x[])
-{
-    double size = 0;
-    for (int i = 0; i < n; i++) size = fabs(x[i]) > size ? fabs(x[i]) : size;
-    return size;
-}
-
 int tvi_curve_order_below(const tvi_curve *curve, double part)
 {
-    const double bound = part * largest(curve->n, tvi_curve_input(curve, 0));
+    const double bound = part * tvi_largest(curve->n, tvi_curve_input(curve, 0), 1);
     int k = 1;
-    while (k < curve->top && largest(curve->n, tvi_curve_input(curve, k)) > bound) k++;
+    while (k < curve->top && tvi_largest(curve->n, tvi_curve_input(curve, k), 1) > bound) k++;
     return k;
 }
 
 double tvi_curve_tail(const tvi_curve *curve, int degree)
 {
-    const double q = largest(curve->n, tvi_curve_input(curve, 0));
-    return q > 0 ? largest(curve->n, tvi_curve_input(curve, degree)) / q : 0;
+    const double q = tvi_largest(curve->n, tvi_curve_input(curve, 0), 1);
+    return q > 0 ? tvi_largest(curve->n, tvi_curve_input(curve, degree), 1) / q : 0;
 }

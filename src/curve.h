@@ -40,6 +40,7 @@ typedef struct {
 void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians);
 /* What suits the system: matrices where n is small. Products are for separable systems alone. */
 tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
+static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
 void tvi_curve_prepare(tvi_curve *curve); /* once, when the memory is there */
 
 tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena);

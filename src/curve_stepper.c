@@ -5,6 +5,7 @@
 #include "legendre.h"
 #include "method.h"
 #include "newton.h"
+#include "sizes.h"
 #include "stepper.h"
 
 #include <float.h>
@@ -36,8 +37,6 @@ typedef struct {
     double *velocity;                 /* [n] of the last predictor, Lagrangian; in the history */
     double *shift;                    /* [n] */
 } work;
-
-static bool has_products(const work *w) { return w->closure.curve.jacobians == TVI_JACOBIAN_PRODUCTS; }
 
 static tvi_span span_of(tvi_expansion expansion)
 {
@@ -111,7 +110,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     if (corrects) {
         const tvi_action_kind kind = options->method == TVI_TYPE1 ? TVI_ACTION_LAGRANGE : TVI_ACTION_HAMILTON;
         tvi_action_take(&w.action, arena, system, options, kind, w.q_degree, w.p_degree, curve->top);
-        tvi_newton_take(&w.newton, arena, 2 * system->n, system->n, !has_products(&w));
+        tvi_newton_take(&w.newton, arena, 2 * system->n, system->n, !tvi_curve_has_products(&w.closure.curve));
         w.closure.seed_Q = tvi_arena_doubles(arena, seeds);
         w.closure.seed_U = tvi_arena_doubles(arena, seeds);
     }
@@ -248,8 +247,6 @@ static tvi_status close_equations(work *w)
     return status;
 }
 
-static double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
-
 /* sum_k |seed_k| of component i. */
 static double seed_size(const tvi_closure *c, const double seed[], int i)
 {
@@ -267,11 +264,11 @@ static double staleness(work *w, const double z[])
     const double *scale = w->newton.scale;
     double distance = 0, part = 0;
     set_momentum_size(w);
-    for (int i = 0; i < 2 * c->n; i++) distance = fmax(distance, ratio(fabs(z[i] - w->z_jacobian[i]), scale[i]));
+    for (int i = 0; i < 2 * c->n; i++) distance = fmax(distance, tvi_ratio(fabs(z[i] - w->z_jacobian[i]), scale[i]));
     for (int i = 0; i < c->n; i++) {
         const double of_q = fabs(c->curve.kappa[i]) * seed_size(c, c->seed_U, i), of_p = seed_size(c, c->seed_Q, i);
-        part = fmax(part, ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]));
-        part = fmax(part, ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, w->p_size[i]));
+        part = fmax(part, tvi_ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]));
+        part = fmax(part, tvi_ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, w->p_size[i]));
     }
     return distance * part;
 }
@@ -321,7 +318,7 @@ static tvi_status residual(void *self, const double z[], double r[])
     w->stats->force_evaluations += w->action.points;
     status = tvi_action_seed(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
-    status = has_products(w) ? close_by_products(w) : close_by_matrices(w, z);
+    status = tvi_curve_has_products(&w->closure.curve) ? close_by_products(w) : close_by_matrices(w, z);
     if (status == TVI_OK) form_residual(w, r);
     return status;
 }
@@ -353,7 +350,7 @@ static tvi_status correct(work *w)
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     /* types II and III, and the end, gain by much the most in the first pass */
     const bool is_rough = w->options->method == TVI_TYPE2 || w->options->method == TVI_TYPE3 || w->closure.span.to == 0;
-    const bool products = has_products(w);
+    const bool products = tvi_curve_has_products(&w->closure.curve);
     const tvi_equations equations = {.self = w,
                                      .residual = residual,
                                      .scale = set_scale,

@@ -1,6 +1,6 @@
 /* energy.c - what is asked of a system outside of steps: energy, momenta, velocities. */
-#include "finite.h"
 #include "legendre.h"
+#include "sizes.h"
 
 #include <math.h>
 #include <stdlib.h>

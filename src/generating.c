@@ -2,19 +2,18 @@
  * Jacobians of the curve's ends. Where the curve has these as matrices they are factored. Where it has only products
  * with them, the equations are solved by iteration, and no matrix is formed at all. */
 #include "generating.h"
+#include "sizes.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-static bool has_products(const tvi_closure *closure) { return closure->curve.jacobians == TVI_JACOBIAN_PRODUCTS; }
 
 void tvi_close_take(tvi_closure *closure, tvi_arena *arena)
 {
     const size_t n = (size_t)closure->n;
     tvi_iteration *it = &closure->iteration;
     closure->D = tvi_arena_doubles(arena, 2 * n);
-    if (has_products(closure)) {
+    if (tvi_curve_has_products(&closure->curve)) {
         closure->G = tvi_arena_doubles(arena, 2 * n);
         it->x = tvi_arena_doubles(arena, 2 * n);
         it->r = tvi_arena_doubles(arena, 2 * n);
@@ -102,13 +101,12 @@ static const double ROUGH = 1e-6;
 /* Corrections this much below the solution, that shrink no more, are roundoff. */
 static const double STALLED = 1e-12;
 
-static double ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
-
 /* max_i |x_i| / size_i. */
 static double measure(const tvi_closure *c, const transposed *a, const double x[])
 {
     double largest = 0;
-    for (int i = 0; i < unknowns(c, a); i++) largest = fmax(largest, ratio(fabs(x[i]), c->iteration.size[i % c->n]));
+    for (int i = 0; i < unknowns(c, a); i++)
+        largest = fmax(largest, tvi_ratio(fabs(x[i]), c->iteration.size[i % c->n]));
     return largest;
 }
 
@@ -137,12 +135,12 @@ static void minimise(tvi_closure *c, const transposed *a, int step)
     apply(c, a, s, v);
     for (int i = 0; i < step; i++) {
         const double *v_before = it->v + i * both;
-        const double part = ratio(product(c, a, v + place, v_before + place), it->square[i]);
+        const double part = tvi_ratio(product(c, a, v + place, v_before + place), it->square[i]);
         add(both, -part, v_before, v);
         add(count, -part, it->s + i * both, s);
     }
     it->square[step] = product(c, a, v + place, v + place);
-    const double part = ratio(product(c, a, it->r + place, v + place), it->square[step]);
+    const double part = tvi_ratio(product(c, a, it->r + place, v + place), it->square[step]);
     add(count, part, s, it->x);
     add(both, -part, v, it->r);
 }
@@ -242,7 +240,8 @@ static void take_other_half(tvi_closure *closure, const tvi_combination *combina
 
 tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)
 {
-    if (has_products(closure)) return close_by_iteration(closure, &(transposed){combination, NULL, half});
+    if (tvi_curve_has_products(&closure->curve))
+        return close_by_iteration(closure, &(transposed){combination, NULL, half});
     tvi_curve_pull(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     const tvi_status status = factor_half(closure, combination, half);
     if (status != TVI_OK) return status;
@@ -253,7 +252,8 @@ tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combinati
 
 tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first, const tvi_combination *second)
 {
-    if (has_products(closure)) return close_by_iteration(closure, &(transposed){first, second, TVI_FIRST});
+    if (tvi_curve_has_products(&closure->curve))
+        return close_by_iteration(closure, &(transposed){first, second, TVI_FIRST});
     tvi_curve_pull(&closure->curve, closure->seed_Q, closure->seed_U, closure->D);
     const tvi_status status = factor_full(closure, first, second);
     if (status == TVI_OK) tvi_factor_solve_transposed(&closure->full, closure->D);

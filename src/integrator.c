@@ -1,8 +1,8 @@
 /* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated summation.
  */
-#include "finite.h"
 #include "integrator.h"
 #include "method.h"
+#include "sizes.h"
 
 #include <math.h>
 #include <stdlib.h>

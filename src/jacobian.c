@@ -165,14 +165,14 @@ static void sweep_direction(tvi_curve *curve, const double dz[])
 
 void tvi_curve_aim(tvi_curve *curve, const double dz[])
 {
-    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) sweep_direction(curve, dz);
+    if (tvi_curve_has_products(curve)) sweep_direction(curve, dz);
     else memcpy(curve->dz, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
 void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
     const size_t n = (size_t)curve->n, directions = 2 * n;
-    const bool products = curve->jacobians == TVI_JACOBIAN_PRODUCTS;
+    const bool products = tvi_curve_has_products(curve);
     memset(out, 0, n * sizeof *out);
     for (int k = curve->top; k >= 0; k--) {
         const double weight = combination->weight[k];
@@ -244,7 +244,7 @@ void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[])
 
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    if (curve->jacobians == TVI_JACOBIAN_PRODUCTS) {
+    if (tvi_curve_has_products(curve)) {
         tvi_curve_clear_seeds(curve, curve->top);
         tvi_curve_add_seeds(curve, curve->top, seed_Q);
         tvi_curve_pull_seeds(curve, curve->top, out);

@@ -1,7 +1,7 @@
 /* tangent.c - the derivative of a step: D <- M D, by the same method on the lifted system (docs/method.md section 10).
  * A column is one lifted step, which forgets the one before it. */
-#include "finite.h"
 #include "integrator.h"
+#include "sizes.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -76,20 +76,13 @@ static tvi_status provide(tvi_integrator *it, int columns)
     return TVI_OK;
 }
 
-static double largest(int n, const double x[], int stride)
-{
-    double size = 0;
-    for (int i = 0; i < n; i++) size = fmax(size, fabs(x[(size_t)i * (size_t)stride]));
-    return size;
-}
-
 /* The power of two that brings a column to the size of the state, so that neither rules the corrector's measure: M is
  * linear, and powers of two are exact. */
 static int exponent_of(int n, const double q[], const double p[], const double column[], int columns)
 {
-    const double size_q = largest(n, q, 1), size_p = largest(n, p, 1);
-    const double of_q = largest(n, column, columns) / (size_q > 0 ? size_q : 1);
-    const double of_p = largest(n, column + (size_t)n * (size_t)columns, columns) / (size_p > 0 ? size_p : 1);
+    const double size_q = tvi_largest(n, q, 1), size_p = tvi_largest(n, p, 1);
+    const double of_q = tvi_largest(n, column, columns) / (size_q > 0 ? size_q : 1);
+    const double of_p = tvi_largest(n, column + (size_t)n * (size_t)columns, columns) / (size_p > 0 ? size_p : 1);
     int exponent = 0;
     if (isfinite(of_q) && isfinite(of_p)) (void)frexp(fmax(of_q, of_p), &exponent);
     return exponent;

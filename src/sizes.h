@@ -1,0 +1,30 @@
+/* sizes.h - the sizes of numbers and arrays. */
+#ifndef TVI_SRC_SIZES_H
+#define TVI_SRC_SIZES_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+static inline bool tvi_all_finite(int n, const double x[])
+{
+    for (int i = 0; i < n; i++)
+        if (!isfinite(x[i])) return false;
+    return true;
+}
+
+/* max |x_i| over every stride-th of the array, n of them. */
+static inline double tvi_largest(int n, const double x[], int stride)
+{
+    double size = 0;
+    for (int i = 0; i < n; i++) {
+        const double one = fabs(x[(size_t)i * (size_t)stride]);
+        size = one > size ? one : size;
+    }
+    return size;
+}
+
+/* part / whole, where 0 is no part of 0. */
+static inline double tvi_ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
+
+#endif
