@@ -1,5 +1,5 @@
-/* isa.c - the instruction set that a tape runs with. Rules and sweeps are compiled once for each; here one is chosen.
- */
+/* isa.c - the instruction set that a tape runs with. Rules and sweeps are compiled once for each set;
+ * here one is chosen. */
 #include "tape.h"
 
 #include <stdlib.h>

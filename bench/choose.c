@@ -34,8 +34,7 @@ static double time_of(const report *r, const scene *s, const char *method, int o
     return best;
 }
 
-/* ---- Orders ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Orders ------------------------------------------------------------------------------------------------------ */
 
 /* How much dearer than the fastest order of the same method each order is: ln, summed over the scenes and targets that
  * both reach, and their number. */
@@ -76,8 +75,7 @@ static void write_orders(const report *r, FILE *out)
     fprintf(out, "\n");
 }
 
-/* ---- Methods --------------------------------------------------------------------------------------------------------
- */
+/* ---- Methods ----------------------------------------------------------------------------------------------------- */
 
 static void write_methods(const report *r, FILE *out)
 {
@@ -114,8 +112,7 @@ static void write_advice(const report *r, FILE *out)
     }
 }
 
-/* ---- The command ----------------------------------------------------------------------------------------------------
- */
+/* ---- The command ------------------------------------------------------------------------------------------------- */
 
 static const struct {
     const char *file;

@@ -36,8 +36,7 @@ static const line lines[] = {
 };
 enum { LINES = sizeof lines / sizeof *lines };
 
-/* ---- Orbits --------------------------------------------------------------------------------------------------------
- */
+/* ---- Orbits ------------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     tvi_integrator *integrator;
@@ -92,8 +91,8 @@ static void orbit_begin(orbit *o, const scene *s, const tvi_system *system, cons
     o->start = energy(system, o);
 }
 
-/* Without its low-order parts a step is the plain sum of state and increment. What else it has learnt is forgotten too.
- */
+/* Without its low-order parts a step is the plain sum of state and increment. What else it has learnt
+ * is forgotten too. */
 static tvi_status uncompensated(orbit *o, double h, long steps)
 {
     tvi_status status = TVI_OK;
@@ -150,8 +149,7 @@ static void run_line(ensemble *all, const line *l, const tvi_system *system, dou
     for (int i = 0; i < ORBITS; i++) tvi_integrator_free(all->orbit[i].integrator);
 }
 
-/* ---- Statistics
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- Statistics -------------------------------------------------------------------------------------------------- */
 
 static double years(const ensemble *all, int k) { return (double)all->steps[k] * all->line->h / DAYS_A_YEAR; }
 
@@ -201,8 +199,7 @@ static estimate drift(const ensemble *all, int k)
     return (estimate){mean, STUDENT * sqrt(squares / (ORBITS - 1) / ORBITS)};
 }
 
-/* ---- Files
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- Files ------------------------------------------------------------------------------------------------------- */
 
 static void write_line(const ensemble *all, FILE *csv, FILE *table)
 {

@@ -54,8 +54,7 @@ enum {
 };
 static const double FLOOR = 1e-12; /* errors above it are free of roundoff */
 
-/* ---- Errors ---------------------------------------------------------------------------------------------------------
- */
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     double q[DIMENSION_MOST], p[DIMENSION_MOST];
@@ -117,8 +116,7 @@ static convergence converge(const tvi_system *system, int problem, const tvi_opt
     return c;
 }
 
-/* ---- The tables of errors -------------------------------------------------------------------------------------------
- */
+/* ---- The tables of errors ---------------------------------------------------------------------------------------- */
 
 typedef struct {
     FILE *orders, *ladders, *csv, *price;
@@ -179,8 +177,7 @@ static bool measure_problem(const files *f, int problem)
     return good;
 }
 
-/* ---- The price ------------------------------------------------------------------------------------------------------
- */
+/* ---- The price --------------------------------------------------------------------------------------------------- */
 
 /* Whole scenes, at steps that every method can make. */
 static const struct {
@@ -218,8 +215,7 @@ static bool measure_price(const files *f, const scene *s, double h)
     return true;
 }
 
-/* ---- The command ----------------------------------------------------------------------------------------------------
- */
+/* ---- The command ------------------------------------------------------------------------------------------------- */
 
 static void write_heads(const files *f)
 {

@@ -15,8 +15,7 @@
 #define COMPILER "gcc " __VERSION__
 #endif
 
-/* ---- The file ------------------------------------------------------------------------------------------------------
- */
+/* ---- The file ---------------------------------------------------------------------------------------------------- */
 
 static void write_processor(FILE *csv)
 {
@@ -106,8 +105,7 @@ bool report_close(report *r)
     return false;
 }
 
-/* ---- Tables --------------------------------------------------------------------------------------------------------
- */
+/* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
 const run *report_fastest(const report *r, const scene *s, report_error *error, double bound, report_choice *chosen,
                           const void *ctx)

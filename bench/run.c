@@ -21,8 +21,7 @@ static double read_clock(clockid_t clock)
 double run_clock(void) { return read_clock(CLOCK_PROCESS_CPUTIME_ID); }
 double run_wall_clock(void) { return read_clock(CLOCK_MONOTONIC); }
 
-/* ---- A run, whoever runs -------------------------------------------------------------------------------------------
- */
+/* ---- A run, whoever runs ----------------------------------------------------------------------------------------- */
 
 tvi_status runner_open(runner *r, const tvi_system *system, const scene *s, const contender *who, double setting)
 {
@@ -66,8 +65,7 @@ static double time_once(runner *r)
     return status == TVI_OK ? run_clock() - begin : INFINITY;
 }
 
-/* ---- Errors --------------------------------------------------------------------------------------------------------
- */
+/* ---- Errors ------------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     const tvi_system *system;
@@ -120,8 +118,7 @@ static void measure_errors(const tvi_system *system, runner *r, double deadline,
     compare_with_reference(s, q, p, result);
 }
 
-/* ---- Time ----------------------------------------------------------------------------------------------------------
- */
+/* ---- Time -------------------------------------------------------------------------------------------------------- */
 
 double runner_time(runner *r)
 {

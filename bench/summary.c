@@ -31,8 +31,7 @@ static bool belongs(const run *row, const void *ctx)
     return (row->who->baseline == NULL) == g->ours && (row->who->symplectic || !g->symplectic_only);
 }
 
-/* ---- Pairs ----------------------------------------------------------------------------------------------------------
- */
+/* ---- Pairs ------------------------------------------------------------------------------------------------------- */
 
 /* Two runs and their times in turns. */
 typedef struct {
@@ -58,8 +57,7 @@ static pair time_pair(summary *m, const run *ours, const run *theirs)
     return p;
 }
 
-/* ---- A table --------------------------------------------------------------------------------------------------------
- */
+/* ---- A table ----------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     int wins, losses, alone, beaten; /* lines with a ratio; lines that only one of the two reaches */
@@ -102,8 +100,7 @@ static void print_table(summary *m, int t, const scene *const *list, const scene
             print_line(m, t, *s, *bound, out, result);
 }
 
-/* ---- The files ------------------------------------------------------------------------------------------------------
- */
+/* ---- The files --------------------------------------------------------------------------------------------------- */
 
 static bool copy_to_output(FILE *file)
 {

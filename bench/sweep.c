@@ -10,8 +10,8 @@ static const double tolerances[] = {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 
 
 enum { LADDER_MOST = 32 };
 
-/* One contender on one scene. rung[i] is the run at ladder[i], from the coarsest on; rung[i].scene is NULL before it.
- */
+/* One contender on one scene. rung[i] is the run at ladder[i], from the coarsest on; rung[i].scene is NULL
+ * before it. */
 typedef struct {
     sweep *sweep;
     const tvi_system *system;
@@ -26,8 +26,7 @@ typedef struct {
 
 static bool good(const run *r) { return r->scene && r->status == TVI_OK; }
 
-/* ---- When a line ends ----------------------------------------------------------------------------------------------
- */
+/* ---- When a line ends -------------------------------------------------------------------------------------------- */
 
 static double size_of(const scene *s)
 {
@@ -69,8 +68,7 @@ static double expected(const run *last, double setting)
     return last->wall * (adaptive ? 1.5 : last->setting / setting);
 }
 
-/* ---- A line ---------------------------------------------------------------------------------------------------------
- */
+/* ---- A line ------------------------------------------------------------------------------------------------------ */
 
 static void remark(line *l, int i, const char *what, const char *why)
 {
@@ -152,8 +150,8 @@ static void refine(line *l, int from)
     l->why = "end of the ladder";
 }
 
-/* To coarser rungs than `from` until the first failure, which says that the rest would fail too, or no digit is right.
- */
+/* To coarser rungs than `from` until the first failure, which says that the rest would fail too, or no digit
+ * is right. */
 static void coarsen(line *l, int from)
 {
     for (int i = from - 1; i >= 0 && !useless(&l->rung[i + 1]); i--)
@@ -193,8 +191,7 @@ static bool report_line(line *l, double begin, double end)
     return true;
 }
 
-/* ---- A scene
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- A scene ----------------------------------------------------------------------------------------------------- */
 
 static bool serves(sweep *b, const tvi_system *system, const scene *s, const contender *who)
 {

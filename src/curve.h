@@ -57,8 +57,8 @@ void tvi_curve_set(tvi_curve *curve, const double z[]);
 /* Expands from z. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR (L_vv). */
 TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
 
-/* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so. TVI_ESINGULAR.
- */
+/* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so.
+ * TVI_ESINGULAR. */
 TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 
 /* The Jacobian matrices of the curve last expanded. */

@@ -1,5 +1,5 @@
-/* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated summation.
- */
+/* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated
+ * summation. */
 #include "integrator.h"
 #include "method.h"
 #include "sizes.h"

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- Systems of every form ----------------------------------------------------------------------------------------- */
+/* ---- Systems of every form --------------------------------------------------------------------------------------- */
 
 /* VORTICES: H_pp is singular because of a symmetry, and no row of it is zero. */
 typedef enum { SEPARABLE, LAGRANGIAN, REGULAR, DEGENERATE, VORTICES, FORMS } form;
@@ -35,7 +35,7 @@ static tvi_system *create_form(form of)
     return system;
 }
 
-/* ---- Options ------------------------------------------------------------------------------------------------------- */
+/* ---- Options ----------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     const char *name;

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- Problems ------------------------------------------------------------------------------------------------------ */
+/* ---- Problems ---------------------------------------------------------------------------------------------------- */
 
 /* V = q^2/2 - log q: a well that exists for q > 0 only, so that steps beyond it leave the domain. */
 static jet half_line(const jet q[], jet t, void *ctx)
@@ -69,7 +69,7 @@ static bool open_pair(pair *x, int i)
 
 static void close_pair(pair *x) { tvi_system_free(x->system); }
 
-/* ---- Steps refused at once ----------------------------------------------------------------------------------------- */
+/* ---- Steps refused at once --------------------------------------------------------------------------------------- */
 
 typedef struct {
     const char *name;
@@ -165,7 +165,7 @@ START_TEST(null_arguments)
 }
 END_TEST
 
-/* ---- Steps where the force has no value ---------------------------------------------------------------------------- */
+/* ---- Steps where the force has no value -------------------------------------------------------------------------- */
 
 static jet root(const jet q[], jet t, void *ctx)
 {
@@ -260,7 +260,7 @@ START_TEST(no_series_of_the_force)
 }
 END_TEST
 
-/* ---- Steps far too large ------------------------------------------------------------------------------------------- */
+/* ---- Steps far too large ----------------------------------------------------------------------------------------- */
 
 static bool is_step_failure(tvi_status status)
 {
@@ -356,7 +356,7 @@ START_TEST(singular_at_the_start)
 }
 END_TEST
 
-/* ---- After a failure ----------------------------------------------------------------------------------------------- */
+/* ---- After a failure --------------------------------------------------------------------------------------------- */
 
 enum { BEFORE_MOST = 20, AFTER = 20, LONG_RUN = BEFORE_MOST + AFTER };
 
@@ -422,7 +422,7 @@ START_TEST(failures_leave_no_trace)
 }
 END_TEST
 
-/* ---- Many steps ---------------------------------------------------------------------------------------------------- */
+/* ---- Many steps -------------------------------------------------------------------------------------------------- */
 
 enum { RUN = 20 };
 
@@ -520,7 +520,7 @@ START_TEST(without_a_force)
 }
 END_TEST
 
-/* ---- Dense output -------------------------------------------------------------------------------------------------- */
+/* ---- Dense output ------------------------------------------------------------------------------------------------ */
 
 static void expect_no_dense(const char *what, tvi_integrator *integrator, double theta)
 {
@@ -591,7 +591,7 @@ START_TEST(dense_leaves_no_trace)
 }
 END_TEST
 
-/* ---- Counts -------------------------------------------------------------------------------------------------------- */
+/* ---- Counts ------------------------------------------------------------------------------------------------------ */
 
 /* From the start of Henon-Heiles. */
 static tvi_stats stats_after(const tvi_options *options, long steps)
@@ -688,7 +688,7 @@ START_TEST(counts_of_convergence)
 }
 END_TEST
 
-/* ---- The cases ----------------------------------------------------------------------------------------------------- */
+/* ---- The cases --------------------------------------------------------------------------------------------------- */
 
 TCase *tcase_bad_steps(void)
 {

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- Forces by hand ------------------------------------------------------------------------------------------------ */
+/* ---- Forces by hand ---------------------------------------------------------------------------------------------- */
 
 static void pendulum_force(long double t, const long double q[], long double F[])
 {
@@ -28,7 +28,7 @@ static void henon_heiles_force(long double t, const long double q[], long double
     F[1] = -q[1] - q[0] * q[0] + q[1] * q[1];
 }
 
-/* ---- The driven chain ---------------------------------------------------------------------------------------------- */
+/* ---- The driven chain -------------------------------------------------------------------------------------------- */
 
 enum { CHAIN = 3 };
 static const double spring_k = 4, spring_a = 1.5, spring_b = 2, drive = 0.75, drive_frequency = 1.7;
@@ -81,7 +81,7 @@ static const scene scene_chain = {
     .name = "chain", .title = "Driven chain", .n = CHAIN, .mass = chain_mass, .q = chain_q0, .p = chain_p0,
 };
 
-/* ---- Problems and their states ------------------------------------------------------------------------------------- */
+/* ---- Problems and their states ----------------------------------------------------------------------------------- */
 
 const test_problem problem_pendulum = {&scene_pendulum, NULL, pendulum_force, 0, 2};
 const test_problem problem_kepler = {&scene_kepler, NULL, kepler_force, 0, 3};
@@ -178,7 +178,7 @@ two_errors state_error(int n, const test_state *a, const exact_state *exact)
 
 double larger(two_errors errors) { return fmax(errors.q, errors.p); }
 
-/* ---- Integrators that share nothing with the library --------------------------------------------------------------- */
+/* ---- Integrators that share nothing with the library ------------------------------------------------------------- */
 
 /* The increments over `steps` steps of Stormer-Verlet: small, so that their roundoff is. */
 static exact_state exact_verlet(const test_problem *problem, const exact_state *x, long double h, int steps)

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Steps by hand ------------------------------------------------------------------------------------------------- */
+/* ---- Steps by hand ----------------------------------------------------------------------------------------------- */
 
 typedef void closed_form(const test_problem *problem, long double h, exact_state *x);
 
@@ -140,7 +140,7 @@ START_TEST(method_is_its_closed_form)
 }
 END_TEST
 
-/* ---- The curve ----------------------------------------------------------------------------------------------------- */
+/* ---- The curve --------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     tvi_system *system;
@@ -228,7 +228,7 @@ START_TEST(second_jacobian_is_the_hessian)
 }
 END_TEST
 
-/* ---- Energies and Legendre transforms ------------------------------------------------------------------------------ */
+/* ---- Energies and Legendre transforms ---------------------------------------------------------------------------- */
 
 START_TEST(energies_are_those_of_section_9)
 {

@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- Functions with every operation, and more nodes than one piece of a recording holds ----------------------------- */
+/* ---- Functions with every operation, and more nodes than one piece of a recording holds -------------------------- */
 
 enum { N = 3, TERMS = 16 };
 
@@ -107,7 +107,7 @@ static tvi_system *create_system(statement by, bool light)
     return system;
 }
 
-/* ---- The k-th allocation fails, for every k ------------------------------------------------------------------------ */
+/* ---- The k-th allocation fails, for every k ---------------------------------------------------------------------- */
 
 /* Makes something with allocations of its own, says whether *out is NULL on failure, and frees what it made. */
 typedef tvi_status maker(const void *argument, bool *cleared);
@@ -264,7 +264,7 @@ START_TEST(questions_without_memory)
 }
 END_TEST
 
-/* ---- The ways to make a step --------------------------------------------------------------------------------------- */
+/* ---- The ways to make a step ------------------------------------------------------------------------------------- */
 
 static const struct {
     const char *name;
@@ -372,7 +372,7 @@ START_TEST(bytes)
 }
 END_TEST
 
-/* ---- No allocation in a step --------------------------------------------------------------------------------------- */
+/* ---- No allocation in a step ------------------------------------------------------------------------------------- */
 
 enum { STEPS = 1000 };
 

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- Shared -------------------------------------------------------------------------------------------------------- */
+/* ---- Shared ------------------------------------------------------------------------------------------------------ */
 
 const method methods[] = {
     {"tvi", 1},        {"tvi", 4},   {"tvi", 7},      {"start", 2},         {"start", 6},     {"start", 12},
@@ -94,7 +94,7 @@ jet mixed_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(mixed_kinetic(q, p), mixed_potential(q, t, ctx));
 }
 
-/* ---- Systems ------------------------------------------------------------------------------------------------------- */
+/* ---- Systems ----------------------------------------------------------------------------------------------------- */
 
 /* The four ways to state a problem. */
 typedef enum { FORCE, POTENTIAL, LAGRANGIAN, HAMILTONIAN, STATEMENTS } statement;
@@ -210,7 +210,7 @@ START_TEST(masses_are_copied)
 }
 END_TEST
 
-/* ---- Functions that make no system --------------------------------------------------------------------------------- */
+/* ---- Functions that make no system ------------------------------------------------------------------------------- */
 
 typedef jet make_jet(jet x, jet other);
 
@@ -521,7 +521,7 @@ START_TEST(singular_lagrangians)
 }
 END_TEST
 
-/* ---- Asking a system ----------------------------------------------------------------------------------------------- */
+/* ---- Asking a system --------------------------------------------------------------------------------------------- */
 
 /* The same H at q_0 = 1, in the three forms that have an energy. */
 static const functions mixed = {NULL, mixed_potential, mixed_lagrangian, mixed_hamiltonian};
@@ -661,7 +661,7 @@ START_TEST(velocity_that_does_not_exist)
 }
 END_TEST
 
-/* ---- Texts --------------------------------------------------------------------------------------------------------- */
+/* ---- Texts ------------------------------------------------------------------------------------------------------- */
 
 START_TEST(status_texts)
 {
@@ -680,7 +680,7 @@ START_TEST(status_texts)
 }
 END_TEST
 
-/* ---- The suite ----------------------------------------------------------------------------------------------------- */
+/* ---- The suite --------------------------------------------------------------------------------------------------- */
 
 static TCase *tcase_systems(void)
 {

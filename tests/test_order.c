@@ -8,7 +8,7 @@
 static const test_problem *const order_problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain};
 enum { ORDER_PROBLEMS = sizeof order_problems / sizeof *order_problems };
 
-/* ---- The slope of the error ---------------------------------------------------------------------------------------- */
+/* ---- The slope of the error -------------------------------------------------------------------------------------- */
 
 /* Runs of ever more steps until the error of q or p would be less than 50 times roundoff: the slopes between the last
  * and the last but two, where the method is furthest into its asymptotic range. An error is the larger of two times, so
@@ -110,7 +110,7 @@ static void check_promise(const test_problem *problem, const tvi_options *option
     runner_close(&run);
 }
 
-/* ---- Section 3: type I, every node rule and degree ----------------------------------------------------------------- */
+/* ---- Section 3: type I, every node rule and degree --------------------------------------------------------------- */
 
 /* On-curve 2N; truncated at the start or the end N, to N + 1 for odd N; truncated at the midpoint N, N + 1 for odd N. */
 static const struct {
@@ -138,7 +138,7 @@ START_TEST(type1_has_its_order)
 }
 END_TEST
 
-/* ---- Explicit methods ---------------------------------------------------------------------------------------------- */
+/* ---- Explicit methods -------------------------------------------------------------------------------------------- */
 
 enum { TAYLOR_LEAST = 3, TAYLOR_DEGREES = 5 };
 
@@ -160,7 +160,7 @@ START_TEST(stormer_verlet_has_order_2)
 }
 END_TEST
 
-/* ---- Section 3: order min(2N, s) with a quadrature of order s ------------------------------------------------------ */
+/* ---- Section 3: order min(2N, s) with a quadrature of order s ---------------------------------------------------- */
 
 static const struct {
     tvi_expansion expansion;
@@ -191,7 +191,7 @@ START_TEST(quadrature_limits_the_order)
 }
 END_TEST
 
-/* ---- Section 3: the measured errors -------------------------------------------------------------------------------- */
+/* ---- Section 3: the measured errors ------------------------------------------------------------------------------ */
 
 enum { MEASURED_RUNS = 4 };
 static const struct {
@@ -229,7 +229,7 @@ START_TEST(errors_are_those_of_the_table)
 }
 END_TEST
 
-/* ---- Section 4: the error constant of the midpoint ----------------------------------------------------------------- */
+/* ---- Section 4: the error constant of the midpoint --------------------------------------------------------------- */
 
 /* The error at the start is larger than at the midpoint by 4^N for even N, 4^N (N/(N+1))^2 for odd N. */
 START_TEST(midpoint_has_its_error_constant)

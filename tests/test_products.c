@@ -13,7 +13,7 @@ enum { COPIES = 7, DEGREE = 9 };
 
 static double wave(int i) { return cos(1 + 0.7 * i) / (1 + 0.1 * i); }
 
-/* ---- Products against matrices -------------------------------------------------------------------------------------- */
+/* ---- Products against matrices ----------------------------------------------------------------------------------- */
 
 typedef struct {
     void *memory;
@@ -122,7 +122,7 @@ START_TEST(force_products_are_those_of_the_second_coefficient)
 }
 END_TEST
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------------ */
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 /* V of Kepler problems that do not know of each other, q of copy i at 2 i. */
 static jet copies_of_kepler(const jet q[], jet t, void *ctx)

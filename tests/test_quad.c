@@ -63,7 +63,7 @@ static test_state library_run(const test_problem *problem, const tvi_options *op
     return x;
 }
 
-/* ---- The references themselves: two that share nothing ------------------------------------------------------------- */
+/* ---- The references themselves: two that share nothing ----------------------------------------------------------- */
 
 START_TEST(references_agree)
 {
@@ -134,7 +134,7 @@ START_TEST(step_is_that_of_the_definition)
 }
 END_TEST
 
-/* ---- High degrees: the error at two steps is the method's own ------------------------------------------------------ */
+/* ---- High degrees: the error at two steps is the method's own ---------------------------------------------------- */
 
 /* Numbers of steps over a time t: both have errors well above roundoff. */
 static const struct {

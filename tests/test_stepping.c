@@ -30,7 +30,7 @@ static test_state run_from_start(const test_problem *problem, const tvi_options 
     return x;
 }
 
-/* ---- Passes -------------------------------------------------------------------------------------------------------- */
+/* ---- Passes ------------------------------------------------------------------------------------------------------ */
 
 static const struct {
     const test_problem *problem;
@@ -182,7 +182,7 @@ START_TEST(bound_on_passes_is_honoured)
 }
 END_TEST
 
-/* ---- Large steps --------------------------------------------------------------------------------------------------- */
+/* ---- Large steps ------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     const test_problem *problem;
@@ -265,7 +265,7 @@ START_TEST(start_at_rest_converges)
 }
 END_TEST
 
-/* ---- Steps that follow one another --------------------------------------------------------------------------------- */
+/* ---- Steps that follow one another ------------------------------------------------------------------------------- */
 
 /* Backward in time from the start of the problem, against the exact solution there. */
 START_TEST(negative_steps_go_back)

@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* ---- Problems ------------------------------------------------------------------------------------------------------- */
+/* ---- Problems ---------------------------------------------------------------------------------------------------- */
 
 /* Where, and the step: away from any symmetry of the start. */
 static const struct {
@@ -24,7 +24,7 @@ static test_state place(int i)
     return x;
 }
 
-/* ---- Momentum ------------------------------------------------------------------------------------------------------ */
+/* ---- Momentum ---------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     double x[3];
@@ -112,7 +112,7 @@ START_TEST(taylor_does_not_keep_angular_momentum)
 }
 END_TEST
 
-/* ---- Reversibility ------------------------------------------------------------------------------------------------- */
+/* ---- Reversibility ----------------------------------------------------------------------------------------------- */
 
 /* Distance from the start after 500 steps of h and 500 of -h, relative to the size of q and p. */
 static double return_error(int place, const tvi_options *options)
@@ -192,7 +192,7 @@ START_TEST(end_is_the_adjoint_of_start)
 }
 END_TEST
 
-/* ---- Energy -------------------------------------------------------------------------------------------------------- */
+/* ---- Energy ------------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     double first, last; /* largest |H - H0| over the first and the last tenth of the run */

@@ -41,7 +41,7 @@ static const splitting blanes_moan = {
           0.328567693746804},
 };
 
-/* ---- From the table to one step ----------------------------------------------------------------------------------- */
+/* ---- From the table to one step ---------------------------------------------------------------------------------- */
 
 /* The two ends of a step share one operation, and between them the two operations take turns:
  *   outer[0] inner[0] outer[1] ... inner[stages-1] outer[stages]. */
@@ -77,7 +77,7 @@ static void schedule_make(const splitting *m, double h, schedule *plan)
     plan->seam = plan->outer[0] + plan->outer[s];
 }
 
-/* ---- Steps -------------------------------------------------------------------------------------------------------- */
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 /* A state in the order that the force wants: as it is, or the rows of solar_rows.h, with copies of two bodies. */
 typedef struct {

@@ -1,5 +1,5 @@
-/* peers.c - Gauss collocation of order 16 against another program of it: peers DIR runs DIR/gauss in turns with ours.
- */
+/* peers.c - Gauss collocation of order 16 against another program of it: peers DIR runs DIR/gauss
+ * in turns with ours. */
 #include "run.h"
 
 #include <math.h>

@@ -20,7 +20,7 @@ static inline void set_power_weights(int N, power_weights *w)
         for (int j = 1; j <= k; j++) w->of[k][j] = (-1.5 * j - (k - j)) / k;
 }
 
-/* ---- Kepler ------------------------------------------------------------------------------------------------------- */
+/* ---- Kepler ------------------------------------------------------------------------------------------------------ */
 
 typedef struct {
     double x[DEGREE_MAX + 1], y[DEGREE_MAX + 1], u[DEGREE_MAX + 1], v[DEGREE_MAX + 1]; /* q = (x, y), q' = (u, v) */
@@ -50,7 +50,7 @@ static INLINE void kepler_acceleration(int k, const power_weights *weights, kepl
     a[0] = ax, a[1] = ay;
 }
 
-/* ---- The Solar System: its 15 pairs are lanes, with one that repeats the first ------------------------------------ */
+/* ---- The Solar System: its 15 pairs are lanes, with one that repeats the first ----------------------------------- */
 
 enum { BODIES = 6, PAIRS = 15, LANES = 16 };
 typedef double pair_lanes[LANES];

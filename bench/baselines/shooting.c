@@ -30,7 +30,7 @@ enum { STAGES_MAX = 7, NODES_MAX = 4, MOST_PASSES = 50, COLUMNS_MAX = 2 * BASELI
 static const double ROUNDOFF = 1e-13; /* relative: below it, passes that no longer converge are at roundoff */
 static const double NEGLIGIBLE = 1e-18;
 
-/* ---- The rules ---------------------------------------------------------------------------------------------------- */
+/* ---- The rules --------------------------------------------------------------------------------------------------- */
 
 /* A Runge-Kutta method for q'' = a(q): c, A^2, b and b A instead of c, A, b. It is the same method. */
 typedef struct {
@@ -87,7 +87,7 @@ static void set_order_6(shooting_rule *r)
     memcpy(r->weight, (const double[NODES_MAX]){1.0 / 12, 5.0 / 12, 5.0 / 12, 1.0 / 12}, sizeof r->weight);
 }
 
-/* ---- One step of the Runge-Kutta method with its tangents --------------------------------------------------------- */
+/* ---- One step of the Runge-Kutta method with its tangents -------------------------------------------------------- */
 
 typedef void force_fn(const double *restrict q, double *restrict a);
 typedef void jacobian_fn(const double *q, double *J);
@@ -159,7 +159,7 @@ static INLINE void runge_kutta(int n, const shooting_rule *r, double tau, force_
     f->t += tau;
 }
 
-/* ---- The discrete Legendre transforms ----------------------------------------------------------------------------- */
+/* ---- The discrete Legendre transforms ---------------------------------------------------------------------------- */
 
 /* Gaussian elimination with row exchanges: b <- A^-1 b; A is overwritten. false: singular. */
 static INLINE bool solve(int n, double *A, double *b)
@@ -221,7 +221,7 @@ static INLINE bool legendre(int n, const double *m, const double *v, const flow 
     return true;
 }
 
-/* ---- Steps -------------------------------------------------------------------------------------------------------- */
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     double v[BASELINE_N_MAX]; /* at the start of the curve */

@@ -29,7 +29,7 @@ static tvi_status watched(sundials *s, double t)
     return first_order_goes_on(&s->f, t, N_VGetArrayPointer(s->y)) ? TVI_OK : TVI_ESTOPPED;
 }
 
-/* ---- ERKStep ------------------------------------------------------------------------------------------------------ */
+/* ---- ERKStep ----------------------------------------------------------------------------------------------------- */
 
 /* Fehlberg's 13 stages, the default of order 8. Where the last node is 1, the ERKStep of Debian 12 (SUNDIALS 6.4.1) takes
  * the last stage's slope for that at the end of the step, which it is not, and the order falls below 7
@@ -76,7 +76,7 @@ static tvi_status erkstep(sundials *s, bool adaptive)
     return status;
 }
 
-/* ---- CVODE -------------------------------------------------------------------------------------------------------- */
+/* ---- CVODE ------------------------------------------------------------------------------------------------------- */
 
 static bool cvode_set(void *memory, sundials *s, SUNNonlinearSolver solver)
 {
@@ -109,7 +109,7 @@ static tvi_status cvode_adams(sundials *s)
     return status;
 }
 
-/* ---- The baselines ------------------------------------------------------------------------------------------------ */
+/* ---- The baselines ----------------------------------------------------------------------------------------------- */
 
 enum { ERKSTEP, ADAMS };
 static const int erkstep_solver = ERKSTEP, adams_solver = ADAMS;

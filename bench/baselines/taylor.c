@@ -15,7 +15,7 @@ static INLINE void sum_up(int N, const double *c, int stride, double *x, double 
     add(x, low, sum);
 }
 
-/* ---- Kepler ------------------------------------------------------------------------------------------------------- */
+/* ---- Kepler ------------------------------------------------------------------------------------------------------ */
 
 static INLINE void kepler_expand(int N, double h, const power_weights *weights, kepler_series *c)
 {
@@ -40,7 +40,7 @@ static void kepler_step(int N, double h, const power_weights *weights, state *x)
     sum_up(N, c.v, 1, &x->v[1], &x->v_low[1]);
 }
 
-/* ---- The Solar System --------------------------------------------------------------------------------------------- */
+/* ---- The Solar System -------------------------------------------------------------------------------------------- */
 
 static void solar_step(int N, double h, const power_weights *weights, state *x)
 {
@@ -62,7 +62,7 @@ static void solar_step(int N, double h, const power_weights *weights, state *x)
     }
 }
 
-/* ---- The method --------------------------------------------------------------------------------------------------- */
+/* ---- The method -------------------------------------------------------------------------------------------------- */
 
 typedef void step_fn(int N, double h, const power_weights *weights, state *x);
 

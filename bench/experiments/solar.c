@@ -1,5 +1,5 @@
-/* solar.c - the paper's outer Solar System: 200,000 days at h = 400, orders 4 and 6; the planets relative to the Sun.
- */
+/* solar.c - the paper's outer Solar System: 200,000 days at h = 400, orders 4 and 6; the planets
+ * relative to the Sun. */
 #include "experiment.h"
 
 #include <math.h>

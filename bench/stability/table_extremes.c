@@ -87,8 +87,7 @@ static void kepler_of_size(FILE *md, const hard_case *c, const hard_method *m)
     write_error(md, &x, distance(&x, q, p, size));
 }
 
-/* ---- Steps that are far too large ---------------------------------------------------------------------------------
- */
+/* ---- Steps that are far too large -------------------------------------------------------------------------------- */
 
 static const hard_method large_methods[] = {
     {"tvi", 8, false},       {"start", 8, false},    {"midpoint", 8, false},
@@ -126,8 +125,7 @@ static bool table_large(const table_command *at)
     return fclose(md) == 0;
 }
 
-/* ---- The tables ---------------------------------------------------------------------------------------------------
- */
+/* ---- The tables -------------------------------------------------------------------------------------------------- */
 
 static bool table_sizes(const table_command *at)
 {

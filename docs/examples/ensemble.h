@@ -1,5 +1,5 @@
-/* ensemble.h - what ensemble_openmp.c and ensemble_mpi.c share: one orbit of an ensemble of Henon and Heiles' problem.
- */
+/* ensemble.h - what ensemble_openmp.c and ensemble_mpi.c share: one orbit of an ensemble of Henon and Heiles'
+ * problem. */
 #include <tvi.h>
 
 #include <math.h>

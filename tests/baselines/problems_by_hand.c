@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-/* ---- Forces in long double, which share nothing with bench/baselines ---------------------------------------------- */
+/* ---- Forces in long double, which share nothing with bench/baselines --------------------------------------------- */
 
 static void fpu_force(long double t, const long double q[], long double F[])
 {
@@ -38,7 +38,7 @@ static const test_problem solar = {&scene_solar, NULL, solar_force, 0, 4000};
 const test_problem *const baseline_problems[BASELINE_PROBLEMS] = {&problem_pendulum, &problem_kepler,
                                                                   &problem_henon_heiles, &fpu, &solar};
 
-/* ---- Runs --------------------------------------------------------------------------------------------------------- */
+/* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
 tvi_status baseline_run(const baseline *b, const test_problem *problem, double h, long steps, test_state *state)
 {

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- The slope of the error --------------------------------------------------------------------------------------- */
+/* ---- The slope of the error -------------------------------------------------------------------------------------- */
 
 /* Runs of ever more steps until the error of q or p would be less than 50 times roundoff: the slopes between the last and
  * the last but three, where the method is furthest into its asymptotic range. An error is the larger of two times, so
@@ -96,7 +96,7 @@ START_TEST(baseline_has_its_order)
 }
 END_TEST
 
-/* ---- The Taylor method, all orders -------------------------------------------------------------------------------- */
+/* ---- The Taylor method, all orders ------------------------------------------------------------------------------- */
 
 /* On Kepler's circle, q = (cos t, sin t), one step is the Taylor polynomial of degree N, with its large remainder. */
 START_TEST(taylor_is_its_polynomial)
@@ -122,7 +122,7 @@ START_TEST(taylor_is_its_polynomial)
 }
 END_TEST
 
-/* ---- The double pendulum ------------------------------------------------------------------------------------------ */
+/* ---- The double pendulum ----------------------------------------------------------------------------------------- */
 
 /* The largest error at the scene's end, against its reference. */
 static double double_pendulum_error(long steps)
@@ -146,7 +146,7 @@ START_TEST(double_pendulum_has_its_order)
 }
 END_TEST
 
-/* ---- Those that choose their steps -------------------------------------------------------------------------------- */
+/* ---- Those that choose their steps ------------------------------------------------------------------------------- */
 
 static double error_at(const baseline *b, double tolerance)
 {

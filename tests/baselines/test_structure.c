@@ -29,7 +29,7 @@ static tvi_status run_from(const baseline *b, const scene *s, double h, long ste
     return b->run(b, &task, q, p, &counts);
 }
 
-/* ---- M^T J M = J -------------------------------------------------------------------------------------------------- */
+/* ---- M^T J M = J ------------------------------------------------------------------------------------------------- */
 
 /* The largest entry of M^T J M - J of two steps from a point that no symmetry singles out, M by central differences. */
 static double symplectic_defect(const baseline *b, const scene *s, double h)
@@ -77,7 +77,7 @@ START_TEST(steps_are_symplectic)
 }
 END_TEST
 
-/* ---- Back and forth ----------------------------------------------------------------------------------------------- */
+/* ---- Back and forth ---------------------------------------------------------------------------------------------- */
 
 START_TEST(symmetric_methods_go_back)
 {
@@ -96,7 +96,7 @@ START_TEST(symmetric_methods_go_back)
 }
 END_TEST
 
-/* ---- Noether ------------------------------------------------------------------------------------------------------ */
+/* ---- Noether ----------------------------------------------------------------------------------------------------- */
 
 static void angular_momentum(const double q[], const double p[], double L[3])
 {
@@ -128,7 +128,7 @@ START_TEST(angular_momentum_is_kept)
 }
 END_TEST
 
-/* ---- Observers and failures --------------------------------------------------------------------------------------- */
+/* ---- Observers and failures -------------------------------------------------------------------------------------- */
 
 typedef struct {
     long calls, stop_after;

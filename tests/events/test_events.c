@@ -54,8 +54,7 @@ static tvi_status watch(run *r, double h, long steps, tvi_event *events[], int c
     return status;
 }
 
-/* ---- States as good as those of steps ------------------------------------------------------------------------------
- */
+/* ---- States as good as those of steps ---------------------------------------------------------------------------- */
 
 /* q.p, which rises through 0 at the pericentre. */
 static jet radial(const jet q[], const jet p[], jet t, void *ctx)
@@ -149,8 +148,7 @@ START_TEST(the_curve_is_not_as_good)
 }
 END_TEST
 
-/* ---- Every method and form -----------------------------------------------------------------------------------------
- */
+/* ---- Every method and form --------------------------------------------------------------------------------------- */
 
 /* q_0 less its start, q_0 p_0 less a number, and the time. */
 static jet about_the_start(const jet q[], const jet p[], jet t, void *ctx)
@@ -208,8 +206,7 @@ START_TEST(steps_are_not_disturbed)
 }
 END_TEST
 
-/* ---- All, once, in order -------------------------------------------------------------------------------------------
- */
+/* ---- All, once, in order ----------------------------------------------------------------------------------------- */
 
 /* A pendulum serves the time. */
 static run clock_run(void) { return run_open(&scene_pendulum, "midpoint", 4); }
@@ -303,8 +300,7 @@ START_TEST(at_the_ends_of_steps)
 }
 END_TEST
 
-/* ---- The end of a run ----------------------------------------------------------------------------------------------
- */
+/* ---- The end of a run -------------------------------------------------------------------------------------------- */
 
 /* A terminal event, or an observer, leaves its state, tells no later one, and the run goes on as from a new state: the
  * event it stands on is not met again. Forward and back. */
@@ -368,8 +364,7 @@ START_TEST(an_event_is_a_new_state)
 }
 END_TEST
 
-/* ---- Refusals ------------------------------------------------------------------------------------------------------
- */
+/* ---- Refusals ---------------------------------------------------------------------------------------------------- */
 
 static jet kept;
 static jet constant(const jet q[], const jet p[], jet t, void *ctx)

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-/* ---- Symplecticity: M^T J M = J for the derivative M of a step, which test_tangent_map.c holds against differences ---- */
+/* ---- Symplecticity: M^T J M = J for the derivative M of a step; test_tangent_map.c holds M against differences --- */
 
 /* At a place away from any symmetry. */
 static double defect_of(const model *m, const tvi_options *options)

@@ -100,7 +100,7 @@ START_TEST(the_state_alone_is_not_enough)
 }
 END_TEST
 
-/* ---- Refusals ------------------------------------------------------------------------------------------------------ */
+/* ---- Refusals ---------------------------------------------------------------------------------------------------- */
 
 /* The run of both goes on alike: the one that refused was not touched. */
 static void expect_untouched(const model *m, tvi_integrator *a, tvi_integrator *b, const test_state *at)

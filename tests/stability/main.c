@@ -1,5 +1,5 @@
-/* main.c - the hard cases of bench/stability. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every Check program.
- */
+/* main.c - the hard cases of bench/stability. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every
+ * Check program. */
 #include "stability.h"
 
 #include <math.h>
