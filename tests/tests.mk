@@ -161,14 +161,17 @@ check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMak
 do-install: all
 	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
 
-# the first program of the README
-check-readme: ; $(REPORT) "the program of the README" $(LOG) $(DO)
+# the program of the README, and with events: 1010 passages, and the steps that there are without
+check-readme: ; $(REPORT) "the programs of the README" $(LOG) $(DO)
 do-readme: $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
-	tests/readme.sh README.md > $(BUILD)/check/readme.c
-	$(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/readme.c $(BUILD)/libtvi.a $(LIBS)
-	$(BUILD)/check/readme > $(BUILD)/check/readme.out
+	tests/readme.sh README.md $(BUILD)/check
+	for program in readme readme_events; do \
+	    $(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/$$program.c $(BUILD)/libtvi.a $(LIBS) && \
+	    $(BUILD)/check/readme > $(BUILD)/check/$$program.out || exit 1; done
 	cat $(BUILD)/check/readme.out && test -s $(BUILD)/check/readme.out
+	test "$$(grep -c closest $(BUILD)/check/readme_events.out)" = 1010
+	tail -n 1 $(BUILD)/check/readme_events.out | cmp $(BUILD)/check/readme.out
 
 # what make verify does, on a small document
 check-tables: ; $(REPORT) "tables of the documents: verify and replace" $(LOG) $(DO)
