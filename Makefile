@@ -8,14 +8,14 @@
 # make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
-# make performance   the tables and the picture of docs/performance.md, two minutes; make performance-docs puts them there
+# make performance   the tables and the picture of docs/performance.md, a minute and a half; make performance-docs puts them there
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
-# make stability  where methods break: the tables and pictures of docs/stability.md, five minutes; make stability-docs puts them there
+# make stability  where methods break: the tables and pictures of docs/stability.md, four minutes; make stability-docs puts them there
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
 # make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md
-# make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, two minutes;
+# make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute;
 #                 make experiments-docs puts them into docs/experiments.md and docs/experiments
 # make references bench/scenes/references.h anew, in quadruple precision
 

@@ -1,4 +1,4 @@
-# What docs/performance.md shows, two minutes. Included by the Makefile after bench.mk.
+# What docs/performance.md shows, a minute and a half. Included by the Makefile after bench.mk.
 
 PERFORMANCE          := series gradient cost dispatch targets
 PERFORMANCE_DIR       = $(BUILD)/bench/performance
