@@ -1,5 +1,6 @@
 /* between.c - the state inside a step, and results at given times. */
 #include "between.h"
+#include "sizes.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -73,6 +74,7 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
 {
     if (!it || !t || !q || !p || h == 0 || !isfinite(h) || count < 0 || (count > 0 && !times)) return TVI_EINVAL;
     if (!are_in_order(h, *t, times, count)) return TVI_EINVAL;
+    if (!tvi_all_finite(it->system->n, q) || !tvi_all_finite(it->system->n, p)) return TVI_ENONFINITE;
     int next = 0;
     for (; next < count && times[next] == *t; next++)
         if (observer && observer(next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;

@@ -118,7 +118,7 @@ $(BUILD)/tests/threads/%.o: tests/threads/%.c
 
 # random programs led by coverage, with the sanitizers; SECONDS=n for longer. What fails is left in $(BUILD)/fuzz.
 FUZZ_SECONDS  = $(or $(SECONDS),60)
-FUZZ_SOURCES := $(wildcard ad/*.c src/*.c) tests/fuzz/fuzz.c tests/fuzz/libfuzzer.c
+FUZZ_SOURCES := $(wildcard ad/*.c src/*.c) $(filter-out %/main.c,$(wildcard tests/fuzz/*.c))
 fuzz: need-check
 	@mkdir -p $(BUILD)/fuzz/corpus
 	clang $(BASE) -Iad -Isrc -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -o $(BUILD)/fuzz/fuzz \

@@ -1,33 +1,25 @@
 #include "fuzz.h"
-
-#include "tvi.h"
+#include "world.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* ---- Bytes ------------------------------------------------------------------------------------------------------- */
 
-typedef struct {
-    const uint8_t *data;
-    size_t left;
-} bytes;
-
-/* Zeros when there are no more. */
-static int byte(bytes *b)
+int byte(bytes *b)
 {
     if (b->left == 0) return 0;
     b->left--;
     return *b->data++;
 }
 
-/* 0..count-1 */
-static int below(bytes *b, int count) { return byte(b) % count; }
+int below(bytes *b, int count) { return byte(b) % count; }
 
-/* Mostly -4 to 4; one in sixteen of the extremes. */
-static double number(bytes *b)
+double number(bytes *b)
 {
     static const double extreme[] = {0,     1,    -1,       2,         0.5,         -0.5,   1e-300,   1e300,
                                      1e-12, 1e12, INFINITY, -INFINITY, (double)NAN, 5e-324, -1.7e308, 1e-8};
@@ -36,7 +28,7 @@ static double number(bytes *b)
     return (first - 128) / 32.0 + byte(b) / 8192.0;
 }
 
-static int integer(bytes *b, int usual)
+int integer(bytes *b, int usual)
 {
     static const int odd[] = {-1, -2, INT_MIN, INT_MAX, 1000, 101};
     const int first = byte(b);
@@ -45,12 +37,7 @@ static int integer(bytes *b, int usual)
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
-enum { N_MAX = 10, OPERATIONS = 24, POOL = 2 * N_MAX + 1 + OPERATIONS };
-
-typedef struct {
-    bytes *b;
-    int n;
-} recorder;
+enum { OPERATIONS = 24, POOL = 2 * N_MAX + 1 + OPERATIONS };
 
 static jet operation(bytes *b, const jet pool[], int count)
 {
@@ -93,20 +80,19 @@ static void force(const jet q[], jet t, jet F[], void *ctx)
     for (int i = 0; i < f->n; i++) F[i] = pool[below(f->b, count)];
 }
 
-static jet potential(const jet q[], jet t, void *ctx)
+static jet potential(const jet q[], jet t, void *ctx) { return scalar_of(ctx, q, NULL, t); }
+
+jet scalar_of(const recorder *f, const jet q[], const jet r[], jet t)
 {
     jet pool[POOL];
-    const int count = record(ctx, q, NULL, t, pool);
-    return pool[count - 1];
+    return pool[record(f, q, r, t, pool) - 1];
 }
 
 /* r^2 / 2 is added mostly, so that many of them are regular. */
 static jet two_arguments(const jet q[], const jet r[], jet t, void *ctx)
 {
     const recorder *f = ctx;
-    jet pool[POOL];
-    const int count = record(f, q, r, t, pool);
-    const jet scalar = pool[count - 1];
+    const jet scalar = scalar_of(f, q, r, t);
     return below(f->b, 8) == 0 ? scalar : jet_add(scalar, jet_mul(0.5, jet_dot(r, r, f->n)));
 }
 
@@ -157,35 +143,25 @@ static tvi_options make_options(bytes *b)
 
 /* ---- Calls ------------------------------------------------------------------------------------------------------- */
 
-static void insist(bool good, const char *what)
+void insist(bool good, const char *what)
 {
     if (good) return;
     fprintf(stderr, "fuzz: %s\n", what);
     abort();
 }
 
-static bool finite_all(int count, const double x[])
+bool finite_all(int count, const double x[])
 {
     for (int i = 0; i < count; i++)
         if (!isfinite(x[i])) return false;
     return true;
 }
 
-typedef struct {
-    double t, q[N_MAX], p[N_MAX];
-} state;
+void expect_status(tvi_status status) { insist(status >= TVI_OK && status < TVI_STATUS_COUNT, "no such status"); }
 
-typedef struct {
-    const tvi_system *system;
-    tvi_integrator *integrator;
-    int n;
-    state x;
-    long steps; /* that succeeded */
-} world;
-
-static void expect_status(tvi_status status)
+static bool finite_state(const world *w, const state *x)
 {
-    insist(status >= TVI_OK && status < TVI_STATUS_COUNT, "no such status");
+    return isfinite(x->t) && finite_all(w->n, x->q) && finite_all(w->n, x->p);
 }
 
 /* After a call that changes before into after: unchanged, or finite. */
@@ -193,10 +169,16 @@ static void expect_state(const world *w, tvi_status status, const state *before,
 {
     expect_status(status);
     insist(status == TVI_OK || memcmp(before, after, sizeof *before) == 0, what);
-    insist(status != TVI_OK || (isfinite(after->t) && finite_all(w->n, after->q) && finite_all(w->n, after->p)), what);
+    insist(status != TVI_OK || finite_state(w, after), what);
 }
 
-static double step_size(bytes *b)
+void expect_end(const world *w, tvi_status status, const state *before, const char *what)
+{
+    expect_status(status);
+    insist(memcmp(before, &w->x, sizeof *before) == 0 || (status != TVI_EINVAL && finite_state(w, &w->x)), what);
+}
+
+double step_size(bytes *b)
 {
     static const double odd[] = {1e-300, 1e300, 0, (double)NAN, INFINITY, 1e-17, 100, -1e6};
     const int first = byte(b);
@@ -227,13 +209,19 @@ static void dense(bytes *b, world *w)
     expect_state(w, tvi_dense(w->integrator, number(b), at.q, at.p), &before, &at, "dense anywhere");
 }
 
+uint8_t *saved_state(const world *w, size_t *size)
+{
+    insist(tvi_state_save(w->integrator, NULL, size) == TVI_OK, "size of a saved state");
+    uint8_t *saved = malloc(*size);
+    insist(saved && tvi_state_save(w->integrator, saved, size) == TVI_OK, "save");
+    return saved;
+}
+
 /* Whole or damaged. */
 static void save_and_load(bytes *b, world *w)
 {
-    size_t size = 0;
-    insist(tvi_state_save(w->integrator, NULL, &size) == TVI_OK, "size of a saved state");
-    uint8_t *saved = malloc(size);
-    insist(saved && tvi_state_save(w->integrator, saved, &size) == TVI_OK, "save");
+    size_t size;
+    uint8_t *saved = saved_state(w, &size);
     const bool damaged = below(b, 2);
     if (damaged) saved[(size_t)byte(b) * 7919 % size] ^= (uint8_t)(1 << below(b, 8));
     const size_t cut = below(b, 8) == 0 ? (size_t)byte(b) % size : size;
@@ -254,11 +242,11 @@ static void integrate(bytes *b, world *w)
     const state before = w->x;
     const int steps = below(b, 8) - 1;
     const double h = step_size(b);
-    const tvi_status status = tvi_integrate(w->integrator, h, steps, &w->x.t, w->x.q, w->x.p, stop_at, w);
-    expect_status(status);
-    insist(memcmp(&before, &w->x, sizeof before) == 0 ||
-               (isfinite(w->x.t) && finite_all(w->n, w->x.q) && finite_all(w->n, w->x.p)),
-           "integrate");
+    tvi_progress_bar bar = {.steps = integer(b, 8), .observer = stop_at, .ctx = w};
+    const bool shown = below(b, 2) && !isatty(STDERR_FILENO);
+    const tvi_status status = tvi_integrate(w->integrator, h, steps, &w->x.t, w->x.q, w->x.p,
+                                            shown ? tvi_progress : stop_at, shown ? (void *)&bar : w);
+    expect_end(w, status, &before, "integrate");
 }
 
 static void step_tangent(bytes *b, world *w)
@@ -304,8 +292,8 @@ static void reset(bytes *b, world *w)
 }
 
 typedef void call(bytes *b, world *w);
-static call *const calls[] = {step,         step,       step,       dense, save_and_load, integrate,
-                              step_tangent, ask_system, last_state, reset, make_state};
+static call *const calls[] = {step,         step,       step,       dense, save_and_load, integrate,   integrate_events,
+                              step_tangent, ask_system, last_state, reset, make_state,    integrate_at};
 enum { CALLS = sizeof calls / sizeof *calls, CALLS_MOST = 16 };
 
 long fuzz_one(const uint8_t data[], size_t size)
