@@ -8,7 +8,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
-_Noreturn void experiment_fail(const char *what, const char *why)
+void experiment_fail(const char *what, const char *why)
 {
     fprintf(stderr, "experiments: %s: %s\n", what, why);
     exit(EXIT_FAILURE);

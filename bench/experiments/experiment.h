@@ -61,7 +61,7 @@ experiment_end experiment_run(const experiment_method *method, const tvi_system 
                               tvi_observer *observer, void *ctx, bool timed);
 
 /* Ends the program with a message. */
-_Noreturn void experiment_fail(const char *what, const char *why);
+__attribute__((noreturn)) void experiment_fail(const char *what, const char *why);
 /* 2-norm of q - q_exact. */
 double experiment_distance(int n, const double q[], const double q_exact[]);
 

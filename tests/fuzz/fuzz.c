@@ -85,7 +85,8 @@ static jet potential(const jet q[], jet t, void *ctx) { return scalar_of(ctx, q,
 jet scalar_of(const recorder *f, const jet q[], const jet r[], jet t)
 {
     jet pool[POOL];
-    return pool[record(f, q, r, t, pool) - 1];
+    const int count = record(f, q, r, t, pool);
+    return pool[count - 1];
 }
 
 /* r^2 / 2 is added mostly, so that many of them are regular. */
