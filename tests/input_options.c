@@ -9,13 +9,7 @@
 /* ---- Systems of every form --------------------------------------------------------------------------------------- */
 
 /* VORTICES: H_pp is singular because of a symmetry, and no row of it is zero. */
-typedef enum { SEPARABLE, LAGRANGIAN, REGULAR, DEGENERATE, VORTICES, FORMS } form;
-
-static jet harmonic(const jet q[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    return jet_mul(0.5, jet_dot(q, q, 2));
-}
+typedef enum { SEPARABLE, GENERAL, REGULAR, DEGENERATE, VORTICES, FORMS } form;
 
 static jet degenerate(const jet q[], const jet p[], jet t, void *ctx)
 {
@@ -27,7 +21,7 @@ static tvi_system *create_form(form of)
 {
     tvi_system *system;
     const tvi_status status = of == SEPARABLE    ? tvi_system_potential(&system, 2, NULL, harmonic, NULL)
-                              : of == LAGRANGIAN ? tvi_system_lagrangian(&system, 2, mixed_lagrangian, NULL)
+                              : of == GENERAL    ? tvi_system_lagrangian(&system, 2, mixed_lagrangian, NULL)
                               : of == REGULAR    ? tvi_system_hamiltonian(&system, 2, mixed_hamiltonian, NULL)
                               : of == DEGENERATE ? tvi_system_hamiltonian(&system, 2, degenerate, NULL)
                                                  : scene_system(&scene_vortices, &system);
@@ -197,12 +191,12 @@ END_TEST
 static bool serves(const method *m, form of)
 {
     const tvi_options options = options_of(m);
-    if (options.expansion == TVI_AT_NODES) return of != LAGRANGIAN;
+    if (options.expansion == TVI_AT_NODES) return of != GENERAL;
     switch (options.method) {
     case TVI_TYPE1: return of != DEGENERATE && of != VORTICES;
     case TVI_TAYLOR: return true;
     case TVI_STORMER_VERLET: return of == SEPARABLE;
-    default: return of != LAGRANGIAN;
+    default: return of != GENERAL;
     }
 }
 

@@ -96,16 +96,6 @@ jet mixed_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 
 /* ---- Systems ----------------------------------------------------------------------------------------------------- */
 
-/* The four ways to state a problem. */
-typedef enum { FORCE, POTENTIAL, LAGRANGIAN, HAMILTONIAN, STATEMENTS } statement;
-
-typedef struct {
-    tvi_force_fn *force;
-    tvi_potential_fn *potential;
-    tvi_lagrangian_fn *lagrangian;
-    tvi_hamiltonian_fn *hamiltonian;
-} functions;
-
 static tvi_status state_system(tvi_system **out, statement by, int n, const double mass[], const functions *f, void *ctx)
 {
     switch (by) {
@@ -122,7 +112,7 @@ static void harmonic_force(const jet q[], jet t, jet force[], void *ctx)
     for (int i = 0; i < 2; i++) force[i] = jet_neg(q[i]);
 }
 
-static jet harmonic(const jet q[], jet t, void *ctx)
+jet harmonic(const jet q[], jet t, void *ctx)
 {
     (void)t, (void)ctx;
     return jet_mul(0.5, jet_dot(q, q, 2));
@@ -141,12 +131,8 @@ static jet harmonic_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 static const functions harmonics = {harmonic_force, harmonic, harmonic_lagrangian, harmonic_hamiltonian};
 static const functions no_functions;
 
-/* Where out has to become NULL. */
-#define NOT_NULL ((tvi_system *)&(char){0})
-
-/* The system is made or not, as the status says. */
-static void expect_system(const char *what, statement by, int n, const double mass[], const functions *f, void *ctx,
-                          tvi_status wanted)
+void expect_system(const char *what, statement by, int n, const double mass[], const functions *f, void *ctx,
+                   tvi_status wanted)
 {
     tvi_system *system = NOT_NULL;
     expect(what, state_system(&system, by, n, mass, f, ctx), wanted);
@@ -207,317 +193,6 @@ START_TEST(masses_are_copied)
     ck_assert_double_eq(p[1], 21);
     ck_assert_int_eq(tvi_system_dimension(system), 2);
     tvi_system_free(system);
-}
-END_TEST
-
-/* ---- Functions that make no system ------------------------------------------------------------------------------- */
-
-typedef jet make_jet(jet x, jet other);
-
-typedef struct {
-    const char *name;
-    make_jet *make;
-    tvi_status status;
-} function_case;
-
-/* name, value as a function of the jet x, status of the system whose function returns it */
-#define NO_VALUE_LIST(entry)                                                                                           \
-    entry(nan_constant, jet_const(NAN), TVI_ENONFINITE)                                                                \
-    entry(infinite_constant, jet_const(-INFINITY), TVI_ENONFINITE)                                                     \
-    entry(nan_term, jet_add(x, NAN), TVI_ENONFINITE)                                                                   \
-    entry(nan_factor, jet_mul(x, NAN), TVI_ENONFINITE)                                                                 \
-    entry(infinite_factor, jet_mul(INFINITY, x), TVI_ENONFINITE)                                                       \
-    entry(infinite_divisor, jet_div(x, INFINITY), TVI_ENONFINITE)                                                      \
-    entry(nan_exponent, jet_pow(x, NAN), TVI_ENONFINITE)                                                               \
-    entry(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                     \
-    entry(nan_exponent_of_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                     \
-    entry(overflow_of_product, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                  \
-    entry(overflow_of_factor, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                       \
-    entry(overflow_of_number, jet_add(DBL_MAX, DBL_MAX), TVI_ENONFINITE)                                               \
-    entry(overflow_of_exp, jet_exp(1000), TVI_ENONFINITE)                                                              \
-    entry(overflow_of_pow, jet_pow(10, 400), TVI_ENONFINITE)                                                           \
-    entry(log_of_negative, jet_log(-1), TVI_EDOMAIN)                                                                   \
-    entry(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                        \
-    entry(sqrt_of_negative, jet_sqrt(-1), TVI_EDOMAIN)                                                                 \
-    entry(sqrt_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                      \
-    entry(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                       \
-    entry(asin_of_minus_two, jet_asin(-2), TVI_EDOMAIN)                                                                \
-    entry(acos_of_minus_one, jet_acos(-1), TVI_EDOMAIN)                                                                \
-    entry(acos_of_two, jet_acos(2), TVI_EDOMAIN)                                                                       \
-    entry(fraction_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                              \
-    entry(fraction_of_negative, jet_pow(-1, 0.5), TVI_EDOMAIN)                                                         \
-    entry(inverse_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                                \
-    entry(number_by_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                  \
-    entry(zero_by_zero, jet_div(0, 0), TVI_EDOMAIN)                                                                    \
-    entry(jet_by_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                     \
-    entry(jet_by_minus_zero, jet_div(x, -0.0), TVI_EDOMAIN)
-
-/* Operations on a jet `other` that poisons whatever it enters, even where its value would not matter. */
-#define POISONED_LIST(entry)                                                                                           \
-    entry(other_itself, other)                                                                                         \
-    entry(other_plus, jet_add(other, x))                                                                               \
-    entry(plus_other, jet_add(x, other))                                                                               \
-    entry(plus_other_number, jet_add(1, other))                                                                        \
-    entry(other_minus, jet_sub(other, x))                                                                              \
-    entry(other_minus_itself, jet_sub(other, other))                                                                   \
-    entry(other_times, jet_mul(other, x))                                                                              \
-    entry(times_other, jet_mul(x, other))                                                                              \
-    entry(zero_times_other, jet_mul(0, other))                                                                         \
-    entry(other_times_zero, jet_mul(other, 0))                                                                         \
-    entry(other_over, jet_div(other, x))                                                                               \
-    entry(over_other, jet_div(x, other))                                                                               \
-    entry(zero_over_other, jet_div(0, other))                                                                          \
-    entry(other_over_itself, jet_div(other, other))                                                                    \
-    entry(other_to_the_0, jet_pow(other, 0))                                                                           \
-    entry(other_to_the_1, jet_pow(other, 1))                                                                           \
-    entry(other_to_the_5, jet_pow(other, 5))                                                                           \
-    entry(other_to_the_half, jet_pow(other, 0.5))                                                                      \
-    entry(other_inverse, jet_pow(other, -1))                                                                           \
-    entry(other_to_the_1_5, jet_pow(other, 1.5))                                                                       \
-    entry(sum_with_other, jet_sum((const jet[]){x, other, x}, 3))                                                      \
-    entry(dot_with_other, jet_dot((const jet[]){x, x}, (const jet[]){x, other}, 2))                                    \
-    entry(dot_zero_other, jet_dot((const jet[]){x, other}, (const jet[]){x, jet_const(0)}, 2))                         \
-    entry(neg_other, jet_neg(other))                                                                                   \
-    entry(sqr_other, jet_sqr(other))                                                                                   \
-    entry(sqrt_other, jet_sqrt(other))                                                                                 \
-    entry(exp_other, jet_exp(other))                                                                                   \
-    entry(log_other, jet_log(other))                                                                                   \
-    entry(sin_other, jet_sin(other))                                                                                   \
-    entry(cos_other, jet_cos(other))                                                                                   \
-    entry(tan_other, jet_tan(other))                                                                                   \
-    entry(asin_other, jet_asin(other))                                                                                 \
-    entry(acos_other, jet_acos(other))                                                                                 \
-    entry(atan_other, jet_atan(other))                                                                                 \
-    entry(sinh_other, jet_sinh(other))                                                                                 \
-    entry(cosh_other, jet_cosh(other))                                                                                 \
-    entry(tanh_other, jet_tanh(other))
-
-#define MAKE(name, value)                                                                                              \
-    static jet name(jet x, jet other)                                                                                  \
-    {                                                                                                                  \
-        (void)x, (void)other;                                                                                          \
-        return value;                                                                                                  \
-    }
-#define MAKE_OF_THREE(name, value, status) MAKE(name, value)
-#define ROW(name, value) {#name, name, TVI_OK}, /* the status is that of `other` */
-#define ROW_OF_THREE(name, value, status) {#name, name, status},
-NO_VALUE_LIST(MAKE_OF_THREE)
-POISONED_LIST(MAKE)
-static const function_case no_value[] = {NO_VALUE_LIST(ROW_OF_THREE)};
-static const function_case poisoned[] = {POISONED_LIST(ROW)};
-enum { NO_VALUE_COUNT = sizeof no_value / sizeof *no_value, POISONED_COUNT = sizeof poisoned / sizeof *poisoned };
-
-/* What the functions below make their value of. */
-typedef struct {
-    make_jet *make;
-    jet other;
-} recipe;
-
-static void made_force(const jet q[], jet t, jet force[], void *ctx)
-{
-    const recipe *r = ctx;
-    (void)t;
-    force[0] = q[1];
-    force[1] = r->make(q[0], r->other);
-}
-
-static jet made_potential(const jet q[], jet t, void *ctx)
-{
-    const recipe *r = ctx;
-    (void)t;
-    return r->make(q[0], r->other);
-}
-
-/* A kinetic energy and the value. */
-static jet made_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
-{
-    return jet_add(jet_mul(0.5, jet_dot(v, v, 2)), made_potential(q, t, ctx));
-}
-
-static jet made_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
-{
-    return jet_add(jet_mul(p[0], p[1]), made_potential(q, t, ctx));
-}
-
-static void expect_function(const char *what, make_jet *make, jet other, tvi_status wanted)
-{
-    static const functions made = {made_force, made_potential, made_lagrangian, made_hamiltonian};
-    recipe r = {make, other};
-    for (statement by = FORCE; by < STATEMENTS; by++) expect_system(what, by, 2, NULL, &made, &r, wanted);
-}
-
-START_TEST(functions_without_value)
-{
-    for (int i = 0; i < NO_VALUE_COUNT; i++)
-        expect_function(no_value[i].name, no_value[i].make, jet_const(0), no_value[i].status);
-}
-END_TEST
-
-/* The first reason goes through every operation, and what is not returned does not matter. */
-START_TEST(poison_goes_on)
-{
-    for (int i = 0; i < POISONED_COUNT; i++) {
-        expect_function(poisoned[i].name, poisoned[i].make, jet_log(-1), TVI_EDOMAIN);
-        expect_function(poisoned[i].name, poisoned[i].make, jet_mul(1e200, 1e200), TVI_ENONFINITE);
-    }
-    expect_function("sound", sqr_other, jet_const(2), TVI_OK);
-}
-END_TEST
-
-static jet first_of(jet x, jet other)
-{
-    (void)jet_exp(other);
-    return x;
-}
-
-START_TEST(unused_poison) { expect_function("unused", first_of, jet_log(-1), TVI_OK); }
-END_TEST
-
-/* Keeps a jet of its recording in ctx. */
-static jet keeping(const jet q[], jet t, void *ctx)
-{
-    (void)t;
-    jet *kept = ctx;
-    *kept = jet_sin(q[0]);
-    return jet_add(jet_mul(jet_sqr(q[0]), jet_sqr(q[1])), *kept);
-}
-
-static state ten_steps(const tvi_system *system)
-{
-    tvi_integrator *integrator;
-    state s = {.q = {0.3, 0.5}, .p = {0.7, -0.2}};
-    ck_assert_int_eq(tvi_integrator_create(&integrator, system, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_integrate(integrator, 0.1, 10, &s.t, s.q, s.p, NULL, NULL), TVI_OK);
-    tvi_integrator_free(integrator);
-    return s;
-}
-
-/* A jet kept beyond its call is refused in every operation, and the closed recording that it belongs to is as it was. */
-START_TEST(kept_jets)
-{
-    jet kept;
-    tvi_system *system;
-    ck_assert_int_eq(tvi_system_potential(&system, 2, NULL, keeping, &kept), TVI_OK);
-    const state before = ten_steps(system);
-    for (int i = 0; i < POISONED_COUNT; i++) expect_function(poisoned[i].name, poisoned[i].make, kept, TVI_EINVAL);
-    const state after = ten_steps(system);
-    expect_same("a closed recording", &after, &before);
-    tvi_system_free(system);
-}
-END_TEST
-
-/* A function that makes a system within: jets of two open recordings are at hand. */
-typedef struct {
-    make_jet *make;
-    tvi_system *inner;
-    tvi_status inner_status;
-    jet inner_jet;
-    jet outer_jet;
-    bool returns_inner;
-} nesting;
-
-static jet inner_potential(const jet q[], jet t, void *ctx)
-{
-    nesting *nest = ctx;
-    (void)t;
-    nest->inner_jet = jet_mul(q[0], q[1]);
-    return nest->make ? nest->make(q[0], nest->outer_jet) : nest->inner_jet;
-}
-
-static jet outer_potential(const jet q[], jet t, void *ctx)
-{
-    nesting *nest = ctx;
-    (void)t;
-    nest->outer_jet = jet_exp(q[0]);
-    nest->inner_status = tvi_system_potential(&nest->inner, 2, NULL, inner_potential, nest);
-    return nest->returns_inner ? jet_add(q[0], nest->inner_jet) : jet_mul(q[0], nest->outer_jet);
-}
-
-static void expect_nesting(const char *what, nesting nest, tvi_status outer, tvi_status inner)
-{
-    tvi_system *system = NOT_NULL;
-    expect(what, tvi_system_potential(&system, 2, NULL, outer_potential, &nest), outer);
-    expect(what, nest.inner_status, inner);
-    ck_assert((system != NULL) == (outer == TVI_OK));
-    ck_assert((nest.inner != NULL) == (inner == TVI_OK));
-    tvi_system_free(nest.inner);
-    tvi_system_free(system);
-}
-
-/* Operations on an outer jet whose result is a number, which may pass from one recording to another. */
-static bool makes_number(make_jet *make)
-{
-    static make_jet *const numbers[] = {other_minus_itself, zero_times_other, other_times_zero, zero_over_other,
-                                        other_to_the_0, dot_zero_other};
-    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        if (make == numbers[i]) return true;
-    return false;
-}
-
-START_TEST(two_recordings)
-{
-    expect_nesting("apart", (nesting){0}, TVI_OK, TVI_OK);
-    expect_nesting("the inner jet in the outer function", (nesting){.returns_inner = true}, TVI_EINVAL, TVI_OK);
-    for (int i = 0; i < POISONED_COUNT; i++)
-        expect_nesting(poisoned[i].name, (nesting){.make = poisoned[i].make}, TVI_OK,
-                       makes_number(poisoned[i].make) ? TVI_OK : TVI_EINVAL);
-}
-END_TEST
-
-/* Sets the outputs that ctx names; reads one that is not set where ctx is negative. */
-static void unset_force(const jet q[], jet t, jet force[], void *ctx)
-{
-    const int set = *(const int *)ctx;
-    (void)t;
-    for (int i = 0; i < 2; i++)
-        if (set & (1 << i)) force[i] = q[i];
-    if (set < 0) force[0] = jet_mul(0, force[0]);
-}
-
-START_TEST(unset_outputs)
-{
-    static const struct {
-        int set;
-        tvi_status status;
-    } cases[] = {{0, TVI_EINVAL}, {1, TVI_EINVAL}, {2, TVI_EINVAL}, {3, TVI_OK}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        tvi_system *system = NOT_NULL;
-        int set = cases[i].set;
-        expect("unset", tvi_system_force(&system, 2, NULL, unset_force, &set), cases[i].status);
-        ck_assert((system != NULL) == (cases[i].status == TVI_OK));
-        tvi_system_free(system);
-    }
-    tvi_system *system = NOT_NULL;
-    expect("read", tvi_system_force(&system, 2, NULL, unset_force, &(int){INT_MIN | 2}), TVI_EINVAL);
-    ck_assert_ptr_null(system);
-}
-END_TEST
-
-/* Lagrangians whose L_vv is singular: by what they are made of, or not seen when they are made. */
-static jet linear_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    return jet_sub(jet_mul(q[0], v[1]), jet_sqr(q[1]));
-}
-
-static jet half_a_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    return jet_mul(jet_exp(q[1]), jet_sqr(v[0]));
-}
-
-static jet static_lagrangian(const jet q[], const jet v[], jet t, void *ctx)
-{
-    (void)v;
-    return harmonic(q, t, ctx);
-}
-
-START_TEST(singular_lagrangians)
-{
-    static tvi_lagrangian_fn *const singular[] = {linear_lagrangian, half_a_lagrangian, static_lagrangian};
-    for (size_t i = 0; i < sizeof singular / sizeof *singular; i++)
-        expect_system("singular", LAGRANGIAN, 2, NULL, &(functions){.lagrangian = singular[i]}, NULL, TVI_ESINGULAR);
-    expect_system("mixed", LAGRANGIAN, 2, NULL, &(functions){.lagrangian = mixed_lagrangian}, NULL, TVI_OK);
 }
 END_TEST
 
@@ -688,13 +363,6 @@ static TCase *tcase_systems(void)
     tcase_add_test(tcase, system_arguments);
     tcase_add_test(tcase, masses);
     tcase_add_test(tcase, masses_are_copied);
-    tcase_add_test(tcase, functions_without_value);
-    tcase_add_test(tcase, poison_goes_on);
-    tcase_add_test(tcase, unused_poison);
-    tcase_add_test(tcase, kept_jets);
-    tcase_add_test(tcase, two_recordings);
-    tcase_add_test(tcase, unset_outputs);
-    tcase_add_test(tcase, singular_lagrangians);
     tcase_add_loop_test(tcase, energy_without_value, POTENTIAL, STATEMENTS);
     tcase_add_test(tcase, energy_of_a_force);
     tcase_add_loop_test(tcase, energy_arguments, POTENTIAL, STATEMENTS);
@@ -710,6 +378,7 @@ Suite *suite_input(void)
 {
     Suite *suite = suite_create("input");
     suite_add_tcase(suite, tcase_systems());
+    suite_add_tcase(suite, tcase_functions());
     suite_add_tcase(suite, tcase_options());
     suite_add_tcase(suite, tcase_bad_steps());
     suite_add_tcase(suite, tcase_failed_steps());

@@ -100,7 +100,7 @@ do-sanitizers: $(addprefix $(BUILD)/check/,tvi ad generating fuzz)
 
 check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)
 do-valgrind: $(addprefix $(BUILD)/check/,tvi ad)
-	$(IN_ONE_GO) 'input/systems,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/tvi
+	$(IN_ONE_GO) 'input/systems,input/functions,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/tvi
 	$(IN_ONE_GO) 'record,domain,tape' $(VALGRIND) $(BUILD)/check/ad
 
 # two threads on one system, library and all
