@@ -41,10 +41,11 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c)
+SRC_LANES    := src/galerkin_loops.c src/lagrangian_loops.c
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 SRC_OBJECTS  := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*.c)) \
-                $(ISAS:%=$(BUILD)/src/galerkin_loops.%.o)
+                $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
@@ -82,7 +83,7 @@ $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
 	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(BUILD)/ad/isa.o $(BUILD)/src/galerkin.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
+$(BUILD)/ad/isa.o $(BUILD)/src/galerkin.o $(BUILD)/src/galerkin_lagrangian.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
 $(BUILD)/%.$(1).o: %.c

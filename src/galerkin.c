@@ -5,7 +5,7 @@
  *     Hamiltonian:  (Q, P)_i = (q0, p0) + h sum_j a_ij (H_p, -H_q)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (H_p,
  * -H_q)_j. Solved by fixed point, from the fields of the step before. The nodes are lanes of one sweep of the field's
  * tape. */
-#include "galerkin.h"
+#include "galerkin_field.h"
 #include "quadrature.h"
 #include "stepper.h"
 
@@ -31,17 +31,12 @@ typedef struct {
 } galerkin_history;
 
 typedef struct {
-    const tvi_system *system;
     const tvi_options *options;
-    const galerkin_loops *loops;
     int n, points;
-    galerkin_nodes nodes; /* x is the block of the field's values; the unknowns, Q and P of a Hamiltonian, come first */
-    int *slot;            /* [unknowns] what drives each unknown, in x */
-    int *copied, copies;  /* [unknowns] slots of the field that are inputs: they are copied behind those of the tape */
-    double *matrix;       /* [j][i] (a a)_ij, or a_ij for a Hamiltonian */
-    double *prediction;   /* [j][i] matrix times extrapolation from a step of size h / ratio */
+    galerkin_field field;
+    double *from_one;     /* [j][i] extrapolation from a step of size h / ratio, times field.ahead */
     double ratio;         /* 0: none yet */
-    double *from_two;     /* [2][j][i] matrix times extrapolation from the two steps before, all of one size */
+    double *from_two;     /* [2][j][i] the same from the two steps before, all of one size */
     double *c, *c_rest;   /* [lanes] in two parts */
     double *weight;       /* [lanes][SUMS] */
     double *sum;          /* [unknowns][SUMS] */
@@ -78,28 +73,21 @@ static const galerkin_loops *loops_for(const jet_sweeps *sweeps)
     return &galerkin_loops_base;
 }
 
-/* The outputs that drive the unknowns: F; or H_p, then H_q. */
-static int driving_slot(const tvi_system *system, int unknown)
-{
-    const int n = system->n, output = system->form == TVI_SEPARABLE ? unknown : unknown < n ? unknown + n : unknown - n;
-    return system->field_values->output[output];
-}
-
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     galerkin *taken = tvi_arena_take(arena, sizeof *taken);
-    galerkin w = {.system = system, .options = options, .n = system->n, .points = options->degree};
-    galerkin_nodes *nodes = &w.nodes;
+    galerkin w = {.options = options, .n = system->n, .points = options->degree};
+    w.field = (galerkin_field){.system = system, .points = w.points, .loops = loops_for(system->field_values->sweeps)};
+    w.field.form = system->form == TVI_LAGRANGIAN ? &galerkin_form_lagrangian : &galerkin_form_plain;
+    galerkin_nodes *nodes = &w.field.nodes;
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_for(w.points);
-    w.loops = loops_for(system->field_values->sweeps);
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
-    nodes->x = tvi_arena_doubles(arena, ((size_t)system->field_values->slots + unknowns) * lanes);
     w.last = tvi_arena_history(arena, sizeof *w.last);
     for (int i = 0; i < 2; i++) w.drives[i] = tvi_arena_history(arena, unknowns * lanes * sizeof(double));
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
-    w.matrix = tvi_arena_doubles(arena, lanes * lanes);
-    w.prediction = tvi_arena_doubles(arena, lanes * lanes);
+    w.field.matrix = tvi_arena_doubles(arena, lanes * lanes);
+    w.from_one = tvi_arena_doubles(arena, lanes * lanes);
     w.from_two = tvi_arena_doubles(arena, 2 * lanes * lanes);
     w.c = tvi_arena_doubles(arena, lanes);
     w.c_rest = tvi_arena_doubles(arena, lanes);
@@ -107,9 +95,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
     double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
-    int **const indices[] = {&w.slot, &w.copied};
-    for (size_t i = 0; i < sizeof indices / sizeof *indices; i++)
-        *indices[i] = tvi_arena_take(arena, unknowns * sizeof(int));
+    w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
+    w.field.form->take(&w.field, arena);
     if (taken) *taken = w;
     return taken;
 }
@@ -146,7 +133,7 @@ static void split(long double x, double *part, double *rest)
 static long double tail_factor(const galerkin *w)
 {
     const int m = w->points;
-    return w->system->form == TVI_SEPARABLE ? ldexpl(1, -m - 1) / (m * (m + 1)) : ldexpl(1, -m) / m;
+    return galerkin_is_second_order(&w->field) ? ldexpl(1, -m - 1) / (m * (m + 1)) : ldexpl(1, -m) / m;
 }
 
 static void set_nodes(galerkin *w)
@@ -160,7 +147,7 @@ static void set_nodes(galerkin *w)
             split(weight[kind], &w->weight[i * SUMS + 2 * kind], &w->weight[i * SUMS + 2 * kind + 1]);
         }
     }
-    for (int i = 0; i < w->nodes.lanes; i++)
+    for (int i = 0; i < w->field.nodes.lanes; i++)
         split(w->exact_node[i < w->points ? i : w->points - 1], &w->c[i], &w->c_rest[i]);
     for (int j = 0; j < w->points; j++) {
         w->unit[j] = 1;
@@ -177,24 +164,13 @@ static void set_matrix(galerkin *w)
     const int m = w->points;
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) integrate_lagrange(w, j, w->exact_node[i], &a[i][j], &twice);
-    for (int lane = 0; lane < w->nodes.lanes; lane++)
+    for (int lane = 0; lane < w->field.nodes.lanes; lane++)
         for (int j = 0; j < m; j++) {
             const int i = lane < m ? lane : m - 1;
             long double square = 0;
             for (int k = 0; k < m; k++) square += a[i][k] * a[k][j];
-            w->matrix[j * w->nodes.lanes + lane] = (double)(w->system->form == TVI_SEPARABLE ? square : a[i][j]);
+            w->field.matrix[j * w->field.nodes.lanes + lane] = (double)(galerkin_is_second_order(&w->field) ? square : a[i][j]);
         }
-}
-
-/* An output may be an input: then moving one unknown would change what drives another. */
-static void set_slots(galerkin *w)
-{
-    for (int u = 0; u < w->nodes.unknowns; u++) {
-        w->slot[u] = driving_slot(w->system, u);
-        if (w->slot[u] >= w->nodes.unknowns) continue;
-        w->copied[w->copies] = w->slot[u];
-        w->slot[u] = w->system->field_values->slots + w->copies++;
-    }
 }
 
 /* [k][i] of basis: polynomials of degree k, orthonormal on the first 2 m of 3 m points: the nodes of two steps, and of
@@ -220,28 +196,27 @@ static void set_basis(const galerkin *w, int degree, long double basis[][3 * MAX
 
 /* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j). Of all degrees, 3m/2 was seen to save the most passes:
  * above it roundoff grows by more than truncation falls. */
-static void set_prediction_from_two(galerkin *w)
+static void set_from_two(galerkin *w)
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
-    const int m = w->points, lanes = w->nodes.lanes, degree = m > 1 ? 3 * m / 2 : 1;
+    const int m = w->points, lanes = w->field.nodes.lanes, degree = m > 1 ? 3 * m / 2 : 1;
     set_basis(w, degree, basis);
     for (int point = 0; point < 2 * m; point++)
         for (int next = 0; next < m; next++) {
             long double factor = 0;
             for (int k = 0; k <= degree; k++) factor += basis[k][2 * m + next] * basis[k][point];
             double *column = w->from_two + (point / m * lanes + point % m) * lanes;
-            for (int i = 0; i < lanes; i++) column[i] += (double)factor * w->matrix[next * lanes + i];
+            for (int i = 0; i < lanes; i++) column[i] += (double)factor * w->field.ahead[next * lanes + i];
         }
 }
 
 static void prepare(void *work)
 {
     galerkin *w = work;
-    jet_tape_prepare(w->system->field_values, w->nodes.x, 1, w->nodes.lanes);
     set_nodes(w);
     set_matrix(w);
-    set_prediction_from_two(w);
-    set_slots(w);
+    w->field.form->prepare(&w->field);
+    set_from_two(w);
 }
 
 /* What depends on the size of the step alone. */
@@ -249,51 +224,37 @@ static void set_size(galerkin *w, double h)
 {
     if (h == w->h) return;
     w->h = h;
-    for (int u = 0; u < w->nodes.unknowns; u++) {
-        if (w->system->form == TVI_SEPARABLE) {
-            w->rate[u] = h / w->system->mass[u];
-            w->nodes.scale[u] = h * w->rate[u];
+    for (int u = 0; u < w->field.nodes.unknowns; u++) {
+        if (galerkin_is_second_order(&w->field)) {
+            w->rate[u] = h / w->field.system->mass[u];
+            w->field.nodes.scale[u] = h * w->rate[u];
         } else {
-            w->nodes.scale[u] = u < w->n ? h : -h;
+            w->field.nodes.scale[u] = u < w->n ? h : w->field.form->force_sign * h;
         }
     }
 }
 
 /* From a step of size h / ratio to the next one: node i is at 1 + ratio c_i there. */
-static void set_prediction(galerkin *w, double ratio)
+static void set_from_one(galerkin *w, double ratio)
 {
     if (ratio == w->ratio) return;
     w->ratio = ratio;
-    const int lanes = w->nodes.lanes;
-    memset(w->prediction, 0, (size_t)lanes * (size_t)lanes * sizeof *w->prediction);
+    const int lanes = w->field.nodes.lanes;
+    memset(w->from_one, 0, (size_t)lanes * (size_t)lanes * sizeof *w->from_one);
     for (int k = 0; k < w->points; k++)
         for (int j = 0; j < w->points; j++) {
             const double factor = (double)lagrange(w, j, 1 + ratio * w->exact_node[k]);
-            for (int i = 0; i < lanes; i++) w->prediction[j * lanes + i] += factor * w->matrix[k * lanes + i];
+            for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] += factor * w->field.ahead[k * lanes + i];
         }
-}
-
-/* ---- The field --------------------------------------------------------------------------------------------------- */
-
-/* What drives the unknowns, where they are. */
-static tvi_status evaluate(galerkin *w)
-{
-    const jet_tape *tape = w->system->field_values;
-    if (!jet_sweep_values(tape, w->nodes.x, w->nodes.lanes)) return TVI_EDOMAIN;
-    const size_t lanes = (size_t)w->nodes.lanes;
-    for (int i = 0; i < w->copies; i++)
-        memcpy(w->nodes.x + (size_t)(tape->slots + i) * lanes, w->nodes.x + (size_t)w->copied[i] * lanes,
-               lanes * sizeof *w->nodes.x);
-    return TVI_OK;
 }
 
 /* The times of the nodes of a step of size h. */
 static void set_times(galerkin *w, const tvi_origin *origin, double h)
 {
     double t[MAX_LANES];
-    if (!w->system->uses_time) return;
-    for (int i = 0; i < w->nodes.lanes; i++) t[i] = origin->t + (origin->t_low + h * (w->c[i] + w->c_rest[i]));
-    tvi_system_set_time(w->system, w->nodes.x, w->nodes.lanes, t);
+    if (!w->field.system->uses_time) return;
+    for (int i = 0; i < w->field.nodes.lanes; i++) t[i] = origin->t + (origin->t_low + h * (w->c[i] + w->c_rest[i]));
+    tvi_system_set_time(w->field.system, w->field.inputs, w->field.nodes.lanes, t);
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -301,23 +262,13 @@ static void set_times(galerkin *w, const tvi_origin *origin, double h)
 static void set_start(galerkin *w, const tvi_origin *origin)
 {
     const size_t bytes = (size_t)w->n * sizeof(double);
-    memcpy(w->nodes.start, origin->q, bytes);
-    if (w->system->form != TVI_SEPARABLE) {
-        memcpy(w->nodes.start + w->n, origin->p, bytes);
+    memcpy(w->field.nodes.start, origin->q, bytes);
+    if (!galerkin_is_second_order(&w->field)) {
+        memcpy(w->field.nodes.start + w->n, origin->p, bytes);
         return;
     }
     for (int i = 0; i < w->n; i++) w->drift[i] = w->rate[i] * origin->p[i];
-    w->loops->set_base(&w->nodes, w->n, w->c, w->c_rest, w->drift);
-}
-
-/* Without a step before, the field at the start is that at all nodes. */
-static tvi_status predict_from_start(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
-{
-    set_times(w, origin, 0);
-    for (int u = 0; u < w->nodes.unknowns; u++)
-        for (int i = 0; i < w->nodes.lanes; i++) w->nodes.x[u * w->nodes.lanes + i] = w->nodes.start[u];
-    stats->force_evaluations++;
-    return evaluate(w);
+    w->field.loops->set_base(&w->field.nodes, w->n, w->c, w->c_rest, w->drift);
 }
 
 /* Whether this step begins where the last one ended, and its nodes, at 1 + ratio c_i, are near those of that one. */
@@ -334,10 +285,10 @@ static void extrapolate(galerkin *w)
     const galerkin_history *last = w->last;
     const double *const drives[] = {w->drives[last->turn], w->drives[!last->turn]};
     if (w->h == last->h && w->h == last->h_before) {
-        w->loops->predict(&w->nodes, 2, w->from_two, drives);
+        w->field.form->predict(&w->field, 2, w->from_two, drives);
     } else {
-        set_prediction(w, w->h / last->h);
-        w->loops->predict(&w->nodes, 1, w->prediction, drives);
+        set_from_one(w, w->h / last->h);
+        w->field.form->predict(&w->field, 1, w->from_one, drives);
     }
 }
 
@@ -347,15 +298,15 @@ static const double LEAST_SHARE = 1e-3;
 /* 1 / (|start| + |predicted end - start|). */
 static void set_sizes(galerkin *w)
 {
-    for (int first = 0; first < w->nodes.unknowns; first += w->n) {
+    for (int first = 0; first < w->field.nodes.unknowns; first += w->n) {
         double largest = 0;
         for (int u = first; u < first + w->n; u++) {
-            const double end = w->nodes.x[(u + 1) * w->nodes.lanes - 1];
-            w->nodes.inverse_size[u] = fabs(w->nodes.start[u]) + fabs(end - w->nodes.start[u]);
-            if (w->nodes.inverse_size[u] > largest) largest = w->nodes.inverse_size[u];
+            const double end = w->field.nodes.x[(u + 1) * w->field.nodes.lanes - 1];
+            w->field.nodes.inverse_size[u] = fabs(w->field.nodes.start[u]) + fabs(end - w->field.nodes.start[u]);
+            if (w->field.nodes.inverse_size[u] > largest) largest = w->field.nodes.inverse_size[u];
         }
         const double least = largest > 0 ? LEAST_SHARE * largest : 1;
-        for (int u = first; u < first + w->n; u++) w->nodes.inverse_size[u] = 1 / (w->nodes.inverse_size[u] + least);
+        for (int u = first; u < first + w->n; u++) w->field.nodes.inverse_size[u] = 1 / (w->field.nodes.inverse_size[u] + least);
     }
 }
 
@@ -389,7 +340,7 @@ static bool is_converged(galerkin_progress *at, double moved, double roundoff, d
  * those of Q may contract as little as those of P contract much, in turns. */
 static bool is_enough(const galerkin *w, galerkin_progress *at, double moved)
 {
-    const double count = w->nodes.unknowns * w->nodes.lanes;
+    const double count = w->field.nodes.unknowns * w->field.nodes.lanes;
     bool is_last = moved == 0;
     if (at->before > 0 && moved >= at->moved && moved >= at->before) is_last |= moved <= MAYBE_ROUNDOFF * count;
     if (w->options->tolerance > 0) is_last |= moved <= square(w->options->tolerance);
@@ -407,10 +358,10 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
     galerkin_progress at = {0};
     for (int pass = 1; pass <= most; pass++) {
         stats->force_evaluations += w->points;
-        const tvi_status status = evaluate(w);
+        double moved;
+        const tvi_status status = w->field.form->pass(&w->field, &moved, stats);
         if (status != TVI_OK) return status;
         stats->passes++;
-        const double moved = w->loops->move(&w->nodes, w->matrix, w->nodes.x, w->slot);
         if (!isfinite(moved)) return TVI_ENONFINITE;
         if (o->passes > 0 ? pass == o->passes : is_enough(w, &at, moved)) {
             stats->residual = sqrt(moved);
@@ -420,15 +371,18 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
     return TVI_ENOCONV;
 }
 
-/* From the step before, or from the start. */
+/* From the steps before; without one, the field at the start is that at all nodes. */
 static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates, tvi_stats *stats)
 {
+    const galerkin_field *field = &w->field;
     if (extrapolates) {
         extrapolate(w);
     } else {
-        const tvi_status status = predict_from_start(w, origin, stats);
+        set_times(w, origin, 0);
+        stats->force_evaluations++;
+        const tvi_status status = w->field.form->start(&w->field, origin);
         if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
-        (void)w->loops->move(&w->nodes, w->matrix, w->nodes.x, w->slot);
+        (void)field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
     }
     set_times(w, origin, w->h);
     set_sizes(w);
@@ -442,21 +396,21 @@ static double tail(const galerkin *w)
 {
     double last = 0, q = 0;
     for (int u = 0; u < w->n; u++) {
-        last = fmax(last, fabs(w->nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
-        q = fmax(q, fabs(w->nodes.start[u]));
+        last = fmax(last, fabs(w->field.nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
+        q = fmax(q, fabs(w->field.nodes.start[u]));
     }
     return q > 0 ? last / q : 0;
 }
 
 static void set_increments(const galerkin *w, const tvi_origin *origin, double dq[], double dp[])
 {
-    for (int u = 0; u < w->nodes.unknowns; u++) {
+    for (int u = 0; u < w->field.nodes.unknowns; u++) {
         const double *sum = w->sum + u * SUMS, once = sum[SUM_B] + sum[SUM_B_REST];
-        if (w->system->form == TVI_SEPARABLE) {
+        if (galerkin_is_second_order(&w->field)) {
             dp[u] = w->h * once;
             dq[u] = w->rate[u] * (origin->p[u] + (origin->p_low[u] + w->h * (sum[SUM_BC] + sum[SUM_BC_REST])));
         } else {
-            *(u < w->n ? &dq[u] : &dp[u - w->n]) = w->nodes.scale[u] * once;
+            *(u < w->n ? &dq[u] : &dp[u - w->n]) = w->field.nodes.scale[u] * once;
         }
     }
 }
@@ -471,7 +425,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     if (status != TVI_OK && extrapolates) status = solve(w, origin, false, stats);
     if (status != TVI_OK) return status;
     const int turn = !w->last->turn;
-    w->loops->integrate(&w->nodes, w->weight, w->slot, w->sum, w->drives[turn]);
+    w->field.loops->integrate(&w->field.nodes, w->weight, w->field.slot, w->sum, w->drives[turn]);
     *w->last = (galerkin_history){h, w->last->h, origin->t, turn};
     set_increments(w, origin, dq, dp);
     stats->tail = tail(w);
@@ -482,19 +436,19 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 static void dense(void *work, double theta, double dq[], double dp[])
 {
     const galerkin *w = work;
-    const bool separable = w->system->form == TVI_SEPARABLE;
+    const bool separable = galerkin_is_second_order(&w->field);
     memset(dp, 0, (size_t)w->n * sizeof *dp);
     for (int i = 0; i < w->n; i++) dq[i] = separable ? theta * w->drift[i] : 0;
     for (int j = 0; j < w->points; j++) {
         long double once, twice;
         integrate_lagrange(w, j, theta, &once, &twice);
-        for (int u = 0; u < w->nodes.unknowns; u++) {
-            const double drive = w->drives[w->last->turn][u * w->nodes.lanes + j];
+        for (int u = 0; u < w->field.nodes.unknowns; u++) {
+            const double drive = w->drives[w->last->turn][u * w->field.nodes.lanes + j];
             if (separable) {
                 dp[u] += w->h * (double)once * drive;
-                dq[u] += w->nodes.scale[u] * (double)twice * drive;
+                dq[u] += w->field.nodes.scale[u] * (double)twice * drive;
             } else {
-                *(u < w->n ? &dq[u] : &dp[u - w->n]) += w->nodes.scale[u] * (double)once * drive;
+                *(u < w->n ? &dq[u] : &dp[u - w->n]) += w->field.nodes.scale[u] * (double)once * drive;
             }
         }
     }

@@ -1,20 +1,9 @@
 /* galerkin_loops.c - see galerkin.h. */
-#include "galerkin.h"
+#include "lanes.h"
 #include "rule.h"
 #include "vector.h"
 
 #include <stddef.h>
-
-/* The number of lanes is known to the compiler. */
-#define INLINE static inline __attribute__((always_inline))
-#define FOR_LANES(lanes, call)                                                                                         \
-    switch (lanes) {                                                                                                   \
-    case 1: call(1); break;                                                                                            \
-    case 2: call(2); break;                                                                                            \
-    case 4: call(4); break;                                                                                            \
-    case 8: call(8); break;                                                                                            \
-    default: call(TVI_GALERKIN_MAX_LANES);                                                                             \
-    }
 
 #define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + w))
 #define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + w))

@@ -38,7 +38,7 @@ static const method_row method_table[] = {
     {"midpoint", TVI_TYPE1, TVI_AT_MIDPOINT, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
     {"symmetric-tvi", TVI_TYPE1, TVI_AT_BOTH_ENDS, TRUNCATED, 1, 0, true, 1, MOST, TYPE1_SERVES},
     {"both-ends", TVI_TYPE1, TVI_AT_BOTH_ENDS, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
-    {"galerkin", TVI_TYPE1, TVI_AT_NODES, ON_CURVE, 2, 0, true, 1, TVI_MAX_NODES, HAMILTON_SERVES},
+    {"galerkin", TVI_TYPE1, TVI_AT_NODES, ON_CURVE, 2, 0, true, 1, TVI_MAX_NODES, ALL_SERVES},
     {"htvi-right", TVI_TYPE2, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
     {"right", TVI_TYPE2, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
     {NULL, TVI_TYPE2, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},

@@ -24,6 +24,7 @@ typedef struct {
     jet scalar;        /* V, L or H */
     jet *field;        /* [2n] the system's */
     jet *bend;         /* [2n] */
+    jet *second;       /* [2n + seconds] the field, then the system's second derivatives */
 } recording;
 
 static tvi_status check_masses(int n, const double mass[])
@@ -153,6 +154,38 @@ static tvi_status record_potential(recording *rec, const statement *given)
     return TVI_OK;
 }
 
+/* Room for the field, and for one row more of second derivatives. */
+static bool grow_second(recording *rec)
+{
+    tvi_system *system = rec->system;
+    const size_t room = (size_t)system->seconds + 2 * (size_t)system->n;
+    jet *jets = realloc(rec->second, (room + 2 * (size_t)system->n) * sizeof *jets);
+    if (jets) rec->second = jets;
+    tvi_second *second = realloc(system->second, room * sizeof *second);
+    if (second) system->second = second;
+    return jets && second;
+}
+
+/* The lower triangle of the second derivatives of L: gradients of the field's components. */
+static tvi_status record_second(recording *rec)
+{
+    tvi_system *system = rec->system;
+    const int rows = 2 * system->n;
+    for (int row = 0; row < rows; row++) {
+        if (!grow_second(rec)) return TVI_ENOMEM;
+        rec->second[row] = rec->field[row];
+        const tvi_status status = gradient(rec, rec->field[row], rec->bend);
+        if (status != TVI_OK) return status;
+        for (int column = 0; column <= row; column++) {
+            const jet x = rec->bend[column];
+            if (!x.node && x.number == 0) continue;
+            rec->second[rows + system->seconds] = x;
+            system->second[system->seconds++] = (tvi_second){row, column};
+        }
+    }
+    return jet_graph_accept(system->graph, rows + system->seconds, rec->second);
+}
+
 /* field = (L_q, L_v); separable where L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
 static tvi_status record_lagrangian(recording *rec, const statement *given)
 {
@@ -162,9 +195,10 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
     bool separable = false;
     if (status == TVI_OK) status = find_separable(rec, rec->field + system->n, rec->field, &separable);
-    if (!separable) system->form = TVI_LAGRANGIAN;
     system->energy_sign = -1;
-    return status;
+    if (separable || status != TVI_OK) return status;
+    system->form = TVI_LAGRANGIAN;
+    return record_second(rec);
 }
 
 /* bend = gradient of r.H_p. */
@@ -254,7 +288,9 @@ static tvi_status record_lift(recording *rec, const statement *given)
     if (lifted) place_field(rec, base, value, rate);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
-    return system->form == TVI_HAMILTONIAN ? record_bend(rec) : TVI_OK;
+    return system->form == TVI_HAMILTONIAN   ? record_bend(rec)
+           : system->form == TVI_LAGRANGIAN ? record_second(rec)
+                                            : TVI_OK;
 }
 
 static tvi_status record_statement(recording *rec, const statement *given)
@@ -284,6 +320,11 @@ static tvi_status lower(recording *rec, const statement *given)
         system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);
         if (!system->bend_values) return TVI_ENOMEM;
     }
+    if (system->form == TVI_LAGRANGIAN) {
+        system->second_values =
+            jet_tape_create(system->graph, outputs, outputs + system->seconds, rec->second, JET_TAPE_VALUES);
+        if (!system->second_values) return TVI_ENOMEM;
+    }
     if (given->force || given->base) return TVI_OK;
     system->energy_inputs = given->potential ? n : 2 * n;
     system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &rec->scalar, JET_TAPE_VALUES);
@@ -300,6 +341,7 @@ static tvi_status record_system(tvi_system **out, int n, const statement *given)
     if (status == TVI_OK && !given->base) status = tvi_legendre_probe(rec.system);
     free(rec.q);
     free(rec.bend);
+    free(rec.second);
     if (status == TVI_OK) *out = rec.system;
     else tvi_system_free(rec.system);
     return status;
@@ -348,6 +390,8 @@ void tvi_system_free(tvi_system *system)
     jet_tape_free(system->field_series);
     jet_tape_free(system->field_values);
     jet_tape_free(system->bend_values);
+    jet_tape_free(system->second_values);
+    free(system->second);
     jet_tape_free(system->energy);
     jet_graph_free(system->graph);
     free(system->field);

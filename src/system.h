@@ -13,6 +13,11 @@ typedef enum {
     TVI_HAMILTONIAN /* q' = H_p, p' = -H_q                      */
 } tvi_form;
 
+/* The second derivative in inputs row and column, row >= column. */
+typedef struct {
+    int row, column;
+} tvi_second;
+
 /* Inputs of the field tapes, and of the energy: separable q (and t); Lagrangian q, v (and t); Hamiltonian q, p (and t).
  * Outputs of the field: separable F; Lagrangian L_q, L_v; Hamiltonian H_q, H_p. */
 struct tvi_system {
@@ -28,6 +33,10 @@ struct tvi_system {
     jet_tape *field_values;
     jet_tape *
         bend_values; /* Hamiltonian: inputs q, p, t, r; outputs the gradient of r.H_p in q and p, for truncated nodes */
+    jet_tape *second_values; /* Lagrangian: outputs the field, then the second derivatives of L in (q, v) that are not 0
+                                everywhere, one of each pair */
+    tvi_second *second;      /* [seconds] which they are */
+    int seconds;
     jet_tape *energy;   /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
     double energy_sign; /* separable from a Lagrangian: the energy tape gives -V */
     int energy_inputs;  /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */

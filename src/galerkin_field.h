@@ -1,0 +1,49 @@
+/* galerkin_field.h - what drives the unknowns of the Galerkin curve, where they are: all in which the forms of systems
+ * differ, but for the order of the equations (galerkin.c). */
+#ifndef TVI_SRC_GALERKIN_FIELD_H
+#define TVI_SRC_GALERKIN_FIELD_H
+
+#include "galerkin.h"
+#include "stepper.h"
+
+typedef struct galerkin_form galerkin_form;
+
+/* Q of a separable system, else Q and P, and what drives them: F, or V and the force. */
+typedef struct {
+    const tvi_system *system;
+    const galerkin_form *form;
+    const galerkin_loops *loops;
+    int points;     /* of the lanes; the others repeat the last one */
+    galerkin_nodes nodes;
+    int *slot;      /* [unknowns] where in nodes.x what drives each unknown is */
+    double *inputs; /* the block of the field's tape, which has the time */
+    double *matrix; /* [j][i] a_ij, or (a a)_ij of a separable system */
+    double *ahead;  /* [j][i] what extrapolated drives are multiplied by to be what `predict` asks for */
+    int copies;
+    int *copied; /* [copies] outputs of a tape that are its inputs: they are copied behind the tape's slots */
+    void *own;   /* of the form */
+} galerkin_field;
+
+struct galerkin_form {
+    int force_sign; /* P' is this times what drives P */
+    void (*take)(galerkin_field *field, tvi_arena *arena);
+    /* Once the matrix is there. */
+    void (*prepare)(galerkin_field *field);
+    /* What drives the unknowns at the start of the step, at all nodes. */
+    tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
+    /* The unknowns by what drove them in earlier steps: drives[step][u][j], extrapolation [steps][j][i] times ahead. */
+    void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[]);
+    /* What drives the unknowns where they are, and they moved by it: so far, as `move` says. */
+    tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
+};
+
+/* The tape's own inputs are the unknowns, and its outputs drive them; and that of a Lagrangian. */
+extern const galerkin_form galerkin_form_plain, galerkin_form_lagrangian;
+
+/* (a a), a of the system's loops: whether Q'' is driven. */
+static inline bool galerkin_is_second_order(const galerkin_field *field)
+{
+    return field->system->form == TVI_SEPARABLE;
+}
+
+#endif

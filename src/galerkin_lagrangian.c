@@ -1,0 +1,254 @@
+/* galerkin_lagrangian.c - the field of a Lagrangian L(q, v, t): what drives Q and P is V and F = L_q(Q, V), with V where
+ * L_v(Q, V) = P (docs/method.md sections 4 and 5).
+ *
+ * A pass evaluates the gradient (L_q, L_v) of L at the nodes, and, where the ones at hand do not serve, its second
+ * derivatives S. Then it goes, several times, through
+ *     P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V,
+ * each time but the first with the gradient corrected to first order, by S times the change of (Q, V). */
+#include "galerkin_field.h"
+#include "lagrangian_loops.h"
+#include "legendre.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* The rows of nodes.x, n each: Q, P, V, F, and L_v behind F. */
+typedef struct {
+    const lagrangian_loops *loops;
+    tvi_legendre legendre;
+    galerkin_nodes positions, momenta; /* halves of the nodes */
+    galerkin_nodes drives;             /* V and F as unknowns, which begin at 0 */
+    double *values, *second;           /* blocks of the tapes of the field, and of it with its derivatives */
+    bool is_second;                    /* which of them has the last gradient */
+    double *difference;                /* [2n][lanes] (Q, V) less where the gradient was evaluated */
+    double *missing;                   /* [n][lanes] P - L_v */
+    tvi_lanes_factor factor;           /* of L_vv */
+    double moved;                      /* by the last pass; infinite before the first one of a step */
+} lagrangian;
+
+enum { ITERATIONS = 3 };                /* of a pass */
+static const double SERVES = 1e-3;      /* relative movement in a pass after which second derivatives still serve */
+
+static double *row(const galerkin_field *field, int i)
+{
+    return field->nodes.x + (size_t)i * (size_t)field->nodes.lanes;
+}
+
+static galerkin_nodes half(const galerkin_field *field, int first)
+{
+    galerkin_nodes nodes = field->nodes;
+    const size_t offset = (size_t)first * (size_t)nodes.lanes;
+    nodes.unknowns /= 2;
+    if (!nodes.x) return nodes;
+    nodes.x += offset;
+    nodes.base += offset;
+    nodes.start += first;
+    nodes.scale += first;
+    nodes.inverse_size += first;
+    return nodes;
+}
+
+static void take_factor(tvi_lanes_factor *factor, tvi_arena *arena, int n, int lanes)
+{
+    const size_t numbers = (size_t)n * (size_t)lanes;
+    *factor = (tvi_lanes_factor){.n = n, .lanes = lanes};
+    factor->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
+    factor->row_scale = tvi_arena_doubles(arena, numbers);
+    factor->column_scale = tvi_arena_doubles(arena, numbers);
+    factor->pivot = tvi_arena_take(arena, numbers * sizeof(int));
+}
+
+/* As those of the tapes, of the instruction set. */
+static const lagrangian_loops *loops_for(const galerkin_loops *loops)
+{
+    if (loops == &galerkin_loops_base) return &lagrangian_loops_base;
+#ifdef JET_ISA_X86
+    if (loops == &galerkin_loops_avx2) return &lagrangian_loops_avx2;
+    return &lagrangian_loops_avx512;
+#endif
+    return NULL;
+}
+
+static void take(galerkin_field *field, tvi_arena *arena)
+{
+    const tvi_system *system = field->system;
+    const int n = system->n, unknowns = 2 * n;
+    const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
+    lagrangian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
+    lagrangian w = {.loops = loops_for(field->loops)};
+    field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
+    field->inputs = w.values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
+    w.second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
+    field->ahead = tvi_arena_doubles(arena, lanes * lanes);
+    w.difference = tvi_arena_doubles(arena, 2 * half_size);
+    w.missing = tvi_arena_doubles(arena, half_size);
+    tvi_legendre_take(&w.legendre, arena, system);
+    take_factor(&w.factor, arena, n, field->nodes.lanes);
+    w.positions = half(field, 0);
+    w.momenta = half(field, n);
+    w.drives = field->nodes;
+    w.drives.x = field->nodes.x ? row(field, unknowns) : NULL;
+    w.drives.start = tvi_arena_doubles(arena, (size_t)unknowns);
+    w.drives.scale = tvi_arena_doubles(arena, (size_t)unknowns);
+    if (taken) *taken = w;
+}
+
+static void prepare(galerkin_field *field)
+{
+    lagrangian *w = field->own;
+    const int lanes = field->nodes.lanes;
+    jet_tape_prepare(field->system->field_values, w->values, 1, lanes);
+    jet_tape_prepare(field->system->second_values, w->second, 1, lanes);
+    tvi_legendre_prepare(&w->legendre);
+    for (int i = 0; i < lanes; i++) field->ahead[i * lanes + i] = 1;
+    for (int u = 0; u < field->nodes.unknowns; u++) {
+        field->slot[u] = field->nodes.unknowns + u;
+        w->drives.scale[u] = 1;
+    }
+}
+
+/* The gradient at the nodes, with second derivatives or without. */
+static bool sweep(galerkin_field *field, bool with_second)
+{
+    lagrangian *w = field->own;
+    const tvi_system *system = field->system;
+    const int lanes = field->nodes.lanes;
+    const size_t size = (size_t)(system->n * lanes), bytes = size * sizeof(double);
+    memcpy(w->values, row(field, 0), bytes);
+    memcpy(w->values + size, row(field, 2 * system->n), bytes);
+    w->is_second = with_second;
+    if (!with_second) return jet_sweep_values(system->field_values, w->values, lanes);
+    memcpy(w->second, w->values, (size_t)(system->field_values->inputs * lanes) * sizeof(double));
+    return jet_sweep_values(system->second_values, w->second, lanes);
+}
+
+/* (F, L_v) from where the last sweep left them. */
+static void take_gradient(galerkin_field *field)
+{
+    const lagrangian *w = field->own;
+    const size_t lanes = (size_t)field->nodes.lanes;
+    const int *output = (w->is_second ? field->system->second_values : field->system->field_values)->output;
+    const double *x = w->is_second ? w->second : w->values;
+    double *gradient = row(field, 3 * field->system->n);
+    for (int i = 0; i < field->nodes.unknowns; i++)
+        memcpy(gradient + (size_t)i * lanes, x + (size_t)output[i] * lanes, lanes * sizeof *x);
+}
+
+/* ---- The predictor ----------------------------------------------------------------------------------------------- */
+
+static void fill(galerkin_field *field, int first, const double value[])
+{
+    for (int i = 0; i < field->system->n; i++)
+        for (int lane = 0; lane < field->nodes.lanes; lane++) row(field, first + i)[lane] = value[i];
+}
+
+/* V by the Legendre transform, from rest. */
+static tvi_status start(galerkin_field *field, const tvi_origin *origin)
+{
+    lagrangian *w = field->own;
+    const tvi_system *system = field->system;
+    const int n = system->n;
+    double *velocity = w->missing;
+    memset(velocity, 0, (size_t)n * sizeof *velocity);
+    const tvi_status status = tvi_legendre_solve(&w->legendre, origin->t, origin->q, origin->p, velocity);
+    if (status != TVI_OK) return status;
+    fill(field, 0, origin->q);
+    fill(field, n, origin->p);
+    fill(field, 2 * n, velocity);
+    if (!sweep(field, false)) return TVI_EDOMAIN;
+    take_gradient(field);
+    w->moved = INFINITY;
+    return TVI_OK;
+}
+
+static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[])
+{
+    lagrangian *w = field->own;
+    field->loops->predict(&w->drives, steps, extrapolation, drives);
+    (void)field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
+    w->moved = INFINITY;
+}
+
+/* ---- A pass ------------------------------------------------------------------------------------------------------ */
+
+/* L_vv of the block of second derivatives, factored. */
+static tvi_status factor_mass(galerkin_field *field)
+{
+    lagrangian *w = field->own;
+    const tvi_system *system = field->system;
+    const size_t n = (size_t)system->n, lanes = (size_t)field->nodes.lanes, bytes = lanes * sizeof(double);
+    const int *output = system->second_values->output + 2 * n;
+    double *a = w->factor.lu, sum = 0;
+    memset(a, 0, n * n * bytes);
+    for (int k = 0; k < system->seconds; k++) {
+        if (system->second[k].column < system->n) continue;
+        const size_t i = (size_t)system->second[k].row - n, j = (size_t)system->second[k].column - n;
+        const double *x = w->second + (size_t)output[k] * lanes;
+        memcpy(a + (i * n + j) * lanes, x, bytes);
+        memcpy(a + (j * n + i) * lanes, x, bytes);
+    }
+    for (size_t i = 0; i < n * n * lanes; i++) sum += 0 * a[i];
+    if (sum != 0) return TVI_ENONFINITE;
+    return w->loops->factor(&w->factor) > (double)n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
+}
+
+/* The gradient at the nodes, and new second derivatives where those at hand do not serve. */
+static tvi_status evaluate(galerkin_field *field, tvi_stats *stats)
+{
+    const lagrangian *w = field->own;
+    const bool serves = w->moved <= SERVES * SERVES * field->nodes.unknowns * field->nodes.lanes;
+    if (!sweep(field, !serves)) return TVI_EDOMAIN;
+    take_gradient(field);
+    if (serves) return TVI_OK;
+    stats->factorisations += field->points;
+    return factor_mass(field);
+}
+
+/* The gradient where (Q, V) have moved to, to first order. */
+static void correct_gradient(galerkin_field *field)
+{
+    const lagrangian *w = field->own;
+    const tvi_system *system = field->system;
+    const size_t size = (size_t)(system->n * field->nodes.lanes);
+    const double *Q = row(field, 0), *V = row(field, 2 * system->n);
+    for (size_t i = 0; i < size; i++) {
+        w->difference[i] = Q[i] - w->values[i];
+        w->difference[size + i] = V[i] - w->values[size + i];
+    }
+    take_gradient(field);
+    w->loops->multiply(field->nodes.lanes, system->seconds, system->second,
+                       system->second_values->output + 2 * system->n, w->second, w->difference,
+                       row(field, 3 * system->n));
+}
+
+/* V <- V + L_vv^-1 (P - L_v). */
+static void correct_velocities(galerkin_field *field)
+{
+    const lagrangian *w = field->own;
+    const int n = field->system->n;
+    const size_t size = (size_t)(n * field->nodes.lanes);
+    const double *P = row(field, n), *momentum = row(field, 4 * n);
+    double *V = row(field, 2 * n);
+    for (size_t i = 0; i < size; i++) w->missing[i] = P[i] - momentum[i];
+    w->loops->solve(&w->factor, w->missing);
+    for (size_t i = 0; i < size; i++) V[i] += w->missing[i];
+}
+
+static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
+{
+    lagrangian *w = field->own;
+    const tvi_status status = evaluate(field, stats);
+    if (status != TVI_OK) return status;
+    w->moved = 0;
+    for (int iteration = 0; iteration < ITERATIONS; iteration++) {
+        if (iteration > 0) correct_gradient(field);
+        w->moved += field->loops->move(&w->momenta, field->matrix, field->nodes.x, field->slot + field->system->n);
+        correct_velocities(field);
+        w->moved += field->loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
+    }
+    *moved = w->moved;
+    return TVI_OK;
+}
+
+const galerkin_form galerkin_form_lagrangian = {1, take, prepare, start, predict, pass};
