@@ -20,10 +20,11 @@ typedef struct {
     galerkin_nodes positions, momenta; /* halves of the nodes */
     galerkin_nodes drives;             /* V and F as unknowns, which begin at 0 */
     double *values, *second;           /* blocks of the tapes of the field, and of it with its derivatives */
-    bool is_second;                    /* which of them has the last gradient */
-    double *difference;                /* [2n][lanes] (Q, V) less where the gradient was evaluated */
-    double *missing;                   /* [n][lanes] P - L_v */
-    tvi_lanes_factor factor;           /* of L_vv */
+    double *velocity;                  /* [n] at the start */
+    lanes_model model;                 /* of the gradient, about where it was evaluated */
+    lanes_term *term;                  /* [2 seconds] its terms, */
+    int *end;                          /* [2n] and rows */
+    lanes_factor mass;                 /* of L_vv */
     double moved;                      /* by the last pass; infinite before the first one of a step */
 } lagrangian;
 
@@ -49,14 +50,15 @@ static galerkin_nodes half(const galerkin_field *field, int first)
     return nodes;
 }
 
-static void take_factor(tvi_lanes_factor *factor, tvi_arena *arena, int n, int lanes)
+static void take_factor(lanes_factor *factor, tvi_arena *arena, int n, int lanes)
 {
     const size_t numbers = (size_t)n * (size_t)lanes;
-    *factor = (tvi_lanes_factor){.n = n, .lanes = lanes};
+    *factor = (lanes_factor){.n = n, .lanes = lanes};
     factor->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
     factor->row_scale = tvi_arena_doubles(arena, numbers);
     factor->column_scale = tvi_arena_doubles(arena, numbers);
     factor->pivot = tvi_arena_take(arena, numbers * sizeof(int));
+    factor->x = tvi_arena_doubles(arena, numbers);
 }
 
 /* As those of the tapes, of the instruction set. */
@@ -81,10 +83,11 @@ static void take(galerkin_field *field, tvi_arena *arena)
     field->inputs = w.values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
     w.second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
     field->ahead = tvi_arena_doubles(arena, lanes * lanes);
-    w.difference = tvi_arena_doubles(arena, 2 * half_size);
-    w.missing = tvi_arena_doubles(arena, half_size);
+    w.velocity = tvi_arena_doubles(arena, (size_t)n);
+    w.term = tvi_arena_take(arena, 2 * (size_t)system->seconds * sizeof *w.term);
+    w.end = tvi_arena_take(arena, (size_t)unknowns * sizeof *w.end);
     tvi_legendre_take(&w.legendre, arena, system);
-    take_factor(&w.factor, arena, n, field->nodes.lanes);
+    take_factor(&w.mass, arena, n, field->nodes.lanes);
     w.positions = half(field, 0);
     w.momenta = half(field, n);
     w.drives = field->nodes;
@@ -94,6 +97,27 @@ static void take(galerkin_field *field, tvi_arena *arena)
     if (taken) *taken = w;
 }
 
+/* The rows of the symmetric matrix of second derivatives. */
+static void set_terms(const tvi_system *system, lanes_term *term, int *end)
+{
+    const int rows = 2 * system->n;
+    for (int k = 0; k < system->seconds; k++) {
+        end[system->second[k].row]++;
+        if (system->second[k].row != system->second[k].column) end[system->second[k].column]++;
+    }
+    for (int i = 0, before = 0; i < rows; i++) { /* where the row begins; below, it moves on to the row's end */
+        const int count = end[i];
+        end[i] = before;
+        before += count;
+    }
+    for (int k = 0; k < system->seconds; k++) {
+        const int i = system->second[k].row, j = system->second[k].column;
+        const int slot = system->second_values->output[rows + k];
+        term[end[i]++] = (lanes_term){j, slot};
+        if (i != j) term[end[j]++] = (lanes_term){i, slot};
+    }
+}
+
 static void prepare(galerkin_field *field)
 {
     lagrangian *w = field->own;
@@ -101,6 +125,9 @@ static void prepare(galerkin_field *field)
     jet_tape_prepare(field->system->field_values, w->values, 1, lanes);
     jet_tape_prepare(field->system->second_values, w->second, 1, lanes);
     tvi_legendre_prepare(&w->legendre);
+    set_terms(field->system, w->term, w->end);
+    w->model = (lanes_model){field->system->n, lanes, .centre = w->values, .second = w->second, .term = w->term,
+                             .end = w->end};
     for (int i = 0; i < lanes; i++) field->ahead[i * lanes + i] = 1;
     for (int u = 0; u < field->nodes.unknowns; u++) {
         field->slot[u] = field->nodes.unknowns + u;
@@ -113,26 +140,19 @@ static bool sweep(galerkin_field *field, bool with_second)
 {
     lagrangian *w = field->own;
     const tvi_system *system = field->system;
+    const jet_tape *tape = with_second ? system->second_values : system->field_values;
     const int lanes = field->nodes.lanes;
     const size_t size = (size_t)(system->n * lanes), bytes = size * sizeof(double);
     memcpy(w->values, row(field, 0), bytes);
     memcpy(w->values + size, row(field, 2 * system->n), bytes);
-    w->is_second = with_second;
-    if (!with_second) return jet_sweep_values(system->field_values, w->values, lanes);
-    memcpy(w->second, w->values, (size_t)(system->field_values->inputs * lanes) * sizeof(double));
-    return jet_sweep_values(system->second_values, w->second, lanes);
-}
-
-/* (F, L_v) from where the last sweep left them. */
-static void take_gradient(galerkin_field *field)
-{
-    const lagrangian *w = field->own;
-    const size_t lanes = (size_t)field->nodes.lanes;
-    const int *output = (w->is_second ? field->system->second_values : field->system->field_values)->output;
-    const double *x = w->is_second ? w->second : w->values;
-    double *gradient = row(field, 3 * field->system->n);
+    double *x = with_second ? w->second : w->values;
+    if (with_second) memcpy(x, w->values, (size_t)(tape->inputs * lanes) * sizeof *x);
+    if (!jet_sweep_values(tape, x, lanes)) return false;
+    w->model.gradient = x;
+    w->model.output = tape->output;
     for (int i = 0; i < field->nodes.unknowns; i++)
-        memcpy(gradient + (size_t)i * lanes, x + (size_t)output[i] * lanes, lanes * sizeof *x);
+        memcpy(row(field, 3 * system->n + i), x + tape->output[i] * lanes, (size_t)lanes * sizeof *x);
+    return true;
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -149,7 +169,7 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     lagrangian *w = field->own;
     const tvi_system *system = field->system;
     const int n = system->n;
-    double *velocity = w->missing;
+    double *velocity = w->velocity;
     memset(velocity, 0, (size_t)n * sizeof *velocity);
     const tvi_status status = tvi_legendre_solve(&w->legendre, origin->t, origin->q, origin->p, velocity);
     if (status != TVI_OK) return status;
@@ -157,7 +177,6 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     fill(field, n, origin->p);
     fill(field, 2 * n, velocity);
     if (!sweep(field, false)) return TVI_EDOMAIN;
-    take_gradient(field);
     w->moved = INFINITY;
     return TVI_OK;
 }
@@ -179,7 +198,7 @@ static tvi_status factor_mass(galerkin_field *field)
     const tvi_system *system = field->system;
     const size_t n = (size_t)system->n, lanes = (size_t)field->nodes.lanes, bytes = lanes * sizeof(double);
     const int *output = system->second_values->output + 2 * n;
-    double *a = w->factor.lu, sum = 0;
+    double *a = w->mass.lu, sum = 0;
     memset(a, 0, n * n * bytes);
     for (int k = 0; k < system->seconds; k++) {
         if (system->second[k].column < system->n) continue;
@@ -190,7 +209,7 @@ static tvi_status factor_mass(galerkin_field *field)
     }
     for (size_t i = 0; i < n * n * lanes; i++) sum += 0 * a[i];
     if (sum != 0) return TVI_ENONFINITE;
-    return w->loops->factor(&w->factor) > (double)n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
+    return w->loops->factor(&w->mass) > (double)n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 
 /* The gradient at the nodes, and new second derivatives where those at hand do not serve. */
@@ -199,53 +218,25 @@ static tvi_status evaluate(galerkin_field *field, tvi_stats *stats)
     const lagrangian *w = field->own;
     const bool serves = w->moved <= SERVES * SERVES * field->nodes.unknowns * field->nodes.lanes;
     if (!sweep(field, !serves)) return TVI_EDOMAIN;
-    take_gradient(field);
     if (serves) return TVI_OK;
     stats->factorisations += field->points;
     return factor_mass(field);
 }
 
-/* The gradient where (Q, V) have moved to, to first order. */
-static void correct_gradient(galerkin_field *field)
-{
-    const lagrangian *w = field->own;
-    const tvi_system *system = field->system;
-    const size_t size = (size_t)(system->n * field->nodes.lanes);
-    const double *Q = row(field, 0), *V = row(field, 2 * system->n);
-    for (size_t i = 0; i < size; i++) {
-        w->difference[i] = Q[i] - w->values[i];
-        w->difference[size + i] = V[i] - w->values[size + i];
-    }
-    take_gradient(field);
-    w->loops->multiply(field->nodes.lanes, system->seconds, system->second,
-                       system->second_values->output + 2 * system->n, w->second, w->difference,
-                       row(field, 3 * system->n));
-}
-
-/* V <- V + L_vv^-1 (P - L_v). */
-static void correct_velocities(galerkin_field *field)
-{
-    const lagrangian *w = field->own;
-    const int n = field->system->n;
-    const size_t size = (size_t)(n * field->nodes.lanes);
-    const double *P = row(field, n), *momentum = row(field, 4 * n);
-    double *V = row(field, 2 * n);
-    for (size_t i = 0; i < size; i++) w->missing[i] = P[i] - momentum[i];
-    w->loops->solve(&w->factor, w->missing);
-    for (size_t i = 0; i < size; i++) V[i] += w->missing[i];
-}
-
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     lagrangian *w = field->own;
+    const galerkin_loops *loops = field->loops;
+    const int n = field->system->n;
+    double *Q = row(field, 0), *P = row(field, n), *V = row(field, 2 * n), *gradient = row(field, 3 * n);
     const tvi_status status = evaluate(field, stats);
     if (status != TVI_OK) return status;
     w->moved = 0;
     for (int iteration = 0; iteration < ITERATIONS; iteration++) {
-        if (iteration > 0) correct_gradient(field);
-        w->moved += field->loops->move(&w->momenta, field->matrix, field->nodes.x, field->slot + field->system->n);
-        correct_velocities(field);
-        w->moved += field->loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
+        if (iteration > 0) w->loops->linearise(&w->model, Q, V, gradient);
+        w->moved += loops->move(&w->momenta, field->matrix, field->nodes.x, field->slot + n);
+        w->loops->correct(&w->mass, P, row(field, 4 * n), V);
+        w->moved += loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
     }
     *moved = w->moved;
     return TVI_OK;

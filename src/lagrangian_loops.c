@@ -5,127 +5,154 @@
 
 #include <math.h>
 
-#define EACH_LANE for (size_t w = 0; w < (size_t)lanes; w++)
+#define EACH_LANE for (size_t w = 0; w < stride; w++)
 
 static inline double larger(double a, double b) { return a > b ? a : b; }
 
-/* x <- x / size(x), with what multiplied it. count numbers, one every stride. */
-INLINE void set_scale(int count, size_t stride, double *x, double *restrict scale, int lanes)
-{
-    EACH_LANE scale[w] = 0;
-    for (int i = 0; i < count; i++) EACH_LANE scale[w] = larger(fabs(x[(size_t)i * stride + w]), scale[w]);
-    EACH_LANE scale[w] = 1 / scale[w];
-    for (int i = 0; i < count; i++) EACH_LANE x[(size_t)i * stride + w] *= scale[w];
-}
+/* ---- Factors ----------------------------------------------------------------------------------------------------- */
 
-/* Exchanges rows j and `other` of a matrix of so many columns, in one lane. */
-INLINE void swap_rows(int columns, double *a, int j, int other, size_t w, int lanes)
-{
-    const size_t stride = (size_t)lanes, row = (size_t)columns * stride;
-    double *x = a + (size_t)j * row + w, *y = a + (size_t)other * row + w;
-    for (size_t k = 0; k < row; k += stride) {
-        const double kept = x[k];
-        x[k] = y[k];
-        y[k] = kept;
-    }
-}
+#define SCALE(V, S) JET_AT(V, x, 0) *= JET_OF(V, scale, 0);
 
-/* The row of the largest element on or below the diagonal in column j, in each lane, comes to row j. */
-INLINE void pivot_column(int n, double *a, int j, int *pivot, int lanes)
-{
-    const size_t stride = (size_t)lanes, row = (size_t)n * stride;
-    const double *column = a + (size_t)j * stride;
-    EACH_LANE {
-        int largest = j;
-        for (int i = j + 1; i < n; i++)
-            if (fabs(column[(size_t)i * row + w]) > fabs(column[(size_t)largest * row + w])) largest = i;
-        pivot[w] = largest;
-        if (largest != j) swap_rows(n, a, j, largest, w, lanes);
-    }
-}
-
-/* R A C with rows, then columns, of size 1; then L and U in its place, with 1 / U_jj in the diagonal. */
-INLINE double factor_lanes(const tvi_lanes_factor *f, int n, int lanes)
-{
-    const size_t stride = (size_t)lanes, row = (size_t)n * stride;
-    double *a = f->lu, least = 1;
-    for (int i = 0; i < n; i++) set_scale(n, stride, a + (size_t)i * row, f->row_scale + (size_t)i * stride, lanes);
-    for (int j = 0; j < n; j++) set_scale(n, row, a + (size_t)j * stride, f->column_scale + (size_t)j * stride, lanes);
-    for (int j = 0; j < n; j++) {
-        pivot_column(n, a, j, f->pivot + (size_t)j * stride, lanes);
-        double *restrict const upper = a + (size_t)j * row, *restrict const diagonal = upper + (size_t)j * stride;
-        EACH_LANE if (!(fabs(diagonal[w]) >= least)) least = fabs(diagonal[w]) > 0 ? fabs(diagonal[w]) : 0;
-        EACH_LANE diagonal[w] = 1 / diagonal[w];
-        for (int i = j + 1; i < n; i++) {
-            double *restrict const lower = a + (size_t)i * row;
-            double *restrict const factor = lower + (size_t)j * stride;
-            EACH_LANE factor[w] *= diagonal[w];
-            for (size_t k = (size_t)(j + 1) * stride; k < row; k += stride)
-                EACH_LANE lower[k + w] -= factor[w] * upper[k + w];
-        }
-    }
-    return least;
-}
-
-static double factor(const tvi_lanes_factor *f)
-{
-    double least;
-#define CALL(lanes) least = factor_lanes(f, f->n, lanes)
-    FOR_LANES(f->lanes, CALL)
-#undef CALL
-    return least;
-}
-
-/* A^-1 = C (R A C)^-1 R. */
-INLINE void solve_lanes(const tvi_lanes_factor *f, double *restrict x, int n, int lanes)
-{
-    const size_t stride = (size_t)lanes, row = (size_t)n * stride;
-    const double *a = f->lu;
-    for (size_t i = 0; i < row; i++) x[i] *= f->row_scale[i];
-    for (int j = 0; j < n; j++)
-        EACH_LANE {
-            const int other = f->pivot[(size_t)j * stride + w];
-            if (other != j) swap_rows(1, x, j, other, w, lanes);
-        }
-    for (int j = 0; j < n; j++)
-        for (int i = j + 1; i < n; i++)
-            EACH_LANE x[(size_t)i * stride + w] -=
-                a[(size_t)i * row + (size_t)j * stride + w] * x[(size_t)j * stride + w];
-    for (int j = n - 1; j >= 0; j--) {
-        EACH_LANE x[(size_t)j * stride + w] *= a[(size_t)j * row + (size_t)j * stride + w];
-        for (int i = 0; i < j; i++)
-            EACH_LANE x[(size_t)i * stride + w] -=
-                a[(size_t)i * row + (size_t)j * stride + w] * x[(size_t)j * stride + w];
-    }
-    for (size_t i = 0; i < row; i++) x[i] *= f->column_scale[i];
-}
-
-static void solve(const tvi_lanes_factor *f, double *x)
-{
-#define CALL(lanes) solve_lanes(f, x, f->n, lanes)
-    FOR_LANES(f->lanes, CALL)
-#undef CALL
-}
-
-INLINE void multiply_lanes(int count, const tvi_second *second, const int output[], const double *x, const double *d,
-                           double *restrict out, int lanes)
+/* x <- x / size(x), with what multiplied it. count numbers, one every `apart`. */
+INLINE void set_scale(int count, size_t apart, double *x, double *scale, int lanes)
 {
     const size_t stride = (size_t)lanes;
-    for (int k = 0; k < count; k++) {
-        const double *s = x + (size_t)output[k] * stride;
-        const size_t i = (size_t)second[k].row * stride, j = (size_t)second[k].column * stride;
-        EACH_LANE out[i + w] += s[w] * d[j + w];
-        if (i == j) continue;
-        EACH_LANE out[j + w] += s[w] * d[i + w];
+    double size[TVI_GALERKIN_MAX_LANES] = {0};
+    const double *y = x;
+    for (int i = 0; i < count; i++, y += apart) EACH_LANE size[w] = larger(fabs(y[w]), size[w]);
+    EACH_LANE scale[w] = 1 / size[w];
+    for (int i = 0; i < count; i++, x += apart) JET_BLOCKS(lanes, SCALE, );
+}
+
+INLINE void exchange(int columns, double *x, double *y, size_t stride)
+{
+    for (int k = 0; k < columns; k++, x += stride, y += stride) {
+        const double kept = *x;
+        *x = *y;
+        *y = kept;
     }
 }
 
-static void multiply(int lanes, int count, const tvi_second *second, const int output[], const double *x,
-                     const double *d, double *out)
+/* The row of the largest element on or below the diagonal of column j comes to row j. */
+INLINE void pivot_column(lanes_factor *f, int j, int lanes)
 {
-#define CALL(lanes) multiply_lanes(count, second, output, x, d, out, lanes)
-    FOR_LANES(lanes, CALL)
+    const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
+    const double *column = f->lu + (size_t)j * stride;
+    int *pivot = f->pivot + (size_t)j * stride;
+    EACH_LANE {
+        int largest = j;
+        for (int i = j + 1; i < f->n; i++)
+            if (fabs(column[(size_t)i * row + w]) > fabs(column[(size_t)largest * row + w])) largest = i;
+        pivot[w] = largest;
+        if (largest == j) continue;
+        f->exchanges = true;
+        exchange(f->n, f->lu + (size_t)j * row + w, f->lu + (size_t)largest * row + w, stride);
+    }
+}
+
+#define ELIMINATE(V, S)                                                                                                \
+    {                                                                                                                  \
+        const V part = JET_OF(V, lower, j) * JET_OF(V, upper, j);                                                      \
+        JET_AT(V, lower, j) = part;                                                                                    \
+        for (int k = j + 1; k < f->n; k++) JET_AT(V, lower, k) -= part * JET_OF(V, upper, k);                          \
+    }
+
+/* R A C with rows, then columns, of size 1; then L and U in its place, with 1 / U_jj in the diagonal. */
+INLINE double factor_lanes(lanes_factor *f, int lanes)
+{
+    const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
+    double *const a = f->lu, least = 1;
+    for (size_t i = 0; i < (size_t)f->n; i++)
+        set_scale(f->n, stride, a + i * row, f->row_scale + i * stride, lanes);
+    for (size_t j = 0; j < (size_t)f->n; j++)
+        set_scale(f->n, row, a + j * stride, f->column_scale + j * stride, lanes);
+    f->exchanges = false;
+    for (int j = 0; j < f->n; j++) {
+        pivot_column(f, j, lanes);
+        double *const upper = a + (size_t)j * row, *const diagonal = upper + (size_t)j * stride;
+        EACH_LANE if (!(fabs(diagonal[w]) >= least)) least = fabs(diagonal[w]) > 0 ? fabs(diagonal[w]) : 0;
+        EACH_LANE diagonal[w] = 1 / diagonal[w];
+        double *lower = upper + row;
+        for (int i = j + 1; i < f->n; i++, lower += row) JET_BLOCKS(lanes, ELIMINATE, );
+    }
+    return least;
+}
+
+static double factor(lanes_factor *f)
+{
+    double least;
+#define CALL(lanes) least = factor_lanes(f, lanes)
+    FOR_LANES(f->lanes, CALL)
+#undef CALL
+    return least;
+}
+
+/* ---- Solutions: A^-1 = C (R A C)^-1 R ---------------------------------------------------------------------------- */
+
+#define MISSING(V, S) JET_AT(V, x, i) = JET_OF(V, f->row_scale, i) * (JET_OF(V, P, i) - JET_OF(V, p, i));
+
+#define FORWARD(V, S)                                                                                                  \
+    {                                                                                                                  \
+        V sum = JET_OF(V, x, i);                                                                                       \
+        for (int j = 0; j < i; j++) sum -= JET_OF(V, a, j) * JET_OF(V, x, j);                                          \
+        JET_AT(V, x, i) = sum;                                                                                         \
+    }
+
+#define BACK(V, S)                                                                                                     \
+    {                                                                                                                  \
+        V sum = JET_OF(V, x, i);                                                                                       \
+        for (int j = i + 1; j < f->n; j++) sum -= JET_OF(V, a, j) * JET_OF(V, x, j);                                   \
+        sum *= JET_OF(V, a, i);                                                                                        \
+        JET_AT(V, x, i) = sum;                                                                                         \
+        JET_AT(V, velocity, i) += sum * JET_OF(V, f->column_scale, i);                                                 \
+    }
+
+INLINE void correct_lanes(const lanes_factor *f, const double *P, const double *p, double *velocity, int lanes)
+{
+    const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
+    double *const x = f->x;
+    const double *a = f->lu;
+    for (int i = 0; i < f->n; i++) JET_BLOCKS(lanes, MISSING, );
+    for (size_t j = 0; f->exchanges && j < (size_t)f->n; j++)
+        EACH_LANE exchange(1, x + j * stride + w, x + (size_t)f->pivot[j * stride + w] * stride + w, stride);
+    for (int i = 0; i < f->n; i++, a += row) JET_BLOCKS(lanes, FORWARD, );
+    for (int i = f->n - 1; i >= 0; i--) {
+        a -= row;
+        JET_BLOCKS(lanes, BACK, );
+    }
+}
+
+static void correct(const lanes_factor *f, const double *P, const double *p, double *V)
+{
+#define CALL(lanes) correct_lanes(f, P, p, V, lanes)
+    FOR_LANES(f->lanes, CALL)
 #undef CALL
 }
 
-const lagrangian_loops JET_FOR_ISA(lagrangian_loops) = {factor, solve, multiply};
+/* ---- The gradient to first order --------------------------------------------------------------------------------- */
+
+#define SUM(V, S)                                                                                                      \
+    {                                                                                                                  \
+        V sum = JET_OF(V, m->gradient, m->output[i]);                                                                  \
+        for (int k = begin; k < m->end[i]; k++) {                                                                      \
+            const int j = m->term[k].column;                                                                           \
+            const V moved = (j < m->n ? JET_OF(V, Q, j) : JET_OF(V, velocity, j - m->n)) - JET_OF(V, m->centre, j);    \
+            sum += JET_OF(V, m->second, m->term[k].slot) * moved;                                                      \
+        }                                                                                                              \
+        JET_AT(V, out, i) = sum;                                                                                       \
+    }
+
+INLINE void linearise_lanes(const lanes_model *m, const double *Q, const double *velocity, double *out, int lanes)
+{
+    const size_t stride = (size_t)lanes;
+    for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );
+}
+
+static void linearise(const lanes_model *m, const double *Q, const double *V, double *out)
+{
+#define CALL(lanes) linearise_lanes(m, Q, V, out, lanes)
+    FOR_LANES(m->lanes, CALL)
+#undef CALL
+}
+
+const lagrangian_loops JET_FOR_ISA(lagrangian_loops) = {factor, correct, linearise};

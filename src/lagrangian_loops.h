@@ -1,9 +1,9 @@
-/* lagrangian_loops.h - the algebra of second derivatives at all nodes of a Galerkin curve, compiled once for each
- * instruction set. Numbers of one node are a lane: x[i] of node k stands at x[i * lanes + k]. */
+/* lagrangian_loops.h - the algebra of the second derivatives of a Lagrangian at the nodes of a Galerkin curve, compiled
+ * once for each instruction set. Numbers of a node are a lane: x[i] of node k stands at x[i * lanes + k]. */
 #ifndef TVI_SRC_LAGRANGIAN_LOOPS_H
 #define TVI_SRC_LAGRANGIAN_LOOPS_H
 
-#include "system.h"
+#include <stdbool.h>
 
 /* A matrix of n rows at each node. */
 typedef struct {
@@ -11,18 +11,33 @@ typedef struct {
     double *lu;                       /* [n][n][lanes] fill it, then factor; the factor replaces it */
     double *row_scale, *column_scale; /* [n][lanes] */
     int *pivot;                       /* [n][lanes] */
-} tvi_lanes_factor;
+    bool exchanges;                   /* there is a row that is not its own pivot */
+    double *x;                        /* [n][lanes] scratch */
+} lanes_factor;
+
+/* Element (i, column) of a matrix, in a slot of a block. */
+typedef struct {
+    int column, slot;
+} lanes_term;
+
+/* The gradient of L to first order about (q, v) at each node. */
+typedef struct {
+    int n, lanes;
+    const double *centre;   /* [2n][lanes] where it was evaluated: */
+    const double *gradient; /* the block that it is in, */
+    const int *output;      /* [2n] and where there */
+    const double *second;   /* the block of the second derivatives, */
+    const lanes_term *term; /* those that are not 0, row after row, */
+    const int *end;         /* [2n] and where the row ends */
+} lanes_model;
 
 typedef struct {
-    /* P L U of every lane. Returns the smallest pivot, relative to rows and columns of size 1: 0 where a matrix
-     * has a NaN. */
-    double (*factor)(const tvi_lanes_factor *factor);
-    /* x <- A^-1 x, [n][lanes]. */
-    void (*solve)(const tvi_lanes_factor *factor, double *x);
-    /* out += S d, [2n][lanes], S symmetric: its element k, at (row, column) and (column, row), is the slot output[k] of
-     * the block x. */
-    void (*multiply)(int lanes, int count, const tvi_second *second, const int output[], const double *x,
-                     const double *d, double *out);
+    /* P L U in every lane. Returns the smallest pivot, relative to rows and columns of size 1; 0 where there is a NaN. */
+    double (*factor)(lanes_factor *factor);
+    /* V <- V + A^-1 (P - p), [n][lanes] each. */
+    void (*correct)(const lanes_factor *factor, const double *P, const double *p, double *V);
+    /* out = (L_q, L_v) at (Q, V), [2n][lanes]; Q and V [n][lanes]. */
+    void (*linearise)(const lanes_model *model, const double *Q, const double *V, double *out);
 } lagrangian_loops;
 
 extern const lagrangian_loops lagrangian_loops_base, lagrangian_loops_avx2, lagrangian_loops_avx512;
