@@ -83,7 +83,7 @@ $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
 	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(BUILD)/ad/isa.o $(BUILD)/src/galerkin.o $(BUILD)/src/galerkin_lagrangian.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
+$(BUILD)/ad/isa.o $(BUILD)/src/galerkin.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
 $(BUILD)/%.$(1).o: %.c

@@ -2,9 +2,9 @@
  * With a, b, c its coefficients and F_j the field at node j,
  *     separable:    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
  *                   q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
- *     Hamiltonian:  (Q, P)_i = (q0, p0) + h sum_j a_ij (H_p, -H_q)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (H_p,
- * -H_q)_j. Solved by fixed point, from the fields of the step before. The nodes are lanes of one sweep of the field's
- * tape. */
+ *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
+ * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (galerkin_field.h). Solved by passes, which begin with what
+ * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
 #include "galerkin_field.h"
 #include "quadrature.h"
 #include "stepper.h"
@@ -19,8 +19,8 @@ enum { MAX_PASSES = 100, MAX_LANES = TVI_GALERKIN_MAX_LANES };
  * unknowns. */
 typedef struct {
     double moved, before; /* by the last pass, and the one before it; 0: none */
-    double slowest;       /* contraction of the last two passes that were above roundoff */
-    double expected;      /* movement of the last pass, without its roundoff */
+    double slowest;  /* contraction of the last two passes that were above roundoff; of a Newton method, the last */
+    double expected; /* movement of the last pass, without its roundoff */
 } galerkin_progress;
 
 /* The last two steps. */
@@ -34,15 +34,15 @@ typedef struct {
     const tvi_options *options;
     int n, points;
     galerkin_field field;
-    double *from_one;     /* [j][i] extrapolation from a step of size h / ratio, times field.ahead */
-    double ratio;         /* 0: none yet */
-    double *from_two;     /* [2][j][i] the same from the two steps before, all of one size */
-    double *c, *c_rest;   /* [lanes] in two parts */
-    double *weight;       /* [lanes][SUMS] */
-    double *sum;          /* [unknowns][SUMS] */
-    double h;             /* of the rates and the scales; 0: none yet */
-    double *rate;         /* [n] h / m */
-    double *drift;        /* [n] h M^-1 p0 */
+    double *from_one;   /* [j][i] extrapolation from a step of size h / ratio, times field.ahead */
+    double ratio;       /* 0: none yet */
+    double *from_two;   /* [2][j][i] the same from the two steps before, all of one size */
+    double *c, *c_rest; /* [lanes] in two parts */
+    double *weight;     /* [lanes][SUMS] */
+    double *sum;        /* [unknowns][SUMS] */
+    double h;           /* of the rates and the scales; 0: none yet */
+    double *rate;       /* [n] h / m */
+    double *drift;      /* [n] h M^-1 p0 */
     galerkin_history *last;
     double *drives[2]; /* in the history: [unknowns][lanes] what drove the unknowns of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
@@ -169,7 +169,8 @@ static void set_matrix(galerkin *w)
             const int i = lane < m ? lane : m - 1;
             long double square = 0;
             for (int k = 0; k < m; k++) square += a[i][k] * a[k][j];
-            w->field.matrix[j * w->field.nodes.lanes + lane] = (double)(galerkin_is_second_order(&w->field) ? square : a[i][j]);
+            w->field.matrix[j * w->field.nodes.lanes + lane] =
+                (double)(galerkin_is_second_order(&w->field) ? square : a[i][j]);
         }
 }
 
@@ -306,7 +307,8 @@ static void set_sizes(galerkin *w)
             if (w->field.nodes.inverse_size[u] > largest) largest = w->field.nodes.inverse_size[u];
         }
         const double least = largest > 0 ? LEAST_SHARE * largest : 1;
-        for (int u = first; u < first + w->n; u++) w->field.nodes.inverse_size[u] = 1 / (w->field.nodes.inverse_size[u] + least);
+        for (int u = first; u < first + w->n; u++)
+            w->field.nodes.inverse_size[u] = 1 / (w->field.nodes.inverse_size[u] + least);
     }
 }
 
@@ -325,15 +327,18 @@ static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 
 /* Whether what the next pass would move is nothing. */
-static bool is_converged(galerkin_progress *at, double moved, double roundoff, double nothing)
+static bool is_converged(const galerkin *w, galerkin_progress *at, double moved)
 {
-    if (moved > roundoff) {
-        at->slowest = larger(moved / at->moved, at->before > 0 ? at->moved / at->before : 0);
+    const double count = w->field.nodes.unknowns * w->field.nodes.lanes;
+    const bool is_newton = w->field.form->is_newton;
+    if (moved > ROUNDOFF * count || (is_newton && at->slowest == 0)) {
+        const double earlier = at->before > 0 && !is_newton ? at->moved / at->before : 0;
+        at->slowest = larger(moved / at->moved, earlier);
         at->expected = moved;
     } else {
         at->expected = at->slowest > 0 ? smaller(moved, at->slowest * at->expected) : moved;
     }
-    return at->slowest > 0 && at->slowest < 0.25 && at->slowest * at->expected <= nothing;
+    return at->slowest > 0 && at->slowest < 0.25 && at->slowest * at->expected <= NOTHING * count;
 }
 
 /* Whether the passes may end here, or do no more than roundoff. Two passes, since in the equations of a Hamiltonian
@@ -344,8 +349,7 @@ static bool is_enough(const galerkin *w, galerkin_progress *at, double moved)
     bool is_last = moved == 0;
     if (at->before > 0 && moved >= at->moved && moved >= at->before) is_last |= moved <= MAYBE_ROUNDOFF * count;
     if (w->options->tolerance > 0) is_last |= moved <= square(w->options->tolerance);
-    else if (at->moved > 0 && moved <= FAR * count)
-        is_last |= is_converged(at, moved, ROUNDOFF * count, NOTHING * count);
+    else if (at->moved > 0 && moved <= FAR * count) is_last |= is_converged(w, at, moved);
     at->before = at->moved;
     at->moved = moved;
     return is_last;

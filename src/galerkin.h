@@ -4,6 +4,8 @@
 #ifndef TVI_SRC_GALERKIN_H
 #define TVI_SRC_GALERKIN_H
 
+#include "lagrangian_loops.h"
+
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12 };
 
@@ -33,6 +35,7 @@ typedef struct {
     /* base_i = c_i drift, c in two parts, for the first `count` unknowns. */
     void (*set_base)(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
                      const double *drift);
+    const lagrangian_loops *lagrangian;
 } galerkin_loops;
 
 extern const galerkin_loops galerkin_loops_base, galerkin_loops_avx2, galerkin_loops_avx512;

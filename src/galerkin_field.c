@@ -66,4 +66,4 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     return status;
 }
 
-const galerkin_form galerkin_form_plain = {-1, take, prepare, start, predict, pass};
+const galerkin_form galerkin_form_plain = {-1, false, take, prepare, start, predict, pass};

@@ -8,39 +8,40 @@
 
 typedef struct galerkin_form galerkin_form;
 
-/* Q of a separable system, else Q and P, and what drives them: F, or V and the force. */
+/* The unknowns are Q of a separable system, else Q and P; F, or V and F, drives them. */
 typedef struct {
     const tvi_system *system;
     const galerkin_form *form;
     const galerkin_loops *loops;
-    int points;     /* of the lanes; the others repeat the last one */
+    int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
     int *slot;      /* [unknowns] where in nodes.x what drives each unknown is */
-    double *inputs; /* the block of the field's tape, which has the time */
+    double *inputs; /* block of the field's tape, which has the time */
     double *matrix; /* [j][i] a_ij, or (a a)_ij of a separable system */
-    double *ahead;  /* [j][i] what extrapolated drives are multiplied by to be what `predict` asks for */
+    double *ahead;  /* [j][i] what `predict` wants extrapolations multiplied by */
     int copies;
-    int *copied; /* [copies] outputs of a tape that are its inputs: they are copied behind the tape's slots */
+    int *copied; /* [copies] outputs of the tape that are inputs: they are copied behind its slots */
     void *own;   /* of the form */
 } galerkin_field;
 
 struct galerkin_form {
     int force_sign; /* P' is this times what drives P */
+    bool is_newton; /* a pass contracts no less than the one before it */
     void (*take)(galerkin_field *field, tvi_arena *arena);
     /* Once the matrix is there. */
     void (*prepare)(galerkin_field *field);
-    /* What drives the unknowns at the start of the step, at all nodes. */
+    /* What drives the unknowns at the start of the step, for all nodes. */
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
-    /* The unknowns by what drove them in earlier steps: drives[step][u][j], extrapolation [steps][j][i] times ahead. */
+    /* The unknowns by what drove them in earlier steps: drives[step][u][j], extrapolation times ahead [steps][j][i]. */
     void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[]);
-    /* What drives the unknowns where they are, and they moved by it: so far, as `move` says. */
+    /* What drives the unknowns where they are, and they moved by it, as far as `move` says. Counts factorisations. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
 };
 
-/* The tape's own inputs are the unknowns, and its outputs drive them; and that of a Lagrangian. */
+/* A tape's inputs are the unknowns, and its outputs drive them; and a Lagrangian's. */
 extern const galerkin_form galerkin_form_plain, galerkin_form_lagrangian;
 
-/* (a a), a of the system's loops: whether Q'' is driven. */
+/* Whether Q'' is driven, by the force, and not Q' and P'. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)
 {
     return field->system->form == TVI_SEPARABLE;

@@ -1,10 +1,9 @@
-/* galerkin_lagrangian.c - the field of a Lagrangian L(q, v, t): what drives Q and P is V and F = L_q(Q, V), with V where
- * L_v(Q, V) = P (docs/method.md sections 4 and 5).
+/* galerkin_lagrangian.c - the field of a Lagrangian L(q, v, t): V, with L_v(Q, V) = P, drives Q, and F = L_q(Q, V)
+ * drives P (docs/method.md sections 4 and 5).
  *
- * A pass evaluates the gradient (L_q, L_v) of L at the nodes, and, where the ones at hand do not serve, its second
- * derivatives S. Then it goes, several times, through
- *     P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V,
- * each time but the first with the gradient corrected to first order, by S times the change of (Q, V). */
+ * A pass evaluates the gradient (L_q, L_v) at the nodes, and its derivatives, too, where those at hand were taken too
+ * far away. Then it iterates P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V with the gradient to
+ * first order for what (Q, V) have moved since. */
 #include "galerkin_field.h"
 #include "lagrangian_loops.h"
 #include "legendre.h"
@@ -25,11 +24,19 @@ typedef struct {
     lanes_term *term;                  /* [2 seconds] its terms, */
     int *end;                          /* [2n] and rows */
     lanes_factor mass;                 /* of L_vv */
-    double moved;                      /* by the last pass; infinite before the first one of a step */
+    double moved;                      /* by the last pass, as `move` says; infinite before the first one of a step */
+    double off;                        /* by the pass that took the second derivatives, for each unknown; 0: not yet */
 } lagrangian;
 
-enum { ITERATIONS = 3 };                /* of a pass */
-static const double SERVES = 1e-3;      /* relative movement in a pass after which second derivatives still serve */
+/* Of a pass. When one moves no less than half as far as the one before it, the rest is left to the next pass. */
+enum { MOST_ITERATIONS = 8 };
+static const double CONTRACTS = 0.25;
+/* Squares of relative movements: of a pass, after which second derivatives still serve; of one that may be the last of
+ * a step; and one that is nothing. */
+static const double SERVES = 1e-6, MAYBE_LAST = 1e-22, NOTHING = 1e-40;
+
+static double smaller(double a, double b) { return a < b ? a : b; }
+static double count_of(const galerkin_field *field) { return field->nodes.unknowns * field->nodes.lanes; }
 
 static double *row(const galerkin_field *field, int i)
 {
@@ -61,24 +68,13 @@ static void take_factor(lanes_factor *factor, tvi_arena *arena, int n, int lanes
     factor->x = tvi_arena_doubles(arena, numbers);
 }
 
-/* As those of the tapes, of the instruction set. */
-static const lagrangian_loops *loops_for(const galerkin_loops *loops)
-{
-    if (loops == &galerkin_loops_base) return &lagrangian_loops_base;
-#ifdef JET_ISA_X86
-    if (loops == &galerkin_loops_avx2) return &lagrangian_loops_avx2;
-    return &lagrangian_loops_avx512;
-#endif
-    return NULL;
-}
-
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     const tvi_system *system = field->system;
     const int n = system->n, unknowns = 2 * n;
     const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
     lagrangian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
-    lagrangian w = {.loops = loops_for(field->loops)};
+    lagrangian w = {.loops = field->loops->lagrangian};
     field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
     field->inputs = w.values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
     w.second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
@@ -126,9 +122,12 @@ static void prepare(galerkin_field *field)
     jet_tape_prepare(field->system->second_values, w->second, 1, lanes);
     tvi_legendre_prepare(&w->legendre);
     set_terms(field->system, w->term, w->end);
-    w->model = (lanes_model){field->system->n, lanes, .centre = w->values, .second = w->second, .term = w->term,
-                             .end = w->end};
-    for (int i = 0; i < lanes; i++) field->ahead[i * lanes + i] = 1;
+    w->model = (lanes_model){field->system->n,    lanes,           .centre = w->values,
+                             .second = w->second, .term = w->term, .end = w->end};
+    for (int i = 0; i < lanes; i++) {
+        const int node = i < field->points ? i : field->points - 1;
+        field->ahead[node * lanes + i] = 1;
+    }
     for (int u = 0; u < field->nodes.unknowns; u++) {
         field->slot[u] = field->nodes.unknowns + u;
         w->drives.scale[u] = 1;
@@ -215,31 +214,46 @@ static tvi_status factor_mass(galerkin_field *field)
 /* The gradient at the nodes, and new second derivatives where those at hand do not serve. */
 static tvi_status evaluate(galerkin_field *field, tvi_stats *stats)
 {
-    const lagrangian *w = field->own;
-    const bool serves = w->moved <= SERVES * SERVES * field->nodes.unknowns * field->nodes.lanes;
+    lagrangian *w = field->own;
+    const bool serves = w->moved <= SERVES * count_of(field);
     if (!sweep(field, !serves)) return TVI_EDOMAIN;
     if (serves) return TVI_OK;
+    w->off = 0;
     stats->factorisations += field->points;
     return factor_mass(field);
 }
 
+/* The unknowns, by the gradient at hand. */
+static double iterate(galerkin_field *field)
+{
+    const lagrangian *w = field->own;
+    const galerkin_loops *loops = field->loops;
+    const int n = field->system->n;
+    const double moved = loops->move(&w->momenta, field->matrix, field->nodes.x, field->slot + n);
+    w->loops->correct(&w->mass, row(field, n), row(field, 4 * n), row(field, 2 * n));
+    return moved + loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
+}
+
+/* What the first iteration moves, times how far away the second derivatives are, no other one can mend. */
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     lagrangian *w = field->own;
-    const galerkin_loops *loops = field->loops;
     const int n = field->system->n;
-    double *Q = row(field, 0), *P = row(field, n), *V = row(field, 2 * n), *gradient = row(field, 3 * n);
+    const double count = count_of(field);
     const tvi_status status = evaluate(field, stats);
     if (status != TVI_OK) return status;
-    w->moved = 0;
-    for (int iteration = 0; iteration < ITERATIONS; iteration++) {
-        if (iteration > 0) w->loops->linearise(&w->model, Q, V, gradient);
-        w->moved += loops->move(&w->momenta, field->matrix, field->nodes.x, field->slot + n);
-        w->loops->correct(&w->mass, P, row(field, 4 * n), V);
-        w->moved += loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
+    double before = *moved = iterate(field);
+    if (w->off == 0) w->off = smaller(before / count, SERVES);
+    const double enough = before > MAYBE_LAST * count ? w->off * before : NOTHING * count;
+    for (int i = 1; i < MOST_ITERATIONS && before > enough; i++) {
+        w->loops->linearise(&w->model, row(field, 0), row(field, 2 * n), row(field, 3 * n));
+        const double now = iterate(field);
+        *moved += now;
+        if (!(now < CONTRACTS * before)) break;
+        before = now;
     }
-    *moved = w->moved;
+    w->moved = *moved;
     return TVI_OK;
 }
 
-const galerkin_form galerkin_form_lagrangian = {1, take, prepare, start, predict, pass};
+const galerkin_form galerkin_form_lagrangian = {1, true, take, prepare, start, predict, pass};

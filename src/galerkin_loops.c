@@ -119,4 +119,4 @@ static void set_base(const galerkin_nodes *nodes, int count, const double *c, co
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move, predict, integrate, set_base};
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move, predict, integrate, set_base, &JET_FOR_ISA(lagrangian_loops)};

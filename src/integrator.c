@@ -51,7 +51,7 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     if (!out) return TVI_EINVAL;
     *out = NULL;
     if (!system) return TVI_EINVAL;
-    tvi_options resolved = options ? *options : tvi_method_default(system);
+    tvi_options resolved = options ? *options : tvi_options_default();
     const tvi_status status = tvi_method_resolve(&resolved, system, NULL);
     return status == TVI_OK ? make(out, system, &resolved) : status;
 }

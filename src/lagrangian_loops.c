@@ -39,7 +39,8 @@ INLINE void pivot_column(lanes_factor *f, int j, int lanes)
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     const double *column = f->lu + (size_t)j * stride;
     int *pivot = f->pivot + (size_t)j * stride;
-    EACH_LANE {
+    EACH_LANE
+    {
         int largest = j;
         for (int i = j + 1; i < f->n; i++)
             if (fabs(column[(size_t)i * row + w]) > fabs(column[(size_t)largest * row + w])) largest = i;
@@ -62,10 +63,8 @@ INLINE double factor_lanes(lanes_factor *f, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     double *const a = f->lu, least = 1;
-    for (size_t i = 0; i < (size_t)f->n; i++)
-        set_scale(f->n, stride, a + i * row, f->row_scale + i * stride, lanes);
-    for (size_t j = 0; j < (size_t)f->n; j++)
-        set_scale(f->n, row, a + j * stride, f->column_scale + j * stride, lanes);
+    for (size_t i = 0; i < (size_t)f->n; i++) set_scale(f->n, stride, a + i * row, f->row_scale + i * stride, lanes);
+    for (size_t j = 0; j < (size_t)f->n; j++) set_scale(f->n, row, a + j * stride, f->column_scale + j * stride, lanes);
     f->exchanges = false;
     for (int j = 0; j < f->n; j++) {
         pivot_column(f, j, lanes);
@@ -122,8 +121,7 @@ INLINE void correct_lanes(const lanes_factor *f, const double *P, const double *
     }
 }
 
-static void correct(const lanes_factor *f, const double *P, const double *p, double *V)
-{
+static void correct(const lanes_factor *f, const double *P, const double *p, double *V){
 #define CALL(lanes) correct_lanes(f, P, p, V, lanes)
     FOR_LANES(f->lanes, CALL)
 #undef CALL

@@ -32,7 +32,8 @@ typedef struct {
 } lanes_model;
 
 typedef struct {
-    /* P L U in every lane. Returns the smallest pivot, relative to rows and columns of size 1; 0 where there is a NaN. */
+    /* P L U in every lane. Returns the smallest pivot, relative to rows and columns of size 1; 0 where there is a NaN.
+     */
     double (*factor)(lanes_factor *factor);
     /* V <- V + A^-1 (P - p), [n][lanes] each. */
     void (*correct)(const lanes_factor *factor, const double *P, const double *p, double *V);

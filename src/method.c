@@ -114,8 +114,7 @@ static const char *misfit(const method_row *row, const tvi_system *system)
     if (row->method == TVI_STORMER_VERLET)
         return "Stormer-Verlet needs a constant diagonal mass and a force without velocities";
     if (form == SERVES_LAGRANGIAN)
-        return "types II, III, Poincare and the Galerkin curve need the Hamiltonian: write it instead of the "
-               "Lagrangian";
+        return "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian";
     return "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare";
 }
 
@@ -237,16 +236,9 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     return TVI_OK;
 }
 
-/* By measurement (docs/choosing.md): orders of least cost over the scenes. */
-enum { DEFAULT_ORDER = 16, DEFAULT_ORDER_OF_LAGRANGIANS = 20 };
+enum { DEFAULT_ORDER = 16 }; /* of least cost over the scenes (docs/choosing.md) */
 
 tvi_options tvi_options_default(void)
 {
     return (tvi_options){.method = TVI_TYPE1, .expansion = TVI_AT_NODES, .order = DEFAULT_ORDER};
-}
-
-tvi_options tvi_method_default(const tvi_system *system)
-{
-    if (system->form != TVI_LAGRANGIAN) return tvi_options_default();
-    return (tvi_options){.method = TVI_TYPE1, .expansion = TVI_AT_MIDPOINT, .order = DEFAULT_ORDER_OF_LAGRANGIANS};
 }

@@ -8,9 +8,6 @@
  * NULL: then what holds for every system is checked. */
 TVI_NODISCARD tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why);
 
-/* What a user of this system should get who does not choose (docs/choosing.md). */
-tvi_options tvi_method_default(const tvi_system *system);
-
 /* The stepper of resolved options. */
 const tvi_stepper *tvi_method_stepper(const tvi_options *options);
 

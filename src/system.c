@@ -288,7 +288,7 @@ static tvi_status record_lift(recording *rec, const statement *given)
     if (lifted) place_field(rec, base, value, rate);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
-    return system->form == TVI_HAMILTONIAN   ? record_bend(rec)
+    return system->form == TVI_HAMILTONIAN  ? record_bend(rec)
            : system->form == TVI_LAGRANGIAN ? record_second(rec)
                                             : TVI_OK;
 }
