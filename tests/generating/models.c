@@ -183,8 +183,7 @@ tvi_options kind_options_with(const kind *k, int degree, tvi_quadrature quadratu
 
 bool kind_serves(const kind *k, const model *m)
 {
-    const bool is_type1 = k->method == TVI_TYPE1 && k->expansion != TVI_AT_NODES;
-    return m->with & (is_type1 ? WITH_TYPE1 : WITH_HAMILTON);
+    return k->expansion == TVI_AT_NODES || m->with & (k->method == TVI_TYPE1 ? WITH_TYPE1 : WITH_HAMILTON);
 }
 
 int kind_least_degree(const kind *k) { return k->method == TVI_POINCARE ? 0 : 1; }
