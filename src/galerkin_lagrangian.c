@@ -2,8 +2,9 @@
  * drives P (docs/method.md sections 4 and 5).
  *
  * A pass evaluates the gradient (L_q, L_v) at the nodes, and its derivatives, too, where those at hand were taken too
- * far away. Then it iterates P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V with the gradient to
- * first order for what (Q, V) have moved since. */
+ * far away. Then it iterates, with the gradient to first order for what (Q, V) have moved since,
+ *
+ *     P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V. */
 #include "galerkin_field.h"
 #include "lagrangian_loops.h"
 #include "legendre.h"
@@ -25,18 +26,10 @@ typedef struct {
     int *end;                          /* [2n] and rows */
     lanes_factor mass;                 /* of L_vv */
     double moved;                      /* by the last pass, as `move` says; infinite before the first one of a step */
-    double off;                        /* by the pass that took the second derivatives, for each unknown; 0: not yet */
 } lagrangian;
 
-/* Of a pass. When one moves no less than half as far as the one before it, the rest is left to the next pass. */
-enum { MOST_ITERATIONS = 8 };
-static const double CONTRACTS = 0.25;
-/* Squares of relative movements: of a pass, after which second derivatives still serve; of one that may be the last of
- * a step; and one that is nothing. */
-static const double SERVES = 1e-6, MAYBE_LAST = 1e-22, NOTHING = 1e-40;
-
-static double smaller(double a, double b) { return a < b ? a : b; }
-static double count_of(const galerkin_field *field) { return field->nodes.unknowns * field->nodes.lanes; }
+enum { ITERATIONS = 3 };           /* of a pass: more save less than they cost, as measured */
+static const double SERVES = 1e-6; /* the square of a relative movement after which second derivatives serve again */
 
 static double *row(const galerkin_field *field, int i)
 {
@@ -214,11 +207,10 @@ static tvi_status factor_mass(galerkin_field *field)
 /* The gradient at the nodes, and new second derivatives where those at hand do not serve. */
 static tvi_status evaluate(galerkin_field *field, tvi_stats *stats)
 {
-    lagrangian *w = field->own;
-    const bool serves = w->moved <= SERVES * count_of(field);
+    const lagrangian *w = field->own;
+    const bool serves = w->moved <= SERVES * field->nodes.unknowns * field->nodes.lanes;
     if (!sweep(field, !serves)) return TVI_EDOMAIN;
     if (serves) return TVI_OK;
-    w->off = 0;
     stats->factorisations += field->points;
     return factor_mass(field);
 }
@@ -234,25 +226,18 @@ static double iterate(galerkin_field *field)
     return moved + loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
 }
 
-/* What the first iteration moves, times how far away the second derivatives are, no other one can mend. */
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     lagrangian *w = field->own;
     const int n = field->system->n;
-    const double count = count_of(field);
     const tvi_status status = evaluate(field, stats);
     if (status != TVI_OK) return status;
-    double before = *moved = iterate(field);
-    if (w->off == 0) w->off = smaller(before / count, SERVES);
-    const double enough = before > MAYBE_LAST * count ? w->off * before : NOTHING * count;
-    for (int i = 1; i < MOST_ITERATIONS && before > enough; i++) {
+    w->moved = iterate(field);
+    for (int i = 1; i < ITERATIONS; i++) {
         w->loops->linearise(&w->model, row(field, 0), row(field, 2 * n), row(field, 3 * n));
-        const double now = iterate(field);
-        *moved += now;
-        if (!(now < CONTRACTS * before)) break;
-        before = now;
+        w->moved += iterate(field);
     }
-    w->moved = *moved;
+    *moved = w->moved;
     return TVI_OK;
 }
 

@@ -186,12 +186,12 @@ START_TEST(options_combined)
 }
 END_TEST
 
-/* Type I needs velocities that the momenta give, types II and III, Poincare and Galerkin a Hamiltonian, Stormer-Verlet a sum of a
- * part of q and one of p; Taylor needs nothing. */
+/* Type I needs velocities that the momenta give, types II and III and Poincare a Hamiltonian, Stormer-Verlet a sum of a part of q
+ * and one of p; Taylor and the Galerkin curve need nothing. */
 static bool serves(const method *m, form of)
 {
     const tvi_options options = options_of(m);
-    if (options.expansion == TVI_AT_NODES) return of != GENERAL;
+    if (options.expansion == TVI_AT_NODES) return true;
     switch (options.method) {
     case TVI_TYPE1: return of != DEGENERATE && of != VORTICES;
     case TVI_TAYLOR: return true;

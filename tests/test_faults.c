@@ -297,6 +297,7 @@ static const struct {
     {"poincare", 4, TVI_QUADRATURE_AUTO, 0, false, HAMILTONIAN},
     {"galerkin", 16, TVI_QUADRATURE_AUTO, 0, false, POTENTIAL},
     {"galerkin", 6, TVI_GAUSS, 0, false, HAMILTONIAN},
+    {"galerkin", 10, TVI_QUADRATURE_AUTO, 0, false, LAGRANGIAN},
     {"galerkin", 20, TVI_QUADRATURE_AUTO, 3, true, SEPARABLE_H},
     {"taylor", 7, TVI_QUADRATURE_AUTO, 0, false, POTENTIAL},
     {"taylor", 5, TVI_QUADRATURE_AUTO, 0, false, LAGRANGIAN},
