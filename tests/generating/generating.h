@@ -18,6 +18,7 @@ Suite *suite_definition(void);
 Suite *suite_states(void);
 Suite *suite_references(void); /* gcc only: __float128 */
 Suite *suite_galerkin(void);
+Suite *suite_galerkin_lagrangian(void);
 Suite *suite_galerkin_quad(void); /* likewise */
 
 #endif

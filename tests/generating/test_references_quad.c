@@ -1,21 +1,10 @@
 /* test_references_quad.c - where the general scenes are at their ends, from Hamilton's equations derived by hand, in
  * quadruple precision (gcc only): shares nothing with the library. A scene's reference that is not this is printed as it should be. */
+#include "equations_quad.h"
 #include "generating.h"
-
-#include "scene.h"
 
 #include <quadmath.h>
 #include <stdio.h>
-
-typedef __float128 quad;
-enum { MOST = 4 };
-
-typedef struct {
-    quad q[MOST], p[MOST];
-} quad_point;
-
-/* dx = (q', p') at x. */
-typedef void quad_field(const quad_point *x, quad_point *dx);
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
@@ -71,6 +60,13 @@ static void degenerate(const quad_point *x, quad_point *dx)
     dx->q[0] = sinq(x->q[0]);
     dx->p[0] = sinq(x->q[0]) - x->p[0] * cosq(x->q[0]);
 }
+
+const quad_equations equations[EQUATIONS] = {
+    {&scene_double_pendulum, double_pendulum}, {&scene_magnetic, magnetic},     {&scene_nonseparable, nonseparable},
+    {&scene_vortices, vortices},               {&scene_degenerate, degenerate},
+};
+
+typedef void quad_field(const quad_point *x, quad_point *dx);
 
 /* ---- Gragg's method, extrapolated -------------------------------------------------------------------------------- */
 
@@ -129,15 +125,6 @@ static quad_point integrate(const scene *s, quad_field *field, int rows, int ste
 
 /* ---- The references ---------------------------------------------------------------------------------------------- */
 
-static const struct {
-    const scene *scene;
-    quad_field *field;
-} rows[] = {
-    {&scene_double_pendulum, double_pendulum}, {&scene_magnetic, magnetic},     {&scene_nonseparable, nonseparable},
-    {&scene_vortices, vortices},               {&scene_degenerate, degenerate},
-};
-enum { ROWS = sizeof rows / sizeof *rows };
-
 static void print(const scene *s, const quad_point *x)
 {
     fprintf(stderr, "%s:\n", s->name);
@@ -151,8 +138,8 @@ static void print(const scene *s, const quad_point *x)
 /* Two runs of different order and step agree to 25 digits, and the reference is their rounding. */
 START_TEST(reference_is_the_solution)
 {
-    const scene *s = rows[_i].scene;
-    const quad_point x = integrate(s, rows[_i].field, 12, 120), other = integrate(s, rows[_i].field, 10, 250);
+    const scene *s = equations[_i].scene;
+    const quad_point x = integrate(s, equations[_i].field, 12, 120), other = integrate(s, equations[_i].field, 10, 250);
     quad size = 0;
     bool good = true;
     for (int i = 0; i < s->n; i++) size = fmaxq(size, fmaxq(fabsq(x.q[i]), fabsq(x.p[i])));
@@ -171,7 +158,7 @@ Suite *suite_references(void)
     Suite *suite = suite_create("references");
     TCase *tcase = tcase_create("references");
     tcase_set_timeout(tcase, 120);
-    tcase_add_loop_test(tcase, reference_is_the_solution, 0, ROWS);
+    tcase_add_loop_test(tcase, reference_is_the_solution, 0, EQUATIONS);
     suite_add_tcase(suite, tcase);
     return suite;
 }
