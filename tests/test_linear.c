@@ -1,4 +1,6 @@
-/* test_linear.c - dense factors: small systems, which are solved without LAPACK, against LAPACK, and the residuals of all. */
+/* test_linear.c - dense factors: small systems, which are solved without LAPACK, against LAPACK, and the residuals of all, also
+ * of those that are the lanes of one. */
+#include "galerkin.h"
 #include "linear.h"
 #include "suites.h"
 
@@ -99,6 +101,94 @@ START_TEST(singular_matrices_are_refused)
 }
 END_TEST
 
+/* ---- One matrix in each lane -------------------------------------------------------------------------------------- */
+
+enum { LANES = TVI_GALERKIN_MAX_LANES };
+static const int lane_counts[] = {1, 2, 4, 8, LANES};
+enum { LANE_COUNTS = sizeof lane_counts / sizeof *lane_counts };
+
+/* Those of the instruction sets that there are; NULL ends. */
+static const lagrangian_loops *loops_at(int i)
+{
+#ifdef __x86_64__
+    if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &lagrangian_loops_avx2;
+    if (i == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+        return &lagrangian_loops_avx512;
+#endif
+    return i == 0 ? &lagrangian_loops_base : NULL;
+}
+
+typedef struct {
+    double lu[MOST * MOST * LANES], row_scale[MOST * LANES], column_scale[MOST * LANES], x[MOST * LANES];
+    int pivot[MOST * LANES];
+} lanes_room;
+
+static lanes_factor lanes_factor_in(lanes_room *room, int n, int lanes)
+{
+    return (lanes_factor){.n = n, .lanes = lanes, .lu = room->lu, .row_scale = room->row_scale,
+                          .column_scale = room->column_scale, .pivot = room->pivot, .x = room->x};
+}
+
+static void put_lane(const lanes_factor *f, int lane, const double A[])
+{
+    for (int i = 0; i < f->n * f->n; i++) f->lu[i * f->lanes + lane] = A[i];
+}
+
+/* V <- V + A^-1 (P - p), a matrix of its own in each lane, the last of them with no need to exchange rows. */
+START_TEST(lanes_are_solved_alone)
+{
+    const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
+    static lanes_room room;
+    lanes_factor f = lanes_factor_in(&room, n, lanes);
+    double A[LANES][MOST * MOST], P[MOST * LANES], p[MOST * LANES] = {0}, V[MOST * LANES];
+    const lagrangian_loops *loops;
+    for (int isa = 0; (loops = loops_at(isa)); isa++) {
+        for (int lane = 0; lane < lanes; lane++) {
+            fill(n, lane, A[lane]);
+            for (int i = 0; lane == LANES - 1 && i < n * n; i++) A[lane][i] = i % (n + 1) ? 1 : 3 * n;
+            put_lane(&f, lane, A[lane]);
+            for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
+        }
+        ck_assert_double_gt(loops->factor(&f), n * DBL_EPSILON);
+        for (int i = 0; i < n * lanes; i++) V[i] = 0;
+        loops->correct(&f, P, p, V);
+        for (int lane = 0; lane < lanes; lane++) {
+            double x[MOST], b[MOST];
+            for (int i = 0; i < n; i++) x[i] = V[i * lanes + lane], b[i] = P[i * lanes + lane];
+            check_residual(n, A[lane], false, x, b);
+        }
+        double back[MOST * LANES];
+        memcpy(back, V, sizeof back);
+        loops->correct(&f, p, P, back);
+        for (int i = 0; i < n * lanes; i++) ck_assert_double_le(fabs(back[i]), DBL_EPSILON * fabs(V[i]));
+    }
+}
+END_TEST
+
+/* One lane is enough. */
+START_TEST(singular_lanes_are_seen)
+{
+    const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
+    static lanes_room room;
+    lanes_factor f = lanes_factor_in(&room, n, lanes);
+    double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST];
+    for (int i = 0; i < n * n; i++) {
+        regular[i] = broken[i] = i % (n + 1) ? 0.5 : n;
+        rank_one[i] = n > 1 ? (1 + i / n) * (2.0 + i % n) : 0;
+    }
+    broken[n * n - 1] = NAN;
+    const double *const bad[] = {regular, rank_one, zero, broken};
+    const lagrangian_loops *loops;
+    for (int isa = 0; (loops = loops_at(isa)); isa++)
+        for (int kind = 0; kind < 4; kind++) {
+            for (int lane = 0; lane < lanes; lane++) put_lane(&f, lane, lane == lanes / 2 ? bad[kind] : regular);
+            const double least = loops->factor(&f);
+            if (kind == 0) ck_assert_double_gt(least, 0.1);
+            else ck_assert_double_le(least, n * DBL_EPSILON);
+        }
+}
+END_TEST
+
 Suite *suite_linear(void)
 {
     Suite *suite = suite_create("linear");
@@ -106,6 +196,8 @@ Suite *suite_linear(void)
     tcase_set_timeout(linear, 120);
     tcase_add_loop_test(linear, solutions_are_those_of_lapack, 1, MOST + 1);
     tcase_add_loop_test(linear, singular_matrices_are_refused, 1, MOST + 1);
+    tcase_add_loop_test(linear, lanes_are_solved_alone, 0, MOST * LANE_COUNTS);
+    tcase_add_loop_test(linear, singular_lanes_are_seen, 0, MOST * LANE_COUNTS);
     suite_add_tcase(suite, linear);
     return suite;
 }
