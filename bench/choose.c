@@ -92,8 +92,8 @@ static void write_advice(const report *r, FILE *out)
     static const struct {
         const char *have, *take, *method;
     } rows[] = {
-        {"a force, a potential or any Hamiltonian, and long times", "the default: \"galerkin\", order 16", "galerkin"},
-        {"a Lagrangian that does not separate, and long times", "the default for it: \"midpoint\", order 20", "midpoint"},
+        {"any system, and long times", "the default: \"galerkin\", order 16", "galerkin"},
+        {"the paper's Taylor curve at its best, and long times", "\"midpoint\", order 18 or 20", "midpoint"},
         {"a short orbit, energy may drift", "\"taylor\", order 10 to 14", "taylor"},
         {"the paper's form to compare with", "\"symmetric-tvi\", its best order", "symmetric-tvi"},
     };

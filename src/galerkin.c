@@ -327,10 +327,8 @@ static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 
 /* Whether what the next pass would move is nothing. */
-static bool is_converged(const galerkin *w, galerkin_progress *at, double moved)
+static bool is_converged(galerkin_progress *at, double moved, double count, bool is_newton)
 {
-    const double count = w->field.nodes.unknowns * w->field.nodes.lanes;
-    const bool is_newton = w->field.form->is_newton;
     if (moved > ROUNDOFF * count || (is_newton && at->slowest == 0)) {
         const double earlier = at->before > 0 && !is_newton ? at->moved / at->before : 0;
         at->slowest = larger(moved / at->moved, earlier);
@@ -349,7 +347,7 @@ static bool is_enough(const galerkin *w, galerkin_progress *at, double moved)
     bool is_last = moved == 0;
     if (at->before > 0 && moved >= at->moved && moved >= at->before) is_last |= moved <= MAYBE_ROUNDOFF * count;
     if (w->options->tolerance > 0) is_last |= moved <= square(w->options->tolerance);
-    else if (at->moved > 0 && moved <= FAR * count) is_last |= is_converged(w, at, moved);
+    else if (at->moved > 0 && moved <= FAR * count) is_last |= is_converged(at, moved, count, w->field.form->is_newton);
     at->before = at->moved;
     at->moved = moved;
     return is_last;

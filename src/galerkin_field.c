@@ -33,7 +33,7 @@ static void prepare(galerkin_field *field)
     }
 }
 
-static tvi_status evaluate(galerkin_field *field)
+static inline tvi_status evaluate(galerkin_field *field)
 {
     const jet_tape *tape = field->system->field_values;
     double *x = field->nodes.x;

@@ -11,6 +11,8 @@ const pairing pairings[] = {
     {&scene_nonseparable, "galerkin", 8, 0.1},
     {&scene_vortices, "galerkin", 8, 0.05},
     {&scene_degenerate, "galerkin", 6, 0.05},
+    {&scene_double_pendulum, "galerkin", 10, 0.02},
+    {&scene_magnetic, "galerkin", 8, 0.1},
     {&scene_kepler, "midpoint", 20, 0.25},
     {&scene_kepler, "midpoint", 6, 0.1},
     {&scene_kepler, "start", 6, 0.1},

@@ -26,7 +26,7 @@ typedef struct {
     double h;
 } pairing;
 extern const pairing pairings[];
-enum { PAIRINGS = 28 };
+enum { PAIRINGS = 30 };
 
 run run_open(const scene *s, const char *method, int order); /* method NULL: the default */
 void run_close(run *r);
