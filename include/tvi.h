@@ -103,11 +103,11 @@ typedef struct {
 } tvi_options;
 
 /* What a user who does not choose should get: symmetric, on-curve, the fastest at equal error over the scenes of the bench
- * (docs/choosing.md): "galerkin" of order 16, which serves all but general Lagrangians. */
+ * (docs/choosing.md): "galerkin" of order 16, which serves every system. */
 tvi_options tvi_options_default(void);
 /* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left", "svhd",
  * "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and III at the start),
- * "poincare"; "galerkin" (type I with free values at Gauss nodes, for any Hamiltonian too); and "taylor", "stormer-verlet".
+ * "poincare"; "galerkin" (type I with free values at Gauss nodes, for any system); and "taylor", "stormer-verlet".
  * TVI_EINVAL: no such name, or an order that the method cannot have. */
 TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
 /* Whether the options make a method for the system. On refusal *why (where why is not NULL) is static text that names
@@ -118,8 +118,7 @@ TVI_NODISCARD tvi_status tvi_options_check(const tvi_system *system, const tvi_o
 
 typedef struct tvi_integrator tvi_integrator;
 
-/* NULL options: the default for this system, which is tvi_options_default but for a Lagrangian that is not separable:
- * "midpoint" of order 20. Fails as tvi_options_check does, and with TVI_ENOMEM; *out is then NULL. */
+/* NULL options: tvi_options_default. Fails as tvi_options_check does, and with TVI_ENOMEM; *out is then NULL. */
 TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options);
 void tvi_integrator_free(tvi_integrator *integrator);                               /* NULL is allowed */
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator);        /* as resolved: degree, points */

@@ -8,7 +8,8 @@
 #   Jacobians     these matrices dQ/dz; 0 where only products are had
 #   closing       the equations of the generating function; with products the seeds' adjoint sweep is one with it
 #   corrector     factors, solutions and decisions of the passes, without the residuals
-#   rest          predictor, increments, compensated sums, copies; of Galerkin the sums of the collocation
+#   rest          predictor, increments, compensated sums, copies; of Galerkin the sums of the collocation, and of a
+#                 Lagrangian the algebra of its second derivatives
 set -u
 program=$1
 
