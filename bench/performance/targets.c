@@ -26,11 +26,11 @@ static const struct {
     double most;               /* of the ratio of the times */
     const char *const *ours;   /* the fastest of them, where it is not the method that the table is of */
 } rivalries[] = {
-    {&scene_kepler, "Kepler to t = 250, Gauss collocation of order 16", gauss, 5},
-    {&scene_kepler, "Kepler to t = 250, GSL rk8pd", gsl, 0.7},
-    {&scene_solar, "Solar System, Gauss collocation of order 16", gauss, 4},
-    {&scene_solar, "Solar System, GSL rk8pd", gsl, 1},
-    {&scene_solar, "Solar System, the fastest of SUNDIALS", sundials, 1},
+    {&scene_kepler, "Kepler to t = 250, Gauss collocation of order 16", gauss, 5, NULL},
+    {&scene_kepler, "Kepler to t = 250, GSL rk8pd", gsl, 0.7, NULL},
+    {&scene_solar, "Solar System, Gauss collocation of order 16", gauss, 4, NULL},
+    {&scene_solar, "Solar System, GSL rk8pd", gsl, 1, NULL},
+    {&scene_solar, "Solar System, the fastest of SUNDIALS", sundials, 1, NULL},
     {&scene_double_pendulum, "double pendulum, Gauss collocation of order 12", gauss, 1, any},
     {&scene_double_pendulum, "the same, midpoint", gauss, 1, midpoint},
 };
