@@ -133,17 +133,16 @@ static bool sweep(galerkin_field *field, bool with_second)
     lagrangian *w = field->own;
     const tvi_system *system = field->system;
     const jet_tape *tape = with_second ? system->second_values : system->field_values;
-    const int lanes = field->nodes.lanes;
-    const size_t size = (size_t)(system->n * lanes), bytes = size * sizeof(double);
-    memcpy(w->values, row(field, 0), bytes);
-    memcpy(w->values + size, row(field, 2 * system->n), bytes);
+    const int n = system->n, lanes = field->nodes.lanes;
+    const size_t bytes = (size_t)lanes * sizeof(double);
+    memcpy(w->values, row(field, 0), (size_t)n * bytes);
+    memcpy(w->values + n * lanes, row(field, 2 * n), (size_t)n * bytes);
     double *x = with_second ? w->second : w->values;
-    if (with_second) memcpy(x, w->values, (size_t)(tape->inputs * lanes) * sizeof *x);
+    if (with_second) memcpy(x, w->values, (size_t)tape->inputs * bytes);
     if (!jet_sweep_values(tape, x, lanes)) return false;
     w->model.gradient = x;
     w->model.output = tape->output;
-    for (int i = 0; i < field->nodes.unknowns; i++)
-        memcpy(row(field, 3 * system->n + i), x + tape->output[i] * lanes, (size_t)lanes * sizeof *x);
+    for (int i = 0; i < 2 * n; i++) memcpy(row(field, 3 * n + i), x + (size_t)tape->output[i] * (size_t)lanes, bytes);
     return true;
 }
 
