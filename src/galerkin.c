@@ -361,7 +361,7 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
     for (int pass = 1; pass <= most; pass++) {
         stats->force_evaluations += w->points;
         double moved;
-        const tvi_status status = w->field.form->pass(&w->field, &moved, stats);
+        const tvi_status status = galerkin_pass(&w->field, &moved, stats);
         if (status != TVI_OK) return status;
         stats->passes++;
         if (!isfinite(moved)) return TVI_ENONFINITE;

@@ -2,8 +2,6 @@
  * nodes' scale. The unknowns are the inputs of the tape. */
 #include "galerkin_field.h"
 
-#include <string.h>
-
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
@@ -33,24 +31,13 @@ static void prepare(galerkin_field *field)
     }
 }
 
-static inline tvi_status evaluate(galerkin_field *field)
-{
-    const jet_tape *tape = field->system->field_values;
-    double *x = field->nodes.x;
-    if (!jet_sweep_values(tape, x, field->nodes.lanes)) return TVI_EDOMAIN;
-    const size_t lanes = (size_t)field->nodes.lanes;
-    for (int i = 0; i < field->copies; i++)
-        memcpy(x + (size_t)(tape->slots + i) * lanes, x + (size_t)field->copied[i] * lanes, lanes * sizeof *x);
-    return TVI_OK;
-}
-
 static tvi_status start(galerkin_field *field, const tvi_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;
     (void)origin;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int i = 0; i < nodes->lanes; i++) nodes->x[u * nodes->lanes + i] = nodes->start[u];
-    return evaluate(field);
+    return galerkin_evaluate(field);
 }
 
 static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[])
@@ -58,12 +45,4 @@ static void predict(galerkin_field *field, int steps, const double *extrapolatio
     field->loops->predict(&field->nodes, steps, extrapolation, drives);
 }
 
-static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
-{
-    const tvi_status status = evaluate(field);
-    (void)stats;
-    if (status == TVI_OK) *moved = field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
-    return status;
-}
-
-const galerkin_form galerkin_form_plain = {-1, false, take, prepare, start, predict, pass};
+const galerkin_form galerkin_form_plain = {-1, false, take, prepare, start, predict, NULL};

@@ -6,6 +6,8 @@
 #include "galerkin.h"
 #include "stepper.h"
 
+#include <string.h>
+
 typedef struct galerkin_form galerkin_form;
 
 /* The unknowns are Q of a separable system, else Q and P; F, or V and F, drives them. */
@@ -34,7 +36,7 @@ struct galerkin_form {
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
     /* The unknowns by what drove them in earlier steps: drives[step][u][j], extrapolation times ahead [steps][j][i]. */
     void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[]);
-    /* What drives the unknowns where they are, and they moved by it, as far as `move` says. Counts factorisations. */
+    /* See galerkin_pass; NULL: by galerkin_evaluate. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
 };
 
@@ -45,6 +47,27 @@ extern const galerkin_form galerkin_form_plain, galerkin_form_lagrangian;
 static inline bool galerkin_is_second_order(const galerkin_field *field)
 {
     return field->system->form == TVI_SEPARABLE;
+}
+
+/* Runs the tape at the unknowns, which are its inputs. */
+static inline tvi_status galerkin_evaluate(galerkin_field *field)
+{
+    const jet_tape *tape = field->system->field_values;
+    double *x = field->nodes.x;
+    if (!jet_sweep_values(tape, x, field->nodes.lanes)) return TVI_EDOMAIN;
+    const size_t lanes = (size_t)field->nodes.lanes;
+    for (int i = 0; i < field->copies; i++)
+        memcpy(x + (size_t)(tape->slots + i) * lanes, x + (size_t)field->copied[i] * lanes, lanes * sizeof *x);
+    return TVI_OK;
+}
+
+/* What drives the unknowns where they are, and they moved by it, as far as `move` says. Counts factorisations. */
+static inline tvi_status galerkin_pass(galerkin_field *field, double *moved, tvi_stats *stats)
+{
+    if (field->form->pass) return field->form->pass(field, moved, stats);
+    const tvi_status status = galerkin_evaluate(field);
+    if (status == TVI_OK) *moved = field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
+    return status;
 }
 
 #endif
