@@ -9,6 +9,7 @@
 typedef struct {
     struct jet_node *node;
     int level; /* inputs and constants 0; else one more than the highest operand */
+    int turn;  /* see find_turns */
     int slot;
     int a, b; /* slots of the operands that are read at the order being computed */
 } place;      /* node NULL: a copy of slot a */
@@ -18,6 +19,7 @@ typedef struct {
     jet_tape_kind kind;
     int count;      /* of nodes in the graph */
     bool *needed;   /* [count] */
+    int *uses;      /* [count] scratch, zeros */
     place *places;  /* [count] by node index, then the copies */
     place **levels; /* [needed_count] the needed nodes by level */
     place **sorted; /* [slots] nodes and copies in the order of their slots */
@@ -68,7 +70,7 @@ static void find_levels(lowering *low)
         if (reads_b(low, z)) level = max(level, low->places[z->b->index].level + 1);
         for (int term = 0; term < z->count; term++)
             level = max(level, low->places[z->terms[term].node->index].level + 1);
-        low->places[i] = (place){.node = z, .level = level, .slot = -1};
+        low->places[i] = (place){.node = z, .level = level, .turn = -1, .slot = -1};
         low->levels[low->needed_count++] = &low->places[i];
     }
 }
@@ -77,6 +79,24 @@ static int by_level(const void *first, const void *second)
 {
     const place *x = *(place *const *)first, *y = *(place *const *)second;
     return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
+}
+
+/* Of operations on two operands: how often one of these was read before at the level; else that of the first reader. As
+ * where x, y and z of the distances of many pairs are each multiplied by one function of the pair: the x come first, then
+ * the y, and each turn reads adjacent slots. */
+static void find_turns(lowering *low, place *level[], int count)
+{
+    int *const uses = low->uses;
+    for (int i = 0; i < count; i++) {
+        const struct jet_node *z = level[i]->node;
+        if (!reads_b(low, z)) continue;
+        const int operand[] = {z->a->index, z->b->index};
+        level[i]->turn = max(uses[operand[0]]++, uses[operand[1]]++);
+        for (int k = 0; k < 2; k++)
+            if (low->places[operand[k]].turn < 0) low->places[operand[k]].turn = level[i]->turn;
+    }
+    for (int i = 0; i < count; i++)
+        if (reads_b(low, level[i]->node)) uses[level[i]->node->a->index] = uses[level[i]->node->b->index] = 0;
 }
 
 static int compare(double a, double b) { return (a > b) - (a < b); }
@@ -100,6 +120,7 @@ static int by_first_operand(const void *first, const void *second)
     const place *x = *(place *const *)first, *y = *(place *const *)second;
     const int group = by_group(x, y);
     if (group) return group;
+    if (x->level > 0 && x->turn != y->turn) return x->turn - y->turn;
     if (!is_summed(x) && x->a != y->a) return x->a - y->a;
     if (!is_summed(x) && x->b != y->b) return x->b - y->b;
     return x->node->index - y->node->index;
@@ -142,13 +163,25 @@ static void gather(lowering *low, place *group[], int count, bool second)
     }
 }
 
-/* The operands of a group: sorted by the one that is then contiguous, the other gathered. */
+static bool is_contiguous_in_turns(place *const group[], int count)
+{
+    for (int begin = 0, end = 0; begin < count; begin = end) {
+        while (end < count && group[end]->turn == group[begin]->turn) end++;
+        if (!is_contiguous(group + begin, end - begin, false) || !is_contiguous(group + begin, end - begin, true))
+            return false;
+    }
+    return true;
+}
+
+/* The operands of a group: turn by turn where that will do, else sorted by the one that is then contiguous, the other
+ * gathered. */
 static void gather_operands(lowering *low, place *group[], int count)
 {
     if (!reads_b(low, group[0]->node)) {
         gather(low, group, count, false);
         return;
     }
+    if (is_contiguous_in_turns(group, count)) return;
     if (!is_contiguous(group, count, false) && !is_contiguous(group, count, true))
         qsort(group, (size_t)count, sizeof *group, by_second_operand);
     gather(low, group, count, false);
@@ -180,14 +213,20 @@ static void emit_level(lowering *low, place *level[], int count)
         if (!is_summed(level[i])) emit(low, level[i]);
 }
 
+static void for_levels(lowering *low, void (*function)(lowering *low, place *level[], int count))
+{
+    for (int begin = 0, end = 0; begin < low->needed_count; begin = end) {
+        while (end < low->needed_count && low->levels[end]->level == low->levels[begin]->level) end++;
+        function(low, low->levels + begin, end - begin);
+    }
+}
+
 /* Level by level, since the order within one depends on the slots of those below. */
 static void assign_slots(lowering *low)
 {
     qsort(low->levels, (size_t)low->needed_count, sizeof *low->levels, by_level);
-    for (int begin = 0, end = 0; begin < low->needed_count; begin = end) {
-        while (end < low->needed_count && low->levels[end]->level == low->levels[begin]->level) end++;
-        emit_level(low, low->levels + begin, end - begin);
-    }
+    for_levels(low, find_turns);
+    for_levels(low, emit_level);
 }
 
 /* A copy is a sum of one term. */
@@ -254,6 +293,7 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
     const size_t nodes = 3 * (size_t)low->count + 1; /* each may have copies of two operands */
     terms += 2 * low->count;
     low->needed = calloc(nodes, sizeof *low->needed);
+    low->uses = calloc(nodes, sizeof *low->uses);
     low->places = calloc(nodes, sizeof *low->places);
     low->levels = calloc(nodes, sizeof(place *));
     low->sorted = calloc(nodes, sizeof(place *));
@@ -263,7 +303,7 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
     tape->term_slot = calloc((size_t)terms + 1, sizeof *tape->term_slot);
     tape->term_coefficient = calloc((size_t)terms + 1, sizeof *tape->term_coefficient);
     tape->output = calloc((size_t)outputs + 1, sizeof *tape->output);
-    return low->needed && low->places && low->levels && low->sorted && tape->run && tape->constant && tape->base &&
+    return low->needed && low->uses && low->places && low->levels && low->sorted && tape->run && tape->constant && tape->base &&
            tape->term_slot && tape->term_coefficient && tape->output;
 }
 
@@ -284,6 +324,7 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
         for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(&low, output[i].node);
     }
     free(low.needed);
+    free(low.uses);
     free(low.places);
     free(low.levels);
     free(low.sorted);

@@ -149,9 +149,7 @@ static tvi_status record_potential(recording *rec, const statement *given)
     rec->scalar = given->potential(rec->q, rec->t, given->ctx);
     const tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status != TVI_OK) return status;
-    if (!jet_gradient(system->graph, rec->scalar, system->n, rec->field)) return TVI_ENOMEM;
-    negate(system->n, rec->field);
-    return TVI_OK;
+    return jet_gradient(system->graph, jet_neg(rec->scalar), system->n, rec->field) ? TVI_OK : TVI_ENOMEM;
 }
 
 /* Room for the field, and for one row more of second derivatives. */
