@@ -16,7 +16,7 @@ typedef enum {
     OP_INPUT,
     OP_CONST,
     OP_LINEAR, /* z = number + sum_i coefficient_i node_i        */
-    OP_MUL,    /* z = a b                                        */
+    OP_MUL,    /* z = number a b, number = 1 until it is lowered  */
     OP_SQR,    /* z = a^2                                        */
     OP_DIV,    /* z = a / b                                      */
     OP_SQRT,   /* z = sqrt a                                     */

@@ -1,35 +1,34 @@
 /* Products and quotients: plain convolutions. */
 #include "rule.h"
 
-/* ---- z = a b ----------------------------------------------------------------------------------------------------- */
+/* ---- z = c a b --------------------------------------------------------------------------------------------------- */
 
 static bool mul_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
-    (void)c;
-    for (int w = 0; w < width; w++) z[w] = a[w] * b[w];
+    for (int w = 0; w < width; w++) z[w] = c * (a[w] * b[w]);
     return true;
 }
 
-/* z_k = sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
+/* z_k = c sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
 #define MUL_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 0, k, S(V, a, j) * S(V, b, k - j));                                                            \
-        JET_AT(V, z, k) = sum;                                                                                         \
+        JET_AT(V, z, k) = c * sum;                                                                                     \
     }
 
-/* dz_k = sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
+/* dz_k = c sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
 #define MUL_TANGENT(V, S)                                                                                              \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         JET_SUM(V, sum, 0, k, S(V, b, j) * JET_D_OF(V, da, k - j) + S(V, a, j) * JET_D_OF(V, db, k - j));              \
-        JET_D_AT(V, dz, k) = sum;                                                                                      \
+        JET_D_AT(V, dz, k) = c * sum;                                                                                  \
     }
 
-/* abar_j += zbar_k b_{k-j},  bbar_j += zbar_k a_{k-j},  j = 0..k. */
+/* abar_j += c zbar_k b_{k-j},  bbar_j += c zbar_k a_{k-j},  j = 0..k. */
 #define MUL_ADJOINT(V, S)                                                                                              \
     {                                                                                                                  \
-        const V bar = S(V, zbar, k);                                                                                   \
+        const V bar = c * S(V, zbar, k);                                                                               \
         JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, b, k - j));                                                    \
         JET_EACH(0, k, JET_AT(V, bbar, j) += bar * S(V, a, k - j));                                                    \
     }

@@ -7,12 +7,14 @@
 
 /* What the lowering knows of a node. */
 typedef struct {
-    struct jet_node *node;
+    const struct jet_node *node;
+    const struct jet_node *does; /* the operation: of the node itself, or the product that it is a multiple of */
+    double c;                    /* the number of the operation; the multiple */
     int level; /* inputs and constants 0; else one more than the highest operand */
     int turn;  /* see find_turns */
     int slot;
     int a, b; /* slots of the operands that are read at the order being computed */
-} place;      /* node NULL: a copy of slot a */
+} place;      /* node and does NULL: a copy of slot a */
 
 typedef struct {
     const jet_graph *graph;
@@ -60,18 +62,50 @@ static void mark_needed(lowering *low, int inputs, int outputs, const jet output
 
 static int max(int a, int b) { return a > b ? a : b; }
 
+static void count_uses(const lowering *low, int outputs, const jet output[], int uses[])
+{
+    for (int i = 0; i < outputs; i++) uses[output[i].node->index]++;
+    for (int i = 0; i < low->count; i++) {
+        if (!low->needed[i]) continue;
+        const struct jet_node *z = jet_graph_node(low->graph, i);
+        if (z->a) uses[z->a->index]++;
+        if (keeps_b(low, z)) uses[z->b->index]++;
+        for (int term = 0; term < z->count; term++) uses[z->terms[term].node->index]++;
+    }
+}
+
+/* A multiple of a product that nothing else needs is one operation. */
+static void fold_multiples(lowering *low, int outputs, const jet output[])
+{
+    count_uses(low, outputs, output, low->uses);
+    for (int i = 0; i < low->count; i++) {
+        const struct jet_node *z = jet_graph_node(low->graph, i);
+        if (!low->needed[i] || z->count != 1 || z->number != 0) continue;
+        const struct jet_node *product = z->terms[0].node;
+        if (product->op != OP_MUL || low->uses[product->index] != 1) continue;
+        low->places[i].does = product;
+        low->needed[product->index] = false;
+    }
+    memset(low->uses, 0, (size_t)low->count * sizeof *low->uses);
+}
+
 static void find_levels(lowering *low)
 {
     for (int i = 0; i < low->count; i++) {
         if (!low->needed[i]) continue;
-        struct jet_node *z = jet_graph_node(low->graph, i);
+        place *at = &low->places[i];
+        const struct jet_node *z = at->does ? at->does : jet_graph_node(low->graph, i);
         int level = 0;
         if (z->a) level = max(level, low->places[z->a->index].level + 1);
         if (reads_b(low, z)) level = max(level, low->places[z->b->index].level + 1);
         for (int term = 0; term < z->count; term++)
             level = max(level, low->places[z->terms[term].node->index].level + 1);
-        low->places[i] = (place){.node = z, .level = level, .turn = -1, .slot = -1};
-        low->levels[low->needed_count++] = &low->places[i];
+        at->node = jet_graph_node(low->graph, i);
+        at->c = at->does ? at->node->terms[0].coefficient : z->number;
+        at->does = z;
+        at->level = level;
+        at->turn = at->slot = -1;
+        low->levels[low->needed_count++] = at;
     }
 }
 
@@ -88,7 +122,7 @@ static void find_turns(lowering *low, place *level[], int count)
 {
     int *const uses = low->uses;
     for (int i = 0; i < count; i++) {
-        const struct jet_node *z = level[i]->node;
+        const struct jet_node *z = level[i]->does;
         if (!reads_b(low, z)) continue;
         const int operand[] = {z->a->index, z->b->index};
         level[i]->turn = max(uses[operand[0]]++, uses[operand[1]]++);
@@ -96,21 +130,21 @@ static void find_turns(lowering *low, place *level[], int count)
             if (low->places[operand[k]].turn < 0) low->places[operand[k]].turn = level[i]->turn;
     }
     for (int i = 0; i < count; i++)
-        if (reads_b(low, level[i]->node)) uses[level[i]->node->a->index] = uses[level[i]->node->b->index] = 0;
+        if (reads_b(low, level[i]->does)) uses[level[i]->does->a->index] = uses[level[i]->does->b->index] = 0;
 }
 
 static int compare(double a, double b) { return (a > b) - (a < b); }
 
-static bool is_summed(const place *z) { return !jet_rules[z->node->op]; }
+static bool is_summed(const place *z) { return !jet_rules[z->does->op]; }
 
 /* Sums of equally many terms stand together. */
-static int compare_sums(const place *x, const place *y) { return x->node->count - y->node->count; }
+static int compare_sums(const place *x, const place *y) { return x->does->count - y->does->count; }
 
 /* Whether two nodes of a level can be members of one run. */
 static int by_group(const place *x, const place *y)
 {
-    if (x->node->op != y->node->op) return (int)x->node->op - (int)y->node->op;
-    return is_summed(x) ? compare_sums(x, y) : compare(x->node->number, y->node->number);
+    if (x->does->op != y->does->op) return (int)x->does->op - (int)y->does->op;
+    return is_summed(x) ? compare_sums(x, y) : compare(x->c, y->c);
 }
 
 /* Within a level by group, and within that by the slots of the operands, so that adjacent results have adjacent
@@ -177,7 +211,7 @@ static bool is_contiguous_in_turns(place *const group[], int count)
  * gathered. */
 static void gather_operands(lowering *low, place *group[], int count)
 {
-    if (!reads_b(low, group[0]->node)) {
+    if (!reads_b(low, group[0]->does)) {
         gather(low, group, count, false);
         return;
     }
@@ -199,8 +233,8 @@ static int group_end(place *const level[], int begin, int end)
 static void emit_level(lowering *low, place *level[], int count)
 {
     for (int i = 0; i < count; i++) {
-        level[i]->a = slot_of(low, level[i]->node->a);
-        level[i]->b = reads_b(low, level[i]->node) ? slot_of(low, level[i]->node->b) : 0;
+        level[i]->a = slot_of(low, level[i]->does->a);
+        level[i]->b = reads_b(low, level[i]->does) ? slot_of(low, level[i]->does->b) : 0;
     }
     qsort(level, (size_t)count, sizeof *level, by_first_operand);
     for (int i = 0; i < count; i++)
@@ -230,16 +264,16 @@ static void assign_slots(lowering *low)
 }
 
 /* A copy is a sum of one term. */
-static int terms_of(const place *z) { return z->node ? z->node->count : 1; }
+static int terms_of(const place *z) { return z->does ? z->does->count : 1; }
 
 /* The run of z alone. */
 static jet_run run_of(const lowering *low, const jet_tape *tape, const place *z)
 {
-    if (!z->node || z->node->op == OP_LINEAR)
+    if (!z->does || z->does->op == OP_LINEAR)
         return (jet_run){OP_LINEAR, 1, z->slot, .first = tape->rows, .terms = terms_of(z), .term = tape->terms};
-    const bool partner = keeps_b(low, z->node) && !reads_b(low, z->node);
-    const int b = partner ? slot_of(low, z->node->b) : z->b;
-    return (jet_run){z->node->op, 1, z->slot, z->a, b, .c = z->node->number};
+    const bool partner = keeps_b(low, z->does) && !reads_b(low, z->does);
+    const int b = partner ? slot_of(low, z->does->b) : z->b;
+    return (jet_run){z->does->op, 1, z->slot, z->a, b, .c = z->c};
 }
 
 /* Whether the run can grow by the next one. */
@@ -316,6 +350,7 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
     const bool allocated = allocate(&low, tape, outputs);
     if (allocated) {
         mark_needed(&low, inputs, outputs, output);
+        fold_multiples(&low, outputs, output);
         find_levels(&low);
         assign_slots(&low);
         lay_out(&low, tape);
