@@ -18,20 +18,29 @@ INLINE double sum_of(const double x[], size_t count)
     return sum[0];
 }
 
+/* The block's rows of a matrix: in registers while all unknowns pass. */
+#define ROWS(V, row, matrix)                                                                                           \
+    V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
+    for (int j = 0; j < lanes; j++) row[j] = OF_VECTOR(V, matrix, j)
+
+/* even + odd += sum_j row_j drive_j. */
+#define ADD_PRODUCT(row, drive)                                                                                        \
+    for (int j = 0; j < lanes; j += 2) {                                                                               \
+        even += (row)[j] * (drive)[j];                                                                                 \
+        if (lanes > 1) odd += (row)[j + 1] * (drive)[j + 1];                                                           \
+    }
+
 /* The lanes of a block for all unknowns. */
 #define MOVE(V, S)                                                                                                     \
     {                                                                                                                  \
+        ROWS(V, row, matrix);                                                                                          \
         V squares = {0};                                                                                               \
-        for (int u = 0; u < nodes->unknowns; u++) {                                                                    \
+        for (int u = 0; u < unknowns; u++) {                                                                           \
             const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                            \
-            V even = OF_VECTOR(V, matrix, 0) * drive[0], odd = {0};                                                    \
-            if (lanes > 1) odd = OF_VECTOR(V, matrix, 1) * drive[1];                                                   \
-            for (int j = 2; j < lanes; j += 2) {                                                                       \
-                even += OF_VECTOR(V, matrix, j) * drive[j];                                                            \
-                odd += OF_VECTOR(V, matrix, j + 1) * drive[j + 1];                                                     \
-            }                                                                                                          \
-            const V place = nodes->start[u] + (OF_VECTOR(V, nodes->base, u) + nodes->scale[u] * (even + odd));         \
-            const V change = (place - VECTOR(V, x, u)) * nodes->inverse_size[u];                                       \
+            V even = {0}, odd = {0};                                                                                   \
+            ADD_PRODUCT(row, drive)                                                                                    \
+            const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * (even + odd));                              \
+            const V change = (place - VECTOR(V, x, u)) * inverse_size[u];                                              \
             squares += change * change;                                                                                \
             VECTOR(V, x, u) = place;                                                                                   \
         }                                                                                                              \
@@ -41,6 +50,8 @@ INLINE double sum_of(const double x[], size_t count)
 INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                          int lanes)
 {
+    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
+    const int unknowns = nodes->unknowns;
     double *x = nodes->x, sum = 0;
     JET_BLOCKS(lanes, MOVE, );
     return sum;
@@ -56,26 +67,29 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
 }
 
 #define PREDICT(V, S)                                                                                                  \
-    for (int u = 0; u < nodes->unknowns; u++) {                                                                        \
-        V even = {0}, odd = {0};                                                                                       \
-        for (int step = 0; step < steps; step++) {                                                                     \
-            const double *drive = drives[step] + u * lanes, *of_step = matrix + step * lanes * lanes;                  \
-            for (int j = 0; j < lanes; j += 2) {                                                                       \
-                even += OF_VECTOR(V, of_step, j) * drive[j];                                                           \
-                if (lanes > 1) odd += OF_VECTOR(V, of_step, j + 1) * drive[j + 1];                                     \
-            }                                                                                                          \
+    {                                                                                                                  \
+        ROWS(V, row, matrix);                                                                                          \
+        ROWS(V, row_before, matrix + (steps - 1) * lanes * lanes);                                                     \
+        for (int u = 0; u < unknowns; u++) {                                                                           \
+            V even = {0}, odd = {0};                                                                                   \
+            ADD_PRODUCT(row, drives[0] + u * lanes)                                                                    \
+            if (steps > 1) ADD_PRODUCT(row_before, drives[1] + u * lanes)                                              \
+            VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * (even + odd));                            \
         }                                                                                                              \
-        VECTOR(V, nodes->x, u) = nodes->start[u] + (OF_VECTOR(V, nodes->base, u) + nodes->scale[u] * (even + odd));    \
     }
 
 INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[],
                           int lanes)
 {
+    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
+    const int unknowns = nodes->unknowns;
+    double *x = nodes->x;
     JET_BLOCKS(lanes, PREDICT, );
 }
 
-static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[]){
-#define CALL(lanes) predict_lanes(nodes, steps, matrix, drives, lanes)
+static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[])
+{
+#define CALL(lanes) steps == 2 ? predict_lanes(nodes, 2, matrix, drives, lanes) : predict_lanes(nodes, 1, matrix, drives, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
 }
