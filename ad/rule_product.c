@@ -5,7 +5,7 @@
 
 static bool mul_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
-    for (int w = 0; w < width; w++) z[w] = c * (a[w] * b[w]);
+    for (int w = 0; w < width; w++) z[w] = c * a[w] * b[w];
     return true;
 }
 

@@ -15,6 +15,8 @@ static double *slot_of(double *x, int index, int lanes) { return x + (size_t)ind
     case 1: function(tape, run, x, 1); break;                                                                          \
     case 2: function(tape, run, x, 2); break;                                                                          \
     case 3: function(tape, run, x, 3); break;                                                                          \
+    case 4: function(tape, run, x, 4); break;                                                                          \
+    case 5: function(tape, run, x, 5); break;                                                                          \
     default: function(tape, run, x, (run)->terms);                                                                     \
     }
 
