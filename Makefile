@@ -40,7 +40,7 @@ QUAD     := -std=gnu11 -O2 -Wall -Wextra -Iinclude -Iad -Ibench -Ibench/scenes
 ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx512)
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
-ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c)
+ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
 SRC_LANES    := src/galerkin_loops.c src/lagrangian_loops.c
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))

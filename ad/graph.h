@@ -16,7 +16,7 @@ typedef enum {
     OP_INPUT,
     OP_CONST,
     OP_LINEAR, /* z = number + sum_i coefficient_i node_i        */
-    OP_MUL,    /* z = number a b, number = 1 until it is lowered  */
+    OP_MUL,    /* z = a b                                        */
     OP_SQR,    /* z = a^2                                        */
     OP_DIV,    /* z = a / b                                      */
     OP_SQRT,   /* z = sqrt a                                     */
@@ -33,7 +33,10 @@ typedef enum {
     OP_ASIN,   /* z' =  a' / w, w = sqrt((1-a)(1+a))             */
     OP_ACOS,   /* z' = -a' / w, w = sqrt((1-a)(1+a))             */
     OP_ATAN,   /* z' =  a' / w, w = 1 + a^2                      */
-    OP_COUNT
+    OP_COUNT,
+    /* On a tape only: */
+    OP_PRODUCTS, /* z = sum_i coefficient_i a_i b_i */
+    OP_SQUARES   /* z = sum_i coefficient_i a_i^2   */
 } jet_op;
 
 typedef struct jet_graph jet_graph;

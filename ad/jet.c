@@ -312,12 +312,12 @@ jet jet_record_mul(jet a, jet b)
     jet_graph *graph;
     const tvi_status status = find_graph(2, (const jet[]){a, b}, &graph);
     if (status != TVI_OK) return poison(status);
-    if (!graph) return fold(OP_MUL, 1, a.number, b.number);
+    if (!graph) return fold(OP_MUL, 0, a.number, b.number);
     if (!a.node) return jet_linear(1, &a.number, &b);
     if (!b.node) return jet_linear(1, &b.number, &a);
     if (a.node == b.node) return record_jet(graph, (struct jet_node){.op = OP_SQR, .a = a.node});
     if (a.node->index > b.node->index) return jet_record_mul(b, a);
-    return record_jet(graph, (struct jet_node){.op = OP_MUL, .a = a.node, .b = b.node, .number = 1});
+    return record_jet(graph, (struct jet_node){.op = OP_MUL, .a = a.node, .b = b.node});
 }
 
 jet jet_record_div(jet a, jet b)

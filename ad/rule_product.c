@@ -1,46 +1,21 @@
-/* Products and quotients: plain convolutions. */
+/* Products and quotients: plain convolutions. On a tape products are sums of products (sum_products.c). */
 #include "rule.h"
 
-/* ---- z = c a b --------------------------------------------------------------------------------------------------- */
+/* ---- z = a b ----------------------------------------------------------------------------------------------------- */
 
 static bool mul_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
-    for (int w = 0; w < width; w++) z[w] = c * a[w] * b[w];
+    (void)c;
+    for (int w = 0; w < width; w++) z[w] = a[w] * b[w];
     return true;
 }
-
-/* z_k = c sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
-#define MUL_SERIES(V, S)                                                                                               \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 0, k, S(V, a, j) * S(V, b, k - j));                                                            \
-        JET_AT(V, z, k) = c * sum;                                                                                     \
-    }
-
-/* dz_k = c sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
-#define MUL_TANGENT(V, S)                                                                                              \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 0, k, S(V, b, j) * JET_D_OF(V, da, k - j) + S(V, a, j) * JET_D_OF(V, db, k - j));              \
-        JET_D_AT(V, dz, k) = c * sum;                                                                                  \
-    }
-
-/* abar_j += c zbar_k b_{k-j},  bbar_j += c zbar_k a_{k-j},  j = 0..k. */
-#define MUL_ADJOINT(V, S)                                                                                              \
-    {                                                                                                                  \
-        const V bar = c * S(V, zbar, k);                                                                               \
-        JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, b, k - j));                                                    \
-        JET_EACH(0, k, JET_AT(V, bbar, j) += bar * S(V, a, k - j));                                                    \
-    }
-
-JET_FRAMES(mul, MUL)
 
 static jet mul_pull(struct jet_node *z, jet zbar, int which)
 {
     return jet_mul(zbar, jet_of_node(which == 0 ? z->b : z->a));
 }
 
-JET_RULE(mul, B_OPERAND)
+const jet_rule JET_RULE_OF(mul) = {.b = B_OPERAND, .value = mul_value, .pull = mul_pull};
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
@@ -51,39 +26,13 @@ static bool sqr_value(double c, int width, const double *a, const double *b, dou
     return true;
 }
 
-/* z_k = 2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k): half the products of a b. */
-#define SQR_SERIES(V, S)                                                                                               \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 0, (k - 1) / 2, S(V, a, j) * S(V, a, k - j));                                                  \
-        const V half = S(V, a, k / 2);                                                                                 \
-        JET_AT(V, z, k) = 2.0 * sum + (k % 2 == 0 ? 1.0 : 0.0) * (half * half);                                        \
-    }
-
-/* dz_k = 2 sum_{j=0}^{k} a_j da_{k-j}. */
-#define SQR_TANGENT(V, S)                                                                                              \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 0, k, S(V, a, j) * JET_D_OF(V, da, k - j));                                                    \
-        JET_D_AT(V, dz, k) = 2.0 * sum;                                                                                \
-    }
-
-/* abar_j += 2 zbar_k a_{k-j},  j = 0..k. */
-#define SQR_ADJOINT(V, S)                                                                                              \
-    {                                                                                                                  \
-        const V bar = 2.0 * S(V, zbar, k);                                                                             \
-        JET_EACH(0, k, JET_AT(V, abar, j) += bar * S(V, a, k - j));                                                    \
-    }
-
-JET_FRAMES(sqr, SQR)
-
 static jet sqr_pull(struct jet_node *z, jet zbar, int which)
 {
     (void)which;
     return jet_mul(2, jet_mul(zbar, jet_of_node(z->a)));
 }
 
-JET_RULE(sqr, B_NONE)
+const jet_rule JET_RULE_OF(sqr) = {.b = B_NONE, .value = sqr_value, .pull = sqr_pull};
 
 /* ---- z = a / b,  b_0 != 0 ---------------------------------------------------------------------------------------- */
 

@@ -7,14 +7,14 @@
 
 /* What the lowering knows of a node. */
 typedef struct {
-    const struct jet_node *node;
-    const struct jet_node *does; /* the operation: of the node itself, or the product that it is a multiple of */
-    double c;                    /* the number of the operation; the multiple */
-    int level; /* inputs and constants 0; else one more than the highest operand */
-    int turn;  /* see find_turns */
+    const struct jet_node *node; /* NULL: a copy of the first operand */
+    jet_op op;                   /* of its run */
+    int level;                   /* inputs and constants 0; else one more than the highest operand */
+    int turn;                    /* see find_turns */
     int slot;
-    int a, b; /* slots of the operands that are read at the order being computed */
-} place;      /* node and does NULL: a copy of slot a */
+    int pairs;         /* LINEAR, inputs and constants 0; PRODUCTS and SQUARES as many as terms; else 1 */
+    int (*operand)[2]; /* [pairs] slots of the operands that are read at the order being computed */
+} place;
 
 typedef struct {
     const jet_graph *graph;
@@ -25,8 +25,11 @@ typedef struct {
     place *places;  /* [count] by node index, then the copies */
     place **levels; /* [needed_count] the needed nodes by level */
     place **sorted; /* [slots] nodes and copies in the order of their slots */
-    int needed_count, copies, slots;
+    int (*operands)[2];
+    int needed_count, copies, slots, pairs;
 } lowering;
+
+static int max(int a, int b) { return a > b ? a : b; }
 
 /* Whether the order being computed of z reads the same order of z->b. */
 static bool reads_b(const lowering *low, const struct jet_node *z)
@@ -39,6 +42,8 @@ static bool keeps_b(const lowering *low, const struct jet_node *z)
 {
     return jet_role_of_b(z->op) == B_OPERAND || (z->b && low->kind == JET_TAPE_SERIES);
 }
+
+/* ---- What is needed ---------------------------------------------------------------------------------------------- */
 
 /* Marks all that the outputs depend on; partners may have been recorded after the nodes that need them, so repeat until
  * nothing new is found. */
@@ -60,52 +65,86 @@ static void mark_needed(lowering *low, int inputs, int outputs, const jet output
     }
 }
 
-static int max(int a, int b) { return a > b ? a : b; }
-
-static void count_uses(const lowering *low, int outputs, const jet output[], int uses[])
+static void count_uses(lowering *low, int outputs, const jet output[])
 {
-    for (int i = 0; i < outputs; i++) uses[output[i].node->index]++;
+    for (int i = 0; i < outputs; i++) low->uses[output[i].node->index]++;
     for (int i = 0; i < low->count; i++) {
         if (!low->needed[i]) continue;
         const struct jet_node *z = jet_graph_node(low->graph, i);
-        if (z->a) uses[z->a->index]++;
-        if (keeps_b(low, z)) uses[z->b->index]++;
-        for (int term = 0; term < z->count; term++) uses[z->terms[term].node->index]++;
+        if (z->a) low->uses[z->a->index]++;
+        if (keeps_b(low, z)) low->uses[z->b->index]++;
+        for (int term = 0; term < z->count; term++) low->uses[z->terms[term].node->index]++;
     }
 }
 
-/* A multiple of a product that nothing else needs is one operation. */
-static void fold_multiples(lowering *low, int outputs, const jet output[])
+static bool is_product(const struct jet_node *z) { return z->op == OP_MUL || z->op == OP_SQR; }
+
+/* The operation of a node's run. A sum of products that nothing else needs is one operation. */
+static jet_op operation(const lowering *low, const struct jet_node *z)
 {
-    count_uses(low, outputs, output, low->uses);
+    if (is_product(z)) return z->op == OP_SQR ? OP_SQUARES : OP_PRODUCTS;
+    if (z->op != OP_LINEAR || z->number != 0 || z->count > JET_TERMS_MAX) return z->op;
+    jet_op op = OP_SQUARES;
+    for (int term = 0; term < z->count; term++) {
+        const struct jet_node *product = z->terms[term].node;
+        if (!is_product(product) || low->uses[product->index] != 1) return z->op;
+        if (product->op == OP_MUL) op = OP_PRODUCTS;
+    }
+    return op;
+}
+
+/* The terms of sums of products: of a product itself, one. */
+static jet_term term_of(const place *z, int term)
+{
+    return z->node->op == OP_LINEAR ? z->node->terms[term] : (jet_term){1, (struct jet_node *)z->node};
+}
+
+/* The operand of a pair that is read at the order being computed; NULL: none. */
+static const struct jet_node *operand_of(const lowering *low, const place *z, int pair, int which)
+{
+    const struct jet_node *read = term_of(z, pair).node;
+    if (which == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
+    return reads_b(low, read) ? read->b : NULL;
+}
+
+/* The operations of the needed nodes; the products that become part of a sum are no longer needed. */
+static void choose_operations(lowering *low, int outputs, const jet output[])
+{
+    count_uses(low, outputs, output);
     for (int i = 0; i < low->count; i++) {
-        const struct jet_node *z = jet_graph_node(low->graph, i);
-        if (!low->needed[i] || z->count != 1 || z->number != 0) continue;
-        const struct jet_node *product = z->terms[0].node;
-        if (product->op != OP_MUL || low->uses[product->index] != 1) continue;
-        low->places[i].does = product;
-        low->needed[product->index] = false;
+        if (!low->needed[i]) continue;
+        place *z = &low->places[i];
+        z->node = jet_graph_node(low->graph, i);
+        z->op = operation(low, z->node);
+        z->turn = z->slot = -1;
+        z->operand = low->operands + low->pairs;
+        if (z->op == OP_PRODUCTS || z->op == OP_SQUARES) z->pairs = z->node->op == OP_LINEAR ? z->node->count : 1;
+        else z->pairs = jet_rules[z->op] ? 1 : 0;
+        low->pairs += z->pairs;
+        if (z->op == z->node->op || z->node->op != OP_LINEAR) continue;
+        for (int term = 0; term < z->node->count; term++) low->needed[z->node->terms[term].node->index] = false;
     }
     memset(low->uses, 0, (size_t)low->count * sizeof *low->uses);
+}
+
+/* ---- The order --------------------------------------------------------------------------------------------------- */
+
+static int level_of(const lowering *low, const struct jet_node *node)
+{
+    return node ? low->places[node->index].level : 0;
 }
 
 static void find_levels(lowering *low)
 {
     for (int i = 0; i < low->count; i++) {
         if (!low->needed[i]) continue;
-        place *at = &low->places[i];
-        const struct jet_node *z = at->does ? at->does : jet_graph_node(low->graph, i);
-        int level = 0;
-        if (z->a) level = max(level, low->places[z->a->index].level + 1);
-        if (reads_b(low, z)) level = max(level, low->places[z->b->index].level + 1);
-        for (int term = 0; term < z->count; term++)
-            level = max(level, low->places[z->terms[term].node->index].level + 1);
-        at->node = jet_graph_node(low->graph, i);
-        at->c = at->does ? at->node->terms[0].coefficient : z->number;
-        at->does = z;
-        at->level = level;
-        at->turn = at->slot = -1;
-        low->levels[low->needed_count++] = at;
+        place *z = &low->places[i];
+        for (int pair = 0; pair < z->pairs; pair++)
+            for (int which = 0; which < 2; which++)
+                z->level = max(z->level, level_of(low, operand_of(low, z, pair, which)) + 1);
+        for (int term = 0; z->pairs == 0 && term < z->node->count; term++)
+            z->level = max(z->level, level_of(low, z->node->terms[term].node) + 1);
+        low->levels[low->needed_count++] = z;
     }
 }
 
@@ -115,39 +154,55 @@ static int by_level(const void *first, const void *second)
     return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
 }
 
-/* Of operations on two operands: how often one of these was read before at the level; else that of the first reader. As
- * where x, y and z of the distances of many pairs are each multiplied by one function of the pair: the x come first, then
- * the y, and each turn reads adjacent slots. */
+static void claim(const lowering *low, const struct jet_node *node, int turn)
+{
+    if (node && low->places[node->index].turn < 0) low->places[node->index].turn = turn;
+}
+
+/* Of operations on two operands: how often one of these was read before at the level. Of others: that of the first such
+ * reader, or the place among the terms of the first sum that reads it. As where x, y and z of the distances of many
+ * pairs are squared and summed, and each is multiplied by one function of the pair: the x come first, then the y, and
+ * each turn reads adjacent slots. */
 static void find_turns(lowering *low, place *level[], int count)
 {
-    int *const uses = low->uses;
     for (int i = 0; i < count; i++) {
-        const struct jet_node *z = level[i]->does;
-        if (!reads_b(low, z)) continue;
-        const int operand[] = {z->a->index, z->b->index};
-        level[i]->turn = max(uses[operand[0]]++, uses[operand[1]]++);
-        for (int k = 0; k < 2; k++)
-            if (low->places[operand[k]].turn < 0) low->places[operand[k]].turn = level[i]->turn;
+        place *z = level[i];
+        for (int pair = 0; pair < z->pairs; pair++) {
+            const struct jet_node *a = operand_of(low, z, pair, 0), *b = operand_of(low, z, pair, 1);
+            if (b) z->turn = max(z->turn, max(low->uses[a->index]++, low->uses[b->index]++));
+            if (!b && z->pairs == 1) continue;
+            claim(low, a, z->pairs > 1 ? pair : z->turn);
+            claim(low, b, z->pairs > 1 ? pair : z->turn);
+        }
     }
     for (int i = 0; i < count; i++)
-        if (reads_b(low, level[i]->does)) uses[level[i]->does->a->index] = uses[level[i]->does->b->index] = 0;
+        for (int pair = 0; pair < level[i]->pairs; pair++)
+            for (int which = 0; which < 2; which++) {
+                const struct jet_node *read = operand_of(low, level[i], pair, which);
+                if (read) low->uses[read->index] = 0;
+            }
 }
 
 static int compare(double a, double b) { return (a > b) - (a < b); }
 
-static bool is_summed(const place *z) { return !jet_rules[z->does->op]; }
-
-/* Sums of equally many terms stand together. */
-static int compare_sums(const place *x, const place *y) { return x->does->count - y->does->count; }
+static int compare_coefficients(const place *x, const place *y)
+{
+    int order = 0;
+    for (int pair = 0; pair < x->pairs && order == 0; pair++)
+        order = compare(term_of(x, pair).coefficient, term_of(y, pair).coefficient);
+    return order;
+}
 
 /* Whether two nodes of a level can be members of one run. */
 static int by_group(const place *x, const place *y)
 {
-    if (x->does->op != y->does->op) return (int)x->does->op - (int)y->does->op;
-    return is_summed(x) ? compare_sums(x, y) : compare(x->c, y->c);
+    if (x->op != y->op) return (int)x->op - (int)y->op;
+    if (x->pairs == 0) return x->node->count - y->node->count; /* sums of equally many terms stand together */
+    if (x->pairs != y->pairs) return x->pairs - y->pairs;
+    return jet_rules[x->node->op] ? compare(x->node->number, y->node->number) : compare_coefficients(x, y);
 }
 
-/* Within a level by group, and within that by the slots of the operands, so that adjacent results have adjacent
+/* Within a level by group and turn, and within that by the slots of the operands, so that adjacent results have adjacent
  * operands: by a first, or by b first. */
 static int by_first_operand(const void *first, const void *second)
 {
@@ -155,21 +210,19 @@ static int by_first_operand(const void *first, const void *second)
     const int group = by_group(x, y);
     if (group) return group;
     if (x->level > 0 && x->turn != y->turn) return x->turn - y->turn;
-    if (!is_summed(x) && x->a != y->a) return x->a - y->a;
-    if (!is_summed(x) && x->b != y->b) return x->b - y->b;
+    for (int which = 0; which < 2 && x->pairs > 0; which++)
+        if (x->operand[0][which] != y->operand[0][which]) return x->operand[0][which] - y->operand[0][which];
     return x->node->index - y->node->index;
 }
 
 static int by_second_operand(const void *first, const void *second)
 {
     const place *x = *(place *const *)first, *y = *(place *const *)second;
-    return x->b != y->b ? x->b - y->b : by_first_operand(first, second);
+    const int difference = x->operand[0][1] - y->operand[0][1];
+    return difference ? difference : by_first_operand(first, second);
 }
 
-static int slot_of(const lowering *low, const struct jet_node *node)
-{
-    return node ? low->places[node->index].slot : 0;
-}
+static int slot_of(const lowering *low, const struct jet_node *node) { return node ? low->places[node->index].slot : 0; }
 
 static void emit(lowering *low, place *z)
 {
@@ -177,49 +230,47 @@ static void emit(lowering *low, place *z)
     low->sorted[low->slots++] = z;
 }
 
-static bool is_contiguous(place *const group[], int count, bool second)
+static bool is_contiguous(const lowering *low, place *const group[], int count, int pair, int which)
 {
+    if (!operand_of(low, group[0], pair, which)) return true;
     for (int i = 1; i < count; i++)
-        if ((second ? group[i]->b : group[i]->a) != (second ? group[0]->b : group[0]->a) + i) return false;
+        if (group[i]->operand[pair][which] != group[0]->operand[pair][which] + i) return false;
+    return true;
+}
+
+static bool is_contiguous_in_turns(const lowering *low, place *const group[], int count)
+{
+    for (int begin = 0, end = 0; begin < count; begin = end) {
+        while (end < count && group[end]->turn == group[begin]->turn) end++;
+        for (int pair = 0; pair < group[0]->pairs; pair++)
+            for (int which = 0; which < 2; which++)
+                if (!is_contiguous(low, group + begin, end - begin, pair, which)) return false;
+    }
     return true;
 }
 
 /* Copies an operand that the members read at scattered slots to adjacent ones, so that they run as one. */
-static void gather(lowering *low, place *group[], int count, bool second)
+static void gather(lowering *low, place *group[], int count, int pair, int which)
 {
-    if (is_contiguous(group, count, second)) return;
+    if (is_contiguous(low, group, count, pair, which)) return;
     for (int i = 0; i < count; i++) {
-        int *operand = second ? &group[i]->b : &group[i]->a;
         place *copy = &low->places[low->count + low->copies++];
-        *copy = (place){.level = group[i]->level, .a = *operand};
+        *copy = (place){.op = OP_LINEAR, .level = group[i]->level, .operand = low->operands + low->pairs++};
+        copy->operand[0][0] = group[i]->operand[pair][which];
         emit(low, copy);
-        *operand = copy->slot;
+        group[i]->operand[pair][which] = copy->slot;
     }
 }
 
-static bool is_contiguous_in_turns(place *const group[], int count)
-{
-    for (int begin = 0, end = 0; begin < count; begin = end) {
-        while (end < count && group[end]->turn == group[begin]->turn) end++;
-        if (!is_contiguous(group + begin, end - begin, false) || !is_contiguous(group + begin, end - begin, true))
-            return false;
-    }
-    return true;
-}
-
-/* The operands of a group: turn by turn where that will do, else sorted by the one that is then contiguous, the other
+/* The operands of a group: turn by turn where that will do, else sorted by the one that is then contiguous, the others
  * gathered. */
 static void gather_operands(lowering *low, place *group[], int count)
 {
-    if (!reads_b(low, group[0]->does)) {
-        gather(low, group, count, false);
-        return;
-    }
-    if (is_contiguous_in_turns(group, count)) return;
-    if (!is_contiguous(group, count, false) && !is_contiguous(group, count, true))
+    if (is_contiguous_in_turns(low, group, count)) return;
+    if (!is_contiguous(low, group, count, 0, 0) && !is_contiguous(low, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, by_second_operand);
-    gather(low, group, count, false);
-    gather(low, group, count, true);
+    for (int pair = 0; pair < group[0]->pairs; pair++)
+        for (int which = 0; which < 2; which++) gather(low, group, count, pair, which);
 }
 
 static int group_end(place *const level[], int begin, int end)
@@ -232,19 +283,19 @@ static int group_end(place *const level[], int begin, int end)
 /* Slots of a level: sums and copies first, then the other operations group by group. */
 static void emit_level(lowering *low, place *level[], int count)
 {
-    for (int i = 0; i < count; i++) {
-        level[i]->a = slot_of(low, level[i]->does->a);
-        level[i]->b = reads_b(low, level[i]->does) ? slot_of(low, level[i]->does->b) : 0;
-    }
+    for (int i = 0; i < count; i++)
+        for (int pair = 0; pair < level[i]->pairs; pair++)
+            for (int which = 0; which < 2; which++)
+                level[i]->operand[pair][which] = slot_of(low, operand_of(low, level[i], pair, which));
     qsort(level, (size_t)count, sizeof *level, by_first_operand);
     for (int i = 0; i < count; i++)
-        if (is_summed(level[i])) emit(low, level[i]);
+        if (level[i]->pairs == 0) emit(low, level[i]);
     for (int begin = 0, end = 0; begin < count; begin = end) {
         end = group_end(level, begin, count);
-        if (!is_summed(level[begin])) gather_operands(low, level + begin, end - begin);
+        if (level[begin]->pairs > 0) gather_operands(low, level + begin, end - begin);
     }
     for (int i = 0; i < count; i++)
-        if (!is_summed(level[i])) emit(low, level[i]);
+        if (level[i]->pairs > 0) emit(low, level[i]);
 }
 
 static void for_levels(lowering *low, void (*function)(lowering *low, place *level[], int count))
@@ -263,82 +314,129 @@ static void assign_slots(lowering *low)
     for_levels(low, emit_level);
 }
 
-/* A copy is a sum of one term. */
-static int terms_of(const place *z) { return z->does ? z->does->count : 1; }
+/* ---- The tape ---------------------------------------------------------------------------------------------------- */
 
-/* The run of z alone. */
-static jet_run run_of(const lowering *low, const jet_tape *tape, const place *z)
+static void add_term(jet_tape *tape, double coefficient, int slot, int second)
 {
-    if (!z->does || z->does->op == OP_LINEAR)
-        return (jet_run){OP_LINEAR, 1, z->slot, .first = tape->rows, .terms = terms_of(z), .term = tape->terms};
-    const bool partner = keeps_b(low, z->does) && !reads_b(low, z->does);
-    const int b = partner ? slot_of(low, z->does->b) : z->b;
-    return (jet_run){z->does->op, 1, z->slot, z->a, b, .c = z->c};
+    tape->term_coefficient[tape->terms] = coefficient;
+    tape->term_slot[tape->terms] = slot;
+    tape->term_second[tape->terms++] = second;
 }
 
-/* Whether the run can grow by the next one. */
-static bool joins(const lowering *low, const jet_run *run, const jet_run *next)
+/* The number and the terms of a sum; a copy is a sum of one term. */
+static jet_run linear_run(const lowering *low, jet_tape *tape, const place *z)
 {
-    if (next->op != run->op || low->sorted[next->z]->level != low->sorted[run->z]->level) return false;
-    if (run->op == OP_LINEAR) return next->terms == run->terms;
+    const int terms = z->node ? z->node->count : 1;
+    const double number = z->node ? z->node->number : 0;
+    const jet_run run = {OP_LINEAR, 1, z->slot, .has_numbers = number != 0, .first = tape->rows, .terms = terms,
+                         .term = tape->terms};
+    tape->base[tape->rows++] = number;
+    if (!z->node) add_term(tape, 1, z->operand[0][0], 0);
+    for (int term = 0; z->node && term < terms; term++)
+        add_term(tape, z->node->terms[term].coefficient, slot_of(low, z->node->terms[term].node), 0);
+    return run;
+}
+
+static bool continues_linear(jet_run *run, const jet_run *next)
+{
+    if (next->terms != run->terms) return false;
+    run->has_numbers |= next->has_numbers;
+    return true;
+}
+
+/* The terms stand last on the tape; those of a run that the member continues are taken away again. */
+static jet_run product_run(jet_tape *tape, const place *z)
+{
+    const jet_run run = {z->op, 1, z->slot, .terms = z->pairs, .term = tape->terms};
+    for (int pair = 0; pair < z->pairs; pair++)
+        add_term(tape, term_of(z, pair).coefficient, z->operand[pair][0], z->operand[pair][z->op == OP_PRODUCTS]);
+    return run;
+}
+
+static bool continues_products(jet_tape *tape, const jet_run *run, const jet_run *next)
+{
+    if (next->terms != run->terms) return false;
+    for (int here = run->term, there = next->term; there < next->term + next->terms; here++, there++)
+        if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
+            tape->term_slot[there] != tape->term_slot[here] + run->count ||
+            tape->term_second[there] != tape->term_second[here] + run->count)
+            return false;
+    tape->terms = next->term;
+    return true;
+}
+
+static jet_run rule_run(const lowering *low, const place *z)
+{
+    const bool partner = keeps_b(low, z->node) && !reads_b(low, z->node);
+    const int b = partner ? slot_of(low, z->node->b) : z->operand[0][1];
+    return (jet_run){z->op, 1, z->slot, z->operand[0][0], b, .c = z->node->number};
+}
+
+static bool continues_rule(const jet_run *run, const jet_run *next)
+{
     const bool same_b = run->b == 0 && next->b == 0 && jet_role_of_b(run->op) != B_OPERAND;
     return next->c == run->c && next->a == run->a + run->count && (same_b || next->b == run->b + run->count);
 }
 
-static void add_row(const lowering *low, jet_tape *tape, const place *z)
+/* Adds an operation to the last run, or a run. */
+static void add_operation(const lowering *low, jet_tape *tape, const place *z)
 {
-    const struct jet_node *node = z->node;
-    if (!node) { /* a copy */
-        tape->term_slot[tape->terms] = z->a;
-        tape->term_coefficient[tape->terms++] = 1;
-    }
-    for (int term = 0; node && term < node->count; term++, tape->terms++) {
-        tape->term_slot[tape->terms] = slot_of(low, node->terms[term].node);
-        tape->term_coefficient[tape->terms] = node->terms[term].coefficient;
-    }
-    tape->base[tape->rows++] = node ? node->number : 0;
+    const bool is_product = z->op == OP_PRODUCTS || z->op == OP_SQUARES;
+    const jet_run next = z->op == OP_LINEAR ? linear_run(low, tape, z)
+                         : is_product       ? product_run(tape, z)
+                                            : rule_run(low, z);
+    jet_run *run = tape->runs > 0 ? &tape->run[tape->runs - 1] : NULL;
+    const bool continues = run && run->op == next.op && low->sorted[run->z]->level == z->level &&
+                           (next.op == OP_LINEAR ? continues_linear(run, &next)
+                            : is_product         ? continues_products(tape, run, &next)
+                                                 : continues_rule(run, &next));
+    if (continues) run->count++;
+    else tape->run[tape->runs++] = next;
 }
 
 static void lay_out(lowering *low, jet_tape *tape)
 {
     for (int i = 0; i < low->slots; i++) {
         const place *z = low->sorted[i];
-        if (z->node && z->node->op == OP_INPUT) {
-            tape->inputs++;
-            continue;
-        }
-        if (z->node && z->node->op == OP_CONST) {
-            tape->constant[tape->constants++] = z->node->number;
-            continue;
-        }
-        const jet_run next = run_of(low, tape, z);
-        if (tape->runs > 0 && joins(low, &tape->run[tape->runs - 1], &next)) tape->run[tape->runs - 1].count++;
-        else tape->run[tape->runs++] = next;
-        if (next.op != OP_LINEAR) continue;
-        add_row(low, tape, z);
-        if (tape->base[tape->rows - 1] != 0) tape->run[tape->runs - 1].has_numbers = true;
+        if (z->op == OP_INPUT) tape->inputs++;
+        else if (z->op == OP_CONST) tape->constant[tape->constants++] = z->node->number;
+        else add_operation(low, tape, z);
     }
 }
 
 static bool allocate(lowering *low, jet_tape *tape, int outputs)
 {
-    int terms = 0;
-    for (int i = 0; i < low->count; i++) terms += jet_graph_node(low->graph, i)->count;
-    const size_t nodes = 3 * (size_t)low->count + 1; /* each may have copies of two operands */
-    terms += 2 * low->count;
+    size_t pairs = 1, nodes = (size_t)low->count + 1;
+    for (int i = 0; i < low->count; i++) pairs += 1 + (size_t)jet_graph_node(low->graph, i)->count;
+    const size_t copies = 2 * pairs; /* each operand may have one */
     low->needed = calloc(nodes, sizeof *low->needed);
     low->uses = calloc(nodes, sizeof *low->uses);
-    low->places = calloc(nodes, sizeof *low->places);
+    low->places = calloc(nodes + copies, sizeof *low->places);
     low->levels = calloc(nodes, sizeof(place *));
-    low->sorted = calloc(nodes, sizeof(place *));
-    tape->run = calloc(nodes, sizeof *tape->run);
+    low->sorted = calloc(nodes + copies, sizeof(place *));
+    low->operands = calloc(pairs + copies, sizeof *low->operands);
+    tape->run = calloc(nodes + copies, sizeof *tape->run);
     tape->constant = calloc(nodes, sizeof *tape->constant);
-    tape->base = calloc(nodes, sizeof *tape->base);
-    tape->term_slot = calloc((size_t)terms + 1, sizeof *tape->term_slot);
-    tape->term_coefficient = calloc((size_t)terms + 1, sizeof *tape->term_coefficient);
+    tape->base = calloc(nodes + copies, sizeof *tape->base);
+    tape->term_slot = calloc(pairs + copies, sizeof *tape->term_slot);
+    tape->term_second = calloc(pairs + copies, sizeof *tape->term_second);
+    tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
     tape->output = calloc((size_t)outputs + 1, sizeof *tape->output);
-    return low->needed && low->uses && low->places && low->levels && low->sorted && tape->run && tape->constant && tape->base &&
-           tape->term_slot && tape->term_coefficient && tape->output;
+    return low->needed && low->uses && low->places && low->levels && low->sorted && low->operands && tape->run &&
+           tape->constant && tape->base && tape->term_slot && tape->term_second && tape->term_coefficient &&
+           tape->output;
+}
+
+static void lower(lowering *low, jet_tape *tape, int inputs, int outputs, const jet output[])
+{
+    mark_needed(low, inputs, outputs, output);
+    choose_operations(low, outputs, output);
+    find_levels(low);
+    assign_slots(low);
+    lay_out(low, tape);
+    tape->slots = low->slots;
+    tape->outputs = outputs;
+    for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(low, output[i].node);
 }
 
 jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind)
@@ -348,21 +446,13 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
     tape->sweeps = jet_sweeps_choose();
     lowering low = {.graph = graph, .kind = kind, .count = jet_graph_count(graph)};
     const bool allocated = allocate(&low, tape, outputs);
-    if (allocated) {
-        mark_needed(&low, inputs, outputs, output);
-        fold_multiples(&low, outputs, output);
-        find_levels(&low);
-        assign_slots(&low);
-        lay_out(&low, tape);
-        tape->slots = low.slots;
-        tape->outputs = outputs;
-        for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(&low, output[i].node);
-    }
+    if (allocated) lower(&low, tape, inputs, outputs, output);
     free(low.needed);
     free(low.uses);
     free(low.places);
     free(low.levels);
     free(low.sorted);
+    free(low.operands);
     if (allocated) return tape;
     jet_tape_free(tape);
     return NULL;
@@ -382,6 +472,7 @@ void jet_tape_free(jet_tape *tape)
     free(tape->constant);
     free(tape->base);
     free(tape->term_slot);
+    free(tape->term_second);
     free(tape->term_coefficient);
     free(tape->output);
     free(tape);

@@ -16,16 +16,19 @@ typedef enum {
     JET_TAPE_SERIES
 } jet_tape_kind;
 
-/* Operations z + i = op(a + i, b + i), i < count, of adjacent slots. */
+/* Operations z + i = op(a + i, b + i), i < count, of adjacent slots. LINEAR: the number of z + i is base[first + i], ...,
+ * and each has terms of its own, term_coefficient[k] term_slot[k], k = term + i * terms, ... PRODUCTS, SQUARES: one set
+ * of terms, term_coefficient[k] (term_slot[k] + i) (term_second[k] + i), k = term, ... */
 typedef struct {
     jet_op op;
     int count, z, a, b;
-    double c;     /* the number of the node; LINEAR: see terms */
+    double c;         /* the number of the node */
     bool has_numbers; /* LINEAR: not all numbers are 0 */
-    int first;    /* LINEAR: the number of z + i is base[first + i], ...                            */
-    int terms;    /* ... and each has this many terms, from term_slot[term + i * terms] on          */
-    int term;
+    int first, terms, term;
 } jet_run;
+
+/* Of PRODUCTS and SQUARES; what has more is a sum of products that stand alone. */
+enum { JET_TERMS_MAX = 4 };
 
 typedef struct jet_sweeps jet_sweeps;
 
@@ -35,7 +38,7 @@ typedef struct {
     jet_run *run;
     double *constant; /* [constants], slots inputs .. inputs + constants - 1 */
     double *base;     /* [rows] */
-    int *term_slot;   /* [terms] */
+    int *term_slot, *term_second; /* [terms] */
     double *term_coefficient;
     int *output;      /* [outputs] slots */
 } jet_tape;

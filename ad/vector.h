@@ -35,6 +35,15 @@ typedef double jet_v1;
         JET_BLOCKS_1(width, BODY, S)                                                                                   \
     } while (0)
 
+/* The same where the width is a multiple of 8. */
+#if defined(__AVX512F__)
+#define JET_EIGHTS(width, BODY, S) for (int w = 0; w < (width); w += 8) BODY(jet_v8, S)
+#elif defined(__AVX__)
+#define JET_EIGHTS(width, BODY, S) for (int w = 0; w < (width); w += 4) BODY(jet_v4, S)
+#else
+#define JET_EIGHTS(width, BODY, S) for (int w = 0; w < (width); w += 2) BODY(jet_v2, S)
+#endif
+
 /* Order j of a series, and of a tangent, at the block. */
 #define JET_AT(V, x, j) (*(V *)((x) + (size_t)(j) * stride + w))
 #define JET_OF(V, x, j) (*(const V *)((x) + (size_t)(j) * stride + w))

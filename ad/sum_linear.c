@@ -1,0 +1,75 @@
+/* z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number. */
+#include "sums.h"
+
+/* function(..., terms), with the number of terms known to the compiler where it is small. */
+#define BY_TERMS(run, function, ...)                                                                                   \
+    switch ((run)->terms) {                                                                                            \
+    case 1: function(__VA_ARGS__, 1); break;                                                                           \
+    case 2: function(__VA_ARGS__, 2); break;                                                                           \
+    case 3: function(__VA_ARGS__, 3); break;                                                                           \
+    default: function(__VA_ARGS__, (run)->terms);                                                                      \
+    }
+
+/* One lane. */
+JET_INLINE void sums_of_one(const jet_tape *tape, const jet_run *run, double *x, int terms)
+{
+    const int *from = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    double *z = x + run->z, *const end = z + run->count;
+    for (; z < end; z++, from += terms, coefficient += terms) {
+        double sum = coefficient[0] * x[from[0]];
+        for (int term = 1; term < terms; term++) sum += coefficient[term] * x[from[term]];
+        *z = sum;
+    }
+}
+
+#define LINEAR(V, S)                                                                                                   \
+    {                                                                                                                  \
+        V sum = coefficient[0] * S(V, x, from[0]);                                                                     \
+        for (int term = 1; term < terms; term++) sum += coefficient[term] * S(V, x, from[term]);                       \
+        JET_AT(V, z, 0) = sum;                                                                                         \
+    }
+
+JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes, int terms)
+{
+    const size_t stride = (size_t)lanes;
+    const int *from = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    double *z = x + stride * (size_t)run->z, *const end = z + stride * (size_t)run->count;
+    for (; z < end; z += stride, from += terms, coefficient += terms) JET_BLOCKS(lanes, LINEAR, JET_OF);
+}
+
+void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+{
+    if (lanes == 1) BY_TERMS(run, sums_of_one, tape, run, x)
+    else if (lanes == 8) BY_TERMS(run, sums_of_many, tape, run, x, 8)
+    else sums_of_many(tape, run, x, lanes, run->terms);
+}
+
+void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+{
+    jet_linear_order(tape, run, x, lanes);
+    if (!run->has_numbers) return;
+    for (int i = 0; i < run->count; i++) {
+        const double base = tape->base[run->first + i];
+        double *z = x + (size_t)(run->z + i) * (size_t)lanes;
+        for (int w = 0; base != 0 && w < lanes; w++) z[w] += base;
+    }
+}
+
+/* One lane. */
+JET_INLINE void adjoints_of_one(const jet_tape *tape, const jet_run *run, double *bar, int terms)
+{
+    const int *to = tape->term_slot + run->term;
+    const double *coefficient = tape->term_coefficient + run->term;
+    const double *z = bar + run->z, *const end = z + run->count;
+    for (; z < end; z++, to += terms, coefficient += terms) {
+        const double zbar = *z;
+        for (int term = 0; term < terms; term++) bar[to[term]] += coefficient[term] * zbar;
+    }
+}
+
+void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar)
+{
+    BY_TERMS(run, adjoints_of_one, tape, run, bar);
+}

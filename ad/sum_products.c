@@ -1,0 +1,198 @@
+/* z = sum_t c_t a_t b_t, and z = sum_t c_t a_t^2, whose convolutions are symmetric: half the products. All terms pass
+ * while a block of z is in a register. */
+#include "sums.h"
+
+/* function(..., terms), with the number of terms known to the compiler. */
+#define BY_TERMS(run, function, ...)                                                                                   \
+    switch ((run)->terms) {                                                                                            \
+    case 1: function(__VA_ARGS__, 1); break;                                                                           \
+    case 2: function(__VA_ARGS__, 2); break;                                                                           \
+    case 3: function(__VA_ARGS__, 3); break;                                                                           \
+    default: function(__VA_ARGS__, JET_TERMS_MAX);                                                                     \
+    }
+
+/* The terms of the run's first member, in the block x; those of the next ones stand beside them. */
+typedef struct {
+    double c[JET_TERMS_MAX];
+    const double *a[JET_TERMS_MAX], *b[JET_TERMS_MAX];
+} products;
+
+JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const double *x, size_t lanes, int terms)
+{
+    products p;
+    for (int t = 0; t < terms; t++) {
+        p.c[t] = tape->term_coefficient[run->term + t];
+        p.a[t] = x + (size_t)tape->term_slot[run->term + t] * lanes;
+        p.b[t] = x + (size_t)tape->term_second[run->term + t] * lanes;
+    }
+    return p;
+}
+
+/* sum_t += sum_{j=from}^{to} term(t, j) for all t at once. */
+#define SUMS(V, sum, from, to, term)                                                                                   \
+    if (terms == 1) {                                                                                                  \
+        const int t = 0;                                                                                               \
+        JET_SUM(V, sum[0], from, to, term);                                                                            \
+    } else {                                                                                                           \
+        for (int j = (from), last = (to); j <= last; j++)                                                              \
+            for (int t = 0; t < terms; t++) sum[t] += term;                                                            \
+    }
+
+/* ---- Values ------------------------------------------------------------------------------------------------------ */
+
+#define VALUES(V, S)                                                                                                   \
+    {                                                                                                                  \
+        V sum = p.c[0] * S(V, p.a[0], 0) * S(V, p.b[0], 0);                                                            \
+        for (int t = 1; t < terms; t++) sum += p.c[t] * S(V, p.a[t], 0) * S(V, p.b[t], 0);                             \
+        JET_AT(V, z, 0) = sum;                                                                                         \
+    }
+
+JET_INLINE void values_of(const jet_tape *tape, const jet_run *run, double *x, int lanes, int terms)
+{
+    const products p = terms_of(tape, run, x, (size_t)lanes, terms);
+    const size_t stride = (size_t)lanes;
+    const int width = run->count * lanes;
+    double *z = x + (size_t)run->z * stride;
+    if (lanes == 8) JET_EIGHTS(width, VALUES, JET_OF)
+    else JET_BLOCKS(width, VALUES, JET_OF);
+}
+
+static void values_of_eight(const jet_tape *tape, const jet_run *run, double *x)
+{
+    BY_TERMS(run, values_of, tape, run, x, 8)
+}
+
+static void values_of_any(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+{
+    BY_TERMS(run, values_of, tape, run, x, lanes)
+}
+
+void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+{
+    if (lanes == 8) values_of_eight(tape, run, x);
+    else values_of_any(tape, run, x, lanes);
+}
+
+/* ---- Series ------------------------------------------------------------------------------------------------------ */
+
+/* z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
+#define PRODUCTS_SERIES(V, S)                                                                                          \
+    {                                                                                                                  \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        SUMS(V, sum, 0, k, S(V, p.a[t], j) * S(V, p.b[t], k - j))                                                      \
+        for (int t = 0; t < terms; t++) total += p.c[t] * sum[t];                                                      \
+        JET_AT(V, z, k) = total;                                                                                       \
+    }
+
+/* z_k = sum_t c_t (2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k)). */
+#define SQUARES_SERIES(V, S)                                                                                           \
+    {                                                                                                                  \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        SUMS(V, sum, 0, (k - 1) / 2, S(V, p.a[t], j) * S(V, p.a[t], k - j))                                            \
+        for (int t = 0; t < terms; t++) {                                                                              \
+            const V half = S(V, p.a[t], k / 2);                                                                        \
+            total += p.c[t] * (2.0 * sum[t] + (k % 2 == 0 ? 1.0 : 0.0) * (half * half));                               \
+        }                                                                                                              \
+        JET_AT(V, z, k) = total;                                                                                       \
+    }
+
+JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, int k, size_t lanes, int terms)
+{
+    const products p = terms_of(tape, run, x, lanes, terms);
+    const size_t stride = (size_t)tape->slots * lanes;
+    const int width = run->count * (int)lanes;
+    double *z = x + (size_t)run->z * lanes;
+    if (run->op == OP_SQUARES) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
+    else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
+}
+
+void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes)
+{
+    if (lanes == 1) BY_TERMS(run, series_of, tape, run, x, k, 1)
+    else BY_TERMS(run, series_of, tape, run, x, k, (size_t)lanes)
+}
+
+/* ---- Tangents ---------------------------------------------------------------------------------------------------- */
+
+/* dz_k = sum_t c_t sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
+#define PRODUCTS_TANGENT(V, S)                                                                                         \
+    {                                                                                                                  \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        SUMS(V, sum, 0, k,                                                                                             \
+             S(V, p.b[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j) +                                            \
+                 S(V, p.a[t] + i, j) * JET_D_OF(V, d.b[t] + i * lanes, k - j))                                         \
+        for (int t = 0; t < terms; t++) total += p.c[t] * sum[t];                                                      \
+        JET_D_AT(V, dz, k) = total;                                                                                    \
+    }
+
+/* dz_k = 2 sum_t c_t sum_{j=0}^{k} a_j da_{k-j}. */
+#define SQUARES_TANGENT(V, S)                                                                                          \
+    {                                                                                                                  \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        SUMS(V, sum, 0, k, S(V, p.a[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j))                               \
+        for (int t = 0; t < terms; t++) total += 2 * p.c[t] * sum[t];                                                  \
+        JET_D_AT(V, dz, k) = total;                                                                                    \
+    }
+
+/* Across the members where there is one lane, else across the lanes of each member i. */
+#define TANGENT_OF(TANGENT)                                                                                            \
+    if (lanes == 1) {                                                                                                  \
+        const size_t i = 0;                                                                                            \
+        JET_BLOCKS(run->count, TANGENT, JET_OF);                                                                       \
+    } else {                                                                                                           \
+        for (size_t i = 0; i < (size_t)run->count; i++, dz += lanes) JET_BLOCKS((int)lanes, TANGENT, JET_ONE_OF);      \
+    }
+
+JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, size_t lanes,
+                            int terms)
+{
+    const products p = terms_of(tape, run, x, 1, terms), d = terms_of(tape, run, dx, lanes, terms);
+    const size_t stride = (size_t)tape->slots, dstride = stride * lanes;
+    double *dz = dx + (size_t)run->z * lanes;
+    if (run->op == OP_SQUARES) {
+        TANGENT_OF(SQUARES_TANGENT)
+    } else {
+        TANGENT_OF(PRODUCTS_TANGENT)
+    }
+}
+
+void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes)
+{
+    BY_TERMS(run, tangents_of, tape, run, x, dx, k, (size_t)lanes)
+}
+
+/* ---- Adjoints ---------------------------------------------------------------------------------------------------- */
+
+/* abar_j += c_t zbar_k b_{k-j},  bbar_j += c_t zbar_k a_{k-j},  j = 0..k. */
+#define PRODUCTS_ADJOINT(V, S)                                                                                         \
+    for (int t = 0; t < terms; t++) {                                                                                  \
+        const V bar = p.c[t] * S(V, zbar, k);                                                                          \
+        JET_EACH(0, k, JET_AT(V, abar[t], j) += bar * S(V, p.b[t], k - j));                                            \
+        JET_EACH(0, k, JET_AT(V, bbar[t], j) += bar * S(V, p.a[t], k - j));                                            \
+    }
+
+/* abar_j += 2 c_t zbar_k a_{k-j},  j = 0..k. */
+#define SQUARES_ADJOINT(V, S)                                                                                          \
+    for (int t = 0; t < terms; t++) {                                                                                  \
+        const V bar = 2 * p.c[t] * S(V, zbar, k);                                                                      \
+        JET_EACH(0, k, JET_AT(V, abar[t], j) += bar * S(V, p.a[t], k - j));                                            \
+    }
+
+JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int terms)
+{
+    const products p = terms_of(tape, run, x, 1, terms);
+    const size_t stride = (size_t)tape->slots;
+    const double *zbar = bars + run->z;
+    double *abar[JET_TERMS_MAX], *bbar[JET_TERMS_MAX];
+    for (int t = 0; t < terms; t++) {
+        abar[t] = bars + tape->term_slot[run->term + t];
+        bbar[t] = bars + tape->term_second[run->term + t];
+    }
+    if (run->op == OP_SQUARES) JET_BLOCKS(run->count, SQUARES_ADJOINT, JET_OF);
+    else JET_BLOCKS(run->count, PRODUCTS_ADJOINT, JET_OF);
+}
+
+void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k)
+{
+    BY_TERMS(run, adjoints_of, tape, run, x, bars, k)
+}

@@ -1,0 +1,31 @@
+/* sums.h - the runs that need no rule: sums of multiples, and sums of products, of which most forces consist. Compiled
+ * once for each instruction set. */
+#ifndef TVI_AD_SUMS_H
+#define TVI_AD_SUMS_H
+
+#include "rule.h"
+#include "tape.h"
+
+#define jet_linear_values   JET_FOR_ISA(jet_linear_values)
+#define jet_linear_order    JET_FOR_ISA(jet_linear_order)
+#define jet_linear_adjoint  JET_FOR_ISA(jet_linear_adjoint)
+#define jet_product_values  JET_FOR_ISA(jet_product_values)
+#define jet_product_series  JET_FOR_ISA(jet_product_series)
+#define jet_product_tangent JET_FOR_ISA(jet_product_tangent)
+#define jet_product_adjoint JET_FOR_ISA(jet_product_adjoint)
+
+/* LINEAR. The block of one order: x of order 0, of order k >= 1 of a series or of any order of a tangent, bar of any
+ * order. */
+void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int lanes);
+void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int lanes);
+void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar);
+
+/* PRODUCTS and SQUARES: what the sweeps of the same names do (tape.h). */
+void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes);
+void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes);
+void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes);
+void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bar, int k);
+
+#define JET_INLINE static inline __attribute__((always_inline))
+
+#endif
