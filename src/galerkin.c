@@ -398,8 +398,8 @@ static double tail(const galerkin *w)
 {
     double last = 0, q = 0;
     for (int u = 0; u < w->n; u++) {
-        last = fmax(last, fabs(w->field.nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
-        q = fmax(q, fabs(w->field.nodes.start[u]));
+        last = larger(last, fabs(w->field.nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
+        q = larger(q, fabs(w->field.nodes.start[u]));
     }
     return q > 0 ? last / q : 0;
 }

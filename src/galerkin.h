@@ -11,8 +11,8 @@ enum { TVI_GALERKIN_MAX_LANES = 12 };
 
 /* The sums over the nodes: b_j and b_j (1 - c_j), each in two parts, of which the first is short. What a rounded weight
  * lacks is the same in every step, and the energy would drift by it; of two doubles the second would be lost when the
- * sums are added. */
-enum { SUM_B, SUM_B_REST, SUM_BC, SUM_BC_REST, SUM_TAIL, SUMS };
+ * sums are added. They are as many as lanes of the widest vector; the last ones stay 0. */
+enum { SUM_B, SUM_B_REST, SUM_BC, SUM_BC_REST, SUM_TAIL, SUMS = 8 };
 
 /* Unknown u of node i stands at x[u][i]. What drives it is F_j = drives[slot[u]][j]. */
 typedef struct {

@@ -107,7 +107,7 @@ INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *weight, c
 {
     for (int u = 0; u < nodes->unknowns; u++) {
         const double *drive = nodes->x + (size_t)slot[u] * (size_t)lanes;
-        JET_BLOCKS(SUMS, SUM, );
+        JET_EIGHTS(SUMS, SUM, )
         JET_BLOCKS(lanes, COPY, );
     }
 }
