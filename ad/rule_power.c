@@ -1,8 +1,12 @@
 /* Powers with a constant exponent. */
 #include "rule.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#if defined(__AVX512F__)
+#include <immintrin.h>
+#endif
 
 /* ---- z = sqrt a,  a_0 > 0 ---------------------------------------------------------------------------------------- */
 
@@ -72,7 +76,6 @@ static void power_by_halves(int halves, int width, const double *a, double *rest
 {
     switch (halves) {
     case -5: power_by(-5, width, a, z); break;
-    case -3: power_by(-3, width, a, z); break; /* the force of gravity */
     case -2: power_by(-2, width, a, z); break;
     case -1: power_by(-1, width, a, z); break; /* and its potential */
     case 3: power_by(3, width, a, z); break;
@@ -80,22 +83,71 @@ static void power_by_halves(int halves, int width, const double *a, double *rest
     }
 }
 
+static bool is_positive(int width, const double *a)
+{
+    int outside = 0;
+    for (int w = 0; w < width; w++) outside |= a[w] <= 0;
+    return !outside;
+}
+
+static bool is_nonzero(int width, const double *a)
+{
+    int outside = 0;
+    for (int w = 0; w < width; w++) outside |= a[w] == 0;
+    return !outside;
+}
+
+/* a^(-3/2), the force of gravity. */
+#if defined(__AVX512F__)
+/* With y near a^(-1/2), of so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12:
+ *   a^(-3/2) = y^3 (1 - e)^(-3/2) = y^3 (1 + 3/2 e + 15/8 e^2 + 35/16 e^3 + 315/128 e^4 + ...),
+ * which is rounded once, where a root, a product and a quotient round three times and take twice as long. */
+static inline __m512d inverse_cube_of_root(__m512d a)
+{
+    const __m512d bounded = _mm512_min_pd(_mm512_set1_pd(DBL_MAX), a); /* a NaN stays */
+    const __m512i few_bits = _mm512_set1_epi64(~((1LL << 36) - 1));
+    const __m512d y = _mm512_castsi512_pd(_mm512_and_epi64(_mm512_castpd_si512(_mm512_rsqrt14_pd(bounded)), few_bits));
+    const __m512d square = y * y, cube = square * y;
+    const __m512d e = _mm512_fnmadd_pd(bounded, square, _mm512_set1_pd(1));
+    const __m512d series = e * ((1.5 + e * 1.875) + (e * e) * (2.1875 + e * 2.4609375));
+    return _mm512_fmadd_pd(cube, series, cube);
+}
+
+static bool gravity(int width, const double *a, double *restrict z)
+{
+    __mmask8 outside = 0;
+    int w = 0;
+    for (; w + 8 <= width; w += 8) {
+        const __m512d block = _mm512_loadu_pd(a + w);
+        outside |= _mm512_cmp_pd_mask(block, _mm512_setzero_pd(), _CMP_LE_OQ);
+        _mm512_storeu_pd(z + w, inverse_cube_of_root(block));
+    }
+    if (w < width) {
+        const __mmask8 rest = (__mmask8)((1 << (width - w)) - 1);
+        const __m512d block = _mm512_maskz_loadu_pd(rest, a + w);
+        outside |= _mm512_mask_cmp_pd_mask(rest, block, _mm512_setzero_pd(), _CMP_LE_OQ);
+        _mm512_mask_storeu_pd(z + w, rest, inverse_cube_of_root(block));
+    }
+    return !outside;
+}
+#else
+static bool gravity(int width, const double *a, double *restrict z)
+{
+    power_by(-3, width, a, z);
+    return is_positive(width, a);
+}
+#endif
+
 static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    const bool integer = c == floor(c);
-    int outside = 0;
-    if (integer) {
-        for (int w = 0; w < width; w++) outside |= a[w] == 0;
-    } else {
-        for (int w = 0; w < width; w++) outside |= a[w] <= 0;
-    }
+    if (c == -1.5) return gravity(width, a, z);
     if (fabs(2 * c) <= HALVES_MAX && 2 * c == floor(2 * c)) {
         power_by_halves((int)(2 * c), width, a, z);
     } else {
         for (int w = 0; w < width; w++) z[w] = pow(a[w], c);
     }
-    return !outside;
+    return c == floor(c) ? is_nonzero(width, a) : is_positive(width, a);
 }
 
 /* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). */
