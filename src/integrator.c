@@ -90,15 +90,21 @@ static bool is_continued(const tvi_integrator *it, double t, const double q[], c
            memcmp(p, it->p, bytes) == 0;
 }
 
-/* The new state in it->q, it->p, it->t from the increments. */
-static void advance(tvi_integrator *it, double h, double t, const double q[], const double p[])
+/* The new state from the increments; the old one is the start of the dense output. */
+static void advance(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
+    it->h = h;
+    it->t_start = *t;
+    it->t_start_low = it->last->t_low;
     for (int i = 0; i < it->system->n; i++) {
-        it->q[i] = tvi_add_compensated(q[i], &it->q_low[i], it->dq[i]);
-        it->p[i] = tvi_add_compensated(p[i], &it->p_low[i], it->dp[i]);
+        it->q_start[i] = q[i];
+        it->p_start[i] = p[i];
+        q[i] = it->q[i] = tvi_add_compensated(q[i], &it->q_low[i], it->dq[i]);
+        p[i] = it->p[i] = tvi_add_compensated(p[i], &it->p_low[i], it->dp[i]);
     }
-    it->last->t = tvi_add_compensated(t, &it->last->t_low, h);
+    *t = it->last->t = tvi_add_compensated(*t, &it->last->t_low, h);
     it->last->continues = true;
+    it->has_dense = true;
 }
 
 /* q + dq and p + dp are finite. */
@@ -114,9 +120,11 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
     if (!it) return TVI_EINVAL;
     it->has_dense = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
-    const int n = it->system->n;
-    if (!isfinite(*t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return TVI_ENONFINITE;
-    if (!is_continued(it, *t, q, p)) memset(it->history, 0, it->remembered);
+    if (!is_continued(it, *t, q, p)) {
+        if (!isfinite(*t) || !tvi_all_finite(it->system->n, q) || !tvi_all_finite(it->system->n, p))
+            return TVI_ENONFINITE;
+        memset(it->history, 0, it->remembered);
+    }
     memcpy(it->before, it->history, it->remembered);
     const tvi_origin origin = {*t, it->last->t_low, q, it->q_low, p, it->p_low};
     tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
@@ -125,16 +133,7 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
         memcpy(it->history, it->before, it->remembered);
         return status;
     }
-    it->h = h;
-    it->t_start = *t;
-    it->t_start_low = it->last->t_low;
-    memcpy(it->q_start, q, (size_t)n * sizeof *q);
-    memcpy(it->p_start, p, (size_t)n * sizeof *p);
-    it->has_dense = true;
-    advance(it, h, *t, q, p);
-    *t = it->last->t;
-    memcpy(q, it->q, (size_t)n * sizeof *q);
-    memcpy(p, it->p, (size_t)n * sizeof *p);
+    advance(it, h, t, q, p);
     it->stats.steps++;
     return TVI_OK;
 }
