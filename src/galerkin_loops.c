@@ -23,12 +23,11 @@ INLINE double sum_of(const double x[], size_t count)
     V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
     for (int j = 0; j < lanes; j++) row[j] = OF_VECTOR(V, matrix, j)
 
-/* even + odd += sum_j row_j drive_j. */
-#define ADD_PRODUCT(row, drive)                                                                                        \
-    for (int j = 0; j < lanes; j += 2) {                                                                               \
-        even += (row)[j] * (drive)[j];                                                                                 \
-        if (lanes > 1) odd += (row)[j + 1] * (drive)[j + 1];                                                           \
-    }
+/* sum_0 + ... += sum_j row_j drive_j: chains that do not wait for each other. */
+enum { CHAINS = 4 };
+#define ADD_PRODUCT(sum, row, drive)                                                                                   \
+    for (int j = 0; j < lanes; j++) sum[j % CHAINS] += (row)[j] * (drive)[j];
+#define TOTAL(sum) ((sum[0] + sum[1]) + (sum[2] + sum[3]))
 
 /* The lanes of a block for all unknowns. */
 #define MOVE(V, S)                                                                                                     \
@@ -37,9 +36,9 @@ INLINE double sum_of(const double x[], size_t count)
         V squares = {0};                                                                                               \
         for (int u = 0; u < unknowns; u++) {                                                                           \
             const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                            \
-            V even = {0}, odd = {0};                                                                                   \
-            ADD_PRODUCT(row, drive)                                                                                    \
-            const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * (even + odd));                              \
+            V sums[CHAINS] = {0};                                                                                      \
+            ADD_PRODUCT(sums, row, drive)                                                                                    \
+            const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                              \
             const V change = (place - VECTOR(V, x, u)) * inverse_size[u];                                              \
             squares += change * change;                                                                                \
             VECTOR(V, x, u) = place;                                                                                   \
@@ -71,10 +70,10 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
         ROWS(V, row, matrix);                                                                                          \
         ROWS(V, row_before, matrix + (steps - 1) * lanes * lanes);                                                     \
         for (int u = 0; u < unknowns; u++) {                                                                           \
-            V even = {0}, odd = {0};                                                                                   \
-            ADD_PRODUCT(row, drives[0] + u * lanes)                                                                    \
-            if (steps > 1) ADD_PRODUCT(row_before, drives[1] + u * lanes)                                              \
-            VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * (even + odd));                            \
+            V sums[CHAINS] = {0};                                                                                      \
+            ADD_PRODUCT(sums, row, drives[0] + u * lanes)                                                                    \
+            if (steps > 1) ADD_PRODUCT(sums, row_before, drives[1] + u * lanes)                                              \
+            VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                            \
         }                                                                                                              \
     }
 
