@@ -78,7 +78,7 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
 #define PRODUCTS_SERIES(V, S)                                                                                          \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
         SUMS(V, sum, 0, k, S(V, p.a[t], j) * S(V, p.b[t], k - j))                                                      \
         for (int t = 0; t < terms; t++) total += p.c[t] * sum[t];                                                      \
         JET_AT(V, z, k) = total;                                                                                       \
@@ -87,7 +87,7 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* z_k = sum_t c_t (2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k)). */
 #define SQUARES_SERIES(V, S)                                                                                           \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
         SUMS(V, sum, 0, (k - 1) / 2, S(V, p.a[t], j) * S(V, p.a[t], k - j))                                            \
         for (int t = 0; t < terms; t++) {                                                                              \
             const V half = S(V, p.a[t], k / 2);                                                                        \
@@ -117,7 +117,7 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
 /* dz_k = sum_t c_t sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
 #define PRODUCTS_TANGENT(V, S)                                                                                         \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
         SUMS(V, sum, 0, k,                                                                                             \
              S(V, p.b[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j) +                                            \
                  S(V, p.a[t] + i, j) * JET_D_OF(V, d.b[t] + i * lanes, k - j))                                         \
@@ -128,7 +128,7 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
 /* dz_k = 2 sum_t c_t sum_{j=0}^{k} a_j da_{k-j}. */
 #define SQUARES_TANGENT(V, S)                                                                                          \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                     \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
         SUMS(V, sum, 0, k, S(V, p.a[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j))                               \
         for (int t = 0; t < terms; t++) total += 2 * p.c[t] * sum[t];                                                  \
         JET_D_AT(V, dz, k) = total;                                                                                    \

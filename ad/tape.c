@@ -202,8 +202,8 @@ static int by_group(const place *x, const place *y)
     return jet_rules[x->node->op] ? compare(x->node->number, y->node->number) : compare_coefficients(x, y);
 }
 
-/* Within a level by group and turn, and within that by the slots of the operands, so that adjacent results have adjacent
- * operands: by a first, or by b first. */
+/* Within a level by group and turn, and within that by the slots of the operands, so that adjacent results have
+ * adjacent operands: by a first, or by b first. */
 static int by_first_operand(const void *first, const void *second)
 {
     const place *x = *(place *const *)first, *y = *(place *const *)second;
@@ -222,7 +222,10 @@ static int by_second_operand(const void *first, const void *second)
     return difference ? difference : by_first_operand(first, second);
 }
 
-static int slot_of(const lowering *low, const struct jet_node *node) { return node ? low->places[node->index].slot : 0; }
+static int slot_of(const lowering *low, const struct jet_node *node)
+{
+    return node ? low->places[node->index].slot : 0;
+}
 
 static void emit(lowering *low, place *z)
 {
@@ -328,8 +331,8 @@ static jet_run linear_run(const lowering *low, jet_tape *tape, const place *z)
 {
     const int terms = z->node ? z->node->count : 1;
     const double number = z->node ? z->node->number : 0;
-    const jet_run run = {OP_LINEAR, 1, z->slot, .has_numbers = number != 0, .first = tape->rows, .terms = terms,
-                         .term = tape->terms};
+    const jet_run run = {
+        OP_LINEAR, 1, z->slot, .has_numbers = number != 0, .first = tape->rows, .terms = terms, .term = tape->terms};
     tape->base[tape->rows++] = number;
     if (!z->node) add_term(tape, 1, z->operand[0][0], 0);
     for (int term = 0; z->node && term < terms; term++)

@@ -37,8 +37,8 @@ enum { CHAINS = 4 };
         for (int u = 0; u < unknowns; u++) {                                                                           \
             const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                            \
             V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, drive)                                                                                    \
-            const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                              \
+            ADD_PRODUCT(sums, row, drive)                                                                              \
+            const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                               \
             const V change = (place - VECTOR(V, x, u)) * inverse_size[u];                                              \
             squares += change * change;                                                                                \
             VECTOR(V, x, u) = place;                                                                                   \
@@ -71,9 +71,9 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
         ROWS(V, row_before, matrix + (steps - 1) * lanes * lanes);                                                     \
         for (int u = 0; u < unknowns; u++) {                                                                           \
             V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, drives[0] + u * lanes)                                                                    \
-            if (steps > 1) ADD_PRODUCT(sums, row_before, drives[1] + u * lanes)                                              \
-            VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                            \
+            ADD_PRODUCT(sums, row, drives[0] + u * lanes)                                                              \
+            if (steps > 1) ADD_PRODUCT(sums, row_before, drives[1] + u * lanes)                                        \
+            VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                             \
         }                                                                                                              \
     }
 
@@ -86,9 +86,9 @@ INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *
     JET_BLOCKS(lanes, PREDICT, );
 }
 
-static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[])
-{
-#define CALL(lanes) steps == 2 ? predict_lanes(nodes, 2, matrix, drives, lanes) : predict_lanes(nodes, 1, matrix, drives, lanes)
+static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[]){
+#define CALL(lanes)                                                                                                    \
+    steps == 2 ? predict_lanes(nodes, 2, matrix, drives, lanes) : predict_lanes(nodes, 1, matrix, drives, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
 }

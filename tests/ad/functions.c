@@ -135,6 +135,25 @@ static void record_gravity(double c, const jet x[], jet z[])
     }
 }
 
+/* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one more,
+ * and with a product that something else needs, too. */
+static void record_products(double c, const jet x[], jet z[])
+{
+    (void)c;
+    const jet shared = jet_mul(x[2], x[5]);
+    jet five[5];
+    for (int i = 0; i < 5; i++) five[i] = jet_mul(i + 1, jet_mul(x[i], jet_exp(x[i])));
+    z[0] = jet_dot(x, x, 3);
+    z[1] = jet_mul(-2, jet_mul(x[0], x[1]));
+    z[2] = jet_sub(jet_mul(x[0], x[3]), jet_mul(3, jet_mul(x[1], x[2])));
+    z[3] = jet_sub(jet_mul(x[3], x[3]), jet_mul(x[4], x[1]));
+    z[4] = jet_sum((const jet[]){jet_mul(x[0], x[2]), jet_mul(x[1], x[3]), jet_mul(x[2], x[4]), jet_mul(x[3], x[5])}, 4);
+    z[5] = jet_sum(five, 5);
+    z[6] = jet_add(1, jet_mul(x[5], x[5]));
+    z[7] = jet_add(shared, jet_mul(x[3], x[4]));
+    z[8] = jet_div(shared, 2);
+}
+
 /* ---- The tables -------------------------------------------------------------------------------------------------- */
 
 const function operations[] = {
@@ -157,6 +176,7 @@ const function operations[] = {
     {"pow", record_pow, 1, 1, -3, {-1.3}, 1e-14},
     {"pow", record_pow, 1, 1, 1.5, {0.7}, 1e-14},
     {"pow", record_pow, 1, 1, -2.5, {1.7}, 1e-14},
+    {"pow", record_pow, 1, 1, -1.5, {1.7}, 1e-14},
     {"pow", record_pow, 1, 1, 8.5, {1.1}, 1e-14},
     {"pow", record_pow, 1, 1, 1.0 / 3, {0.9}, 1e-14},
     {"pow", record_pow, 1, 1, -9, {-1.6}, 1e-14},
@@ -190,6 +210,7 @@ const function compositions[] = {
     {"lattice", record_lattice, 4, 1, 0, {0.2, -0.3, 0.5, 0.1}, 1e-13},
     {"relativistic", record_relativistic, 2, 1, 0, {0.3, -0.8}, 1e-13},
     {"medley", record_medley, 3, 2, 0, {0.7, 0.9, 1.1}, 1e-13},
+    {"products", record_products, 6, 9, 0, {0.7, -0.9, 1.1, 0.4, -1.3, 0.8}, 1e-13},
     {"gravity", record_gravity, 18, 18, 0,
      {3, 0, 0, -3, 0, 0.5, 0, 3, 1, 0, -3, -1, 0.5, 0.2, 4, -0.3, 0.4, -4}, 1e-13},
 };

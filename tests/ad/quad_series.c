@@ -102,6 +102,21 @@ static void quad_gravity(double c, const quad x[], quad z[])
     }
 }
 
+static void quad_products(double c, const quad x[], quad z[])
+{
+    (void)c;
+    z[0] = x[0] * x[0] + x[1] * x[1] + x[2] * x[2];
+    z[1] = -2 * x[0] * x[1];
+    z[2] = x[0] * x[3] - 3 * x[1] * x[2];
+    z[3] = x[3] * x[3] - x[4] * x[1];
+    z[4] = x[0] * x[2] + x[1] * x[3] + x[2] * x[4] + x[3] * x[5];
+    z[5] = 0;
+    for (int i = 0; i < 5; i++) z[5] += (i + 1) * x[i] * cexpq(x[i]);
+    z[6] = 1 + x[5] * x[5];
+    z[7] = x[2] * x[5] + x[3] * x[4];
+    z[8] = x[2] * x[5] / 2;
+}
+
 #define NAMED(name) {#name, quad_##name}
 static const struct {
     const char *name;
@@ -110,7 +125,7 @@ static const struct {
     NAMED(add), NAMED(sub), NAMED(neg), NAMED(linear), NAMED(sum), NAMED(dot), NAMED(mul), NAMED(div), NAMED(sqr),
     NAMED(sqrt), NAMED(pow), NAMED(exp), NAMED(log), NAMED(sin), NAMED(cos), NAMED(tan), NAMED(asin), NAMED(acos),
     NAMED(atan), NAMED(sinh), NAMED(cosh), NAMED(tanh), NAMED(kepler), NAMED(pendulums), NAMED(lattice),
-    NAMED(relativistic), NAMED(medley), NAMED(gravity),
+    NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
 };
 
 static quad_fn *find_function(const char *name)

@@ -32,9 +32,9 @@ static const struct {
 } partners[] = {
     {"exp", OP_EXP, OP_EXP, 1, 1},      {"log", OP_LOG, OP_LOG, 1, 1},       {"sin", OP_SIN, OP_COS, 1, 2},
     {"cos", OP_COS, OP_SIN, 1, 2},      {"sinh", OP_SINH, OP_COSH, 1, 2},    {"cosh", OP_COSH, OP_SINH, 1, 2},
-    {"tan", OP_TAN, OP_SQR, 1, 3},      {"tanh", OP_TANH, OP_SECH2, 1, 2},   {"asin", OP_ASIN, OP_SQRT, 1, 5},
-    {"acos", OP_ACOS, OP_SQRT, 1, 5},   {"atan", OP_ATAN, OP_SQR, 1, 3},     {"sqrt", OP_SQRT, OP_SQRT, 1, 1},
-    {"neg", OP_LINEAR, OP_LINEAR, 1, 1}, {"mul", OP_MUL, OP_MUL, 1, 1},      {"div", OP_DIV, OP_DIV, 1, 1},
+    {"tan", OP_TAN, OP_SQUARES, 1, 3},      {"tanh", OP_TANH, OP_SECH2, 1, 2},   {"asin", OP_ASIN, OP_SQRT, 1, 5},
+    {"acos", OP_ACOS, OP_SQRT, 1, 5},   {"atan", OP_ATAN, OP_SQUARES, 1, 3},     {"sqrt", OP_SQRT, OP_SQRT, 1, 1},
+    {"neg", OP_LINEAR, OP_LINEAR, 1, 1}, {"mul", OP_PRODUCTS, OP_PRODUCTS, 1, 1},      {"div", OP_DIV, OP_DIV, 1, 1},
 };
 
 START_TEST(values_leave_out_partners)
@@ -174,8 +174,10 @@ END_TEST
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
+static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
+
 /* Runs follow each other without gaps and read, at the order being computed, only slots that are computed before; each
- * LINEAR has a row of terms, as many as the others of its run. */
+ * LINEAR has a row of terms, as many as the others of its run; the products of a run have one set of terms. */
 static void check_layout(const jet_tape *tape, jet_tape_kind kind)
 {
     int slot = tape->inputs + tape->constants, row = 0, term = 0;
@@ -187,12 +189,21 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         ck_assert_int_le(slot, tape->slots);
         if (role == B_OPERAND || (role == B_PARTNER_SERIES && kind == JET_TAPE_SERIES))
             ck_assert_int_le(run->b + run->count, run->z);
-        if (run->op != OP_LINEAR) {
+        if (run->op != OP_LINEAR && !is_product(run)) {
             ck_assert_int_le(run->a + run->count, run->z);
             continue;
         }
-        ck_assert_int_eq(run->first, row);
         ck_assert_int_eq(run->term, term);
+        if (is_product(run)) {
+            ck_assert_int_ge(run->terms, 1);
+            ck_assert_int_le(run->terms, JET_TERMS_MAX);
+            for (int i = 0; i < run->terms; i++, term++) {
+                ck_assert_int_le(tape->term_slot[term] + run->count, run->z);
+                ck_assert_int_le(tape->term_second[term] + run->count, run->z);
+            }
+            continue;
+        }
+        ck_assert_int_eq(run->first, row);
         row += run->count;
         for (int i = 0; i < run->count * run->terms; i++, term++) ck_assert_int_lt(tape->term_slot[term], run->z);
     }
@@ -229,14 +240,14 @@ static const function *composition_named(const char *name)
     ck_abort_msg("no composition %s", name);
 }
 
-/* The 15 pairs of six bodies run side by side: 45 differences and their squares, 15 distances, powers and factors; then,
- * from 45 copies of the factors, 45 components of forces, and 72 additions in four levels. */
+/* The 15 pairs of six bodies run side by side: 45 differences, 15 distances, powers and factors; then, axis by axis and
+ * without copies of the factors, 45 components of forces, and 72 additions in four levels. */
 START_TEST(pairs_run_together)
 {
     static const struct {
         jet_op op;
         int operations, runs;
-    } expected[] = {{OP_SQR, 45, 1}, {OP_POW, 15, 1}, {OP_MUL, 45, 1}, {OP_LINEAR, 45 + 15 + 15 + 45 + 72, 4 + 4}};
+    } expected[] = {{OP_SQUARES, 15, 1}, {OP_POW, 15, 1}, {OP_PRODUCTS, 45, 3}, {OP_LINEAR, 45 + 15 + 72, 2 + 4}};
     recording r = record_outputs(composition_named("gravity"), (jet_tape_kind)_i);
     for (int i = 0; i < COUNT(expected); i++) {
         ck_assert_int_eq(operations_of(r.tape, expected[i].op), expected[i].operations);
@@ -319,22 +330,53 @@ END_TEST
 /* Operands that do not stand side by side are copied, so that the products run as one. */
 START_TEST(scattered_operands_are_gathered)
 {
+    jet_graph *graph = jet_graph_create(4);
+    jet in[4], z[2];
+    for (int i = 0; i < 4; i++) in[i] = jet_graph_input(graph, i);
+    z[0] = jet_mul(in[0], in[3]);
+    z[1] = jet_mul(in[1], in[2]);
+    recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
+    const double x[4] = {2, 3, 5, 7};
+    double got[2];
+    ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), 1);
+    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 2);
+    ck_assert(run_values(&r, 1, x, got));
+    ck_assert_double_eq(got[0], 14);
+    ck_assert_double_eq(got[1], 15);
+    recording_free(&r);
+}
+END_TEST
+
+/* Those that several products share are read in turns, without copies: 0 3, 1 4; then 0 2. */
+START_TEST(shared_operands_are_read_in_turns)
+{
     jet_graph *graph = jet_graph_create(5);
-    jet in[5];
+    jet in[5], z[3];
     for (int i = 0; i < 5; i++) in[i] = jet_graph_input(graph, i);
-    jet z[3];
     z[0] = jet_mul(in[0], in[3]);
     z[1] = jet_mul(in[0], in[2]);
     z[2] = jet_mul(in[1], in[4]);
     recording r = record_close(graph, 3, z, JET_TAPE_VALUES);
     const double x[5] = {2, 3, 5, 7, 11};
     double got[3];
-    ck_assert_int_eq(runs_of(r.tape, OP_MUL), 1);
-    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 3);
+    ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), 2);
+    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 0);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], 14);
     ck_assert_double_eq(got[1], 10);
     ck_assert_double_eq(got[2], 33);
+    recording_free(&r);
+}
+END_TEST
+
+/* What becomes of sums of products (functions.c): one operation each, but of more terms than one takes, with a number, and
+ * where something else needs one of the products. */
+START_TEST(sums_of_products_are_one_operation)
+{
+    recording r = record_outputs(composition_named("products"), (jet_tape_kind)_i);
+    ck_assert_int_eq(operations_of(r.tape, OP_SQUARES), 2);          /* z0; the square in z6 */
+    ck_assert_int_eq(operations_of(r.tape, OP_PRODUCTS), 4 + 5 + 2); /* z1 .. z4; those of z5; two for z7 and z8 */
+    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 4);           /* z5, z6, z7, z8 */
     recording_free(&r);
 }
 END_TEST
@@ -374,6 +416,8 @@ Suite *tape_suite(void)
     tcase_add_loop_test(runs, copies_run_together, 0, operation_count);
     tcase_add_loop_test(runs, scattered_operations_run_together, JET_TAPE_VALUES, JET_TAPE_SERIES + 1);
     tcase_add_test(runs, scattered_operands_are_gathered);
+    tcase_add_test(runs, shared_operands_are_read_in_turns);
+    tcase_add_loop_test(runs, sums_of_products_are_one_operation, JET_TAPE_VALUES, JET_TAPE_SERIES + 1);
     tcase_add_test(runs, exponents_run_apart);
     return suite;
 }
