@@ -137,19 +137,19 @@ static tvi_status gradient(const recording *rec, jet x, jet out[])
     return status;
 }
 
-static void negate(int n, jet x[])
+/* F = -dV/dq; of a separable Hamiltonian, -dH/dq. */
+static tvi_status record_force(recording *rec)
 {
-    for (int i = 0; i < n; i++) x[i] = jet_neg(x[i]);
+    tvi_system *system = rec->system;
+    return jet_gradient(system->graph, jet_neg(rec->scalar), system->n, rec->field) ? TVI_OK : TVI_ENOMEM;
 }
 
-/* F = -dV/dq. */
 static tvi_status record_potential(recording *rec, const statement *given)
 {
     tvi_system *system = rec->system;
     rec->scalar = given->potential(rec->q, rec->t, given->ctx);
     const tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
-    if (status != TVI_OK) return status;
-    return jet_gradient(system->graph, jet_neg(rec->scalar), system->n, rec->field) ? TVI_OK : TVI_ENOMEM;
+    return status == TVI_OK ? record_force(rec) : status;
 }
 
 /* Room for the field, and for one row more of second derivatives. */
@@ -223,8 +223,7 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
     if (status != TVI_OK) return status;
     if (separable) {
         for (int i = 0; i < n; i++) system->mass[i] = 1 / system->mass[i];
-        negate(n, rec->field);
-        return TVI_OK;
+        return record_force(rec);
     }
     system->form = TVI_HAMILTONIAN;
     return record_bend(rec);
