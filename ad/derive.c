@@ -52,7 +52,9 @@ static jet adjoint_of(adjoints *bar, int index)
     int place = count;
     /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): room was made when the value was added */
     for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--place] = bar->all[i].value;
-    return jet_sum(bar->summing, count);
+    const jet sum = jet_sum(bar->summing, count);
+    bar->failed |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM; /* also where no input needs it */
+    return sum;
 }
 
 /* Takes a constant factor out of the jet, so that factors meet in the sums instead of being multiplied in one by one.
