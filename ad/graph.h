@@ -33,10 +33,10 @@ typedef enum {
     OP_ASIN,   /* z' =  a' / w, w = sqrt((1-a)(1+a))             */
     OP_ACOS,   /* z' = -a' / w, w = sqrt((1-a)(1+a))             */
     OP_ATAN,   /* z' =  a' / w, w = 1 + a^2                      */
-    OP_COUNT,
     /* On a tape only: */
     OP_PRODUCTS, /* z = sum_i coefficient_i a_i b_i */
-    OP_SQUARES   /* z = sum_i coefficient_i a_i^2   */
+    OP_SQUARES,  /* z = sum_i coefficient_i a_i^2   */
+    OP_COUNT
 } jet_op;
 
 typedef struct jet_graph jet_graph;
