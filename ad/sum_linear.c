@@ -57,16 +57,31 @@ void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int 
     }
 }
 
-/* One lane. */
+/* One lane. A term that several sums in a row share, as differences of one body's position from many, gathers what they
+ * hand on in a register. */
 JET_INLINE void adjoints_of_one(const jet_tape *tape, const jet_run *run, double *bar, int terms)
 {
+    enum { KEPT = 2 };
     const int *to = tape->term_slot + run->term;
     const double *coefficient = tape->term_coefficient + run->term;
     const double *z = bar + run->z, *const end = z + run->count;
+    const int kept = terms < KEPT ? terms : KEPT;
+    double sum[KEPT] = {0};
+    int slot[KEPT];
+    for (int term = 0; term < kept; term++) slot[term] = to[term];
     for (; z < end; z++, to += terms, coefficient += terms) {
         const double zbar = *z;
-        for (int term = 0; term < terms; term++) bar[to[term]] += coefficient[term] * zbar;
+        for (int term = 0; term < kept; term++) {
+            if (to[term] != slot[term]) {
+                bar[slot[term]] += sum[term];
+                sum[term] = 0;
+                slot[term] = to[term];
+            }
+            sum[term] += coefficient[term] * zbar;
+        }
+        for (int term = kept; term < terms; term++) bar[to[term]] += coefficient[term] * zbar;
     }
+    for (int term = 0; term < kept; term++) bar[slot[term]] += sum[term];
 }
 
 void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar)

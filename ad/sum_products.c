@@ -167,8 +167,10 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
 #define PRODUCTS_ADJOINT(V, S)                                                                                         \
     for (int t = 0; t < terms; t++) {                                                                                  \
         const V bar = p.c[t] * S(V, zbar, k);                                                                          \
-        JET_EACH(0, k, JET_AT(V, abar[t], j) += bar * S(V, p.b[t], k - j));                                            \
-        JET_EACH(0, k, JET_AT(V, bbar[t], j) += bar * S(V, p.a[t], k - j));                                            \
+        for (int j = 0; j <= k; j++) {                                                                                 \
+            JET_AT(V, abar[t], j) += bar * S(V, p.b[t], k - j);                                                        \
+            JET_AT(V, bbar[t], j) += bar * S(V, p.a[t], k - j);                                                        \
+        }                                                                                                              \
     }
 
 /* abar_j += 2 c_t zbar_k a_{k-j},  j = 0..k. */
