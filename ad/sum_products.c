@@ -34,7 +34,7 @@ JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const dou
         const int t = 0;                                                                                               \
         JET_SUM(V, sum[0], from, to, term);                                                                            \
     } else {                                                                                                           \
-        for (int j = (from), last = (to); j <= last; j++)                                                              \
+        for (int j = (from), end = (to); j <= end; j++)                                                                \
             for (int t = 0; t < terms; t++) sum[t] += term;                                                            \
     }
 
@@ -163,24 +163,30 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
 
 /* ---- Adjoints ---------------------------------------------------------------------------------------------------- */
 
-/* abar_j += c_t zbar_k b_{k-j},  bbar_j += c_t zbar_k a_{k-j},  j = 0..k. */
+/* What other rules hand on from one order of z to many of its operands is collected here, for one order of the operands
+ * from many of z, in registers:
+ * abar_k += c_t sum_{j=k}^{top} zbar_j b_{j-k},  bbar_k likewise. */
 #define PRODUCTS_ADJOINT(V, S)                                                                                         \
     for (int t = 0; t < terms; t++) {                                                                                  \
-        const V bar = p.c[t] * S(V, zbar, k);                                                                          \
-        for (int j = 0; j <= k; j++) {                                                                                 \
-            JET_AT(V, abar[t], j) += bar * S(V, p.b[t], k - j);                                                        \
-            JET_AT(V, bbar[t], j) += bar * S(V, p.a[t], k - j);                                                        \
+        V of_a = {0}, of_b = {0};                                                                                      \
+        for (int j = k; j <= top; j++) {                                                                               \
+            of_a += S(V, zbar, j) * S(V, p.b[t], j - k);                                                               \
+            of_b += S(V, zbar, j) * S(V, p.a[t], j - k);                                                               \
         }                                                                                                              \
+        JET_AT(V, abar[t], k) += p.c[t] * of_a;                                                                        \
+        JET_AT(V, bbar[t], k) += p.c[t] * of_b;                                                                        \
     }
 
-/* abar_j += 2 c_t zbar_k a_{k-j},  j = 0..k. */
+/* abar_k += 2 c_t sum_{j=k}^{top} zbar_j a_{j-k}. */
 #define SQUARES_ADJOINT(V, S)                                                                                          \
-    for (int t = 0; t < terms; t++) {                                                                                  \
-        const V bar = 2 * p.c[t] * S(V, zbar, k);                                                                      \
-        JET_EACH(0, k, JET_AT(V, abar[t], j) += bar * S(V, p.a[t], k - j));                                            \
+    {                                                                                                                  \
+        V sum[JET_TERMS_MAX] = {0};                                                                                    \
+        SUMS(V, sum, k, top, S(V, zbar, j) * S(V, p.a[t], j - k))                                                     \
+        for (int t = 0; t < terms; t++) JET_AT(V, abar[t], k) += 2 * p.c[t] * sum[t];                                  \
     }
 
-JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int terms)
+JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top,
+                            int terms)
 {
     const products p = terms_of(tape, run, x, 1, terms);
     const size_t stride = (size_t)tape->slots;
@@ -194,7 +200,7 @@ JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const doub
     else JET_BLOCKS(run->count, PRODUCTS_ADJOINT, JET_OF);
 }
 
-void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k)
+void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top)
 {
-    BY_TERMS(run, adjoints_of, tape, run, x, bars, k)
+    BY_TERMS(run, adjoints_of, tape, run, x, bars, k, top)
 }

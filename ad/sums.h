@@ -24,7 +24,7 @@ void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar);
 void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes);
 void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes);
 void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes);
-void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bar, int k);
+void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bar, int k, int top);
 
 #define JET_INLINE static inline __attribute__((always_inline))
 

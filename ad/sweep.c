@@ -73,12 +73,12 @@ static void tangents(const jet_tape *tape, const double *x, double *dx, int k, i
     }
 }
 
-static void adjoints(const jet_tape *tape, const double *x, double *bar, int k)
+static void adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)
 {
     const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;) {
         if (is_product(run)) {
-            jet_product_adjoint(tape, run, x, bar, k);
+            jet_product_adjoint(tape, run, x, bar, k, top);
             continue;
         }
         if (run->op == OP_LINEAR) {

@@ -56,7 +56,7 @@ struct jet_sweeps {
     bool (*values)(const jet_tape *tape, double *x, int lanes);
     bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
-    void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k);
+    void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k, int top);
     /* out[w] = sum_{j < count} c_j table[j][w], c_j = c[j * stride], w < width; the last, smallest terms first. */
     void (*combine)(int count, const double *c, size_t stride, int width, const double *table, double *out);
 };
@@ -84,12 +84,11 @@ static inline void jet_sweep_tangents(const jet_tape *tape, const double *x, dou
 }
 
 /* Adjoints along the one-lane series x: bar, a block like x, holds the derivatives of a scalar with respect to the
- * coefficients of each slot. Adds to orders 0..k what those of order k hand on to their operands, k = N, N-1, ..., 0 in
- * turn; what the scalar itself depends on is added by the caller beforehand. Costs about two series, whatever the number
- * of inputs. */
-static inline void jet_sweep_adjoints(const jet_tape *tape, const double *x, double *bar, int k)
+ * coefficients of each slot. Completes those of order k, k = top, top - 1, ..., 0 in turn; what the scalar itself depends
+ * on is added by the caller beforehand. Costs about one and a half series, whatever the number of inputs. */
+static inline void jet_sweep_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)
 {
-    tape->sweeps->adjoints(tape, x, bar, k);
+    tape->sweeps->adjoints(tape, x, bar, k, top);
 }
 
 #endif

@@ -236,7 +236,7 @@ void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[])
         const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
         double *bar = adjoint_of_Q(curve, k);
         for (size_t i = 0; i < n; i++) bar[system->field_series->output[i]] += factor / system->mass[i] * above[i];
-        jet_sweep_adjoints(system->field_series, curve->x, curve->bar, k);
+        jet_sweep_adjoints(system->field_series, curve->x, curve->bar, k, last - 2);
     }
     memcpy(out, adjoint_of_Q(curve, 0), n * sizeof *out);
     memcpy(out + n, adjoint_of_Q(curve, 1), n * sizeof *out);
@@ -261,6 +261,6 @@ void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[])
     clear_adjoints(curve, 1);
     for (int i = 0; i < curve->n; i++)
         curve->bar[tape->output[i]] += curve->tau * curve->tau / curve->system->mass[i] * x[i];
-    jet_sweep_adjoints(tape, curve->x, curve->bar, 0);
+    jet_sweep_adjoints(tape, curve->x, curve->bar, 0, 0);
     memcpy(out, curve->bar, (size_t)curve->n * sizeof *out);
 }

@@ -174,7 +174,7 @@ void run_adjoints(const recording *r, int degree, const double x[], const double
         ck_assert(jet_sweep_series(tape, block, k, 1));
         for (int i = 0; i < r->outputs; i++) bar[k * tape->slots + tape->output[i]] += zbar[i * (degree + 1) + k];
     }
-    for (int k = degree; k >= 0; k--) jet_sweep_adjoints(tape, block, bar, k);
+    for (int k = degree; k >= 0; k--) jet_sweep_adjoints(tape, block, bar, k, degree);
     for (int i = 0; i < r->inputs; i++)
         for (int k = 0; k <= degree; k++) xbar[i * (degree + 1) + k] = bar[k * tape->slots + i];
     free(block);
