@@ -2,14 +2,19 @@
  * while a block of z is in a register. */
 #include "sums.h"
 
-/* function(..., terms), with the number of terms known to the compiler. */
-#define BY_TERMS(run, function, ...)                                                                                   \
-    switch ((run)->terms) {                                                                                            \
-    case 1: function(__VA_ARGS__, 1); break;                                                                           \
-    case 2: function(__VA_ARGS__, 2); break;                                                                           \
-    case 3: function(__VA_ARGS__, 3); break;                                                                           \
-    default: function(__VA_ARGS__, JET_TERMS_MAX);                                                                     \
-    }
+/* name[squares][terms](parameters) calls of(..., squares, terms), each a function of its own: what the compiler knows
+ * spares it the registers of all the others. */
+#define BY_TERMS(name, of, squares, parameters, ...)                                                                   \
+    static void name##_##squares##_1 parameters { of(__VA_ARGS__, squares, 1); }                                       \
+    static void name##_##squares##_2 parameters { of(__VA_ARGS__, squares, 2); }                                       \
+    static void name##_##squares##_3 parameters { of(__VA_ARGS__, squares, 3); }                                       \
+    static void name##_##squares##_4 parameters { of(__VA_ARGS__, squares, 4); }
+#define TABLE(name, of, parameters, ...)                                                                               \
+    BY_TERMS(name, of, 0, parameters, __VA_ARGS__)                                                                     \
+    BY_TERMS(name, of, 1, parameters, __VA_ARGS__)                                                                     \
+    static void(*const name[2][1 + JET_TERMS_MAX]) parameters = {                                                      \
+        {NULL, name##_0_1, name##_0_2, name##_0_3, name##_0_4}, {NULL, name##_1_1, name##_1_2, name##_1_3, name##_1_4}};
+#define OF(name, run) name[(run)->op == OP_SQUARES][(run)->terms]
 
 /* The terms of the run's first member, in the block x; those of the next ones stand beside them. */
 typedef struct {
@@ -47,30 +52,23 @@ JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const dou
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
-JET_INLINE void values_of(const jet_tape *tape, const jet_run *run, double *x, int lanes, int terms)
+JET_INLINE void values_of(const jet_tape *tape, const jet_run *run, double *x, int lanes, bool squares, int terms)
 {
     const products p = terms_of(tape, run, x, (size_t)lanes, terms);
     const size_t stride = (size_t)lanes;
     const int width = run->count * lanes;
     double *z = x + (size_t)run->z * stride;
+    (void)squares; /* b is a */
     if (lanes == 8) JET_EIGHTS(width, VALUES, JET_OF)
     else JET_BLOCKS(width, VALUES, JET_OF);
 }
-
-static void values_of_eight(const jet_tape *tape, const jet_run *run, double *x)
-{
-    BY_TERMS(run, values_of, tape, run, x, 8)
-}
-
-static void values_of_any(const jet_tape *tape, const jet_run *run, double *x, int lanes)
-{
-    BY_TERMS(run, values_of, tape, run, x, lanes)
-}
+TABLE(values_of_eight, values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
+TABLE(values_of_any, values_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes)
 
 void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    if (lanes == 8) values_of_eight(tape, run, x);
-    else values_of_any(tape, run, x, lanes);
+    if (lanes == 8) OF(values_of_eight, run)(tape, run, x);
+    else OF(values_of_any, run)(tape, run, x, lanes);
 }
 
 /* ---- Series ------------------------------------------------------------------------------------------------------ */
@@ -96,20 +94,25 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
         JET_AT(V, z, k) = total;                                                                                       \
     }
 
-JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, int k, size_t lanes, int terms)
+JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, int k, size_t lanes, bool squares,
+                          int terms)
 {
     const products p = terms_of(tape, run, x, lanes, terms);
     const size_t stride = (size_t)tape->slots * lanes;
     const int width = run->count * (int)lanes;
     double *z = x + (size_t)run->z * lanes;
-    if (run->op == OP_SQUARES) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
+    if (squares) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
     else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
 }
 
+TABLE(series_of_one, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k), tape, run, x, k, 1)
+TABLE(series_of_any, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k, int lanes), tape, run, x, k,
+      (size_t)lanes)
+
 void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes)
 {
-    if (lanes == 1) BY_TERMS(run, series_of, tape, run, x, k, 1)
-    else BY_TERMS(run, series_of, tape, run, x, k, (size_t)lanes)
+    if (lanes == 1) OF(series_of_one, run)(tape, run, x, k);
+    else OF(series_of_any, run)(tape, run, x, k, lanes);
 }
 
 /* ---- Tangents ---------------------------------------------------------------------------------------------------- */
@@ -144,21 +147,24 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
     }
 
 JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, size_t lanes,
-                            int terms)
+                            bool squares, int terms)
 {
     const products p = terms_of(tape, run, x, 1, terms), d = terms_of(tape, run, dx, lanes, terms);
     const size_t stride = (size_t)tape->slots, dstride = stride * lanes;
     double *dz = dx + (size_t)run->z * lanes;
-    if (run->op == OP_SQUARES) {
+    if (squares) {
         TANGENT_OF(SQUARES_TANGENT)
     } else {
         TANGENT_OF(PRODUCTS_TANGENT)
     }
 }
 
+TABLE(tangents_of_any, tangents_of, (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes),
+      tape, run, x, dx, k, (size_t)lanes)
+
 void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes)
 {
-    BY_TERMS(run, tangents_of, tape, run, x, dx, k, (size_t)lanes)
+    OF(tangents_of_any, run)(tape, run, x, dx, k, lanes);
 }
 
 /* ---- Adjoints ---------------------------------------------------------------------------------------------------- */
@@ -186,7 +192,7 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
     }
 
 JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top,
-                            int terms)
+                            bool squares, int terms)
 {
     const products p = terms_of(tape, run, x, 1, terms);
     const size_t stride = (size_t)tape->slots;
@@ -196,11 +202,14 @@ JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const doub
         abar[t] = bars + tape->term_slot[run->term + t];
         bbar[t] = bars + tape->term_second[run->term + t];
     }
-    if (run->op == OP_SQUARES) JET_BLOCKS(run->count, SQUARES_ADJOINT, JET_OF);
+    if (squares) JET_BLOCKS(run->count, SQUARES_ADJOINT, JET_OF);
     else JET_BLOCKS(run->count, PRODUCTS_ADJOINT, JET_OF);
 }
 
+TABLE(adjoints_of_any, adjoints_of,
+      (const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top), tape, run, x, bars, k, top)
+
 void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top)
 {
-    BY_TERMS(run, adjoints_of, tape, run, x, bars, k, top)
+    OF(adjoints_of_any, run)(tape, run, x, bars, k, top);
 }
