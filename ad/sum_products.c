@@ -12,8 +12,9 @@
 #define TABLE(name, of, parameters, ...)                                                                               \
     BY_TERMS(name, of, 0, parameters, __VA_ARGS__)                                                                     \
     BY_TERMS(name, of, 1, parameters, __VA_ARGS__)                                                                     \
-    static void(*const name[2][1 + JET_TERMS_MAX]) parameters = {                                                      \
-        {NULL, name##_0_1, name##_0_2, name##_0_3, name##_0_4}, {NULL, name##_1_1, name##_1_2, name##_1_3, name##_1_4}};
+    static void(*const name[2][1 + JET_TERMS_MAX])                                                                     \
+        parameters = {{NULL, name##_0_1, name##_0_2, name##_0_3, name##_0_4},                                          \
+                      {NULL, name##_1_1, name##_1_2, name##_1_3, name##_1_4}};
 #define OF(name, run) name[(run)->op == OP_SQUARES][(run)->terms]
 
 /* The terms of the run's first member, in the block x; those of the next ones stand beside them. */
@@ -106,8 +107,8 @@ JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, i
 }
 
 TABLE(series_of_one, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k), tape, run, x, k, 1)
-TABLE(series_of_any, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k, int lanes), tape, run, x, k,
-      (size_t)lanes)
+TABLE(series_of_any, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k, int lanes), tape, run, x,
+      k, (size_t)lanes)
 
 void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes)
 {
@@ -159,8 +160,9 @@ JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const doub
     }
 }
 
-TABLE(tangents_of_any, tangents_of, (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes),
-      tape, run, x, dx, k, (size_t)lanes)
+TABLE(tangents_of_any, tangents_of,
+      (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes), tape, run, x, dx, k,
+      (size_t)lanes)
 
 void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes)
 {
@@ -187,7 +189,7 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
 #define SQUARES_ADJOINT(V, S)                                                                                          \
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0};                                                                                    \
-        SUMS(V, sum, k, top, S(V, zbar, j) * S(V, p.a[t], j - k))                                                     \
+        SUMS(V, sum, k, top, S(V, zbar, j) * S(V, p.a[t], j - k))                                                      \
         for (int t = 0; t < terms; t++) JET_AT(V, abar[t], k) += 2 * p.c[t] * sum[t];                                  \
     }
 
@@ -207,7 +209,8 @@ JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const doub
 }
 
 TABLE(adjoints_of_any, adjoints_of,
-      (const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top), tape, run, x, bars, k, top)
+      (const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top), tape, run, x, bars, k,
+      top)
 
 void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top)
 {
