@@ -71,8 +71,8 @@ typedef struct {
 #define JET_FOR_ISA(name)        JET_PASTE(name, JET_ISA)
 #define JET_RULE_OF(name)        JET_FOR_ISA(jet_rule_##name)
 
-/* Indexed by jet_op; NULL for INPUT, CONST and LINEAR, whose work needs no recurrence. MUL and SQR have a value and a
- * pull only: their series are sums of products (sums.h). */
+/* Indexed by jet_op; NULL for INPUT, CONST and LINEAR, whose work needs no recurrence. MUL has a value, for
+ * numbers, and a pull only, SQR, which no numbers make, a pull: on a tape both are sums of products (sums.h). */
 #define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 

@@ -19,20 +19,13 @@ const jet_rule JET_RULE_OF(mul) = {.b = B_OPERAND, .value = mul_value, .pull = m
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
-static bool sqr_value(double c, int width, const double *a, const double *b, double *restrict z)
-{
-    (void)c, (void)b;
-    for (int w = 0; w < width; w++) z[w] = a[w] * a[w];
-    return true;
-}
-
 static jet sqr_pull(struct jet_node *z, jet zbar, int which)
 {
     (void)which;
     return jet_mul(2, jet_mul(zbar, jet_of_node(z->a)));
 }
 
-const jet_rule JET_RULE_OF(sqr) = {.b = B_NONE, .value = sqr_value, .pull = sqr_pull};
+const jet_rule JET_RULE_OF(sqr) = {.b = B_NONE, .pull = sqr_pull};
 
 /* ---- z = a / b,  b_0 != 0 ---------------------------------------------------------------------------------------- */
 
