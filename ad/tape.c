@@ -79,6 +79,8 @@ static void count_uses(lowering *low, int outputs, const jet output[])
 
 static bool is_product(const struct jet_node *z) { return z->op == OP_MUL || z->op == OP_SQR; }
 
+static bool is_sum_of_products(jet_op op) { return op == OP_PRODUCTS || op == OP_SQUARES; }
+
 /* The operation of a node's run. A sum of products that nothing else needs is one operation. */
 static jet_op operation(const lowering *low, const struct jet_node *z)
 {
@@ -118,7 +120,7 @@ static void choose_operations(lowering *low, int outputs, const jet output[])
         z->op = operation(low, z->node);
         z->turn = z->slot = -1;
         z->operand = low->operands + low->pairs;
-        if (z->op == OP_PRODUCTS || z->op == OP_SQUARES) z->pairs = z->node->op == OP_LINEAR ? z->node->count : 1;
+        if (is_sum_of_products(z->op)) z->pairs = z->node->op == OP_LINEAR ? z->node->count : 1;
         else z->pairs = jet_rules[z->op] ? 1 : 0;
         low->pairs += z->pairs;
         if (z->op == z->node->op || z->node->op != OP_LINEAR) continue;
@@ -381,19 +383,23 @@ static bool continues_rule(const jet_run *run, const jet_run *next)
     return next->c == run->c && next->a == run->a + run->count && (same_b || next->b == run->b + run->count);
 }
 
+/* Whether `next`, one level with the last run, goes on from it. */
+static bool continues(const lowering *low, jet_tape *tape, const jet_run *next)
+{
+    if (tape->runs == 0) return false;
+    jet_run *run = &tape->run[tape->runs - 1];
+    if (run->op != next->op || low->sorted[run->z]->level != low->sorted[next->z]->level) return false;
+    if (next->op == OP_LINEAR) return continues_linear(run, next);
+    return is_sum_of_products(next->op) ? continues_products(tape, run, next) : continues_rule(run, next);
+}
+
 /* Adds an operation to the last run, or a run. */
 static void add_operation(const lowering *low, jet_tape *tape, const place *z)
 {
-    const bool is_product = z->op == OP_PRODUCTS || z->op == OP_SQUARES;
-    const jet_run next = z->op == OP_LINEAR ? linear_run(low, tape, z)
-                         : is_product       ? product_run(tape, z)
-                                            : rule_run(low, z);
-    jet_run *run = tape->runs > 0 ? &tape->run[tape->runs - 1] : NULL;
-    const bool continues = run && run->op == next.op && low->sorted[run->z]->level == z->level &&
-                           (next.op == OP_LINEAR ? continues_linear(run, &next)
-                            : is_product         ? continues_products(tape, run, &next)
-                                                 : continues_rule(run, &next));
-    if (continues) run->count++;
+    const jet_run next = z->op == OP_LINEAR          ? linear_run(low, tape, z)
+                         : is_sum_of_products(z->op) ? product_run(tape, z)
+                                                     : rule_run(low, z);
+    if (continues(low, tape, &next)) tape->run[tape->runs - 1].count++;
     else tape->run[tape->runs++] = next;
 }
 
