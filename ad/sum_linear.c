@@ -1,14 +1,17 @@
 /* z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number. */
 #include "sums.h"
 
-/* function(..., terms), with the number of terms known to the compiler where it is small. */
-#define BY_TERMS(run, function, ...)                                                                                   \
-    switch ((run)->terms) {                                                                                            \
-    case 1: function(__VA_ARGS__, 1); break;                                                                           \
-    case 2: function(__VA_ARGS__, 2); break;                                                                           \
-    case 3: function(__VA_ARGS__, 3); break;                                                                           \
-    default: function(__VA_ARGS__, (run)->terms);                                                                      \
-    }
+/* name[terms](parameters) calls of(..., terms), each a function of its own as in sum_products.c; name[0]: of more terms. */
+enum { OWN_MAX = 5 };
+#define TABLE(name, of, parameters, ...)                                                                               \
+    static void name##_any parameters { of(__VA_ARGS__, run->terms); }                                                 \
+    static void name##_1 parameters { of(__VA_ARGS__, 1); }                                                            \
+    static void name##_2 parameters { of(__VA_ARGS__, 2); }                                                            \
+    static void name##_3 parameters { of(__VA_ARGS__, 3); }                                                            \
+    static void name##_4 parameters { of(__VA_ARGS__, 4); }                                                            \
+    static void name##_5 parameters { of(__VA_ARGS__, 5); }                                                            \
+    static void(*const name[1 + OWN_MAX]) parameters = {name##_any, name##_1, name##_2, name##_3, name##_4, name##_5};
+#define OF(name, run) name[(run)->terms <= OWN_MAX ? (run)->terms : 0]
 
 /* One lane. */
 JET_INLINE void sums_of_one(const jet_tape *tape, const jet_run *run, double *x, int terms)
@@ -22,6 +25,8 @@ JET_INLINE void sums_of_one(const jet_tape *tape, const jet_run *run, double *x,
         *z = sum;
     }
 }
+
+TABLE(sums_one, sums_of_one, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x)
 
 #define LINEAR(V, S)                                                                                                   \
     {                                                                                                                  \
@@ -39,10 +44,12 @@ JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x
     for (; z < end; z += stride, from += terms, coefficient += terms) JET_BLOCKS(lanes, LINEAR, JET_OF);
 }
 
+TABLE(sums_eight, sums_of_many, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
+
 void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    if (lanes == 1) BY_TERMS(run, sums_of_one, tape, run, x)
-    else if (lanes == 8) BY_TERMS(run, sums_of_many, tape, run, x, 8)
+    if (lanes == 1) OF(sums_one, run)(tape, run, x);
+    else if (lanes == 8) OF(sums_eight, run)(tape, run, x);
     else sums_of_many(tape, run, x, lanes, run->terms);
 }
 
@@ -84,7 +91,9 @@ JET_INLINE void adjoints_of_one(const jet_tape *tape, const jet_run *run, double
     for (int term = 0; term < kept; term++) bar[slot[term]] += sum[term];
 }
 
+TABLE(adjoints_one, adjoints_of_one, (const jet_tape *tape, const jet_run *run, double *bar), tape, run, bar)
+
 void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar)
 {
-    BY_TERMS(run, adjoints_of_one, tape, run, bar);
+    OF(adjoints_one, run)(tape, run, bar);
 }
