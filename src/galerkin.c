@@ -31,6 +31,7 @@ typedef struct {
 typedef struct {
     double h, h_before; /* 0: none */
     double t;           /* where the last one began */
+    double slowest;     /* contraction of its passes, or of those before it; 0: not known */
     int turn;           /* where its impulses are */
 } galerkin_history;
 
@@ -45,7 +46,7 @@ typedef struct {
     double *factor;     /* [lanes][SUMS] */
     double *sum;        /* [unknowns][SUMS] */
     double *before, *displaced; /* [rows][lanes] scratch of the roundoff that is measured */
-    double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, else 0 */
+    double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
     double *low;               /* [unknowns] low-order parts of the start */
     galerkin_history *last;
     double *impulses[2]; /* in the history: [unknowns][lanes] of the last two steps, in turns */
@@ -309,10 +310,7 @@ static void set_start(galerkin *w, const tvi_origin *origin)
     memcpy(nodes->start, origin->q, bytes);
     memcpy(w->low, origin->q_low, bytes);
     if (galerkin_is_second_order(&w->field)) {
-        for (int i = 0; i < w->n; i++) {
-            w->drift[i] = nodes->scale[i] * origin->p[i];
-            w->drift_low[i] = nodes->scale[i] * origin->p_low[i];
-        }
+        w->field.loops->set_drift(w->n, nodes->scale, origin->p, origin->p_low, w->drift, w->drift_low);
     } else {
         memcpy(nodes->start + w->n, origin->p, bytes);
         memcpy(w->low + w->n, origin->p_low, bytes);
@@ -365,12 +363,13 @@ static void set_sizes(galerkin *w)
 /* Squares of relative movements: one after which there must be another pass, one that may be roundoff, one that is
  * none, and one that no sum of many steps shows. What a step leaves out has the same sign in the next one, where
  * roundoff changes its sign: it stays below the roundoff of N steps if it is that of one step / sqrt(N), here for more
- * than 10^9 of them. */
+ * than 10^9 of them. The contraction of a Newton method is the better known, since it only falls. */
 static double square(double x) { return x * x; }
 #define FAR            square(1e-9)
 #define MAYBE_ROUNDOFF square(1e-12)
 #define ROUNDOFF       square(32 * DBL_EPSILON)
-#define NOTHING        square(0x1p-72)
+#define NOTHING        square(0x1p-80)
+#define NEWTON_NOTHING square(0x1p-72)
 
 /* A movement is roundoff if unknowns that are displaced by this part of their size move as far. */
 static const double MOST_ROUNDOFF = 16 * DBL_EPSILON;
@@ -378,7 +377,10 @@ static const double MOST_ROUNDOFF = 16 * DBL_EPSILON;
 static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-/* Whether what the next pass would move is nothing. */
+static bool contracts(const galerkin_progress *at) { return at->slowest > 0 && at->slowest < 0.25; }
+
+/* Whether what the next pass would move is nothing. Passes of a small step soon do no more than roundoff, which does not
+ * show how far they contract: then they do as those of an earlier step did. */
 static bool is_converged(galerkin_progress *at, double moved, double count, bool is_newton)
 {
     if (moved > ROUNDOFF * count || (is_newton && at->slowest == 0)) {
@@ -389,7 +391,7 @@ static bool is_converged(galerkin_progress *at, double moved, double count, bool
     } else {
         at->expected = at->slowest > 0 ? smaller(moved, at->slowest * at->expected) : moved;
     }
-    return at->slowest > 0 && at->slowest < 0.25 && at->slowest * at->expected <= NOTHING * count;
+    return contracts(at) && at->slowest * at->expected <= (is_newton ? NEWTON_NOTHING : NOTHING) * count;
 }
 
 /* Two passes, since in the equations of a Hamiltonian those of Q may contract as little as those of P contract much, in
@@ -403,9 +405,11 @@ static bool shrinks_no_more(const galerkin_progress *at, double moved)
 static bool is_enough(const galerkin *w, galerkin_progress *at, double moved)
 {
     const double count = w->field.nodes.unknowns * w->field.nodes.lanes;
-    bool is_last = moved <= at->roundoff || (shrinks_no_more(at, moved) && moved <= MAYBE_ROUNDOFF * count);
+    bool is_last = moved == 0 || moved <= at->roundoff;
     if (w->options->tolerance > 0) is_last |= moved <= square(w->options->tolerance);
-    else if (at->moved > 0 && moved <= FAR * count) is_last |= is_converged(at, moved, count, w->field.form->is_newton);
+    else if (at->moved == 0) at->expected = moved;
+    else if (moved <= FAR * count) is_last |= is_converged(at, moved, count, w->field.form->is_newton);
+    if (!contracts(at)) is_last |= shrinks_no_more(at, moved) && moved <= MAYBE_ROUNDOFF * count;
     at->is_stuck |= shrinks_no_more(at, moved);
     at->before = at->moved;
     at->moved = moved;
@@ -470,7 +474,7 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
 {
     const tvi_options *o = w->options;
     const int most = o->passes > 0 ? o->passes : o->max_passes > 0 ? o->max_passes : MAX_PASSES;
-    galerkin_progress at = {0};
+    galerkin_progress at = {.slowest = w->field.h == w->last->h ? w->last->slowest : 0};
     for (int count = 1; count <= most; count++) {
         double moved;
         const bool suspects = at.is_stuck && at.roundoff == 0 && count++ < most;
@@ -478,6 +482,7 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
         if (status != TVI_OK) return status;
         if (o->passes > 0 ? count == o->passes : is_enough(w, &at, moved)) {
             stats->residual = sqrt(moved);
+            w->last->slowest = at.slowest;
             return TVI_OK;
         }
     }
@@ -516,13 +521,13 @@ static double tail(const galerkin *w)
     return q > 0 ? last / q : 0;
 }
 
-static void set_increments(const galerkin *w, const tvi_origin *origin, double dq[], double dp[])
+static void set_increments(const galerkin *w, double dq[], double dp[])
 {
     for (int u = 0; u < w->field.nodes.unknowns; u++) {
         const double *sum = w->sum + u * SUMS;
         if (galerkin_is_second_order(&w->field)) {
             dp[u] = sum[SUM_ONCE];
-            dq[u] = w->field.nodes.scale[u] * (origin->p[u] + (origin->p_low[u] + sum[SUM_TWICE]));
+            dq[u] = w->drift[u] + (w->drift_low[u] + w->field.nodes.scale[u] * sum[SUM_TWICE]);
         } else {
             *(u < w->n ? &dq[u] : &dp[u - w->n]) = w->field.nodes.scale[u] * sum[SUM_ONCE];
         }
@@ -541,8 +546,8 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     const int turn = !w->last->turn;
     w->field.loops->integrate(&w->field.nodes, w->factor, w->sum);
     memcpy(w->impulses[turn], w->field.nodes.impulse, unknowns_size(w));
-    *w->last = (galerkin_history){h, w->last->h, origin->t, turn};
-    set_increments(w, origin, dq, dp);
+    *w->last = (galerkin_history){h, w->last->h, origin->t, w->last->slowest, turn};
+    set_increments(w, dq, dp);
     stats->tail = tail(w);
     return TVI_OK;
 }

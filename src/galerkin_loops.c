@@ -99,11 +99,17 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
 #undef CALL
 }
 
+/* Two-sums: what each addition loses is collected. */
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
-        V total = {0};                                                                                                 \
-        for (int j = 0; j < lanes; j++) total += *(const V *)(factor + j * SUMS + w) * impulse[j];                     \
-        *(V *)(sum + u * SUMS + w) = total;                                                                            \
+        V total = {0}, lost = {0};                                                                                     \
+        for (int j = 0; j < lanes; j++) {                                                                              \
+            const V term = *(const V *)(factor + j * SUMS + w) * impulse[j];                                           \
+            const V next = total + term, added = next - total;                                                         \
+            lost += (total - (next - added)) + (term - added);                                                         \
+            total = next;                                                                                              \
+        }                                                                                                              \
+        *(V *)(sum + u * SUMS + w) = total + lost;                                                                     \
     }
 
 INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *factor, double *sum, int lanes)
@@ -119,6 +125,16 @@ static void integrate(const galerkin_nodes *nodes, const double *factor, double 
 #define CALL(lanes) integrate_lanes(nodes, factor, sum, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
+}
+
+/* The product less its rounded value is 0 but where multiply-adds are fused. */
+static void set_drift(int count, const double *scale, const double *p, const double *p_low, double *drift,
+                      double *drift_low)
+{
+    for (int u = 0; u < count; u++) {
+        drift[u] = scale[u] * p[u];
+        drift_low[u] = (scale[u] * p[u] - drift[u]) + scale[u] * p_low[u];
+    }
 }
 
 #define BASE(V, S)                                                                                                     \
@@ -138,4 +154,5 @@ static void set_base(const galerkin_nodes *nodes, const double *c, const double 
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move, predict, integrate, set_base, &JET_FOR_ISA(lagrangian_loops)};
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,      predict,  integrate,
+                                                      set_drift, set_base, &JET_FOR_ISA(lagrangian_loops)};
