@@ -84,8 +84,8 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
     return tvi_factor_compute(&newton->factor);
 }
 
-/* An unknown without a size has the largest of its group, or 1; one that is much smaller than others, such as a body that a
- * wave has not reached, has no accuracy of its own. */
+/* An unknown without a size has the largest of its group, or 1; one that is much smaller than others, such as a body
+ * that a wave has not reached, has no accuracy of its own. */
 static void fill_scale(tvi_newton *newton)
 {
     for (int first = 0; first < newton->size; first += newton->group) {
@@ -100,6 +100,7 @@ static void fill_scale(tvi_newton *newton)
 /* What the passes have shown so far. */
 typedef struct {
     correction_size size, before; /* of the last two corrections */
+    correction_size earlier;      /* of the one before them */
     double contraction;           /* of the last correction, 0: none yet */
     double expected;              /* what the next correction should be; INFINITY: nobody knows */
     bool checks;                  /* one more pass than seems needed, to see how far the expectation can be trusted */
@@ -139,11 +140,16 @@ static bool is_enough(tvi_newton *newton, const tvi_options *options, int count,
 }
 
 /* Whether the passes get nearer. Without a matrix to make anew they go on as long as the largest unknowns do: what one
- * body hands on to the next in each pass, to bodies that had nothing before, is the last to settle. */
+ * body hands on to the next in each pass, to bodies that had nothing before, is the last to settle. There two passes
+ * count, too: where curves of the lowest degrees leave all to the corrections, those of q follow from those of p and
+ * these from those of q, which are small and large in turns. */
 static bool contracts(const tvi_newton *newton, const progress *at)
 {
-    return at->size.relative <= CONTRACTION * at->before.relative ||
-           (!newton->has_matrix && at->size.of_group <= CONTRACTION * at->before.of_group);
+    const double twice = CONTRACTION * CONTRACTION;
+    if (at->size.relative <= CONTRACTION * at->before.relative) return true;
+    return !newton->has_matrix &&
+           (at->size.of_group <= CONTRACTION * at->before.of_group ||
+            at->size.of_group <= twice * at->earlier.of_group || at->size.relative <= twice * at->earlier.relative);
 }
 
 /* One pass: correction = -K^-1 r(x), with K the approximate Jacobian or, once it was needed, a fresh one. */
@@ -183,6 +189,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix ? refreshes : 0,
                                        newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
+        at.earlier = at.before;
         at.before = at.size;
         at.size = measure(newton);
         stats->residual = at.size.relative;
