@@ -2,6 +2,7 @@
 #include "tape.h"
 #include "rule.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -469,7 +470,9 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
 
 void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
 {
-    memset(x, 0, (size_t)orders * (size_t)tape->slots * (size_t)lanes * sizeof *x);
+    const size_t given = (size_t)(tape->inputs + tape->constants) * (size_t)lanes;
+    const size_t all = (size_t)tape->slots * (size_t)lanes;
+    for (size_t at = 0; at < (size_t)orders * all; at++) x[at] = at % all < given ? 0 : NAN;
     for (int i = 0; i < tape->constants; i++)
         for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
 }
