@@ -413,6 +413,7 @@ jet jet_record_function(jet_function f, jet a)
         [JET_COS] = OP_COS,   [JET_TAN] = OP_TAN,   [JET_ASIN] = OP_ASIN, [JET_ACOS] = OP_ACOS,
         [JET_ATAN] = OP_ATAN, [JET_SINH] = OP_SINH, [JET_COSH] = OP_COSH, [JET_TANH] = OP_TANH,
     };
+    if ((unsigned)f >= sizeof ops / sizeof *ops) return poison(TVI_EINVAL);
     if (f == JET_NEG) return jet_mul(-1, a);
     if (f == JET_SQR) return jet_mul(a, a);
     return jet_record_op(ops[f], a);

@@ -467,25 +467,3 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
     jet_tape_free(tape);
     return NULL;
 }
-
-void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
-{
-    const size_t given = (size_t)(tape->inputs + tape->constants) * (size_t)lanes;
-    const size_t all = (size_t)tape->slots * (size_t)lanes;
-    for (size_t at = 0; at < (size_t)orders * all; at++) x[at] = at % all < given ? 0 : NAN;
-    for (int i = 0; i < tape->constants; i++)
-        for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
-}
-
-void jet_tape_free(jet_tape *tape)
-{
-    if (!tape) return;
-    free(tape->run);
-    free(tape->constant);
-    free(tape->base);
-    free(tape->term_slot);
-    free(tape->term_second);
-    free(tape->term_coefficient);
-    free(tape->output);
-    free(tape);
-}

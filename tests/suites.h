@@ -10,6 +10,7 @@ Suite *suite_structure(void);
 Suite *suite_stepping(void);
 Suite *suite_products(void);
 Suite *suite_linear(void);
+Suite *suite_arena(void);
 Suite *suite_quad(void); /* gcc only: __float128 */
 Suite *suite_input(void);
 Suite *suite_faults(void);

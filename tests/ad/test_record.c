@@ -267,6 +267,10 @@ END_TEST
     row(closed_divisor, jet_div(1, closed), TVI_EINVAL)                                                                \
     row(closed_sum, jet_sum(&closed, 1), TVI_EINVAL)                                                                   \
     row(closed_and_open, jet_add(x, closed), TVI_EINVAL)                                                               \
+    row(no_function, jet_record_function((jet_function)(JET_TANH + 1), x), TVI_EINVAL)                                 \
+    row(no_function_of_a_number, jet_record_function((jet_function)(JET_TANH + 1), jet_const(2)), TVI_EINVAL)          \
+    row(no_function_by_far, jet_record_function((jet_function)1000000, x), TVI_EINVAL)                                 \
+    row(no_function_below, jet_record_function((jet_function)-1, x), TVI_EINVAL)                                       \
     row(not_finite, jet_const(INFINITY), TVI_ENONFINITE)                                                               \
     row(not_a_number, jet_const(NAN), TVI_ENONFINITE)                                                                  \
     row(not_finite_added, jet_add(x, INFINITY), TVI_ENONFINITE)                                                        \
