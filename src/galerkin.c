@@ -8,6 +8,7 @@
 #include "galerkin_field.h"
 #include "quadrature.h"
 #include "stepper.h"
+#include "tail.h"
 
 #include <float.h>
 #include <math.h>
@@ -128,12 +129,14 @@ static void split(long double x, double *part, double *rest)
     *rest = (double)(x - *part);
 }
 
-/* The leading term a x^(m-1) of what drives an unknown, x in [-1/2, 1/2] about the middle of the step, makes of a
- * position at the ends a 2^-m / m by one integration, and a 2^-(m+1) / (m (m+1)) by two. */
+/* What drives an unknown is sum_k f_k P_k(x), x in [-1, 1], P_k Legendre's polynomials. Its power x^k, k = m - 1, has
+ * the factor 2^-k sum_j unit_j F_j, and that of P_k is 2^-k (2k)! / k!^2: this times sum_j unit_j F_j is f_k, the last
+ * term at the ends. */
 static long double tail_factor(const galerkin *w)
 {
-    const int m = w->points;
-    return galerkin_is_second_order(&w->field) ? ldexpl(1, -m - 1) / (m * (m + 1)) : ldexpl(1, -m) / m;
+    long double factor = 1;
+    for (int k = 1; k < w->points; k++) factor *= (long double)k / (2 * (2 * k - 1));
+    return factor;
 }
 
 static void set_nodes(galerkin *w)
@@ -393,15 +396,38 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Size of the last term of the positions' polynomials at the ends, relative to the positions. */
-static double tail(const galerkin *w)
+/* Of component i, in the step that dp ends; q' at its first and its last node. */
+static tvi_tail_part tail_part(const galerkin *w, const tvi_origin *origin, const double dp[], int i)
 {
-    double last = 0, q = 0;
-    for (int u = 0; u < w->n; u++) {
-        last = larger(last, fabs(w->field.nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
-        q = larger(q, fabs(w->field.nodes.start[u]));
+    const galerkin_nodes *nodes = &w->field.nodes;
+    tvi_tail_part part = {.momentum = fabs(origin->p[i]) + fabs(dp[i]), .place = fabs(origin->q[i])};
+    if (galerkin_is_second_order(&w->field)) {
+        part.movement = fabs(w->rate[i]) * part.momentum;
+        part.last_p = fabs(w->h * w->sum[i * SUMS + SUM_TAIL]);
+    } else {
+        const double *velocity = w->drives[w->last->turn] + i * nodes->lanes;
+        part.movement = fabs(w->h) * (fabs(velocity[0]) + fabs(velocity[w->points - 1]));
+        part.last_p = fabs(w->h * w->sum[(w->n + i) * SUMS + SUM_TAIL]);
+        part.last_q = fabs(w->h * w->sum[i * SUMS + SUM_TAIL]);
     }
-    return q > 0 ? last / q : 0;
+    return part;
+}
+
+/* tail.h */
+static double tail(const galerkin *w, const tvi_origin *origin, const double dp[])
+{
+    const bool has_masses = galerkin_is_second_order(&w->field);
+    double largest = 0, most = 0;
+    if (w->points < 2) return 0;
+    for (int i = 0; i < w->n; i++) {
+        const tvi_tail_part part = tail_part(w, origin, dp, i);
+        largest = larger(largest, tvi_tail_share(&part, has_masses));
+    }
+    for (int i = 0; i < w->n; i++) {
+        const tvi_tail_part part = tail_part(w, origin, dp, i);
+        most = larger(most, tvi_tail_of(&part, has_masses, largest));
+    }
+    return most;
 }
 
 static void set_increments(const galerkin *w, const tvi_origin *origin, double dq[], double dp[])
@@ -430,7 +456,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     w->field.loops->integrate(&w->field.nodes, w->weight, w->field.slot, w->sum, w->drives[turn]);
     *w->last = (galerkin_history){h, w->last->h, origin->t, turn};
     set_increments(w, origin, dq, dp);
-    stats->tail = tail(w);
+    stats->tail = tail(w, origin, dp);
     return TVI_OK;
 }
 
