@@ -396,20 +396,23 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Of component i, in the step that dp ends; q' at its first and its last node. */
+/* h times what drives an unknown at its first and its last node. */
+static double reach(const galerkin *w, int u)
+{
+    const double *drive = w->drives[w->last->turn] + u * w->field.nodes.lanes;
+    return fabs(w->h) * (fabs(drive[0]) + fabs(drive[w->points - 1]));
+}
+
+/* Of component i, in the step that moves p by dp. */
 static tvi_tail_part tail_part(const galerkin *w, const tvi_origin *origin, const double dp[], int i)
 {
-    const galerkin_nodes *nodes = &w->field.nodes;
-    tvi_tail_part part = {.momentum = fabs(origin->p[i]) + fabs(dp[i]), .place = fabs(origin->q[i])};
-    if (galerkin_is_second_order(&w->field)) {
-        part.movement = fabs(w->rate[i]) * part.momentum;
-        part.last_p = fabs(w->h * w->sum[i * SUMS + SUM_TAIL]);
-    } else {
-        const double *velocity = w->drives[w->last->turn] + i * nodes->lanes;
-        part.movement = fabs(w->h) * (fabs(velocity[0]) + fabs(velocity[w->points - 1]));
-        part.last_p = fabs(w->h * w->sum[(w->n + i) * SUMS + SUM_TAIL]);
-        part.last_q = fabs(w->h * w->sum[i * SUMS + SUM_TAIL]);
-    }
+    const bool has_masses = galerkin_is_second_order(&w->field);
+    const int u = has_masses ? i : w->n + i; /* of p */
+    tvi_tail_part part = {.momentum = fabs(origin->p[i]) + (fabs(dp[i]) + reach(w, u)),
+                          .last_p = fabs(w->h * w->sum[u * SUMS + SUM_TAIL]),
+                          .last_q = has_masses ? 0 : fabs(w->h * w->sum[i * SUMS + SUM_TAIL]),
+                          .place = fabs(origin->q[i])};
+    part.movement = has_masses ? fabs(w->rate[i]) * part.momentum : reach(w, i);
     return part;
 }
 
