@@ -235,15 +235,17 @@ static tvi_tail_part tail_part(const tvi_curve *curve, int q_degree, int p_degre
 double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree)
 {
     const bool has_masses = curve->system->form == TVI_SEPARABLE;
-    double largest = 0, tail = 0;
+    tvi_tail_survey survey = {0, 0, 0};
     if (p_degree < 2) return 0;
     for (int i = 0; i < curve->n; i++) {
         const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
-        largest = fmax(largest, tvi_tail_share(&part, has_masses));
+        tvi_tail_look(&survey, &part, has_masses);
     }
+    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    double tail = 0;
     for (int i = 0; i < curve->n; i++) {
         const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
-        tail = fmax(tail, tvi_tail_of(&part, has_masses, largest));
+        tail = fmax(tail, tvi_tail_of(&part, has_masses, survey.largest));
     }
     return tail;
 }

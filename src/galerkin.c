@@ -420,15 +420,17 @@ static tvi_tail_part tail_part(const galerkin *w, const tvi_origin *origin, cons
 static double tail(const galerkin *w, const tvi_origin *origin, const double dp[])
 {
     const bool has_masses = galerkin_is_second_order(&w->field);
-    double largest = 0, most = 0;
+    tvi_tail_survey survey = {0, 0, 0};
     if (w->points < 2) return 0;
     for (int i = 0; i < w->n; i++) {
         const tvi_tail_part part = tail_part(w, origin, dp, i);
-        largest = larger(largest, tvi_tail_share(&part, has_masses));
+        tvi_tail_look(&survey, &part, has_masses);
     }
+    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    double most = 0;
     for (int i = 0; i < w->n; i++) {
         const tvi_tail_part part = tail_part(w, origin, dp, i);
-        most = larger(most, tvi_tail_of(&part, has_masses, largest));
+        most = larger(most, tvi_tail_of(&part, has_masses, survey.largest));
     }
     return most;
 }

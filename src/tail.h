@@ -22,20 +22,45 @@ typedef struct {
  * is the square of what components have in common: velocity, or momentum times velocity where there are no masses. */
 #define TVI_TAIL_LEAST 1e-4
 
+/* What is known when all components were looked at once: the largest ratio, the share of the component that has it, and
+ * the largest share. */
+typedef struct {
+    double ratio, share, largest;
+} tvi_tail_survey;
+
 static inline double tvi_tail_share(const tvi_tail_part *part, bool has_masses)
 {
     return (has_masses ? part->movement : part->momentum) * part->movement;
 }
 
-/* The roundoff of a force is that of the positions that it is made of, relative to how far they move. */
+/* Less the roundoff of a force, which is that of the positions that it is made of, relative to how far they move. */
+static inline double tvi_tail_ratio(const tvi_tail_part *part)
+{
+    const double roundoff = 32 * DBL_EPSILON;
+    double ratio = part->last_p > 0 ? part->last_p / part->momentum : 0;
+    if (part->last_q > ratio * part->movement) ratio = part->last_q / part->movement;
+    return ratio * part->movement > roundoff * part->place ? ratio - roundoff * part->place / part->movement : 0;
+}
+
+static inline void tvi_tail_look(tvi_tail_survey *survey, const tvi_tail_part *part, bool has_masses)
+{
+    const double share = tvi_tail_share(part, has_masses), ratio = tvi_tail_ratio(part);
+    if (share > survey->largest) survey->largest = share;
+    if (ratio <= survey->ratio) return;
+    survey->ratio = ratio;
+    survey->share = share;
+}
+
+/* Whether the largest ratio is the tail: a component that does little does not have it. */
+static inline bool tvi_tail_is_known(const tvi_tail_survey *survey)
+{
+    return survey->share >= TVI_TAIL_LEAST * survey->largest;
+}
+
 static inline double tvi_tail_of(const tvi_tail_part *part, bool has_masses, double largest)
 {
-    const double roundoff = 32 * DBL_EPSILON, share = tvi_tail_share(part, has_masses),
-                 least = TVI_TAIL_LEAST * largest;
-    const double p = part->last_p > 0 ? part->last_p / part->momentum : 0;
-    const double q = part->last_q > 0 ? part->last_q / part->movement : 0;
-    const double ratio = (p > q ? p : q) - (part->place > 0 ? roundoff * part->place / part->movement : 0);
-    return ratio > 0 ? ratio * (share < least ? share / least : 1) : 0;
+    const double share = tvi_tail_share(part, has_masses), least = TVI_TAIL_LEAST * largest;
+    return tvi_tail_ratio(part) * (share < least ? share / least : 1);
 }
 
 #endif
