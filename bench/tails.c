@@ -55,22 +55,28 @@ static jet pendulum(const jet q[], jet t, void *ctx)
 
 /* ---- Runs -------------------------------------------------------------------------------------------------------- */
 
-/* The largest energy error and the largest tail of the steps that were made. */
-static void run(const tvi_system *system, const tvi_options *options, const scene *s, double h, double *error,
-                double *tail)
+/* The largest energy error, infinite where there is no energy, and the largest tail of the steps that were made.
+ * Returns their number. */
+static int run(const tvi_system *system, const tvi_options *options, const scene *s, double h, double *error,
+               double *tail)
 {
     tvi_integrator *it;
     double t = 0, q[MOST], p[MOST], start, now;
+    int step = 0;
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
     memcpy(p, s->p, (size_t)s->n * sizeof *p);
     *error = *tail = 0;
-    if (tvi_energy(system, t, q, p, &start) != TVI_OK || tvi_integrator_create(&it, system, options) != TVI_OK) return;
-    for (int step = 0; step < STEPS && t < s->t_end && *error < 1; step++) {
-        if (tvi_step(it, h, &t, q, p) != TVI_OK || tvi_energy(system, t, q, p, &now) != TVI_OK) break;
-        *error = fmax(*error, fabs(now - start) / fmax(fabs(start), s->energy_scale));
+    if (tvi_energy(system, t, q, p, &start) != TVI_OK || tvi_integrator_create(&it, system, options) != TVI_OK)
+        return 0;
+    while (step < STEPS && t < s->t_end && *error < 1 && tvi_step(it, h, &t, q, p) == TVI_OK) {
+        const double scale = fmax(fabs(start), s->energy_scale);
+        const bool has_energy = tvi_energy(system, t, q, p, &now) == TVI_OK && isfinite(now);
+        *error = has_energy ? fmax(*error, fabs(now - start) / scale) : INFINITY;
         *tail = fmax(*tail, tvi_integrator_stats(it)->tail);
+        step++;
     }
     tvi_integrator_free(it);
+    return step;
 }
 
 /* At h, h/2, ..., steps of them. */
@@ -81,10 +87,9 @@ static void add_runs(count counts[], const tvi_system *system, const scene *s, d
         if (tvi_options_named(methods[k].name, methods[k].order, &options) != TVI_OK) continue;
         for (int i = 0; i < steps; i++) {
             double error, tail;
-            run(system, &options, s, ldexp(h, -i), &error, &tail);
-            if (tail > 0 && !(error <= WRONG))
-                counts[k].wrong++, counts[k].least_wrong = fmin(counts[k].least_wrong, tail);
-            if (tail > 0 && error <= RIGHT) counts[k].right++, counts[k].most_right = fmax(counts[k].most_right, tail);
+            if (run(system, &options, s, ldexp(h, -i), &error, &tail) == 0) continue;
+            if (error > WRONG) counts[k].wrong++, counts[k].least_wrong = fmin(counts[k].least_wrong, tail);
+            if (error <= RIGHT) counts[k].right++, counts[k].most_right = fmax(counts[k].most_right, tail);
         }
     }
 }
