@@ -431,7 +431,8 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     increments(w, dq, dp);
     memcpy(w->dq, dq, bytes);
     memcpy(w->dp, dp, bytes);
-    stats->tail = tvi_curve_tail(&w->a.curve, w->degree);
+    stats->tail = fmax(tvi_curve_tail(&w->a.curve, w->degree, w->degree - 1),
+                       tvi_curve_tail(&w->b.curve, w->degree, w->degree - 1));
     return TVI_OK;
 }
 

@@ -118,7 +118,7 @@ int tvi_curve_order_below(const tvi_curve *curve, double part);
  * lower degree has never evaluated its force. */
 void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[]);
 
-/* |Q_degree| / |Q_0|: the size of the curve's last term a unit of scaled time from the centre. */
-double tvi_curve_tail(const tvi_curve *curve, int degree);
+/* tvi_stats.tail, for P and Q to these degrees: see tail.h. 0 where p' has one term only. */
+double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree);
 
 #endif

@@ -413,7 +413,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     if (status == TVI_OK) status = w->close ? correct(w) : expand(w, w->z, centre(w));
     if (status != TVI_OK) return status;
     increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
-    stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree);
+    stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree, w->p_degree);
     return TVI_OK;
 }
 

@@ -8,6 +8,7 @@
 #include "galerkin_field.h"
 #include "quadrature.h"
 #include "stepper.h"
+#include "tail.h"
 
 #include <float.h>
 #include <math.h>
@@ -135,12 +136,14 @@ static void integrate_lagrange(const galerkin *w, int j, long double s, long dou
     }
 }
 
-/* The leading term a x^(m-1) of what drives an unknown, x in [-1/2, 1/2] about the middle of the step, makes of a
- * position at the ends a 2^-m / m by one integration, and a 2^-(m+1) / (m (m+1)) by two. */
+/* What drives an unknown is sum_k f_k P_k(x), x in [-1, 1], P_k Legendre's polynomials. Its power x^k, k = m - 1, has
+ * the factor 2^-k sum_j unit_j F_j, and that of P_k is 2^-k (2k)! / k!^2: this times sum_j unit_j F_j is f_k, the last
+ * term at the ends. */
 static long double tail_factor(const galerkin *w)
 {
-    const int m = w->points;
-    return galerkin_is_second_order(&w->field) ? ldexpl(1, -m - 1) / (m * (m + 1)) : ldexpl(1, -m) / m;
+    long double factor = 1;
+    for (int k = 1; k < w->points; k++) factor *= (long double)k / (2 * (2 * k - 1));
+    return factor;
 }
 
 static double on_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
@@ -510,15 +513,43 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Size of the last term of the positions' polynomials at the ends, relative to the positions. */
-static double tail(const galerkin *w)
+/* h times what drives an unknown at its first and its last node. */
+static double reach(const galerkin *w, int u)
 {
-    double last = 0, q = 0;
-    for (int u = 0; u < w->n; u++) {
-        last = larger(last, fabs(w->field.nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
-        q = larger(q, fabs(w->field.nodes.start[u]));
+    const double *impulse = w->field.nodes.impulse + u * w->field.nodes.lanes;
+    return (fabs(impulse[0]) + fabs(impulse[w->points - 1])) / w->field.b[0];
+}
+
+/* Of component i, in the step that moves p by dp. */
+static tvi_tail_part tail_part(const galerkin *w, const tvi_origin *origin, const double dp[], int i)
+{
+    const bool has_masses = galerkin_is_second_order(&w->field);
+    const int u = has_masses ? i : w->n + i; /* of p */
+    tvi_tail_part part = {.momentum = fabs(origin->p[i]) + (fabs(dp[i]) + reach(w, u)),
+                          .last_p = fabs(w->sum[u * SUMS + SUM_TAIL]),
+                          .last_q = has_masses ? 0 : fabs(w->sum[i * SUMS + SUM_TAIL]),
+                          .place = fabs(origin->q[i])};
+    part.movement = has_masses ? fabs(w->field.nodes.scale[i]) * part.momentum : reach(w, i);
+    return part;
+}
+
+/* tail.h */
+static double tail(const galerkin *w, const tvi_origin *origin, const double dp[])
+{
+    const bool has_masses = galerkin_is_second_order(&w->field);
+    tvi_tail_survey survey = {0, 0, 0};
+    if (w->points < 2) return 0;
+    for (int i = 0; i < w->n; i++) {
+        const tvi_tail_part part = tail_part(w, origin, dp, i);
+        tvi_tail_look(&survey, &part, has_masses);
     }
-    return q > 0 ? last / q : 0;
+    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    double most = 0;
+    for (int i = 0; i < w->n; i++) {
+        const tvi_tail_part part = tail_part(w, origin, dp, i);
+        most = larger(most, tvi_tail_of(&part, has_masses, survey.largest));
+    }
+    return most;
 }
 
 static void set_increments(const galerkin *w, double dq[], double dp[])
@@ -548,7 +579,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     memcpy(w->impulses[turn], w->field.nodes.impulse, unknowns_size(w));
     *w->last = (galerkin_history){h, w->last->h, origin->t, w->last->slowest, turn};
     set_increments(w, dq, dp);
-    stats->tail = tail(w);
+    stats->tail = tail(w, origin, dp);
     return TVI_OK;
 }
 

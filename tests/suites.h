@@ -8,6 +8,7 @@ Suite *suite_order(void);
 Suite *suite_closed_forms(void);
 Suite *suite_structure(void);
 Suite *suite_stepping(void);
+Suite *suite_tail(void);
 Suite *suite_products(void);
 Suite *suite_linear(void);
 Suite *suite_arena(void);
