@@ -11,10 +11,12 @@ struct tvi_event {
     bool terminal;
     jet_graph *graph; /* closed */
     jet_tape *tape;   /* inputs q, p, t; one output */
+    int *used, uses;  /* [uses] the inputs that are operands */
 };
 
-/* g at (t, q, p); x is the block of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_event_value(const tvi_event *event, double *x, double t, const double q[],
-                                         const double p[], double *g);
+/* g [lanes] at the states x [2n + 1][lanes] of q, p, t; block is one of the event's tape with as many lanes.
+ * TVI_EDOMAIN, TVI_ENONFINITE. */
+TVI_NODISCARD tvi_status tvi_event_values(const tvi_event *event, double *block, int lanes, const double *x,
+                                          double g[]);
 
 #endif

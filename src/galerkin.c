@@ -5,6 +5,7 @@
  *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
  * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (galerkin_field.h). Solved by passes, which begin with what
  * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
+#include "galerkin_dense.h"
 #include "galerkin_field.h"
 #include "quadrature.h"
 #include "stepper.h"
@@ -40,9 +41,10 @@ typedef struct {
     double *c, *c_rest; /* [lanes] in two parts */
     double *weight;     /* [lanes][SUMS] */
     double *sum;        /* [unknowns][SUMS] */
-    double h;           /* of the rates and the scales; 0: none yet */
-    double *rate;       /* [n] h / m */
-    double *drift;      /* [n] h M^-1 p0 */
+    galerkin_dense dense;
+    double h;      /* of the rates and the scales; 0: none yet */
+    double *rate;  /* [n] h / m */
+    double *drift; /* [n] h M^-1 p0 */
     galerkin_history *last;
     double *drives[2]; /* in the history: [unknowns][lanes] what drove the unknowns of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
@@ -93,6 +95,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.c_rest = tvi_arena_doubles(arena, lanes);
     w.weight = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
+    galerkin_dense_take(&w.dense, arena, w.points);
     double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
@@ -216,6 +219,7 @@ static void prepare(void *work)
     galerkin *w = work;
     set_nodes(w);
     set_matrix(w);
+    galerkin_dense_prepare(&w->dense, w->exact_node, w->exact_weight);
     w->field.form->prepare(&w->field);
     set_from_two(w);
 }
@@ -434,26 +438,39 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     return TVI_OK;
 }
 
-/* The polynomial of degree m - 1 through what drives the unknowns, integrated. */
-static void dense(void *work, double theta, double dq[], double dp[])
+/* ---- Dense output: the polynomial of degree m - 1 through what drives the unknowns, integrated
+ * ----------------------- */
+
+/* dq, dp [n][places] at places theta from the integrals of the l_j to there, [j][places]. */
+static void add_drives(const galerkin *w, int places, const double theta[], const double *once, const double *twice,
+                       double *dq, double *dp)
 {
-    const galerkin *w = work;
-    const bool separable = galerkin_is_second_order(&w->field);
-    memset(dp, 0, (size_t)w->n * sizeof *dp);
-    for (int i = 0; i < w->n; i++) dq[i] = separable ? theta * w->drift[i] : 0;
-    for (int j = 0; j < w->points; j++) {
-        long double once, twice;
-        integrate_lagrange(w, j, theta, &once, &twice);
-        for (int u = 0; u < w->field.nodes.unknowns; u++) {
-            const double drive = w->drives[w->last->turn][u * w->field.nodes.lanes + j];
-            if (separable) {
-                dp[u] += w->h * (double)once * drive;
-                dq[u] += w->field.nodes.scale[u] * (double)twice * drive;
-            } else {
-                *(u < w->n ? &dq[u] : &dp[u - w->n]) += w->field.nodes.scale[u] * (double)once * drive;
-            }
-        }
+    const int lanes = w->field.nodes.lanes, n = w->n;
+    const jet_sweeps *sweeps = w->field.system->field_values->sweeps;
+    for (int u = 0; u < w->field.nodes.unknowns; u++) {
+        const double *drive = w->drives[w->last->turn] + u * lanes, scale = w->field.nodes.scale[u];
+        double *d = galerkin_is_second_order(&w->field) || u >= n ? dp + u % n * places : dq + u * places;
+        sweeps->combine(w->points, drive, 1, places, once, d);
+        for (int k = 0; k < places; k++) d[k] *= galerkin_is_second_order(&w->field) ? w->h : scale;
+        if (!galerkin_is_second_order(&w->field)) continue;
+        d = dq + u * places;
+        sweeps->combine(w->points, drive, 1, places, twice, d);
+        for (int k = 0; k < places; k++) d[k] = theta[k] * w->drift[u] + scale * d[k];
     }
 }
 
-const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense};
+static void dense(void *work, double theta, double dq[], double dp[])
+{
+    const galerkin *w = work;
+    double once[MAX_LANES], twice[MAX_LANES];
+    galerkin_dense_integrate(&w->dense, theta, 1, once, twice);
+    add_drives(w, 1, &theta, once, twice, dq, dp);
+}
+
+static void sample(void *work, double *dq, double *dp)
+{
+    const galerkin *w = work;
+    add_drives(w, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, dq, dp);
+}
+
+const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense, sample};

@@ -159,6 +159,50 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
     return TVI_OK;
 }
 
+/* ---- Samples ------------------------------------------------------------------------------------------------------
+ */
+
+#define EDGE (1.0 / (1024 * TVI_CELLS))
+const double tvi_sample_place[TVI_SAMPLES] = {EDGE, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1 - EDGE, 1};
+
+double tvi_time_at(const tvi_integrator *it, double theta)
+{
+    return theta == 1 ? it->last->t : it->t_start + (it->t_start_low + theta * it->h);
+}
+
+/* One after the other. */
+static void sample_by_dense(tvi_integrator *it, double *dq, double *dp)
+{
+    for (int k = 0; k < TVI_SAMPLES; k++) {
+        it->stepper->dense(it->work, tvi_sample_place[k], it->dq, it->dp);
+        for (int i = 0; i < it->system->n; i++) {
+            dq[i * TVI_SAMPLES + k] = it->dq[i];
+            dp[i * TVI_SAMPLES + k] = it->dp[i];
+        }
+    }
+}
+
+/* x [n][TVI_SAMPLES] += start, and the end is what it is. */
+static void add_start(int n, const double start[], const double end[], double *x)
+{
+    for (int i = 0; i < n; i++, x += TVI_SAMPLES) {
+        for (int k = 0; k < TVI_SAMPLES; k++) x[k] += start[i];
+        x[TVI_SAMPLES - 1] = end[i];
+    }
+}
+
+tvi_status tvi_sample(tvi_integrator *it, double *x)
+{
+    const int n = it->system->n;
+    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
+    if (it->stepper->sample) it->stepper->sample(it->work, q, p);
+    else sample_by_dense(it, q, p);
+    add_start(n, it->q_start, it->q, q);
+    add_start(n, it->p_start, it->p, p);
+    for (int k = 0; k < TVI_SAMPLES; k++) t[k] = tvi_time_at(it, tvi_sample_place[k]);
+    return tvi_all_finite(2 * n * TVI_SAMPLES, x) ? TVI_OK : TVI_ENONFINITE;
+}
+
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
                          tvi_observer *observer, void *ctx)
 {

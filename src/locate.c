@@ -1,73 +1,105 @@
 /* locate.c - a run that looks for events.
  *
  * An event is found where g changes sign along the curve of the step (tvi_dense), which tells its place to the accuracy
- * of the curve. From there chords lead to the zero of g on the method's own solution, steps of a part of h (between.h),
- * so that the state of an event is as good as that of a step. */
+ * of the curve. All events are looked at together, at the sample places of the step. From the place on the curve chords
+ * lead to the zero of g on the method's own solution, steps of a part of h (between.h), so that the state of an event
+ * is as good as that of a step. */
 #include "between.h"
 #include "event.h"
+#include "sizes.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Samples of g: the ends of CELLS equal parts of the step, and points close to its ends, which tell a least |g| just
- * inside from one that lies in the next step. */
-enum { CELLS = 8, SAMPLES = CELLS + 3, MOST_ROOTS = 2 * SAMPLES };
-static const double EDGE = 1.0 / (1024 * CELLS);
+/* Of an event, in a step. */
+enum { MOST_ROOTS = 2 * (TVI_SAMPLES + 1) };
 /* A run starts on an event where |g| is below this part of what it is at the first sample. */
 static const double AT_START = 1e-6;
-/* Golden sections end here, in parts of the step. */
-static const double LEAST_SECTION = 1e-8;
-/* Half the distance of the points that give the slope of the curve's g, and the least distance that gives a chord. */
+/* Golden sections end here, and zeros on the curve are found to here, in parts of the step: chords do the rest. */
+static const double LEAST_SECTION = 1e-8, LEAST_WAY = 1e-10;
+/* Half the distance of the points that give the slopes of the curve and of g, and the least distance that gives a
+ * chord. */
 static const double CHORD = 1e-5;
 enum { MOST_CHORDS = 12 };
+/* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
+ * that of the curve, relative to the state. */
+static const double REACH = 2e-9, STEEPER = 32;
+/* The states of so many events of a step are kept until they are told; those of more are found again. */
+enum { KEPT = 32 };
 
 typedef struct {
-    int which;
-    double theta;
+    int which, kept; /* kept: its state, from 0; KEPT and more: not */
+    double on_curve, theta;
 } root;
 
 typedef struct {
+    const tvi_event *event;
+    double *one, *many;        /* blocks of its tape, for a state and for all samples */
+    double g[1 + TVI_SAMPLES]; /* at the start of the step, and the samples */
+} watch;
+
+/* States are [2n + 1]: q, p, t. */
+typedef struct {
     tvi_integrator *it;
     tvi_between between;
-    const tvi_event *const *events;
-    int count;
-    double **x;       /* [count] the blocks of their tapes */
+    int count, size;  /* size: of a state */
+    watch *of;        /* [count] */
     bool has_started; /* a step has been searched */
-    double *q, *p;    /* [n] on the curve */
-    root *roots;      /* [count MOST_ROOTS] of the step at hand */
+    double *samples;  /* [2n + 1][TVI_SAMPLES] of the last one */
+    double *state, *trial;
+    double *base, base_at; /* of the last step of a part of h, */
+    double *rate, reach;   /* and what leads on from it, and how far */
+    bool is_inside;
+    root *roots; /* [count MOST_ROOTS] of the step at hand */
     int found;
+    double *kept; /* [KEPT + 1] */
 } search;
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
 /* ---- Along the curve -------------------------------------------------------------------------------------------- */
 
+static tvi_status state_on_curve(search *s, double theta, double x[])
+{
+    const int n = s->it->system->n;
+    x[2 * n] = tvi_time_at(s->it, theta);
+    return tvi_dense(s->it, theta, x, x + n);
+}
+
+static tvi_status value_at(search *s, int which, const double x[], double *g)
+{
+    return tvi_event_values(s->of[which].event, s->of[which].one, 1, x, g);
+}
+
 static tvi_status on_curve(search *s, int which, double theta, double *g)
 {
-    const tvi_integrator *it = s->it;
-    const tvi_status status = tvi_dense(s->it, theta, s->q, s->p);
-    if (status != TVI_OK) return status;
-    const double t = theta == 1 ? it->last->t : it->t_start + (it->t_start_low + theta * it->h);
-    return tvi_event_value(s->events[which], s->x[which], t, s->q, s->p, g);
+    const tvi_status status = state_on_curve(s, theta, s->state);
+    return status == TVI_OK ? value_at(s, which, s->state, g) : status;
 }
 
 /* A zero of g in [a, b], g(a) g(b) <= 0, by interpolation, truncation and projection (Oliveira and Takahashi, "An
  * enhancement of the bisection method average performance preserving minmax optimality", 2020): as fast as the secant,
- * never slower than bisection by more than one evaluation. */
+ * never slower than bisection by more than one evaluation. Ends where the secant would lead no further than LEAST_WAY.
+ */
 static tvi_status find_zero(search *s, int which, double a, double ga, double b, double gb, double *theta)
 {
     const double width = b - a, least = DBL_EPSILON / 2;
     const int most = (int)ceil(log2(width / least)) + 1;
+    double at, g;
     for (int k = 0; k < most && b - a > 2 * least && ga != 0 && gb != 0; k++) {
         const double middle = (a + b) / 2, secant = (a * gb - b * ga) / (gb - ga), way = middle - secant;
         const double truncation = 0.2 / width * (b - a) * (b - a), reach = ldexp(least, most - k) - (b - a) / 2;
-        double at = truncation <= fabs(way) ? secant + copysign(truncation, way) : middle, g;
+        at = truncation <= fabs(way) ? secant + copysign(truncation, way) : middle;
         if (fabs(at - middle) > reach) at = middle - copysign(fmax(reach, 0), way);
         at = fmin(fmax(at, a), b);
         const tvi_status status = on_curve(s, which, at, &g);
         if (status != TVI_OK) return status;
+        if (fabs(g) * (b - a) <= LEAST_WAY * fabs(gb - ga)) {
+            *theta = at;
+            return TVI_OK;
+        }
         if (sign_of(g) == sign_of(ga)) a = at, ga = g;
         else b = at, gb = g;
     }
@@ -78,11 +110,11 @@ static tvi_status find_zero(search *s, int which, double a, double ga, double b,
 /* A root where the sign becomes `after`, if that is wanted. */
 static tvi_status add_root(search *s, int which, int after, double a, double ga, double b, double gb)
 {
-    const tvi_direction direction = s->events[which]->direction;
+    const tvi_direction direction = s->of[which].event->direction;
     if (direction != TVI_EITHER && (int)direction != after) return TVI_OK;
     root *added = &s->roots[s->found];
-    added->which = which;
-    const tvi_status status = find_zero(s, which, a, ga, b, gb, &added->theta);
+    *added = (root){.which = which, .kept = s->found};
+    const tvi_status status = find_zero(s, which, a, ga, b, gb, &added->on_curve);
     if (status == TVI_OK) s->found++;
     return status;
 }
@@ -110,26 +142,17 @@ static tvi_status follow_dip(search *s, int which, double a, double ga, double b
     return status == TVI_OK && g[fresh] != 0 ? add_root(s, which, sign, at[fresh], g[fresh], b, gb) : status;
 }
 
-static double sample_place(int j)
-{
-    return j == 0 ? 0 : j == 1 ? EDGE : j == SAMPLES - 1 ? 1 : j == SAMPLES - 2 ? 1 - EDGE : (j - 1) / (double)CELLS;
-}
-
 /* All places of the step where g ceases to have the sign that it had: becomes 0 or has the other one. */
 static tvi_status search_event(search *s, int which)
 {
-    double at[SAMPLES], g[SAMPLES];
-    for (int j = 0; j < SAMPLES; j++) {
-        at[j] = sample_place(j);
-        const tvi_status status = on_curve(s, which, at[j], &g[j]);
-        if (status != TVI_OK) return status;
-    }
-    if (!s->has_started && fabs(g[0]) <= AT_START * fabs(g[1])) g[0] = 0;
-    for (int j = 1; j < SAMPLES; j++) {
+    const double *g = s->of[which].g;
+    double at[1 + TVI_SAMPLES] = {0};
+    memcpy(at + 1, tvi_sample_place, sizeof tvi_sample_place);
+    for (int j = 1; j <= TVI_SAMPLES; j++) {
         const int before = sign_of(g[j - 1]), now = sign_of(g[j]);
         tvi_status status = TVI_OK;
         if (before != 0 && now != before) status = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j]);
-        else if (now != 0 && j < SAMPLES - 1 && before == now && sign_of(g[j + 1]) == now &&
+        else if (now != 0 && j < TVI_SAMPLES && before == now && sign_of(g[j + 1]) == now &&
                  fabs(g[j]) < fabs(g[j - 1]) && fabs(g[j]) <= fabs(g[j + 1]))
             status = follow_dip(s, which, at[j - 1], g[j - 1], at[j + 1], g[j + 1]);
         if (status != TVI_OK) return status;
@@ -137,35 +160,104 @@ static tvi_status search_event(search *s, int which)
     return TVI_OK;
 }
 
-/* ---- On the method's own solution ------------------------------------------------------------------------------- */
-
-static tvi_status at_part(search *s, int which, double theta, double *g)
+/* Whether the step began, bit for bit, where the last one that was sampled ended. */
+static bool is_continued(const search *s)
 {
-    const tvi_status status = tvi_between_state(&s->between, theta == 1 ? s->it->h : theta * s->it->h);
-    if (status != TVI_OK) return status;
-    return tvi_event_value(s->events[which], s->x[which], s->between.t, s->between.q, s->between.p, g);
+    const tvi_integrator *it = s->it;
+    const int n = it->system->n;
+    const double *end = s->samples + TVI_SAMPLES - 1;
+    bool same = s->has_started && memcmp(&it->t_start, &end[2 * n * TVI_SAMPLES], sizeof *end) == 0;
+    for (int i = 0; i < n && same; i++)
+        same = memcmp(&it->q_start[i], &end[i * TVI_SAMPLES], sizeof *end) == 0 &&
+               memcmp(&it->p_start[i], &end[(n + i) * TVI_SAMPLES], sizeof *end) == 0;
+    return same;
 }
 
-/* Chords from the place on the curve until |g| shrinks no more. The first slope is the curve's. */
-static tvi_status polish(search *s, root *r)
+/* g of all events at the samples. Where one step leads on from the other, its end is the start of this one. */
+static tvi_status sample_events(search *s)
 {
-    const double a = fmax(r->theta - CHORD, 0), b = fmin(r->theta + CHORD, 1);
-    double ga, gb, g, theta = r->theta, theta_before = 0, g_before = INFINITY;
-    tvi_status status = on_curve(s, r->which, a, &ga);
-    if (status == TVI_OK) status = on_curve(s, r->which, b, &gb);
-    if (status != TVI_OK) return status;
-    double slope = (gb - ga) / (b - a);
-    for (int k = 0; k < MOST_CHORDS; k++) {
-        status = at_part(s, r->which, theta, &g);
+    const bool continues = is_continued(s);
+    tvi_status status = tvi_sample(s->it, s->samples);
+    for (int which = 0; which < s->count && status == TVI_OK; which++) {
+        watch *w = &s->of[which];
+        w->g[0] = w->g[TVI_SAMPLES];
+        if (!continues) status = on_curve(s, which, 0, &w->g[0]);
+        if (status == TVI_OK) status = tvi_event_values(w->event, w->many, TVI_SAMPLES, s->samples, w->g + 1);
+        if (!s->has_started && fabs(w->g[0]) <= AT_START * fabs(w->g[1])) w->g[0] = 0;
+    }
+    return status;
+}
+
+/* ---- On the method's own solution ------------------------------------------------------------------------------- */
+
+/* The slopes of the curve, s->rate, and of g along it, at theta; and the middle of the chord, s->state. */
+static tvi_status set_slopes(search *s, int which, double theta, double *slope)
+{
+    const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
+    double ga = 0, gb = 0;
+    tvi_status status = state_on_curve(s, a, s->rate);
+    if (status == TVI_OK) status = value_at(s, which, s->rate, &ga);
+    if (status == TVI_OK) status = state_on_curve(s, b, s->state);
+    if (status == TVI_OK) status = value_at(s, which, s->state, &gb);
+    *slope = (gb - ga) / (b - a);
+    for (int i = 0; i < s->size; i++) {
+        const double low = s->rate[i], high = s->state[i];
+        s->rate[i] = (high - low) / (b - a);
+        s->state[i] = (low + high) / 2;
+    }
+    s->is_inside = a > 0 && b < 1; /* the slope is that at theta to the square of the chord */
+    return status;
+}
+
+/* The curve's distance from s->base, relative to the size of what is there. */
+static double distance_of(const search *s, int from, int count)
+{
+    double apart = 0, size = 0;
+    for (int i = from; i < from + count; i++) {
+        apart = fmax(apart, fabs(s->base[i] - s->state[i]));
+        size = fmax(size, fabs(s->base[i]));
+    }
+    return tvi_ratio(apart, size);
+}
+
+/* The state at theta, by a step of a part of h; or from the one that such a step led to, where the curve's slope leads
+ * on without an error that shows. */
+static tvi_status near_solution(search *s, double theta, double x[])
+{
+    const int n = s->it->system->n;
+    const size_t bytes = (size_t)n * sizeof *x;
+    if (fabs(theta - s->base_at) > s->reach) {
+        const tvi_status status = tvi_between_state(&s->between, theta == 1 ? s->it->h : theta * s->it->h);
         if (status != TVI_OK) return status;
-        if (!(fabs(g) < fabs(g_before))) return TVI_OK;
+        memcpy(s->base, s->between.q, bytes);
+        memcpy(s->base + n, s->between.p, bytes);
+        const double apart = fmax(distance_of(s, 0, n), distance_of(s, n, n));
+        s->base_at = theta;
+        s->reach = s->is_inside ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
+    }
+    for (int i = 0; i < 2 * n; i++) x[i] = s->base[i] + (theta - s->base_at) * s->rate[i];
+    x[2 * n] = tvi_time_at(s->it, theta);
+    return TVI_OK;
+}
+
+/* Chords from the place on the curve until |g| shrinks no more; x: the state there. The first slope is the curve's. */
+static tvi_status polish(search *s, root *r, double x[])
+{
+    double g, slope, theta = r->on_curve, theta_before = 0, g_before = INFINITY;
+    tvi_status status = set_slopes(s, r->which, theta, &slope);
+    s->reach = -1;
+    for (int k = 0; k < MOST_CHORDS && status == TVI_OK; k++) {
+        status = near_solution(s, theta, s->trial);
+        if (status == TVI_OK) status = value_at(s, r->which, s->trial, &g);
+        if (status != TVI_OK || !(fabs(g) < fabs(g_before))) return status;
         if (k > 0 && fabs(theta - theta_before) > CHORD) slope = (g - g_before) / (theta - theta_before);
         r->theta = theta_before = theta;
         g_before = g;
+        memcpy(x, s->trial, (size_t)s->size * sizeof *x);
         theta = fmin(fmax(theta - g / slope, 0), 1);
         if (slope == 0 || fabs(theta - r->theta) <= DBL_EPSILON) return TVI_OK;
     }
-    return TVI_OK;
+    return status;
 }
 
 /* ---- The run ---------------------------------------------------------------------------------------------------- */
@@ -181,13 +273,19 @@ static void sort_roots(search *s)
         }
 }
 
+static double *kept_state(search *s, int kept)
+{
+    return s->kept + (size_t)(kept < KEPT ? kept : KEPT) * (size_t)s->size;
+}
+
 static tvi_status search_step(search *s)
 {
-    tvi_status status = TVI_OK;
+    tvi_status status = sample_events(s);
     s->found = 0;
     for (int which = 0; which < s->count && status == TVI_OK; which++) status = search_event(s, which);
     s->has_started = true;
-    for (int i = 0; i < s->found && status == TVI_OK; i++) status = polish(s, &s->roots[i]);
+    for (int i = 0; i < s->found && status == TVI_OK; i++)
+        status = polish(s, &s->roots[i], kept_state(s, s->roots[i].kept));
     sort_roots(s);
     return status;
 }
@@ -196,16 +294,17 @@ static tvi_status search_step(search *s)
 static tvi_status tell_events(search *s, double *t, double q[], double p[], tvi_event_observer *on_event, void *ctx)
 {
     tvi_status status = search_step(s);
-    const tvi_between *at = &s->between;
+    const int n = s->it->system->n;
     for (int i = 0; i < s->found && status == TVI_OK; i++) {
-        const root *r = &s->roots[i];
-        status = tvi_between_state(&s->between, r->theta == 1 ? s->it->h : r->theta * s->it->h);
+        root *r = &s->roots[i];
+        double *x = kept_state(s, r->kept);
+        if (r->kept >= KEPT) status = polish(s, r, x);
         if (status != TVI_OK) return status;
-        const bool ends = on_event && on_event(r->which, at->t, at->q, at->p, ctx) != 0;
-        if (!ends && !s->events[r->which]->terminal) continue;
-        *t = at->t;
-        memcpy(q, at->q, (size_t)s->it->system->n * sizeof *q);
-        memcpy(p, at->p, (size_t)s->it->system->n * sizeof *p);
+        const bool ends = on_event && on_event(r->which, x[2 * n], x, x + n, ctx) != 0;
+        if (!ends && !s->of[r->which].event->terminal) continue;
+        *t = x[2 * n];
+        memcpy(q, x, (size_t)n * sizeof *q);
+        memcpy(p, x + n, (size_t)n * sizeof *p);
         tvi_integrator_reset(s->it);
         return TVI_ESTOPPED;
     }
@@ -214,28 +313,39 @@ static tvi_status tell_events(search *s, double *t, double q[], double p[], tvi_
 
 static void close_search(search *s)
 {
-    for (int which = 0; s->x && which < s->count; which++) free(s->x[which]);
-    free(s->x);
+    for (int which = 0; s->of && which < s->count; which++) free(s->of[which].one);
+    free(s->of);
     free(s->roots);
-    free(s->q);
+    free(s->samples);
     if (s->between.partial) tvi_between_close(&s->between);
+}
+
+static tvi_status open_watch(watch *w, const tvi_event *event)
+{
+    const size_t slots = (size_t)event->tape->slots;
+    w->event = event;
+    w->one = malloc(slots * (1 + TVI_SAMPLES) * sizeof *w->one);
+    if (!w->one) return TVI_ENOMEM;
+    w->many = w->one + slots;
+    jet_tape_prepare(event->tape, w->one, 1, 1);
+    jet_tape_prepare(event->tape, w->many, 1, TVI_SAMPLES);
+    return TVI_OK;
 }
 
 static tvi_status open_search(search *s, tvi_integrator *it, const tvi_event *const events[], int count)
 {
-    const size_t n = (size_t)it->system->n, some = (size_t)count;
-    *s = (search){.it = it, .events = events, .count = count};
-    s->x = calloc(some, sizeof *s->x);
+    const int size = 2 * it->system->n + 1;
+    const size_t some = (size_t)count;
+    *s = (search){.it = it, .count = count, .size = size};
+    s->of = calloc(some, sizeof *s->of);
     s->roots = calloc(some * MOST_ROOTS, sizeof *s->roots);
-    s->q = calloc(2 * n, sizeof *s->q);
-    if (!s->x || !s->roots || !s->q) return TVI_ENOMEM;
-    s->p = s->q + n;
-    for (int which = 0; which < count; which++) {
-        s->x[which] = malloc((size_t)events[which]->tape->slots * sizeof **s->x);
-        if (!s->x[which]) return TVI_ENOMEM;
-        jet_tape_prepare(events[which]->tape, s->x[which], 1, 1);
-    }
-    return tvi_between_open(&s->between, it);
+    s->samples = calloc((size_t)size * (TVI_SAMPLES + 4 + KEPT + 1), sizeof *s->samples);
+    if (!s->of || !s->roots || !s->samples) return TVI_ENOMEM;
+    double **const states[] = {&s->state, &s->base, &s->rate, &s->trial, &s->kept};
+    for (int i = 0; i < 5; i++) *states[i] = s->samples + size * (TVI_SAMPLES + i);
+    tvi_status status = TVI_OK;
+    for (int which = 0; which < count && status == TVI_OK; which++) status = open_watch(&s->of[which], events[which]);
+    return status == TVI_OK ? tvi_between_open(&s->between, it) : status;
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
