@@ -6,10 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps)
+tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps, bool knows_step)
 {
     const size_t n = (size_t)steps->system->n;
-    *between = (tvi_between){.steps = steps, .q = calloc(2 * n, sizeof(double))};
+    *between = (tvi_between){.steps = steps, .knows_step = knows_step, .q = calloc(2 * n, sizeof(double))};
     if (!between->q) return TVI_ENOMEM;
     between->p = between->q + n;
     const tvi_status status = tvi_integrator_twin(&between->partial, steps);
@@ -35,6 +35,9 @@ tvi_status tvi_between_state(tvi_between *between, double part)
     memcpy(between->p, is_end ? steps->p : steps->p_start, bytes);
     if (!is_end && part != 0) {
         memcpy(between->partial->history, steps->before, steps->remembered);
+        if (between->knows_step)
+            memcpy(between->partial->history + steps->of_state, steps->history + steps->of_state,
+                   steps->remembered - steps->of_state);
         const tvi_status status = tvi_step(between->partial, part, &between->t, between->q, between->p);
         if (status != TVI_OK) return status;
     }
@@ -80,7 +83,7 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
         if (observer && observer(next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
     if (next == count) return TVI_OK;
     tvi_between between;
-    tvi_status status = tvi_between_open(&between, it);
+    tvi_status status = tvi_between_open(&between, it, false);
     if (status != TVI_OK) return status;
     while (next < count && status == TVI_OK) {
         status = tvi_step(it, h, t, q, p);

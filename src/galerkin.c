@@ -35,8 +35,8 @@ typedef struct {
     const tvi_options *options;
     int n, points;
     galerkin_field field;
-    double *from_one;   /* [j][i] extrapolation from a step of size h / ratio, times field.ahead */
-    double ratio;       /* 0: none yet */
+    double *from_one;   /* [j][i] extrapolation from a step of size h / ratio, times field.ahead, */
+    double ratio, part; /* to a step that begins after that part of it; ratio 0: none yet */
     double *from_two;   /* [2][j][i] the same from the two steps before, all of one size */
     double *c, *c_rest; /* [lanes] in two parts */
     double *weight;     /* [lanes][SUMS] */
@@ -95,7 +95,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.c_rest = tvi_arena_doubles(arena, lanes);
     w.weight = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
-    galerkin_dense_take(&w.dense, arena, w.points);
+    galerkin_dense_take(&w.dense, arena, w.points, nodes->lanes, system->field_values->sweeps);
     double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
@@ -239,18 +239,19 @@ static void set_size(galerkin *w, double h)
     }
 }
 
-/* From a step of size h / ratio to the next one: node i is at 1 + ratio c_i there. */
-static void set_from_one(galerkin *w, double ratio)
+/* From a step of size h / ratio to one that begins after a part of it: node i is at part + ratio c_i there. */
+static void set_from_one(galerkin *w, double ratio, double part)
 {
-    if (ratio == w->ratio) return;
+    if (ratio == w->ratio && part == w->part) return;
     w->ratio = ratio;
-    const int lanes = w->field.nodes.lanes;
-    memset(w->from_one, 0, (size_t)lanes * (size_t)lanes * sizeof *w->from_one);
-    for (int k = 0; k < w->points; k++)
-        for (int j = 0; j < w->points; j++) {
-            const double factor = (double)lagrange(w, j, 1 + ratio * w->exact_node[k]);
-            for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] += factor * w->field.ahead[k * lanes + i];
-        }
+    w->part = part;
+    const int m = w->points, lanes = w->field.nodes.lanes;
+    const jet_sweeps *sweeps = w->field.system->field_values->sweeps;
+    double shape[MAX_LANES * MAX_LANES];
+    for (int k = 0; k < m; k++)
+        galerkin_dense_values(&w->dense, part + ratio * (double)w->exact_node[k], &shape[k * m]);
+    for (int j = 0; j < m; j++)
+        sweeps->combine(m, &shape[j], (size_t)m, lanes, w->field.ahead, &w->from_one[j * lanes]);
 }
 
 /* The times of the nodes of a step of size h. */
@@ -276,23 +277,25 @@ static void set_start(galerkin *w, const tvi_origin *origin)
     w->field.loops->set_base(&w->field.nodes, w->n, w->c, w->c_rest, w->drift);
 }
 
-/* Whether this step begins where the last one ended, and its nodes, at 1 + ratio c_i, are near those of that one. */
-static bool can_extrapolate(const galerkin *w, const tvi_origin *origin)
+/* Whether this step begins where the last one ended, or began, and its nodes are near those of that one. */
+static bool can_extrapolate(const galerkin *w, const tvi_origin *origin, double *part)
 {
     const galerkin_history *last = w->last;
     if (last->h == 0 || w->options->passes == TVI_PREDICT_ONLY) return false;
     const double gap = origin->t - (last->t + last->h), ratio = w->h / last->h;
-    return fabs(gap) < 0.25 * fabs(w->h) && ratio >= -2 && ratio <= 1.5;
+    const bool is_next = fabs(gap) < 0.25 * fabs(w->h);
+    *part = is_next ? 1 : 0;
+    return is_next ? ratio >= -2 && ratio <= 1.5 : origin->t == last->t && ratio > 0 && ratio <= 1;
 }
 
-static void extrapolate(galerkin *w)
+static void extrapolate(galerkin *w, double part)
 {
     const galerkin_history *last = w->last;
     const double *const drives[] = {w->drives[last->turn], w->drives[!last->turn]};
-    if (w->h == last->h && w->h == last->h_before) {
+    if (part == 1 && w->h == last->h && w->h == last->h_before) {
         w->field.form->predict(&w->field, 2, w->from_two, drives);
     } else {
-        set_from_one(w, w->h / last->h);
+        set_from_one(w, w->h / last->h, part);
         w->field.form->predict(&w->field, 1, w->from_one, drives);
     }
 }
@@ -377,12 +380,12 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
     return TVI_ENOCONV;
 }
 
-/* From the steps before; without one, the field at the start is that at all nodes. */
-static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates, tvi_stats *stats)
+/* From the steps before, beginning after `part` of the last one; NULL: the field at the start is that at all nodes. */
+static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
 {
     const galerkin_field *field = &w->field;
-    if (extrapolates) {
-        extrapolate(w);
+    if (part) {
+        extrapolate(w, *part);
     } else {
         set_times(w, origin, 0);
         stats->force_evaluations++;
@@ -426,9 +429,10 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     galerkin *w = work;
     set_size(w, h);
     set_start(w, origin);
-    const bool extrapolates = can_extrapolate(w, origin);
-    tvi_status status = solve(w, origin, extrapolates, stats);
-    if (status != TVI_OK && extrapolates) status = solve(w, origin, false, stats);
+    double part;
+    const bool extrapolates = can_extrapolate(w, origin, &part);
+    tvi_status status = solve(w, origin, extrapolates ? &part : NULL, stats);
+    if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, stats);
     if (status != TVI_OK) return status;
     const int turn = !w->last->turn;
     w->field.loops->integrate(&w->field.nodes, w->weight, w->field.slot, w->sum, w->drives[turn]);
@@ -438,39 +442,42 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     return TVI_OK;
 }
 
-/* ---- Dense output: the polynomial of degree m - 1 through what drives the unknowns, integrated
- * ----------------------- */
+/* ---- Dense output -------------------------------------------------------------------------------------------------
+ */
 
-/* dq, dp [n][places] at places theta from the integrals of the l_j to there, [j][places]. */
-static void add_drives(const galerkin *w, int places, const double theta[], const double *once, const double *twice,
-                       double *dq, double *dp)
+/* dq, dp [n][places] at the places theta: the polynomial of degree m - 1 through what drives the unknowns, integrated
+ * by tables of galerkin_dense.h, [lanes][places]. */
+static void integrate_drives(const galerkin *w, int places, const double theta[], const double *once,
+                             const double *twice, double *dq, double *dp)
 {
-    const int lanes = w->field.nodes.lanes, n = w->n;
-    const jet_sweeps *sweeps = w->field.system->field_values->sweeps;
-    for (int u = 0; u < w->field.nodes.unknowns; u++) {
-        const double *drive = w->drives[w->last->turn] + u * lanes, scale = w->field.nodes.scale[u];
-        double *d = galerkin_is_second_order(&w->field) || u >= n ? dp + u % n * places : dq + u * places;
-        sweeps->combine(w->points, drive, 1, places, once, d);
-        for (int k = 0; k < places; k++) d[k] *= galerkin_is_second_order(&w->field) ? w->h : scale;
-        if (!galerkin_is_second_order(&w->field)) continue;
-        d = dq + u * places;
-        sweeps->combine(w->points, drive, 1, places, twice, d);
-        for (int k = 0; k < places; k++) d[k] = theta[k] * w->drift[u] + scale * d[k];
+    const galerkin_nodes *nodes = &w->field.nodes;
+    const double *drives = w->drives[w->last->turn];
+    const bool separable = galerkin_is_second_order(&w->field);
+    const int n = w->n;
+    w->field.loops->sum_places(nodes->lanes, n, places, separable ? twice : once, drives, dq);
+    w->field.loops->sum_places(nodes->lanes, n, places, once, separable ? drives : drives + n * nodes->lanes, dp);
+    for (int i = 0; i < n; i++) {
+        const double of_q = nodes->scale[i], of_p = separable ? w->h : nodes->scale[n + i];
+        const double drift = separable ? w->drift[i] : 0;
+        for (int k = i * places; k < (i + 1) * places; k++) {
+            dq[k] = drift * theta[k - i * places] + of_q * dq[k];
+            dp[k] *= of_p;
+        }
     }
 }
 
 static void dense(void *work, double theta, double dq[], double dp[])
 {
     const galerkin *w = work;
-    double once[MAX_LANES], twice[MAX_LANES];
-    galerkin_dense_integrate(&w->dense, theta, 1, once, twice);
-    add_drives(w, 1, &theta, once, twice, dq, dp);
+    double once[MAX_LANES] = {0}, twice[MAX_LANES] = {0};
+    galerkin_dense_integrate(&w->dense, theta, once, twice);
+    integrate_drives(w, 1, &theta, once, twice, dq, dp);
 }
 
 static void sample(void *work, double *dq, double *dp)
 {
     const galerkin *w = work;
-    add_drives(w, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, dq, dp);
+    integrate_drives(w, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, dq, dp);
 }
 
 const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense, sample};

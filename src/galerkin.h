@@ -35,6 +35,8 @@ typedef struct {
     /* base_i = c_i drift, c in two parts, for the first `count` unknowns. */
     void (*set_base)(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
                      const double *drift);
+    /* out[u][k] = sum_j table_jk drives[u][j], u < count, k < places: 1 or TVI_SAMPLES; table [lanes][places]. */
+    void (*sum_places)(int lanes, int count, int places, const double *table, const double *drives, double *out);
     const lagrangian_loops *lagrangian;
 } galerkin_loops;
 

@@ -1,6 +1,7 @@
 /* galerkin_loops.c - see galerkin.h. */
 #include "lanes.h"
 #include "rule.h"
+#include "stepper.h"
 #include "vector.h"
 
 #include <stddef.h>
@@ -125,11 +126,37 @@ INLINE void set_base_lanes(const galerkin_nodes *nodes, int count, const double 
     for (int u = 0; u < count; u++) JET_BLOCKS(lanes, BASE, );
 }
 
-static void set_base(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest, const double *drift)
-{
+static void set_base(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
+                     const double *drift){
 #define CALL(lanes) set_base_lanes(nodes, count, c, c_rest, drift, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move, predict, integrate, set_base, &JET_FOR_ISA(lagrangian_loops)};
+#define SUM_PLACES(V, S)                                                                                               \
+    {                                                                                                                  \
+        V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
+        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + w);                                 \
+        for (int u = 0; u < count; u++) {                                                                              \
+            V sums[CHAINS] = {0};                                                                                      \
+            ADD_PRODUCT(sums, row, drives + (size_t)u * (size_t)lanes)                                                 \
+            *(V *)(out + u * places + w) = TOTAL(sums);                                                                \
+        }                                                                                                              \
+    }
+
+INLINE void sum_places_lanes(int count, int places, const double *table, const double *drives, double *out, int lanes)
+{
+    JET_BLOCKS(places, SUM_PLACES, );
+}
+
+static void sum_places(int lanes_of, int count, int places, const double *table, const double *drives, double *out)
+{
+#define CALL(lanes)                                                                                                    \
+    places == 1 ? sum_places_lanes(count, 1, table, drives, out, lanes)                                                \
+                : sum_places_lanes(count, TVI_SAMPLES, table, drives, out, lanes)
+    FOR_LANES(lanes_of, CALL)
+#undef CALL
+}
+
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,     predict,    integrate,
+                                                    set_base, sum_places, &JET_FOR_ISA(lagrangian_loops)};

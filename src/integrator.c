@@ -22,6 +22,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
         *history[i] = tvi_arena_history(arena, (size_t)system->n * sizeof(double));
     }
     laid.last = tvi_arena_history(arena, sizeof *laid.last);
+    laid.of_state = arena->remembered;
     laid.work = stepper->take(arena, system, options);
     laid.history = arena->history;
     laid.before = laid.history ? laid.history + arena->remembered : NULL;
@@ -182,25 +183,26 @@ static void sample_by_dense(tvi_integrator *it, double *dq, double *dp)
     }
 }
 
-/* x [n][TVI_SAMPLES] += start, and the end is what it is. */
-static void add_start(int n, const double start[], const double end[], double *x)
+/* x [n][TVI_SAMPLES] += start, and the end is what it is. Adds 0 x to `nothing`, which stays 0 where all is finite. */
+static void add_start(int n, const double start[], const double end[], double *x, double nothing[])
 {
     for (int i = 0; i < n; i++, x += TVI_SAMPLES) {
         for (int k = 0; k < TVI_SAMPLES; k++) x[k] += start[i];
         x[TVI_SAMPLES - 1] = end[i];
+        for (int k = 0; k < TVI_SAMPLES; k++) nothing[k] += 0 * x[k];
     }
 }
 
 tvi_status tvi_sample(tvi_integrator *it, double *x)
 {
     const int n = it->system->n;
-    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
+    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES, nothing[TVI_SAMPLES] = {0};
     if (it->stepper->sample) it->stepper->sample(it->work, q, p);
     else sample_by_dense(it, q, p);
-    add_start(n, it->q_start, it->q, q);
-    add_start(n, it->p_start, it->p, p);
+    add_start(n, it->q_start, it->q, q, nothing);
+    add_start(n, it->p_start, it->p, p, nothing);
     for (int k = 0; k < TVI_SAMPLES; k++) t[k] = tvi_time_at(it, tvi_sample_place[k]);
-    return tvi_all_finite(2 * n * TVI_SAMPLES, x) ? TVI_OK : TVI_ENONFINITE;
+    return tvi_all_finite(TVI_SAMPLES, nothing) ? TVI_OK : TVI_ENONFINITE;
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],

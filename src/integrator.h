@@ -20,9 +20,9 @@ struct tvi_integrator {
     tvi_stats stats;
     const tvi_stepper *stepper;
     void *work;
-    char *history, *before; /* [remembered] all that one step leaves to the next; before the last one was tried */
-    size_t remembered;
-    tvi_last_step *last;           /* in the history, as are */
+    char *history, *before;      /* [remembered] all that one step leaves to the next; before the last one was tried */
+    size_t remembered, of_state; /* of_state: what comes before the stepper's part of it */
+    tvi_last_step *last;         /* in the history, as are */
     double *q, *p, *q_low, *p_low; /* [n] */
     bool has_dense;                /* the work holds the last step */
     double h;                      /* its size, and where it started */

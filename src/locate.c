@@ -142,18 +142,32 @@ static tvi_status follow_dip(search *s, int which, double a, double ga, double b
     return status == TVI_OK && g[fresh] != 0 ? add_root(s, which, sign, at[fresh], g[fresh], b, gb) : status;
 }
 
+/* Whether |g| has a least value between samples j - 1 and j + 1. */
+static bool is_dip(const double g[], int j)
+{
+    return j < TVI_SAMPLES && fabs(g[j]) < fabs(g[j - 1]) && fabs(g[j]) <= fabs(g[j + 1]);
+}
+
+/* Whether g has no root: one sign and no least value. */
+static bool is_quiet(const double g[])
+{
+    bool quiet = true;
+    for (int j = 1; j <= TVI_SAMPLES; j++) quiet &= g[j - 1] * g[j] > 0 && !is_dip(g, j);
+    return quiet;
+}
+
 /* All places of the step where g ceases to have the sign that it had: becomes 0 or has the other one. */
 static tvi_status search_event(search *s, int which)
 {
     const double *g = s->of[which].g;
     double at[1 + TVI_SAMPLES] = {0};
+    if (is_quiet(g)) return TVI_OK;
     memcpy(at + 1, tvi_sample_place, sizeof tvi_sample_place);
     for (int j = 1; j <= TVI_SAMPLES; j++) {
         const int before = sign_of(g[j - 1]), now = sign_of(g[j]);
         tvi_status status = TVI_OK;
         if (before != 0 && now != before) status = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j]);
-        else if (now != 0 && j < TVI_SAMPLES && before == now && sign_of(g[j + 1]) == now &&
-                 fabs(g[j]) < fabs(g[j - 1]) && fabs(g[j]) <= fabs(g[j + 1]))
+        else if (now != 0 && before == now && is_dip(g, j) && sign_of(g[j + 1]) == now)
             status = follow_dip(s, which, at[j - 1], g[j - 1], at[j + 1], g[j + 1]);
         if (status != TVI_OK) return status;
     }
@@ -345,7 +359,7 @@ static tvi_status open_search(search *s, tvi_integrator *it, const tvi_event *co
     for (int i = 0; i < 5; i++) *states[i] = s->samples + size * (TVI_SAMPLES + i);
     tvi_status status = TVI_OK;
     for (int which = 0; which < count && status == TVI_OK; which++) status = open_watch(&s->of[which], events[which]);
-    return status == TVI_OK ? tvi_between_open(&s->between, it) : status;
+    return status == TVI_OK ? tvi_between_open(&s->between, it, true) : status;
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
