@@ -183,26 +183,28 @@ static void sample_by_dense(tvi_integrator *it, double *dq, double *dp)
     }
 }
 
-/* x [n][TVI_SAMPLES] += start, and the end is what it is. Adds 0 x to `nothing`, which stays 0 where all is finite. */
-static void add_start(int n, const double start[], const double end[], double *x, double nothing[])
+/* x [n][TVI_SAMPLES] += start, and the end is what it is. Returns the sum of 0 x: 0 where all is finite. */
+static double add_start(int n, const double start[], const double end[], double *x)
 {
+    double nothing[TVI_SAMPLES] = {0}, sum = 0;
     for (int i = 0; i < n; i++, x += TVI_SAMPLES) {
         for (int k = 0; k < TVI_SAMPLES; k++) x[k] += start[i];
         x[TVI_SAMPLES - 1] = end[i];
         for (int k = 0; k < TVI_SAMPLES; k++) nothing[k] += 0 * x[k];
     }
+    for (int k = 0; k < TVI_SAMPLES; k++) sum += nothing[k];
+    return sum;
 }
 
 tvi_status tvi_sample(tvi_integrator *it, double *x)
 {
     const int n = it->system->n;
-    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES, nothing[TVI_SAMPLES] = {0};
+    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
     if (it->stepper->sample) it->stepper->sample(it->work, q, p);
     else sample_by_dense(it, q, p);
-    add_start(n, it->q_start, it->q, q, nothing);
-    add_start(n, it->p_start, it->p, p, nothing);
+    const double nothing = add_start(n, it->q_start, it->q, q) + add_start(n, it->p_start, it->p, p);
     for (int k = 0; k < TVI_SAMPLES; k++) t[k] = tvi_time_at(it, tvi_sample_place[k]);
-    return tvi_all_finite(TVI_SAMPLES, nothing) ? TVI_OK : TVI_ENONFINITE;
+    return nothing == 0 ? TVI_OK : TVI_ENONFINITE;
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],

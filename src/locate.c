@@ -17,12 +17,14 @@
 enum { MOST_ROOTS = 2 * (TVI_SAMPLES + 1) };
 /* A run starts on an event where |g| is below this part of what it is at the first sample. */
 static const double AT_START = 1e-6;
+/* A least |g| that is where a parabola has it, but for this part of it, is no zero. */
+static const double SURE = 0.1;
 /* Golden sections end here, and zeros on the curve are found to here, in parts of the step: chords do the rest. */
-static const double LEAST_SECTION = 1e-8, LEAST_WAY = 1e-10;
+static const double LEAST_SECTION = 1e-8, LEAST_WAY = 1e-6, NEAR = 1e-3;
 /* Half the distance of the points that give the slopes of the curve and of g, and the least distance that gives a
  * chord. */
 static const double CHORD = 1e-5;
-enum { MOST_CHORDS = 12 };
+enum { MOST_CHORDS = 12, MOST_SECANTS = 8 };
 /* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
  * that of the curve, relative to the state. */
 static const double REACH = 2e-9, STEEPER = 32;
@@ -79,24 +81,50 @@ static tvi_status on_curve(search *s, int which, double theta, double *g)
     return status == TVI_OK ? value_at(s, which, s->state, g) : status;
 }
 
-/* A zero of g in [a, b], g(a) g(b) <= 0, by interpolation, truncation and projection (Oliveira and Takahashi, "An
- * enhancement of the bisection method average performance preserving minmax optimality", 2020): as fast as the secant,
- * never slower than bisection by more than one evaluation. Ends where the secant would lead no further than LEAST_WAY.
- */
-static tvi_status find_zero(search *s, int which, double a, double ga, double b, double gb, double *theta)
+/* Where the polynomial through g at the ends of the cells is 0 between a and b, by secants: Newton's form, with the
+ * differences of g divided by factorials. Nothing depends on it but how soon find_zero ends. */
+static double guess_zero(const double g[], double a, double ga, double b, double gb)
 {
-    const double width = b - a, least = DBL_EPSILON / 2;
+    double c[TVI_CELLS + 1], now = ga, before = gb, at = a, last = b;
+    for (int i = 0; i <= TVI_CELLS; i++) c[i] = g[i == 0 ? 0 : i == TVI_CELLS ? TVI_SAMPLES : i + 1];
+    for (int k = 1; k <= TVI_CELLS; k++)
+        for (int i = TVI_CELLS; i >= k; i--) c[i] = (c[i] - c[i - 1]) / k;
+    for (int k = 0; k < MOST_SECANTS && now != before && fabs(at - last) > LEAST_SECTION; k++) {
+        const double next = fmin(fmax(at - now * (at - last) / (now - before), a), b), x = TVI_CELLS * next;
+        double p = c[TVI_CELLS];
+        for (int i = TVI_CELLS; i-- > 0;) p = c[i] + (x - i) * p;
+        last = at, before = now;
+        at = next, now = p;
+    }
+    return at;
+}
+
+/* Where to look next for the zero, with so many looks left. */
+static double next_place(double a, double ga, double b, double gb, double width, int left)
+{
+    const double middle = (a + b) / 2, secant = (a * gb - b * ga) / (gb - ga), way = middle - secant;
+    const double truncation = 0.2 / width * (b - a) * (b - a);
+    const double reach = ldexp(DBL_EPSILON / 2, left) - (b - a) / 2;
+    double at = truncation <= fabs(way) ? secant + copysign(truncation, way) : middle;
+    if (fabs(at - middle) > reach) at = middle - copysign(fmax(reach, 0), way);
+    return fmin(fmax(at, a), b);
+}
+
+/* A zero of g in [a, b], g(a) g(b) <= 0, from a guess; then by interpolation, truncation and projection (Oliveira and
+ * Takahashi, "An enhancement of the bisection method average performance preserving minmax optimality", 2020): as fast
+ * as the secant, never slower than bisection by more than one evaluation. Ends where a secant would lead no further
+ * than `way`, which is short beside the distance from the ends. */
+static tvi_status find_zero(search *s, int which, double a, double ga, double b, double gb, double guess, double way,
+                            double *theta)
+{
+    const double first = a, end = b, width = b - a, least = DBL_EPSILON / 2;
     const int most = (int)ceil(log2(width / least)) + 1;
-    double at, g;
+    double at = guess, g;
     for (int k = 0; k < most && b - a > 2 * least && ga != 0 && gb != 0; k++) {
-        const double middle = (a + b) / 2, secant = (a * gb - b * ga) / (gb - ga), way = middle - secant;
-        const double truncation = 0.2 / width * (b - a) * (b - a), reach = ldexp(least, most - k) - (b - a) / 2;
-        at = truncation <= fabs(way) ? secant + copysign(truncation, way) : middle;
-        if (fabs(at - middle) > reach) at = middle - copysign(fmax(reach, 0), way);
-        at = fmin(fmax(at, a), b);
+        if (k > 0 || !(guess > a && guess < b)) at = next_place(a, ga, b, gb, width, most - k);
         const tvi_status status = on_curve(s, which, at, &g);
         if (status != TVI_OK) return status;
-        if (fabs(g) * (b - a) <= LEAST_WAY * fabs(gb - ga)) {
+        if (fabs(g) * (b - a) <= fmin(way, NEAR * fmin(at - first, end - at)) * fabs(gb - ga)) {
             *theta = at;
             return TVI_OK;
         }
@@ -107,16 +135,24 @@ static tvi_status find_zero(search *s, int which, double a, double ga, double b,
     return TVI_OK;
 }
 
-/* A root where the sign becomes `after`, if that is wanted. */
-static tvi_status add_root(search *s, int which, int after, double a, double ga, double b, double gb)
+/* A root where the sign becomes `after`, if that is wanted; guess: a NAN where another one is near. */
+static tvi_status add_root(search *s, int which, int after, double a, double ga, double b, double gb, double guess)
 {
     const tvi_direction direction = s->of[which].event->direction;
     if (direction != TVI_EITHER && (int)direction != after) return TVI_OK;
     root *added = &s->roots[s->found];
     *added = (root){.which = which, .kept = s->found};
-    const tvi_status status = find_zero(s, which, a, ga, b, gb, &added->on_curve);
+    const tvi_status status = find_zero(s, which, a, ga, b, gb, guess, isnan(guess) ? 0 : LEAST_WAY, &added->on_curve);
     if (status == TVI_OK) s->found++;
     return status;
+}
+
+/* The roots beside a place where g is 0 or has another sign than at a and b. */
+static tvi_status add_pair(search *s, int which, double a, double ga, double at, double g, double b, double gb)
+{
+    const int sign = sign_of(ga);
+    const tvi_status status = add_root(s, which, -sign, a, ga, at, g, NAN);
+    return status == TVI_OK && g != 0 ? add_root(s, which, sign, at, g, b, gb, NAN) : status;
 }
 
 /* |g| has a least value in [a, b] where g may have another sign: golden sections until it is found to have, or not. */
@@ -138,8 +174,22 @@ static tvi_status follow_dip(search *s, int which, double a, double ga, double b
         status = on_curve(s, which, at[fresh], &g[fresh]);
     }
     if (status != TVI_OK || sign_of(g[fresh]) == sign) return status;
-    status = add_root(s, which, -sign, a, ga, at[fresh], g[fresh]);
-    return status == TVI_OK && g[fresh] != 0 ? add_root(s, which, sign, at[fresh], g[fresh], b, gb) : status;
+    return add_pair(s, which, a, ga, at[fresh], g[fresh], b, gb);
+}
+
+/* The same between the samples beside one, at and g. The parabola through the three knows the least value, unless g is
+ * not what it says where that is. */
+static tvi_status look_into_dip(search *s, int which, const double at[], const double g[])
+{
+    const double left = at[0] - at[-1], right = at[1] - at[0];
+    const double rise = (g[1] - g[0]) / right, fall = (g[0] - g[-1]) / left, bend = (rise - fall) / (left + right);
+    const double way = -(fall + bend * left) / (2 * bend), expected = g[0] - bend * way * way;
+    double there;
+    const tvi_status status = on_curve(s, which, at[0] + way, &there);
+    if (status != TVI_OK) return status;
+    if (sign_of(there) != sign_of(g[0])) return add_pair(s, which, at[-1], g[-1], at[0] + way, there, at[1], g[1]);
+    if (fabs(there - expected) <= SURE * fabs(there)) return TVI_OK;
+    return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
 }
 
 /* Whether |g| has a least value between samples j - 1 and j + 1. */
@@ -166,9 +216,12 @@ static tvi_status search_event(search *s, int which)
     for (int j = 1; j <= TVI_SAMPLES; j++) {
         const int before = sign_of(g[j - 1]), now = sign_of(g[j]);
         tvi_status status = TVI_OK;
-        if (before != 0 && now != before) status = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j]);
-        else if (now != 0 && before == now && is_dip(g, j) && sign_of(g[j + 1]) == now)
-            status = follow_dip(s, which, at[j - 1], g[j - 1], at[j + 1], g[j + 1]);
+        if (before != 0 && now != before) {
+            const double guess = guess_zero(g, at[j - 1], g[j - 1], at[j], g[j]);
+            status = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j], guess);
+        } else if (now != 0 && before == now && is_dip(g, j) && sign_of(g[j + 1]) == now) {
+            status = look_into_dip(s, which, at + j, g + j);
+        }
         if (status != TVI_OK) return status;
     }
     return TVI_OK;
@@ -204,8 +257,9 @@ static tvi_status sample_events(search *s)
 
 /* ---- On the method's own solution ------------------------------------------------------------------------------- */
 
-/* The slopes of the curve, s->rate, and of g along it, at theta; and the middle of the chord, s->state. */
-static tvi_status set_slopes(search *s, int which, double theta, double *slope)
+/* The slopes of the curve, s->rate, and of g along it, at theta, the middle of the chord, s->state, and how far the
+ * zero of g is ahead. */
+static tvi_status set_slopes(search *s, int which, double theta, double *slope, double *ahead)
 {
     const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
     double ga = 0, gb = 0;
@@ -214,6 +268,7 @@ static tvi_status set_slopes(search *s, int which, double theta, double *slope)
     if (status == TVI_OK) status = state_on_curve(s, b, s->state);
     if (status == TVI_OK) status = value_at(s, which, s->state, &gb);
     *slope = (gb - ga) / (b - a);
+    *ahead = -(ga + gb) / (2 * *slope);
     for (int i = 0; i < s->size; i++) {
         const double low = s->rate[i], high = s->state[i];
         s->rate[i] = (high - low) / (b - a);
@@ -257,8 +312,9 @@ static tvi_status near_solution(search *s, double theta, double x[])
 /* Chords from the place on the curve until |g| shrinks no more; x: the state there. The first slope is the curve's. */
 static tvi_status polish(search *s, root *r, double x[])
 {
-    double g, slope, theta = r->on_curve, theta_before = 0, g_before = INFINITY;
-    tvi_status status = set_slopes(s, r->which, theta, &slope);
+    double g, slope, ahead, theta = r->on_curve, theta_before = 0, g_before = INFINITY;
+    tvi_status status = set_slopes(s, r->which, theta, &slope, &ahead);
+    if (status == TVI_OK && s->is_inside && fabs(ahead) < CHORD) theta += ahead;
     s->reach = -1;
     for (int k = 0; k < MOST_CHORDS && status == TVI_OK; k++) {
         status = near_solution(s, theta, s->trial);
