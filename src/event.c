@@ -76,7 +76,7 @@ void tvi_event_free(tvi_event *event)
 tvi_status tvi_event_values(const tvi_event *event, double *block, int lanes, const double *x, double g[])
 {
     const size_t row = (size_t)lanes;
-    for (int i = 0; i < event->uses; i++)
+    for (int i = 0; i < event->uses && x != block; i++)
         memcpy(block + (size_t)event->used[i] * row, x + (size_t)event->used[i] * row, row * sizeof *x);
     if (!jet_sweep_values(event->tape, block, lanes)) return TVI_EDOMAIN;
     memcpy(g, block + (size_t)event->tape->output[0] * row, row * sizeof *g);

@@ -35,16 +35,19 @@ typedef struct {
     const tvi_options *options;
     int n, points;
     galerkin_field field;
-    double *from_one;   /* [j][i] extrapolation from a step of size h / ratio, times field.ahead, */
-    double ratio, part; /* to a step that begins after that part of it; ratio 0: none yet */
+    double *from_one; /* [j][lanes] extrapolation from a step of size h / ratio to one that begins after `part` of it */
+    double ratio, part; /* ratio 0: none yet */
+    double *led;        /* [unknowns][lanes] what it leads to */
     double *from_two;   /* [2][j][i] the same from the two steps before, all of one size */
     double *c, *c_rest; /* [lanes] in two parts */
     double *weight;     /* [lanes][SUMS] */
     double *sum;        /* [unknowns][SUMS] */
     galerkin_dense dense;
-    double h;      /* of the rates and the scales; 0: none yet */
-    double *rate;  /* [n] h / m */
-    double *drift; /* [n] h M^-1 p0 */
+    double h;           /* of the rates and the scales; 0: none yet */
+    double *rate;       /* [n] h / m */
+    double *drift;      /* [n] h M^-1 p0 of a separable system, else 0 */
+    double *rise;       /* [2n] what multiplies the integrals of the drives in q and p */
+    double *none, *one; /* [unknowns] 0 and 1 */
     galerkin_history *last;
     double *drives[2]; /* in the history: [unknowns][lanes] what drove the unknowns of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
@@ -90,13 +93,15 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     w.field.matrix = tvi_arena_doubles(arena, lanes * lanes);
     w.from_one = tvi_arena_doubles(arena, lanes * lanes);
+    w.led = tvi_arena_doubles(arena, unknowns * lanes);
+    w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     w.from_two = tvi_arena_doubles(arena, 2 * lanes * lanes);
     w.c = tvi_arena_doubles(arena, lanes);
     w.c_rest = tvi_arena_doubles(arena, lanes);
     w.weight = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
     galerkin_dense_take(&w.dense, arena, w.points, nodes->lanes, system->field_values->sweeps);
-    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
+    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift, &w.none, &w.one};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
     w.field.form->take(&w.field, arena);
@@ -222,6 +227,7 @@ static void prepare(void *work)
     galerkin_dense_prepare(&w->dense, w->exact_node, w->exact_weight);
     w->field.form->prepare(&w->field);
     set_from_two(w);
+    for (int u = 0; u < w->field.nodes.unknowns; u++) w->one[u] = 1;
 }
 
 /* What depends on the size of the step alone. */
@@ -237,6 +243,10 @@ static void set_size(galerkin *w, double h)
             w->field.nodes.scale[u] = u < w->n ? h : w->field.form->force_sign * h;
         }
     }
+    for (int i = 0; i < w->n; i++) {
+        w->rise[i] = w->field.nodes.scale[i];
+        w->rise[w->n + i] = galerkin_is_second_order(&w->field) ? h : w->field.nodes.scale[w->n + i];
+    }
 }
 
 /* From a step of size h / ratio to one that begins after a part of it: node i is at part + ratio c_i there. */
@@ -245,13 +255,9 @@ static void set_from_one(galerkin *w, double ratio, double part)
     if (ratio == w->ratio && part == w->part) return;
     w->ratio = ratio;
     w->part = part;
-    const int m = w->points, lanes = w->field.nodes.lanes;
-    const jet_sweeps *sweeps = w->field.system->field_values->sweeps;
-    double shape[MAX_LANES * MAX_LANES];
-    for (int k = 0; k < m; k++)
-        galerkin_dense_values(&w->dense, part + ratio * (double)w->exact_node[k], &shape[k * m]);
-    for (int j = 0; j < m; j++)
-        sweeps->combine(m, &shape[j], (size_t)m, lanes, w->field.ahead, &w->from_one[j * lanes]);
+    double place[MAX_LANES];
+    for (int i = 0; i < w->field.nodes.lanes; i++) place[i] = part + ratio * (w->c[i] + w->c_rest[i]);
+    galerkin_dense_values(&w->dense, w->field.nodes.lanes, place, w->from_one);
 }
 
 /* The times of the nodes of a step of size h. */
@@ -295,8 +301,12 @@ static void extrapolate(galerkin *w, double part)
     if (part == 1 && w->h == last->h && w->h == last->h_before) {
         w->field.form->predict(&w->field, 2, w->from_two, drives);
     } else {
+        const galerkin_nodes *nodes = &w->field.nodes;
+        const galerkin_places to = {nodes->lanes, nodes->lanes, nodes->unknowns, w->c, w->none, w->none, w->one};
+        const double *const led[] = {w->led};
         set_from_one(w, w->h / last->h, part);
-        w->field.form->predict(&w->field, 1, w->from_one, drives);
+        w->field.loops->place(&to, w->from_one, drives[0], w->led);
+        w->field.form->predict(&w->field, 1, w->field.ahead, led);
     }
 }
 
@@ -445,25 +455,18 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 /* ---- Dense output -------------------------------------------------------------------------------------------------
  */
 
-/* dq, dp [n][places] at the places theta: the polynomial of degree m - 1 through what drives the unknowns, integrated
- * by tables of galerkin_dense.h, [lanes][places]. */
+/* q, p [n][places] = start + what is added to it at the places theta: the polynomial of degree m - 1 through what
+ * drives the unknowns, integrated by tables of galerkin_dense.h, [lanes][places]. */
 static void integrate_drives(const galerkin *w, int places, const double theta[], const double *once,
-                             const double *twice, double *dq, double *dp)
+                             const double *twice, const double q_start[], const double p_start[], double *q, double *p)
 {
-    const galerkin_nodes *nodes = &w->field.nodes;
-    const double *drives = w->drives[w->last->turn];
     const bool separable = galerkin_is_second_order(&w->field);
-    const int n = w->n;
-    w->field.loops->sum_places(nodes->lanes, n, places, separable ? twice : once, drives, dq);
-    w->field.loops->sum_places(nodes->lanes, n, places, once, separable ? drives : drives + n * nodes->lanes, dp);
-    for (int i = 0; i < n; i++) {
-        const double of_q = nodes->scale[i], of_p = separable ? w->h : nodes->scale[n + i];
-        const double drift = separable ? w->drift[i] : 0;
-        for (int k = i * places; k < (i + 1) * places; k++) {
-            dq[k] = drift * theta[k - i * places] + of_q * dq[k];
-            dp[k] *= of_p;
-        }
-    }
+    const int n = w->n, lanes = w->field.nodes.lanes;
+    const double *drives = w->drives[w->last->turn];
+    const galerkin_places of_q = {lanes, places, n, theta, q_start, w->drift, w->rise},
+                          of_p = {lanes, places, n, theta, p_start, w->none, w->rise + n};
+    w->field.loops->place(&of_q, separable ? twice : once, drives, q);
+    w->field.loops->place(&of_p, once, separable ? drives : drives + n * lanes, p);
 }
 
 static void dense(void *work, double theta, double dq[], double dp[])
@@ -471,13 +474,13 @@ static void dense(void *work, double theta, double dq[], double dp[])
     const galerkin *w = work;
     double once[MAX_LANES] = {0}, twice[MAX_LANES] = {0};
     galerkin_dense_integrate(&w->dense, theta, once, twice);
-    integrate_drives(w, 1, &theta, once, twice, dq, dp);
+    integrate_drives(w, 1, &theta, once, twice, w->none, w->none, dq, dp);
 }
 
-static void sample(void *work, double *dq, double *dp)
+static void sample(void *work, const double q_start[], const double p_start[], double *q, double *p)
 {
     const galerkin *w = work;
-    integrate_drives(w, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, dq, dp);
+    integrate_drives(w, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, q_start, p_start, q, p);
 }
 
 const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense, sample};

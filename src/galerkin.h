@@ -24,6 +24,13 @@ typedef struct {
     double *inverse_size; /* [unknowns] */
 } galerkin_nodes;
 
+/* out[u][k] = start[u] + (theta[k] drift[u] + scale[u] sum_j table_jk drives[u][j]), u < count, k < places: 1, all
+ * lanes or TVI_SAMPLES; table [lanes][places]. */
+typedef struct {
+    int lanes, places, count;
+    const double *theta, *start, *drift, *scale;
+} galerkin_places;
+
 typedef struct {
     /* x = start + (base + scale sum_j matrix_ji F_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
@@ -35,8 +42,7 @@ typedef struct {
     /* base_i = c_i drift, c in two parts, for the first `count` unknowns. */
     void (*set_base)(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
                      const double *drift);
-    /* out[u][k] = sum_j table_jk drives[u][j], u < count, k < places: 1 or TVI_SAMPLES; table [lanes][places]. */
-    void (*sum_places)(int lanes, int count, int places, const double *table, const double *drives, double *out);
+    void (*place)(const galerkin_places *places, const double *table, const double *drives, double *out);
     const lagrangian_loops *lagrangian;
 } galerkin_loops;
 

@@ -47,13 +47,17 @@ void galerkin_dense_prepare(galerkin_dense *dense, const long double node[], con
     }
 }
 
-void galerkin_dense_values(const galerkin_dense *dense, double s, double value[])
+void galerkin_dense_values(const galerkin_dense *dense, int lanes, const double s[], double *value)
 {
-    long double P[MAX_POINTS + 1];
-    double row[MAX_POINTS];
-    set_legendre(dense, dense->points, s, P);
-    for (int k = 0; k < dense->points; k++) row[k] = (double)P[k];
-    dense->sweeps->combine(dense->points, row, 1, dense->points, dense->shape, value);
+    const int m = dense->points;
+    double P[(MAX_POINTS + 1) * MAX_POINTS];
+    for (int i = 0; i < lanes; i++) P[i] = 1, P[lanes + i] = 2 * s[i] - 1;
+    for (int k = 1; k < m - 1; k++) {
+        const double rise = (2 * k + 1) / (k + 1.0), fall = k / (k + 1.0);
+        double *now = P + k * lanes;
+        for (int i = 0; i < lanes; i++) now[lanes + i] = rise * P[lanes + i] * now[i] - fall * now[i - lanes];
+    }
+    for (int j = 0; j < m; j++) dense->sweeps->combine(m, dense->shape + j, (size_t)m, lanes, P, value + j * lanes);
 }
 
 /* The integral of P_k(2 r - 1) is I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2); that of I_k in turn is

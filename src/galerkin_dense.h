@@ -18,8 +18,8 @@ typedef struct {
 void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps);
 /* Gauss nodes and weights of [0, 1]. */
 void galerkin_dense_prepare(galerkin_dense *dense, const long double node[], const long double weight[]);
-/* l_j(s). */
-void galerkin_dense_values(const galerkin_dense *dense, double s, double value[]);
+/* value[j][i] = l_j(s_i), i < lanes. */
+void galerkin_dense_values(const galerkin_dense *dense, int lanes, const double s[], double *value);
 /* once[j] = int_0^s l_j and twice[j] = int_0^s (s - r) l_j(r) dr. */
 void galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[]);
 

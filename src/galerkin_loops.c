@@ -133,30 +133,34 @@ static void set_base(const galerkin_nodes *nodes, int count, const double *c, co
 #undef CALL
 }
 
-#define SUM_PLACES(V, S)                                                                                               \
+#define PLACE(V, S)                                                                                                    \
     {                                                                                                                  \
+        const V theta = *(const V *)(p->theta + w);                                                                    \
         V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
         for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + w);                                 \
         for (int u = 0; u < count; u++) {                                                                              \
             V sums[CHAINS] = {0};                                                                                      \
             ADD_PRODUCT(sums, row, drives + (size_t)u * (size_t)lanes)                                                 \
-            *(V *)(out + u * places + w) = TOTAL(sums);                                                                \
+            *(V *)(out + u * places + w) = start[u] + (theta * drift[u] + scale[u] * TOTAL(sums));                     \
         }                                                                                                              \
     }
 
-INLINE void sum_places_lanes(int count, int places, const double *table, const double *drives, double *out, int lanes)
+INLINE void place_lanes(const galerkin_places *p, const double *table, const double *drives, double *restrict out,
+                        int lanes, int places)
 {
-    JET_BLOCKS(places, SUM_PLACES, );
+    const double *start = p->start, *drift = p->drift, *scale = p->scale;
+    const int count = p->count;
+    JET_BLOCKS(places, PLACE, );
 }
 
-static void sum_places(int lanes_of, int count, int places, const double *table, const double *drives, double *out)
+static void place(const galerkin_places *p, const double *table, const double *drives, double *out)
 {
 #define CALL(lanes)                                                                                                    \
-    places == 1 ? sum_places_lanes(count, 1, table, drives, out, lanes)                                                \
-                : sum_places_lanes(count, TVI_SAMPLES, table, drives, out, lanes)
-    FOR_LANES(lanes_of, CALL)
+    p->places == TVI_SAMPLES ? place_lanes(p, table, drives, out, lanes, TVI_SAMPLES)                                  \
+                             : place_lanes(p, table, drives, out, lanes, p->places)
+    FOR_LANES(p->lanes, CALL)
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,     predict,    integrate,
-                                                    set_base, sum_places, &JET_FOR_ISA(lagrangian_loops)};
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,     predict, integrate,
+                                                    set_base, place,   &JET_FOR_ISA(lagrangian_loops)};

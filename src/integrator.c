@@ -172,39 +172,38 @@ double tvi_time_at(const tvi_integrator *it, double theta)
 }
 
 /* One after the other. */
-static void sample_by_dense(tvi_integrator *it, double *dq, double *dp)
+static void sample_by_dense(tvi_integrator *it, double *q, double *p)
 {
     for (int k = 0; k < TVI_SAMPLES; k++) {
         it->stepper->dense(it->work, tvi_sample_place[k], it->dq, it->dp);
         for (int i = 0; i < it->system->n; i++) {
-            dq[i * TVI_SAMPLES + k] = it->dq[i];
-            dp[i * TVI_SAMPLES + k] = it->dp[i];
+            q[i * TVI_SAMPLES + k] = it->q_start[i] + it->dq[i];
+            p[i * TVI_SAMPLES + k] = it->p_start[i] + it->dp[i];
         }
     }
 }
 
-/* x [n][TVI_SAMPLES] += start, and the end is what it is. Returns the sum of 0 x: 0 where all is finite. */
-static double add_start(int n, const double start[], const double end[], double *x)
+/* 0 x is 0 where x is finite. */
+static bool are_finite(int rows, const double *x)
 {
-    double nothing[TVI_SAMPLES] = {0}, sum = 0;
-    for (int i = 0; i < n; i++, x += TVI_SAMPLES) {
-        for (int k = 0; k < TVI_SAMPLES; k++) x[k] += start[i];
-        x[TVI_SAMPLES - 1] = end[i];
+    double nothing[TVI_SAMPLES] = {0};
+    for (int i = 0; i < rows; i++, x += TVI_SAMPLES)
         for (int k = 0; k < TVI_SAMPLES; k++) nothing[k] += 0 * x[k];
-    }
-    for (int k = 0; k < TVI_SAMPLES; k++) sum += nothing[k];
-    return sum;
+    return tvi_all_finite(TVI_SAMPLES, nothing);
 }
 
 tvi_status tvi_sample(tvi_integrator *it, double *x)
 {
-    const int n = it->system->n;
+    const int n = it->system->n, end = TVI_SAMPLES - 1;
     double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
-    if (it->stepper->sample) it->stepper->sample(it->work, q, p);
+    if (it->stepper->sample) it->stepper->sample(it->work, it->q_start, it->p_start, q, p);
     else sample_by_dense(it, q, p);
-    const double nothing = add_start(n, it->q_start, it->q, q) + add_start(n, it->p_start, it->p, p);
+    for (int i = 0; i < n; i++) {
+        q[i * TVI_SAMPLES + end] = it->q[i];
+        p[i * TVI_SAMPLES + end] = it->p[i];
+    }
     for (int k = 0; k < TVI_SAMPLES; k++) t[k] = tvi_time_at(it, tvi_sample_place[k]);
-    return nothing == 0 ? TVI_OK : TVI_ENONFINITE;
+    return are_finite(2 * n, x) ? TVI_OK : TVI_ENONFINITE;
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],

@@ -185,6 +185,7 @@ static tvi_status look_into_dip(search *s, int which, const double at[], const d
     const double rise = (g[1] - g[0]) / right, fall = (g[0] - g[-1]) / left, bend = (rise - fall) / (left + right);
     const double way = -(fall + bend * left) / (2 * bend), expected = g[0] - bend * way * way;
     double there;
+    if (!(way > -left && way < right)) return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
     const tvi_status status = on_curve(s, which, at[0] + way, &there);
     if (status != TVI_OK) return status;
     if (sign_of(there) != sign_of(g[0])) return add_pair(s, which, at[-1], g[-1], at[0] + way, there, at[1], g[1]);
@@ -386,7 +387,7 @@ static void close_search(search *s)
     for (int which = 0; s->of && which < s->count; which++) free(s->of[which].one);
     free(s->of);
     free(s->roots);
-    free(s->samples);
+    free(s->state);
     if (s->between.partial) tvi_between_close(&s->between);
 }
 
@@ -409,13 +410,15 @@ static tvi_status open_search(search *s, tvi_integrator *it, const tvi_event *co
     *s = (search){.it = it, .count = count, .size = size};
     s->of = calloc(some, sizeof *s->of);
     s->roots = calloc(some * MOST_ROOTS, sizeof *s->roots);
-    s->samples = calloc((size_t)size * (TVI_SAMPLES + 4 + KEPT + 1), sizeof *s->samples);
-    if (!s->of || !s->roots || !s->samples) return TVI_ENOMEM;
-    double **const states[] = {&s->state, &s->base, &s->rate, &s->trial, &s->kept};
-    for (int i = 0; i < 5; i++) *states[i] = s->samples + size * (TVI_SAMPLES + i);
+    s->state = calloc((size_t)size * (4 + KEPT + 1), sizeof *s->state);
+    if (!s->of || !s->roots || !s->state) return TVI_ENOMEM;
+    double **const states[] = {&s->base, &s->rate, &s->trial, &s->kept};
+    for (int i = 0; i < 4; i++) *states[i] = s->state + size * (i + 1);
     tvi_status status = TVI_OK;
     for (int which = 0; which < count && status == TVI_OK; which++) status = open_watch(&s->of[which], events[which]);
-    return status == TVI_OK ? tvi_between_open(&s->between, it, true) : status;
+    if (status == TVI_OK) status = tvi_between_open(&s->between, it, true);
+    s->samples = s->of[0].many;
+    return status;
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,

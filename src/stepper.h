@@ -39,8 +39,9 @@ typedef struct {
     tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
     /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
     void (*dense)(void *work, double theta, double dq[], double dp[]);
-    /* The same at all tvi_sample_place: dq, dp [n][TVI_SAMPLES]. NULL: by dense, one after the other. */
-    void (*sample)(void *work, double *dq, double *dp);
+    /* The states at all tvi_sample_place, from the one at the start: q, p [n][TVI_SAMPLES]. NULL: by dense, one after
+     * the other. */
+    void (*sample)(void *work, const double q_start[], const double p_start[], double *q, double *p);
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_composed, tvi_stepper_verlet,
