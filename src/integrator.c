@@ -163,8 +163,7 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 /* ---- Samples ------------------------------------------------------------------------------------------------------
  */
 
-#define EDGE (1.0 / (1024 * TVI_CELLS))
-const double tvi_sample_place[TVI_SAMPLES] = {EDGE, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1 - EDGE, 1};
+const double tvi_sample_place[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
 double tvi_time_at(const tvi_integrator *it, double theta)
 {
@@ -186,10 +185,11 @@ static void sample_by_dense(tvi_integrator *it, double *q, double *p)
 /* 0 x is 0 where x is finite. */
 static bool are_finite(int rows, const double *x)
 {
-    double nothing[TVI_SAMPLES] = {0};
+    double nothing[TVI_SAMPLES] = {0}, sum = 0;
     for (int i = 0; i < rows; i++, x += TVI_SAMPLES)
         for (int k = 0; k < TVI_SAMPLES; k++) nothing[k] += 0 * x[k];
-    return tvi_all_finite(TVI_SAMPLES, nothing);
+    for (int k = 0; k < TVI_SAMPLES; k++) sum += nothing[k];
+    return sum == 0;
 }
 
 tvi_status tvi_sample(tvi_integrator *it, double *x)
@@ -202,7 +202,8 @@ tvi_status tvi_sample(tvi_integrator *it, double *x)
         q[i * TVI_SAMPLES + end] = it->q[i];
         p[i * TVI_SAMPLES + end] = it->p[i];
     }
-    for (int k = 0; k < TVI_SAMPLES; k++) t[k] = tvi_time_at(it, tvi_sample_place[k]);
+    for (int k = 0; k < end; k++) t[k] = it->t_start + (it->t_start_low + tvi_sample_place[k] * it->h);
+    t[end] = it->last->t;
     return are_finite(2 * n, x) ? TVI_OK : TVI_ENONFINITE;
 }
 

@@ -15,8 +15,10 @@
 
 /* Of an event, in a step. */
 enum { MOST_ROOTS = 2 * (TVI_SAMPLES + 1) };
-/* A run starts on an event where |g| is below this part of what it is at the first sample. */
-static const double AT_START = 1e-6;
+/* Close to the ends of a step. A run starts on an event where |g| is below a part of what it is there. */
+static const double EDGE = 1.0 / 8192, AT_START = 1e-6;
+/* |g| may have a least value next to an end of the step where its slope there is below this part of the mean one. */
+static const double FLAT = 0.1;
 /* A least |g| that is where a parabola has it, but for this part of it, is no zero. */
 static const double SURE = 0.1;
 /* Golden sections end here, and zeros on the curve are found to here, in parts of the step: chords do the rest. */
@@ -85,14 +87,14 @@ static tvi_status on_curve(search *s, int which, double theta, double *g)
  * differences of g divided by factorials. Nothing depends on it but how soon find_zero ends. */
 static double guess_zero(const double g[], double a, double ga, double b, double gb)
 {
-    double c[TVI_CELLS + 1], now = ga, before = gb, at = a, last = b;
-    for (int i = 0; i <= TVI_CELLS; i++) c[i] = g[i == 0 ? 0 : i == TVI_CELLS ? TVI_SAMPLES : i + 1];
-    for (int k = 1; k <= TVI_CELLS; k++)
-        for (int i = TVI_CELLS; i >= k; i--) c[i] = (c[i] - c[i - 1]) / k;
+    double c[TVI_SAMPLES + 1], now = ga, before = gb, at = a, last = b;
+    memcpy(c, g, sizeof c);
+    for (int k = 1; k <= TVI_SAMPLES; k++)
+        for (int i = TVI_SAMPLES; i >= k; i--) c[i] = (c[i] - c[i - 1]) / k;
     for (int k = 0; k < MOST_SECANTS && now != before && fabs(at - last) > LEAST_SECTION; k++) {
-        const double next = fmin(fmax(at - now * (at - last) / (now - before), a), b), x = TVI_CELLS * next;
-        double p = c[TVI_CELLS];
-        for (int i = TVI_CELLS; i-- > 0;) p = c[i] + (x - i) * p;
+        const double next = fmin(fmax(at - now * (at - last) / (now - before), a), b), x = TVI_SAMPLES * next;
+        double p = c[TVI_SAMPLES];
+        for (int i = TVI_SAMPLES; i-- > 0;) p = c[i] + (x - i) * p;
         last = at, before = now;
         at = next, now = p;
     }
@@ -177,6 +179,9 @@ static tvi_status follow_dip(search *s, int which, double a, double ga, double b
     return add_pair(s, which, a, ga, at[fresh], g[fresh], b, gb);
 }
 
+/* Whether |g| has a least value between the samples beside g. */
+static bool is_dip(const double g[]) { return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1])); }
+
 /* The same between the samples beside one, at and g. The parabola through the three knows the least value, unless g is
  * not what it says where that is. */
 static tvi_status look_into_dip(search *s, int which, const double at[], const double g[])
@@ -193,18 +198,37 @@ static tvi_status look_into_dip(search *s, int which, const double at[], const d
     return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
 }
 
-/* Whether |g| has a least value between samples j - 1 and j + 1. */
-static bool is_dip(const double g[], int j)
+/* How |g| begins in the first part, by the slope of the polynomial through five samples; or, stride -1, ends in the
+ * last one, looked at from the end of the step. */
+static bool falls_first(const double g[], int stride)
 {
-    return j < TVI_SAMPLES && fabs(g[j]) < fabs(g[j - 1]) && fabs(g[j]) <= fabs(g[j + 1]);
+    const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
+    const double sign = g[0] > 0 ? 1 : -1, rise = fabs(g[stride]) - fabs(g[0]);
+    return g[0] * g[stride] > 0 && rise >= 0 && sign * slope <= 12 * FLAT * rise;
 }
 
-/* Whether g has no root: one sign and no least value. */
+/* Whether g has no root: one sign and no least value. Without branches, since most steps end here. */
 static bool is_quiet(const double g[])
 {
-    bool quiet = true;
-    for (int j = 1; j <= TVI_SAMPLES; j++) quiet &= g[j - 1] * g[j] > 0 && !is_dip(g, j);
-    return quiet;
+    int found = falls_first(g, 1) | falls_first(g + TVI_SAMPLES, -1);
+    for (int j = 1; j <= TVI_SAMPLES; j++) found |= !(g[j - 1] * g[j] > 0);
+    for (int j = 1; j < TVI_SAMPLES; j++) found |= is_dip(g + j);
+    return !found;
+}
+
+/* A least |g| in the first or the last part: the sample next to the end tells one just inside from one that lies in the
+ * next step. */
+static tvi_status look_at_end(search *s, int which, bool is_last)
+{
+    const double *g = s->of[which].g;
+    const double edge = is_last ? 1 - EDGE : EDGE;
+    const double part = 1.0 / TVI_SAMPLES, at[] = {is_last ? 1 - part : 0, edge, is_last ? 1 : part};
+    double near[] = {g[is_last ? TVI_SAMPLES - 1 : 0], 0, g[is_last ? TVI_SAMPLES : 1]};
+    const tvi_status status = on_curve(s, which, edge, &near[1]);
+    if (status != TVI_OK) return status;
+    if (sign_of(near[1]) != sign_of(near[0])) return add_pair(s, which, at[0], near[0], at[1], near[1], at[2], near[2]);
+    if (!is_dip(near + 1)) return TVI_OK;
+    return look_into_dip(s, which, at + 1, near + 1);
 }
 
 /* All places of the step where g ceases to have the sign that it had: becomes 0 or has the other one. */
@@ -212,33 +236,42 @@ static tvi_status search_event(search *s, int which)
 {
     const double *g = s->of[which].g;
     double at[1 + TVI_SAMPLES] = {0};
+    tvi_status status = TVI_OK;
     if (is_quiet(g)) return TVI_OK;
     memcpy(at + 1, tvi_sample_place, sizeof tvi_sample_place);
-    for (int j = 1; j <= TVI_SAMPLES; j++) {
+    if (falls_first(g, 1)) status = look_at_end(s, which, false);
+    for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
         const int before = sign_of(g[j - 1]), now = sign_of(g[j]);
-        tvi_status status = TVI_OK;
         if (before != 0 && now != before) {
             const double guess = guess_zero(g, at[j - 1], g[j - 1], at[j], g[j]);
             status = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j], guess);
-        } else if (now != 0 && before == now && is_dip(g, j) && sign_of(g[j + 1]) == now) {
+        } else if (now != 0 && before == now && j < TVI_SAMPLES && is_dip(g + j) && sign_of(g[j + 1]) == now) {
             status = look_into_dip(s, which, at + j, g + j);
         }
-        if (status != TVI_OK) return status;
     }
-    return TVI_OK;
+    if (status == TVI_OK && falls_first(g + TVI_SAMPLES, -1)) status = look_at_end(s, which, true);
+    return status;
 }
 
-/* Whether the step began, bit for bit, where the last one that was sampled ended. */
+/* Whether the step began, but for the sign of a zero, where the last one that was sampled ended. */
 static bool is_continued(const search *s)
 {
     const tvi_integrator *it = s->it;
     const int n = it->system->n;
     const double *end = s->samples + TVI_SAMPLES - 1;
-    bool same = s->has_started && memcmp(&it->t_start, &end[2 * n * TVI_SAMPLES], sizeof *end) == 0;
-    for (int i = 0; i < n && same; i++)
-        same = memcmp(&it->q_start[i], &end[i * TVI_SAMPLES], sizeof *end) == 0 &&
-               memcmp(&it->p_start[i], &end[(n + i) * TVI_SAMPLES], sizeof *end) == 0;
+    bool same = s->has_started & (it->t_start == end[2 * n * TVI_SAMPLES]);
+    for (int i = 0; i < n; i++)
+        same &= (it->q_start[i] == end[i * TVI_SAMPLES]) & (it->p_start[i] == end[(n + i) * TVI_SAMPLES]);
     return same;
+}
+
+/* Where the run starts on an event, |g| is nothing beside what it is soon. */
+static tvi_status leave_start(search *s, int which)
+{
+    double *g = s->of[which].g, soon;
+    const tvi_status status = on_curve(s, which, EDGE, &soon);
+    if (status == TVI_OK && fabs(g[0]) <= AT_START * fabs(soon)) g[0] = 0;
+    return status;
 }
 
 /* g of all events at the samples. Where one step leads on from the other, its end is the start of this one. */
@@ -251,7 +284,7 @@ static tvi_status sample_events(search *s)
         w->g[0] = w->g[TVI_SAMPLES];
         if (!continues) status = on_curve(s, which, 0, &w->g[0]);
         if (status == TVI_OK) status = tvi_event_values(w->event, w->many, TVI_SAMPLES, s->samples, w->g + 1);
-        if (!s->has_started && fabs(w->g[0]) <= AT_START * fabs(w->g[1])) w->g[0] = 0;
+        if (status == TVI_OK && !s->has_started) status = leave_start(s, which);
     }
     return status;
 }

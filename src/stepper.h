@@ -22,9 +22,8 @@ typedef struct {
     const double *q, *q_low, *p, *p_low;
 } tvi_origin;
 
-/* Where a search for events looks at a step, in parts of it: at the ends of TVI_CELLS equal parts, and close to its own
- * ends, which tells a least |g| just inside from one that lies in the next step. The start is not among them. */
-enum { TVI_CELLS = 8, TVI_SAMPLES = TVI_CELLS + 2 };
+/* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
+enum { TVI_SAMPLES = 8 };
 extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */
 
 typedef struct {
