@@ -6,6 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Parts of a step that differ by less have nearly the same nodes. */
+static const double NEAR = 1e-3;
+
 tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps, bool knows_step)
 {
     const size_t n = (size_t)steps->system->n;
@@ -23,21 +26,30 @@ void tvi_between_close(tvi_between *between)
     free(between->q);
 }
 
+/* What the partial integrator begins with: the low-order parts of the state at the start of the step, and what its
+ * stepper knew there; or what it knows now, of the whole step or of a part of it that is near. */
+static void set_history(tvi_between *between, double part)
+{
+    const tvi_integrator *steps = between->steps;
+    const size_t state = between->knows_step ? steps->of_state : steps->remembered;
+    const bool is_near = between->step == steps->stats.steps && between->part != steps->h && between->part != 0 &&
+                         fabs(part - between->part) < NEAR * fabs(steps->h);
+    memcpy(between->partial->history, steps->before, state);
+    if (!is_near) memcpy(between->partial->history + state, steps->history + state, steps->remembered - state);
+}
+
 tvi_status tvi_between_state(tvi_between *between, double part)
 {
     const tvi_integrator *steps = between->steps;
     const size_t bytes = (size_t)steps->system->n * sizeof *between->q;
     const bool is_end = part == steps->h;
     if (between->step == steps->stats.steps && between->part == part) return TVI_OK;
-    between->step = 0;
     between->t = is_end ? steps->last->t : steps->t_start;
     memcpy(between->q, is_end ? steps->q : steps->q_start, bytes);
     memcpy(between->p, is_end ? steps->p : steps->p_start, bytes);
     if (!is_end && part != 0) {
-        memcpy(between->partial->history, steps->before, steps->remembered);
-        if (between->knows_step)
-            memcpy(between->partial->history + steps->of_state, steps->history + steps->of_state,
-                   steps->remembered - steps->of_state);
+        set_history(between, part);
+        between->step = 0;
         const tvi_status status = tvi_step(between->partial, part, &between->t, between->q, between->p);
         if (status != TVI_OK) return status;
     }

@@ -47,7 +47,7 @@ typedef struct {
     double *rate;       /* [n] h / m */
     double *drift;      /* [n] h M^-1 p0 of a separable system, else 0 */
     double *rise;       /* [2n] what multiplies the integrals of the drives in q and p */
-    double *none, *one; /* [unknowns] 0 and 1 */
+    double *none, *one; /* [unknowns + lanes] 0 and 1 */
     galerkin_history *last;
     double *drives[2]; /* in the history: [unknowns][lanes] what drove the unknowns of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
@@ -93,6 +93,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     w.field.matrix = tvi_arena_doubles(arena, lanes * lanes);
     w.from_one = tvi_arena_doubles(arena, lanes * lanes);
+    w.none = tvi_arena_doubles(arena, unknowns + lanes);
+    w.one = tvi_arena_doubles(arena, unknowns + lanes);
     w.led = tvi_arena_doubles(arena, unknowns * lanes);
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     w.from_two = tvi_arena_doubles(arena, 2 * lanes * lanes);
@@ -101,7 +103,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.weight = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
     galerkin_dense_take(&w.dense, arena, w.points, nodes->lanes, system->field_values->sweeps);
-    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift, &w.none, &w.one};
+    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
     w.field.form->take(&w.field, arena);
@@ -224,10 +226,10 @@ static void prepare(void *work)
     galerkin *w = work;
     set_nodes(w);
     set_matrix(w);
-    galerkin_dense_prepare(&w->dense, w->exact_node, w->exact_weight);
+    galerkin_dense_prepare(&w->dense, w->field.nodes.lanes, w->exact_node, w->exact_weight);
     w->field.form->prepare(&w->field);
     set_from_two(w);
-    for (int u = 0; u < w->field.nodes.unknowns; u++) w->one[u] = 1;
+    for (int i = 0; i < w->field.nodes.unknowns + w->field.nodes.lanes; i++) w->one[i] = 1;
 }
 
 /* What depends on the size of the step alone. */
@@ -255,9 +257,12 @@ static void set_from_one(galerkin *w, double ratio, double part)
     if (ratio == w->ratio && part == w->part) return;
     w->ratio = ratio;
     w->part = part;
-    double place[MAX_LANES];
-    for (int i = 0; i < w->field.nodes.lanes; i++) place[i] = part + ratio * (w->c[i] + w->c_rest[i]);
-    galerkin_dense_values(&w->dense, w->field.nodes.lanes, place, w->from_one);
+    const int lanes = w->field.nodes.lanes;
+    const galerkin_places of_nodes = {lanes, lanes, w->points, w->c, w->none, w->none, w->one};
+    double place[MAX_LANES], P[MAX_LANES * MAX_LANES] = {0};
+    for (int i = 0; i < lanes; i++) place[i] = part + ratio * (w->c[i] + w->c_rest[i]);
+    galerkin_dense_legendre(&w->dense, lanes, place, P);
+    w->field.loops->place(&of_nodes, P, w->dense.of_node, w->from_one);
 }
 
 /* The times of the nodes of a step of size h. */
@@ -291,7 +296,7 @@ static bool can_extrapolate(const galerkin *w, const tvi_origin *origin, double 
     const double gap = origin->t - (last->t + last->h), ratio = w->h / last->h;
     const bool is_next = fabs(gap) < 0.25 * fabs(w->h);
     *part = is_next ? 1 : 0;
-    return is_next ? ratio >= -2 && ratio <= 1.5 : origin->t == last->t && ratio > 0 && ratio <= 1;
+    return ratio <= 1.5 && (is_next ? ratio >= -2 : origin->t == last->t && ratio > 0);
 }
 
 static void extrapolate(galerkin *w, double part)

@@ -8,6 +8,7 @@ void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, in
     dense->points = points;
     dense->sweeps = sweeps;
     dense->shape = tvi_arena_doubles(arena, (size_t)points * (size_t)points);
+    dense->of_node = tvi_arena_doubles(arena, (size_t)points * (size_t)lanes);
     dense->once = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
     dense->twice = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
@@ -22,22 +23,23 @@ static void set_legendre(const galerkin_dense *dense, int top, long double s, lo
 }
 
 /* shape_kj = (2 k + 1) b_j P_k(2 c_j - 1), since the Gauss rule is exact for l_j P_k. */
-static void set_shape(galerkin_dense *dense, const long double node[], const long double weight[])
+static void set_shape(galerkin_dense *dense, int lanes, const long double node[], const long double weight[])
 {
     const int m = dense->points;
     long double P[MAX_POINTS + 1];
     for (int j = 0; j < m; j++) {
         set_legendre(dense, m, node[j], P);
-        for (int k = 0; k < m; k++) dense->shape[k * m + j] = (double)((2 * k + 1) * weight[j] * P[k]);
+        for (int k = 0; k < m; k++)
+            dense->shape[k * m + j] = dense->of_node[j * lanes + k] = (double)((2 * k + 1) * weight[j] * P[k]);
     }
 }
 
-void galerkin_dense_prepare(galerkin_dense *dense, const long double node[], const long double weight[])
+void galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[], const long double weight[])
 {
     double once[MAX_POINTS], twice[MAX_POINTS];
     for (int k = 1; k < MAX_POINTS + 2; k++) dense->inverse[k] = 1 / (long double)k;
     for (int k = 1; k < MAX_POINTS + 1; k++) dense->integral[k] = 1 / (long double)(4 * k + 2);
-    set_shape(dense, node, weight);
+    set_shape(dense, lanes, node, weight);
     for (int place = 0; place < TVI_SAMPLES; place++) {
         galerkin_dense_integrate(dense, tvi_sample_place[place], once, twice);
         for (int j = 0; j < dense->points; j++) {
@@ -47,17 +49,15 @@ void galerkin_dense_prepare(galerkin_dense *dense, const long double node[], con
     }
 }
 
-void galerkin_dense_values(const galerkin_dense *dense, int lanes, const double s[], double *value)
+void galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const double s[], double *P)
 {
-    const int m = dense->points;
-    double P[(MAX_POINTS + 1) * MAX_POINTS];
-    for (int i = 0; i < lanes; i++) P[i] = 1, P[lanes + i] = 2 * s[i] - 1;
-    for (int k = 1; k < m - 1; k++) {
+    for (int i = 0; i < lanes; i++) P[i] = 1;
+    for (int i = 0; i < lanes && dense->points > 1; i++) P[lanes + i] = 2 * s[i] - 1;
+    for (int k = 1; k < dense->points - 1; k++) {
         const double rise = (2 * k + 1) / (k + 1.0), fall = k / (k + 1.0);
         double *now = P + k * lanes;
         for (int i = 0; i < lanes; i++) now[lanes + i] = rise * P[lanes + i] * now[i] - fall * now[i - lanes];
     }
-    for (int j = 0; j < m; j++) dense->sweeps->combine(m, dense->shape + j, (size_t)m, lanes, P, value + j * lanes);
 }
 
 /* The integral of P_k(2 r - 1) is I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2); that of I_k in turn is

@@ -12,14 +12,15 @@ typedef struct {
     double *shape;                                    /* [k][j] l_j(s) = sum_k shape_kj P_k(2 s - 1) */
     long double inverse[TVI_GALERKIN_MAX_LANES + 2];  /* [k] 1 / k */
     long double integral[TVI_GALERKIN_MAX_LANES + 1]; /* [k] 1 / (4 k + 2) */
+    double *of_node;                                  /* [j][lanes] the same */
     double *once, *twice;                             /* [lanes][TVI_SAMPLES] integrals to the sample places */
 } galerkin_dense;
 
 void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps);
 /* Gauss nodes and weights of [0, 1]. */
-void galerkin_dense_prepare(galerkin_dense *dense, const long double node[], const long double weight[]);
-/* value[j][i] = l_j(s_i), i < lanes. */
-void galerkin_dense_values(const galerkin_dense *dense, int lanes, const double s[], double *value);
+void galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[], const long double weight[]);
+/* P[k][i] = P_k(2 s_i - 1), k < points, i < lanes. */
+void galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const double s[], double *P);
 /* once[j] = int_0^s l_j and twice[j] = int_0^s (s - r) l_j(r) dr. */
 void galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[]);
 
