@@ -22,11 +22,11 @@ static const double FLAT = 0.1;
 /* A least |g| that is where a parabola has it, but for this part of it, is no zero. */
 static const double SURE = 0.1;
 /* Golden sections end here, and zeros on the curve are found to here, in parts of the step: chords do the rest. */
-static const double LEAST_SECTION = 1e-8, LEAST_WAY = 1e-6, NEAR = 1e-3;
+static const double LEAST_SECTION = 1e-8, LEAST_WAY = 1e-6, NEAR = 1e-3, LEAST_SECANT = 1e-4;
 /* Half the distance of the points that give the slopes of the curve and of g, and the least distance that gives a
  * chord. */
 static const double CHORD = 1e-5;
-enum { MOST_CHORDS = 12, MOST_SECANTS = 8 };
+enum { MOST_CHORDS = 12, MOST_SECANTS = 6 };
 /* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
  * that of the curve, relative to the state. */
 static const double REACH = 2e-9, STEEPER = 32;
@@ -34,8 +34,10 @@ static const double REACH = 2e-9, STEEPER = 32;
 enum { KEPT = 32 };
 
 typedef struct {
-    int which, kept; /* kept: its state, from 0; KEPT and more: not */
-    double on_curve, theta;
+    int which, kept;     /* kept: its state, from 0; KEPT and more: not */
+    double a, ga, b, gb; /* g has different signs there, */
+    double guess;        /* and perhaps a zero here */
+    double theta;
 } root;
 
 typedef struct {
@@ -83,15 +85,16 @@ static tvi_status on_curve(search *s, int which, double theta, double *g)
     return status == TVI_OK ? value_at(s, which, s->state, g) : status;
 }
 
-/* Where the polynomial through g at the ends of the cells is 0 between a and b, by secants: Newton's form, with the
- * differences of g divided by factorials. Nothing depends on it but how soon find_zero ends. */
+/* Where the polynomial through the samples of g is 0 between a and b, by secants: Newton's form, with the differences
+ * divided by factorials. */
 static double guess_zero(const double g[], double a, double ga, double b, double gb)
 {
+    static const double part[] = {0, 1, 1. / 2, 1. / 3, 1. / 4, 1. / 5, 1. / 6, 1. / 7, 1. / 8};
     double c[TVI_SAMPLES + 1], now = ga, before = gb, at = a, last = b;
     memcpy(c, g, sizeof c);
     for (int k = 1; k <= TVI_SAMPLES; k++)
-        for (int i = TVI_SAMPLES; i >= k; i--) c[i] = (c[i] - c[i - 1]) / k;
-    for (int k = 0; k < MOST_SECANTS && now != before && fabs(at - last) > LEAST_SECTION; k++) {
+        for (int i = TVI_SAMPLES; i >= k; i--) c[i] = (c[i] - c[i - 1]) * part[k];
+    for (int k = 0; k < MOST_SECANTS && now != before && fabs(at - last) > LEAST_SECANT; k++) {
         const double next = fmin(fmax(at - now * (at - last) / (now - before), a), b), x = TVI_SAMPLES * next;
         double p = c[TVI_SAMPLES];
         for (int i = TVI_SAMPLES; i-- > 0;) p = c[i] + (x - i) * p;
@@ -112,24 +115,18 @@ static double next_place(double a, double ga, double b, double gb, double width,
     return fmin(fmax(at, a), b);
 }
 
-/* A zero of g in [a, b], g(a) g(b) <= 0, from a guess; then by interpolation, truncation and projection (Oliveira and
- * Takahashi, "An enhancement of the bisection method average performance preserving minmax optimality", 2020): as fast
- * as the secant, never slower than bisection by more than one evaluation. Ends where a secant would lead no further
- * than `way`, which is short beside the distance from the ends. */
-static tvi_status find_zero(search *s, int which, double a, double ga, double b, double gb, double guess, double way,
-                            double *theta)
+/* A zero of g in [a, b], g(a) g(b) <= 0, by interpolation, truncation and projection (Oliveira and Takahashi, "An
+ * enhancement of the bisection method average performance preserving minmax optimality", 2020): as fast as the secant,
+ * never slower than bisection by more than one evaluation. */
+static tvi_status find_zero(search *s, const root *r, double *theta)
 {
-    const double first = a, end = b, width = b - a, least = DBL_EPSILON / 2;
+    const double width = r->b - r->a, least = DBL_EPSILON / 2;
     const int most = (int)ceil(log2(width / least)) + 1;
-    double at = guess, g;
+    double a = r->a, ga = r->ga, b = r->b, gb = r->gb, g;
     for (int k = 0; k < most && b - a > 2 * least && ga != 0 && gb != 0; k++) {
-        if (k > 0 || !(guess > a && guess < b)) at = next_place(a, ga, b, gb, width, most - k);
-        const tvi_status status = on_curve(s, which, at, &g);
+        const double at = next_place(a, ga, b, gb, width, most - k);
+        const tvi_status status = on_curve(s, r->which, at, &g);
         if (status != TVI_OK) return status;
-        if (fabs(g) * (b - a) <= fmin(way, NEAR * fmin(at - first, end - at)) * fabs(gb - ga)) {
-            *theta = at;
-            return TVI_OK;
-        }
         if (sign_of(g) == sign_of(ga)) a = at, ga = g;
         else b = at, gb = g;
     }
@@ -137,24 +134,23 @@ static tvi_status find_zero(search *s, int which, double a, double ga, double b,
     return TVI_OK;
 }
 
-/* A root where the sign becomes `after`, if that is wanted; guess: a NAN where another one is near. */
-static tvi_status add_root(search *s, int which, int after, double a, double ga, double b, double gb, double guess)
+/* A root between a and b where the sign becomes `after`, if that is wanted. */
+static root *add_root(search *s, int which, int after, double a, double ga, double b, double gb)
 {
     const tvi_direction direction = s->of[which].event->direction;
-    if (direction != TVI_EITHER && (int)direction != after) return TVI_OK;
+    if (direction != TVI_EITHER && (int)direction != after) return NULL;
     root *added = &s->roots[s->found];
-    *added = (root){.which = which, .kept = s->found};
-    const tvi_status status = find_zero(s, which, a, ga, b, gb, guess, isnan(guess) ? 0 : LEAST_WAY, &added->on_curve);
-    if (status == TVI_OK) s->found++;
-    return status;
+    *added = (root){.which = which, .kept = s->found, .a = a, .ga = ga, .b = b, .gb = gb, .guess = NAN};
+    s->found++;
+    return added;
 }
 
 /* The roots beside a place where g is 0 or has another sign than at a and b. */
-static tvi_status add_pair(search *s, int which, double a, double ga, double at, double g, double b, double gb)
+static void add_pair(search *s, int which, double a, double ga, double at, double g, double b, double gb)
 {
     const int sign = sign_of(ga);
-    const tvi_status status = add_root(s, which, -sign, a, ga, at, g, NAN);
-    return status == TVI_OK && g != 0 ? add_root(s, which, sign, at, g, b, gb, NAN) : status;
+    (void)add_root(s, which, -sign, a, ga, at, g);
+    if (g != 0) (void)add_root(s, which, sign, at, g, b, gb);
 }
 
 /* |g| has a least value in [a, b] where g may have another sign: golden sections until it is found to have, or not. */
@@ -175,8 +171,8 @@ static tvi_status follow_dip(search *s, int which, double a, double ga, double b
         at[fresh] = fresh ? high - golden * (high - low) : low + golden * (high - low);
         status = on_curve(s, which, at[fresh], &g[fresh]);
     }
-    if (status != TVI_OK || sign_of(g[fresh]) == sign) return status;
-    return add_pair(s, which, a, ga, at[fresh], g[fresh], b, gb);
+    if (status == TVI_OK && sign_of(g[fresh]) != sign) add_pair(s, which, a, ga, at[fresh], g[fresh], b, gb);
+    return status;
 }
 
 /* Whether |g| has a least value between the samples beside g. */
@@ -193,9 +189,9 @@ static tvi_status look_into_dip(search *s, int which, const double at[], const d
     if (!(way > -left && way < right)) return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
     const tvi_status status = on_curve(s, which, at[0] + way, &there);
     if (status != TVI_OK) return status;
-    if (sign_of(there) != sign_of(g[0])) return add_pair(s, which, at[-1], g[-1], at[0] + way, there, at[1], g[1]);
-    if (fabs(there - expected) <= SURE * fabs(there)) return TVI_OK;
-    return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
+    if (sign_of(there) != sign_of(g[0])) add_pair(s, which, at[-1], g[-1], at[0] + way, there, at[1], g[1]);
+    else if (fabs(there - expected) > SURE * fabs(there)) return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
+    return TVI_OK;
 }
 
 /* How |g| begins in the first part, by the slope of the polynomial through five samples; or, stride -1, ends in the
@@ -226,9 +222,9 @@ static tvi_status look_at_end(search *s, int which, bool is_last)
     double near[] = {g[is_last ? TVI_SAMPLES - 1 : 0], 0, g[is_last ? TVI_SAMPLES : 1]};
     const tvi_status status = on_curve(s, which, edge, &near[1]);
     if (status != TVI_OK) return status;
-    if (sign_of(near[1]) != sign_of(near[0])) return add_pair(s, which, at[0], near[0], at[1], near[1], at[2], near[2]);
-    if (!is_dip(near + 1)) return TVI_OK;
-    return look_into_dip(s, which, at + 1, near + 1);
+    if (sign_of(near[1]) != sign_of(near[0])) add_pair(s, which, at[0], near[0], at[1], near[1], at[2], near[2]);
+    else if (is_dip(near + 1)) return look_into_dip(s, which, at + 1, near + 1);
+    return TVI_OK;
 }
 
 /* All places of the step where g ceases to have the sign that it had: becomes 0 or has the other one. */
@@ -243,8 +239,8 @@ static tvi_status search_event(search *s, int which)
     for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
         const int before = sign_of(g[j - 1]), now = sign_of(g[j]);
         if (before != 0 && now != before) {
-            const double guess = guess_zero(g, at[j - 1], g[j - 1], at[j], g[j]);
-            status = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j], guess);
+            root *r = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j]);
+            if (r) r->guess = guess_zero(g, r->a, r->ga, r->b, r->gb);
         } else if (now != 0 && before == now && j < TVI_SAMPLES && is_dip(g + j) && sign_of(g[j + 1]) == now) {
             status = look_into_dip(s, which, at + j, g + j);
         }
@@ -312,6 +308,22 @@ static tvi_status set_slopes(search *s, int which, double theta, double *slope, 
     return status;
 }
 
+/* The slopes at the root on the curve. Its guess is good where the slope leads no further than a short way, short also
+ * beside the distance from a and b. */
+static tvi_status find_on_curve(search *s, const root *r, double *theta, double *slope)
+{
+    double ahead = 0;
+    *theta = r->guess;
+    if (r->guess > r->a + CHORD && r->guess < r->b - CHORD) {
+        const tvi_status status = set_slopes(s, r->which, r->guess, slope, &ahead);
+        if (status != TVI_OK) return status;
+        *theta += ahead;
+        if (fabs(ahead) <= fmin(LEAST_WAY, NEAR * fmin(*theta - r->a, r->b - *theta))) return TVI_OK;
+    }
+    const tvi_status status = find_zero(s, r, theta);
+    return status == TVI_OK ? set_slopes(s, r->which, *theta, slope, &ahead) : status;
+}
+
 /* The curve's distance from s->base, relative to the size of what is there. */
 static double distance_of(const search *s, int from, int count)
 {
@@ -346,9 +358,8 @@ static tvi_status near_solution(search *s, double theta, double x[])
 /* Chords from the place on the curve until |g| shrinks no more; x: the state there. The first slope is the curve's. */
 static tvi_status polish(search *s, root *r, double x[])
 {
-    double g, slope, ahead, theta = r->on_curve, theta_before = 0, g_before = INFINITY;
-    tvi_status status = set_slopes(s, r->which, theta, &slope, &ahead);
-    if (status == TVI_OK && s->is_inside && fabs(ahead) < CHORD) theta += ahead;
+    double g, slope, theta, theta_before = 0, g_before = INFINITY;
+    tvi_status status = find_on_curve(s, r, &theta, &slope);
     s->reach = -1;
     for (int k = 0; k < MOST_CHORDS && status == TVI_OK; k++) {
         status = near_solution(s, theta, s->trial);
