@@ -1,9 +1,8 @@
 /* event.c - records the user's event functions. */
 #include "event.h"
-#include "sizes.h"
+#include "stepper.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static void use(tvi_event *event, bool is_used[], const struct jet_node *node)
 {
@@ -73,12 +72,36 @@ void tvi_event_free(tvi_event *event)
     free(event);
 }
 
-tvi_status tvi_event_values(const tvi_event *event, double *block, int lanes, const double *x, double g[])
+/* The inputs that the tape uses, of all lanes. */
+static inline void copy_inputs(const tvi_event *event, double *block, int lanes, const double *x)
 {
-    const size_t row = (size_t)lanes;
-    for (int i = 0; i < event->uses && x != block; i++)
-        memcpy(block + (size_t)event->used[i] * row, x + (size_t)event->used[i] * row, row * sizeof *x);
-    if (!jet_sweep_values(event->tape, block, lanes)) return TVI_EDOMAIN;
-    memcpy(g, block + (size_t)event->tape->output[0] * row, row * sizeof *g);
-    return tvi_all_finite(lanes, g) ? TVI_OK : TVI_ENONFINITE;
+    for (int i = 0; i < event->uses; i++) {
+        const size_t row = (size_t)event->used[i] * (size_t)lanes;
+        for (int lane = 0; lane < lanes; lane++) block[row + (size_t)lane] = x[row + (size_t)lane];
+    }
+}
+
+/* Whether all are finite: 0 g is 0 then. */
+static inline tvi_status take_values(const double *value, int lanes, double g[])
+{
+    double nothing = 0;
+    for (int lane = 0; lane < lanes; lane++) {
+        g[lane] = value[lane];
+        nothing += 0 * value[lane];
+    }
+    return nothing == 0 ? TVI_OK : TVI_ENONFINITE;
+}
+
+tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g)
+{
+    copy_inputs(event, block, 1, x);
+    if (!jet_sweep_values(event->tape, block, 1)) return TVI_EDOMAIN;
+    return take_values(block + event->tape->output[0], 1, g);
+}
+
+tvi_status tvi_event_samples(const tvi_event *event, double *block, const double *x, double g[])
+{
+    if (x != block) copy_inputs(event, block, TVI_SAMPLES, x);
+    if (!jet_sweep_values(event->tape, block, TVI_SAMPLES)) return TVI_EDOMAIN;
+    return take_values(block + (size_t)event->tape->output[0] * TVI_SAMPLES, TVI_SAMPLES, g);
 }

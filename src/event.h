@@ -14,10 +14,9 @@ struct tvi_event {
     int *used, uses;  /* [uses] the inputs that are operands */
 };
 
-/* g [lanes] at the states x [2n + 1][lanes] of q, p, t; block is one of the event's tape with as many lanes, and
- * x may be its inputs.
- * TVI_EDOMAIN, TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_event_values(const tvi_event *event, double *block, int lanes, const double *x,
-                                          double g[]);
+/* g at the state x [2n + 1], q, p and t; block is one of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
+TVI_NODISCARD tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g);
+/* The same in lanes at the states x [2n + 1][TVI_SAMPLES] (tvi_sample); x may be the inputs of the block. */
+TVI_NODISCARD tvi_status tvi_event_samples(const tvi_event *event, double *block, const double *x, double g[]);
 
 #endif

@@ -38,7 +38,7 @@ TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_int
 double tvi_time_at(const tvi_integrator *integrator, double theta);
 
 /* The states at the sample places of the last step (stepper.h), as a tape with a lane for each wants them: q, p and t
- * in x [2n + 1][TVI_SAMPLES]. The one at the end is that of the step. TVI_ENONFINITE. */
-TVI_NODISCARD tvi_status tvi_sample(tvi_integrator *integrator, double *x);
+ * in x [2n + 1][TVI_SAMPLES]. The one at the end is that of the step. They may not be finite. */
+void tvi_sample(tvi_integrator *integrator, double *x);
 
 #endif

@@ -76,7 +76,7 @@ static tvi_status state_on_curve(search *s, double theta, double x[])
 
 static tvi_status value_at(search *s, int which, const double x[], double *g)
 {
-    return tvi_event_values(s->of[which].event, s->of[which].one, 1, x, g);
+    return tvi_event_value(s->of[which].event, s->of[which].one, x, g);
 }
 
 static tvi_status on_curve(search *s, int which, double theta, double *g)
@@ -274,12 +274,13 @@ static tvi_status leave_start(search *s, int which)
 static tvi_status sample_events(search *s)
 {
     const bool continues = is_continued(s);
-    tvi_status status = tvi_sample(s->it, s->samples);
+    tvi_status status = TVI_OK;
+    tvi_sample(s->it, s->samples);
     for (int which = 0; which < s->count && status == TVI_OK; which++) {
         watch *w = &s->of[which];
         w->g[0] = w->g[TVI_SAMPLES];
         if (!continues) status = on_curve(s, which, 0, &w->g[0]);
-        if (status == TVI_OK) status = tvi_event_values(w->event, w->many, TVI_SAMPLES, s->samples, w->g + 1);
+        if (status == TVI_OK) status = tvi_event_samples(w->event, w->many, s->samples, w->g + 1);
         if (status == TVI_OK && !s->has_started) status = leave_start(s, which);
     }
     return status;
