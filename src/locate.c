@@ -319,6 +319,7 @@ static tvi_status find_on_curve(search *s, const root *r, double *theta, double 
         const tvi_status status = set_slopes(s, r->which, r->guess, slope, &ahead);
         if (status != TVI_OK) return status;
         *theta += ahead;
+        for (int i = 0; i < s->size; i++) s->state[i] += ahead * s->rate[i];
         if (fabs(ahead) <= fmin(LEAST_WAY, NEAR * fmin(*theta - r->a, r->b - *theta))) return TVI_OK;
     }
     const tvi_status status = find_zero(s, r, theta);
