@@ -6,10 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps)
+/* Parts of a step that differ by less have nearly the same nodes. */
+static const double NEAR = 1e-3;
+
+tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps, bool knows_step)
 {
     const size_t n = (size_t)steps->system->n;
-    *between = (tvi_between){.steps = steps, .q = calloc(2 * n, sizeof(double))};
+    *between = (tvi_between){.steps = steps, .knows_step = knows_step, .q = calloc(2 * n, sizeof(double))};
     if (!between->q) return TVI_ENOMEM;
     between->p = between->q + n;
     const tvi_status status = tvi_integrator_twin(&between->partial, steps);
@@ -23,18 +26,30 @@ void tvi_between_close(tvi_between *between)
     free(between->q);
 }
 
+/* What the partial integrator begins with: the low-order parts of the state at the start of the step, and what its
+ * stepper knew there; or what it knows now, of the whole step or of a part of it that is near. */
+static void set_history(tvi_between *between, double part)
+{
+    const tvi_integrator *steps = between->steps;
+    const size_t state = between->knows_step ? steps->of_state : steps->remembered;
+    const bool is_near = between->step == steps->stats.steps && between->part != steps->h && between->part != 0 &&
+                         fabs(part - between->part) < NEAR * fabs(steps->h);
+    tvi_arena_copy(between->partial->history, steps->before, state);
+    if (!is_near) tvi_arena_copy(between->partial->history + state, steps->history + state, steps->remembered - state);
+}
+
 tvi_status tvi_between_state(tvi_between *between, double part)
 {
     const tvi_integrator *steps = between->steps;
     const size_t bytes = (size_t)steps->system->n * sizeof *between->q;
     const bool is_end = part == steps->h;
     if (between->step == steps->stats.steps && between->part == part) return TVI_OK;
-    between->step = 0;
     between->t = is_end ? steps->last->t : steps->t_start;
     memcpy(between->q, is_end ? steps->q : steps->q_start, bytes);
     memcpy(between->p, is_end ? steps->p : steps->p_start, bytes);
     if (!is_end && part != 0) {
-        tvi_arena_copy(between->partial->history, steps->before, steps->remembered);
+        set_history(between, part);
+        between->step = 0;
         const tvi_status status = tvi_step(between->partial, part, &between->t, between->q, between->p);
         if (status != TVI_OK) return status;
     }
@@ -80,7 +95,7 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
         if (observer && observer(next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
     if (next == count) return TVI_OK;
     tvi_between between;
-    tvi_status status = tvi_between_open(&between, it);
+    tvi_status status = tvi_between_open(&between, it, false);
     if (status != TVI_OK) return status;
     while (next < count && status == TVI_OK) {
         status = tvi_step(it, h, t, q, p);

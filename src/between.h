@@ -7,13 +7,14 @@
 
 typedef struct {
     const tvi_integrator *steps;
-    tvi_integrator *partial; /* starts where the last step did, with what was known there */
+    tvi_integrator *partial; /* starts where the last step did, with what was known there, */
+    bool knows_step;         /* or what its stepper knew after it: fewer passes, and another roundoff */
     double t, *q, *p;        /* [n] the state asked for last: */
     long step;               /* of this step, 0 = none */
     double part;             /* here */
 } tvi_between;
 
-TVI_NODISCARD tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps);
+TVI_NODISCARD tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps, bool knows_step);
 void tvi_between_close(tvi_between *between);
 
 /* The state `part` after the start of the last step, 0 <= part / h <= 1; its ends are those of the step, bit for bit.

@@ -459,4 +459,4 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-const tvi_stepper tvi_stepper_both_ends = {take, prepare, step, dense};
+const tvi_stepper tvi_stepper_both_ends = {take, prepare, step, dense, NULL};

@@ -5,6 +5,7 @@
  *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
  * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (galerkin_field.h). Solved by passes, which begin with what
  * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
+#include "galerkin_dense.h"
 #include "galerkin_field.h"
 #include "quadrature.h"
 #include "stepper.h"
@@ -40,8 +41,9 @@ typedef struct {
     const tvi_options *options;
     int n, points;
     galerkin_field field;
-    double *from_one;   /* [j][i] extrapolation from a step of size h / ratio, times field.ahead */
-    double ratio;       /* 0: none yet */
+    double *from_one; /* [j][lanes] extrapolation from a step of size h / ratio to one that begins after `part` of it */
+    double ratio, part; /* ratio 0: none yet */
+    double *led;        /* [unknowns][lanes] what it leads to */
     double *from_two;   /* [2][j][i] the same from the two steps before, all of one size */
     double *c;          /* [lanes] */
     double *factor;     /* [lanes][SUMS] */
@@ -49,6 +51,9 @@ typedef struct {
     double *before, *displaced; /* [rows][lanes] scratch of the roundoff that is measured */
     double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
     double *low;               /* [unknowns] low-order parts of the start */
+    galerkin_dense dense;
+    double *rise;       /* [2n] what multiplies the integrals of the impulses in q and p */
+    double *none, *one; /* [unknowns + lanes] 0 and 1 */
     galerkin_history *last;
     double *impulses[2]; /* in the history: [unknowns][lanes] of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
@@ -99,6 +104,10 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     w.field.matrix = tvi_arena_doubles(arena, lanes * lanes);
     w.from_one = tvi_arena_doubles(arena, lanes * lanes);
+    w.none = tvi_arena_doubles(arena, unknowns + lanes);
+    w.one = tvi_arena_doubles(arena, unknowns + lanes);
+    w.led = tvi_arena_doubles(arena, unknowns * lanes);
+    w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     w.from_two = tvi_arena_doubles(arena, 2 * lanes * lanes);
     w.field.b = tvi_arena_doubles(arena, lanes);
     w.c = tvi_arena_doubles(arena, lanes);
@@ -106,6 +115,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     nodes->impulse = tvi_arena_doubles(arena, unknowns * lanes);
     w.factor = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
+    galerkin_dense_take(&w.dense, arena, w.points, nodes->lanes, system->field_values->sweeps);
     double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.drift, &w.drift_low, &w.low};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
@@ -259,8 +269,10 @@ static void prepare(void *work)
     galerkin *w = work;
     set_nodes(w);
     set_matrix(w);
+    galerkin_dense_prepare(&w->dense, w->field.nodes.lanes, w->exact_node);
     w->field.form->prepare(&w->field);
     set_from_two(w);
+    for (int i = 0; i < w->field.nodes.unknowns + w->field.nodes.lanes; i++) w->one[i] = 1;
 }
 
 /* What depends on the size of the step alone. */
@@ -274,20 +286,26 @@ static void set_size(galerkin *w, double h)
         nodes->scale[u] = galerkin_is_second_order(&w->field) ? h / w->field.system->mass[u]
                           : u < w->n                          ? 1
                                                               : w->field.form->force_sign;
+    for (int i = 0; i < w->n; i++) {
+        w->rise[i] = nodes->scale[i];
+        w->rise[w->n + i] = galerkin_is_second_order(&w->field) ? 1 : nodes->scale[w->n + i];
+    }
 }
 
-/* From a step of size h / ratio to the next one: node i is at 1 + ratio c_i there. */
-static void set_from_one(galerkin *w, double ratio)
+/* From a step of size h / ratio to one that begins after a part of it: node i is at part + ratio c_i there. */
+static void set_from_one(galerkin *w, double ratio, double part)
 {
-    if (ratio == w->ratio) return;
+    if (ratio == w->ratio && part == w->part) return;
     w->ratio = ratio;
+    w->part = part;
     const int lanes = w->field.nodes.lanes;
-    memset(w->from_one, 0, (size_t)lanes * (size_t)lanes * sizeof *w->from_one);
-    for (int k = 0; k < w->points; k++)
-        for (int j = 0; j < w->points; j++) {
-            const long double factor = lagrange(w, j, 1 + ratio * w->exact_node[k]);
-            add_ahead(w, ratio * factor, j, k, w->from_one + j * lanes);
-        }
+    const galerkin_places of_nodes = {lanes, lanes, w->points, w->c, w->none, w->none, w->one};
+    double place[MAX_LANES] = {0}, P[MAX_LANES * MAX_LANES] = {0};
+    for (int i = 0; i < lanes; i++) place[i] = part + ratio * w->c[i];
+    galerkin_dense_legendre(&w->dense, lanes, place, P);
+    w->field.loops->place(&of_nodes, P, w->dense.of_node, w->from_one);
+    for (int j = 0; j < w->points; j++)
+        for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] *= ratio * w->field.b[i];
 }
 
 /* The times of the nodes of a step of size h. */
@@ -321,24 +339,30 @@ static void set_start(galerkin *w, const tvi_origin *origin)
     set_base(w);
 }
 
-/* Whether this step begins where the last one ended, and its nodes, at 1 + ratio c_i, are near those of that one. */
-static bool can_extrapolate(const galerkin *w, const tvi_origin *origin)
+/* Whether this step begins where the last one ended, or began, and its nodes are near those of that one. */
+static bool can_extrapolate(const galerkin *w, const tvi_origin *origin, double *part)
 {
     const galerkin_history *last = w->last;
     if (last->h == 0 || w->options->passes == TVI_PREDICT_ONLY) return false;
     const double gap = origin->t - (last->t + last->h), ratio = w->field.h / last->h;
-    return fabs(gap) < 0.25 * fabs(w->field.h) && ratio >= -2 && ratio <= 1.5;
+    const bool is_next = fabs(gap) < 0.25 * fabs(w->field.h);
+    *part = is_next ? 1 : 0;
+    return ratio <= 1.5 && (is_next ? ratio >= -2 : origin->t == last->t && ratio > 0);
 }
 
-static void extrapolate(galerkin *w)
+static void extrapolate(galerkin *w, double part)
 {
     const galerkin_history *last = w->last;
     const double *const impulses[] = {w->impulses[last->turn], w->impulses[!last->turn]};
-    if (w->field.h == last->h && w->field.h == last->h_before) {
+    if (part == 1 && w->field.h == last->h && w->field.h == last->h_before) {
         w->field.form->predict(&w->field, 2, w->from_two, impulses);
     } else {
-        set_from_one(w, w->field.h / last->h);
-        w->field.form->predict(&w->field, 1, w->from_one, impulses);
+        const galerkin_nodes *nodes = &w->field.nodes;
+        const galerkin_places to = {nodes->lanes, nodes->lanes, nodes->unknowns, w->c, w->none, w->none, w->one};
+        const double *const led[] = {w->led};
+        set_from_one(w, w->field.h / last->h, part);
+        w->field.loops->place(&to, w->from_one, impulses[0], w->led);
+        w->field.form->predict(&w->field, 1, w->field.ahead, led);
     }
 }
 
@@ -492,12 +516,12 @@ static tvi_status iterate(galerkin *w, tvi_stats *stats)
     return TVI_ENOCONV;
 }
 
-/* From the steps before; without one, the field at the start is that at all nodes. */
-static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates, tvi_stats *stats)
+/* From the steps before, beginning after `part` of the last one; NULL: the field at the start is that at all nodes. */
+static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
 {
     const galerkin_field *field = &w->field;
-    if (extrapolates) {
-        extrapolate(w);
+    if (part) {
+        extrapolate(w, *part);
     } else {
         set_times(w, origin, 0);
         stats->force_evaluations++;
@@ -570,9 +594,10 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     galerkin *w = work;
     set_size(w, h);
     set_start(w, origin);
-    const bool extrapolates = can_extrapolate(w, origin);
-    tvi_status status = solve(w, origin, extrapolates, stats);
-    if (status != TVI_OK && extrapolates) status = solve(w, origin, false, stats);
+    double part;
+    const bool extrapolates = can_extrapolate(w, origin, &part);
+    tvi_status status = solve(w, origin, extrapolates ? &part : NULL, stats);
+    if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, stats);
     if (status != TVI_OK) return status;
     const int turn = !w->last->turn;
     w->field.loops->integrate(&w->field.nodes, w->factor, w->sum);
@@ -583,26 +608,35 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     return TVI_OK;
 }
 
-/* The polynomial of degree m - 1 through what drives the unknowns, integrated. */
+/* ---- Dense output -------------------------------------------------------------------------------------------------
+ */
+
+/* q, p [n][places] = start + what is added to it at the places theta: the polynomial of degree m - 1 through what
+ * drives the unknowns, integrated by tables of galerkin_dense.h, [lanes][places]. */
+static void integrate_impulses(const galerkin *w, int places, const double theta[], const double *once,
+                             const double *twice, const double q_start[], const double p_start[], double *q, double *p)
+{
+    const bool separable = galerkin_is_second_order(&w->field);
+    const int n = w->n, lanes = w->field.nodes.lanes;
+    const double *impulses = w->impulses[w->last->turn];
+    const galerkin_places of_q = {lanes, places, n, theta, q_start, w->drift, w->rise},
+                          of_p = {lanes, places, n, theta, p_start, w->none, w->rise + n};
+    w->field.loops->place(&of_q, separable ? twice : once, impulses, q);
+    w->field.loops->place(&of_p, once, separable ? impulses : impulses + n * lanes, p);
+}
+
 static void dense(void *work, double theta, double dq[], double dp[])
 {
     const galerkin *w = work;
-    const bool separable = galerkin_is_second_order(&w->field);
-    memset(dp, 0, (size_t)w->n * sizeof *dp);
-    for (int i = 0; i < w->n; i++) dq[i] = separable ? theta * w->drift[i] : 0;
-    for (int j = 0; j < w->points; j++) {
-        long double once, twice;
-        integrate_lagrange(w, j, theta, &once, &twice);
-        for (int u = 0; u < w->field.nodes.unknowns; u++) {
-            const double mean = w->impulses[w->last->turn][u * w->field.nodes.lanes + j] / w->field.b[j];
-            if (separable) {
-                dp[u] += (double)once * mean;
-                dq[u] += w->field.nodes.scale[u] * (double)twice * mean;
-            } else {
-                *(u < w->n ? &dq[u] : &dp[u - w->n]) += w->field.nodes.scale[u] * (double)once * mean;
-            }
-        }
-    }
+    double once[MAX_LANES] = {0}, twice[MAX_LANES] = {0};
+    galerkin_dense_integrate(&w->dense, theta, once, twice);
+    integrate_impulses(w, 1, &theta, once, twice, w->none, w->none, dq, dp);
 }
 
-const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense};
+static void sample(void *work, const double q_start[], const double p_start[], double *q, double *p)
+{
+    const galerkin *w = work;
+    integrate_impulses(w, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, q_start, p_start, q, p);
+}
+
+const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense, sample};

@@ -27,6 +27,13 @@ typedef struct {
     double *inverse_size; /* [unknowns] */
 } galerkin_nodes;
 
+/* out[u][k] = start[u] + (theta[k] drift[u] + scale[u] sum_j table_jk impulses[u][j]), u < count, k < places: 1, all
+ * lanes or TVI_SAMPLES; table [lanes][places]. */
+typedef struct {
+    int lanes, places, count;
+    const double *theta, *start, *drift, *scale;
+} galerkin_places;
+
 typedef struct {
     /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
@@ -41,6 +48,7 @@ typedef struct {
     /* base_i = low + c_i drift_low + c_i drift for all unknowns; c [lanes], the others [unknowns]. */
     void (*set_base)(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
                      const double *drift_low);
+    void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
     const lagrangian_loops *lagrangian;
 } galerkin_loops;
 

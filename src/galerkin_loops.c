@@ -1,6 +1,7 @@
 /* galerkin_loops.c - see galerkin.h. */
 #include "lanes.h"
 #include "rule.h"
+#include "stepper.h"
 #include "vector.h"
 
 #include <stddef.h>
@@ -154,5 +155,34 @@ static void set_base(const galerkin_nodes *nodes, const double *c, const double 
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,      predict,  integrate,
-                                                      set_drift, set_base, &JET_FOR_ISA(lagrangian_loops)};
+#define PLACE(V, S)                                                                                                    \
+    {                                                                                                                  \
+        const V theta = *(const V *)(p->theta + w);                                                                    \
+        V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
+        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + w);                                 \
+        for (int u = 0; u < count; u++) {                                                                              \
+            V sums[CHAINS] = {0};                                                                                      \
+            ADD_PRODUCT(sums, row, impulses + (size_t)u * (size_t)lanes)                                               \
+            *(V *)(out + u * places + w) = start[u] + (theta * drift[u] + scale[u] * TOTAL(sums));                     \
+        }                                                                                                              \
+    }
+
+INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
+                        int lanes, int places)
+{
+    const double *start = p->start, *drift = p->drift, *scale = p->scale;
+    const int count = p->count;
+    JET_BLOCKS(places, PLACE, );
+}
+
+static void place(const galerkin_places *p, const double *table, const double *impulses, double *out)
+{
+#define CALL(lanes)                                                                                                    \
+    p->places == TVI_SAMPLES ? place_lanes(p, table, impulses, out, lanes, TVI_SAMPLES)                                  \
+                             : place_lanes(p, table, impulses, out, lanes, p->places)
+    FOR_LANES(p->lanes, CALL)
+#undef CALL
+}
+
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,     predict, integrate, set_drift,
+                                                      set_base, place,   &JET_FOR_ISA(lagrangian_loops)};

@@ -22,6 +22,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
         *history[i] = tvi_arena_history(arena, (size_t)system->n * sizeof(double));
     }
     laid.last = tvi_arena_history(arena, sizeof *laid.last);
+    laid.of_state = arena->remembered;
     laid.work = stepper->take(arena, system, options);
     laid.history = arena->history;
     laid.before = laid.history ? laid.history + arena->remembered : NULL;
@@ -157,6 +158,42 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
     memcpy(q, it->dq, bytes);
     memcpy(p, it->dp, bytes);
     return TVI_OK;
+}
+
+/* ---- Samples ------------------------------------------------------------------------------------------------------
+ */
+
+const double tvi_sample_place[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
+
+double tvi_time_at(const tvi_integrator *it, double theta)
+{
+    return theta == 1 ? it->last->t : it->t_start + (it->t_start_low + theta * it->h);
+}
+
+/* One after the other. */
+static void sample_by_dense(tvi_integrator *it, double *q, double *p)
+{
+    for (int k = 0; k < TVI_SAMPLES; k++) {
+        it->stepper->dense(it->work, tvi_sample_place[k], it->dq, it->dp);
+        for (int i = 0; i < it->system->n; i++) {
+            q[i * TVI_SAMPLES + k] = it->q_start[i] + it->dq[i];
+            p[i * TVI_SAMPLES + k] = it->p_start[i] + it->dp[i];
+        }
+    }
+}
+
+void tvi_sample(tvi_integrator *it, double *x)
+{
+    const int n = it->system->n, end = TVI_SAMPLES - 1;
+    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
+    if (it->stepper->sample) it->stepper->sample(it->work, it->q_start, it->p_start, q, p);
+    else sample_by_dense(it, q, p);
+    for (int i = 0; i < n; i++) {
+        q[i * TVI_SAMPLES + end] = it->q[i];
+        p[i * TVI_SAMPLES + end] = it->p[i];
+    }
+    for (int k = 0; k < end; k++) t[k] = it->t_start + (it->t_start_low + tvi_sample_place[k] * it->h);
+    t[end] = it->last->t;
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],

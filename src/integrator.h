@@ -20,9 +20,9 @@ struct tvi_integrator {
     tvi_stats stats;
     const tvi_stepper *stepper;
     void *work;
-    char *history, *before; /* [remembered] all that one step leaves to the next; before the last one was tried */
-    size_t remembered;
-    tvi_last_step *last;           /* in the history, as are */
+    char *history, *before;      /* [remembered] all that one step leaves to the next; before the last one was tried */
+    size_t remembered, of_state; /* of_state: what comes before the stepper's part of it */
+    tvi_last_step *last;         /* in the history, as are */
     double *q, *p, *q_low, *p_low; /* [n] */
     bool has_dense;                /* the work holds the last step */
     double h;                      /* its size, and where it started */
@@ -33,5 +33,12 @@ struct tvi_integrator {
 
 /* Another one for the same system and options, which has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *integrator);
+
+/* The time at theta of the last step. */
+double tvi_time_at(const tvi_integrator *integrator, double theta);
+
+/* The states at the sample places of the last step (stepper.h), as a tape with a lane for each wants them: q, p and t
+ * in x [2n + 1][TVI_SAMPLES]. The one at the end is that of the step. They may not be finite. */
+void tvi_sample(tvi_integrator *integrator, double *x);
 
 #endif

@@ -29,6 +29,10 @@ typedef struct {
     const double *q, *q_low, *p, *p_low;
 } tvi_origin;
 
+/* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
+enum { TVI_SAMPLES = 8 };
+extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */
+
 typedef struct {
     /* Lays out the stepper's work in the arena; NULL while the arena only measures. What a step leaves to the next one
      * is taken from the arena's history, which is as it was again after a step that failed, and all zeros before a
@@ -41,6 +45,9 @@ typedef struct {
     tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
     /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
     void (*dense)(void *work, double theta, double dq[], double dp[]);
+    /* The states at all tvi_sample_place, from the one at the start: q, p [n][TVI_SAMPLES]. NULL: by dense, one after
+     * the other. */
+    void (*sample)(void *work, const double q_start[], const double p_start[], double *q, double *p);
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_composed, tvi_stepper_verlet,

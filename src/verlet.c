@@ -76,4 +76,4 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-const tvi_stepper tvi_stepper_verlet = {take, prepare, step, dense};
+const tvi_stepper tvi_stepper_verlet = {take, prepare, step, dense, NULL};

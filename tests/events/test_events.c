@@ -225,7 +225,8 @@ START_TEST(many_in_one_step)
     for (int i = 0; i < d.count; i++) {
         const double speed = d.which[i] ? slow : fast;
         ck_assert_double_eq_tol(d.at[i].t, ++seen[d.which[i]] * 3.14159265358979323846 / speed, 1e-14);
-        ck_assert(i == 0 || d.at[i].t > d.at[i - 1].t);
+        const bool together = seen[0] % 47 == 0 && seen[1] % 31 == 0; /* at multiples of pi */
+        ck_assert(i == 0 || d.at[i].t > d.at[i - 1].t || (together && d.at[i].t == d.at[i - 1].t));
     }
     run_close(&r);
 }
