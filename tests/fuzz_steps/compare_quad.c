@@ -51,11 +51,15 @@ static bool measure_roundoff(quad_series *s, double h, double unit[2])
     return isfinite(unit[0]) && isfinite(unit[1]);
 }
 
+/* The largest difference; infinite where it is not a number. */
 static double error_of(int n, const double x[], const quad y[])
 {
     quad largest = 0;
-    for (int i = 0; i < n; i++) largest = fmaxq(largest, fabsq(x[i] - y[i]));
-    return (double)largest;
+    for (int i = 0; i < n; i++) {
+        const quad error = fabsq(x[i] - y[i]);
+        if (!(error <= largest)) largest = error;
+    }
+    return finiteq(largest) ? (double)largest : INFINITY;
 }
 
 comparison compare_step(problem *x, random_source *r)

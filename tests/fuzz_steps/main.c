@@ -6,10 +6,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-enum { FIRST = 1, COUNT = 150 };
+enum { FIRST = 1, COUNT = 100 };
 
 /* In units of roundoff: no step above the first, and the median below the second. */
-static const double MOST = 32, MEDIAN = 1;
+static const double MOST = 16, MEDIAN = 0.5;
 
 typedef struct {
     long tried, unknown, refused, wrong;

@@ -13,6 +13,7 @@ typedef struct {
     quad_series *s;
     const tvi_options *options;
     int n, q_degree, p_degree;
+    quad a;             /* the size of q, whose roundoff is that of all differences */
     quad t0, h, from;   /* the step is from + [0, 1] times h about the centre */
     quad_method rule;   /* its nodes in [0, 1], and weights */
     quad guess[N_MOST]; /* p or v at the last node */
@@ -29,6 +30,14 @@ static quad dot(int n, const quad a[], const quad b[])
     quad sum = 0;
     for (int i = 0; i < n; i++) sum += a[i] * b[i];
     return sum;
+}
+
+/* The largest coordinate, or 1. */
+static quad size_of(int n, const quad q[])
+{
+    quad size = 1;
+    for (int i = 0; i < n; i++) size = fmaxq(size, fabsq(q[i]));
+    return size;
 }
 
 /* sum_{k <= degree} C_k t^k, and its derivative. */
@@ -112,7 +121,7 @@ static bool curve_back(task *x, const quad q0[], const quad q1[], quad *Q, quad 
         before = size, size = 0;
         for (int i = 0; i < x->n; i++) size = fmaxq(size, fabsq(back[i]));
         if (!finiteq(size)) return false;
-        if (size < 1e-31 || (size < 1e-28 && size >= before)) return true;
+        if (size < 1e-31 || (size < 1e-28 * x->a / fabsq(x->h) && size >= before)) return true;
         for (int i = 0; i < x->n; i++) x->far[i] += back[i];
     }
     return false;
@@ -195,7 +204,7 @@ static void assign(const task *x, const ends *e, const quad A[], const quad B[],
 static bool map_of(task *x, const quad z[], ends *map, quad *K)
 {
     const int n = x->n, rows = 2 * n;
-    const quad d = 1e-11;
+    const quad d = 1e-11 * cbrtq(x->a); /* the error d^2 is the roundoff a / d */
     quad G[DATA * DATA], W[DATA], moved[DATA], a[2][N_MOST], b[2][N_MOST];
     ends centre, e[2];
     if (!curve_ends(x, z, &centre)) return false;
@@ -241,7 +250,7 @@ static bool solve_step(task *x, quad z[], quad q[], quad p[])
         if (pass > 0) update(rows, K, R, dz);
         for (int i = 0; i < rows; i++) size = fmaxq(size, fabsq(R[i])), dz[i] = -R[i];
         if (!finiteq(size)) return false;
-        if (size < 1e-19) {
+        if (size < 1e-19 * x->a) {
             for (int i = 0; i < n; i++) q[i] = map.q[1][i], p[i] = map.p[1][i];
             return true;
         }
@@ -257,7 +266,15 @@ static bool generated_step(quad_series *s, const tvi_options *options, quad h, q
 {
     const int n = s->of->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
     const quad from = options->expansion == TVI_AT_END ? -1 : options->expansion == TVI_AT_MIDPOINT ? (quad)-0.5 : 0;
-    task x = {.s = s, .options = options, .n = n, .q_degree = N, .p_degree = p_degree, .t0 = t, .h = h, .from = from};
+    task x = {.s = s,
+              .options = options,
+              .n = n,
+              .q_degree = N,
+              .p_degree = p_degree,
+              .a = size_of(n, q),
+              .t0 = t,
+              .h = h,
+              .from = from};
     quad z[DATA] = {0}, Q[COEFFICIENTS], P[COEFFICIENTS];
     x.rule = quad_method_gauss(TVI_AT_START, TVI_NODES_ON_CURVE, 1, options->quadrature_points);
     if (options->quadrature == TVI_TRAPEZOID)
@@ -339,11 +356,12 @@ static bool collocate(quad_series *s, int m, quad h, quad t, quad q[], quad p[])
 {
     const quad_method gauss = quad_method_gauss(TVI_AT_START, TVI_NODES_ON_CURVE, 1, m);
     const int n = s->of->n;
+    const quad least = 1e-29 * size_of(n, q);
     quad x[TVI_MAX_NODES + 1][DATA], rate[TVI_MAX_NODES][DATA] = {{0}}, a[TVI_MAX_NODES + 1][TVI_MAX_NODES], change = 1;
     for (int i = 0; i <= m; i++)
         for (int j = 0; j < m; j++) a[i][j] = i < m ? integral(&gauss, j, gauss.c[i]) : gauss.b[j];
     for (int i = 0; i < m; i++) memcpy(x[i], q, (size_t)n * sizeof *q), memcpy(x[i] + n, p, (size_t)n * sizeof *p);
-    for (int pass = 0; pass < 4 * PASSES && change > 1e-29; pass++) {
+    for (int pass = 0; pass < 4 * PASSES && change > least; pass++) {
         for (int j = 0; j < m; j++)
             if (!rates(s, t + gauss.c[j] * h, x[j], x[j] + n, rate[j], rate[j] + n)) return false;
         change = 0;
@@ -357,7 +375,7 @@ static bool collocate(quad_series *s, int m, quad h, quad t, quad q[], quad p[])
     }
     memcpy(q, x[m], (size_t)n * sizeof *q);
     memcpy(p, x[m] + n, (size_t)n * sizeof *p);
-    return change <= 1e-29;
+    return change <= least;
 }
 
 static bool one_step(quad_series *s, const tvi_options *options, quad h, quad t, quad q[], quad p[])
