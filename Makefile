@@ -3,6 +3,7 @@
 # make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
 # make cov        lines of ad and src that the tests run; fails below 95%
 # make fuzz       random programs led by coverage (libFuzzer), a minute; SECONDS=n for longer
+# make fuzz-steps random steps against their definition in quadruple precision; SEED=n COUNT=m
 # make analyse    clang-tidy and cppcheck over everything
 # make blas-threads     the same bits for any number of threads of OpenBLAS
 # make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall

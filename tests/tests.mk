@@ -126,6 +126,12 @@ fuzz: need-check
 	cd $(BUILD)/fuzz && OPENBLAS_NUM_THREADS=1 ./fuzz -max_total_time=$(FUZZ_SECONDS) -max_len=512 -len_control=0 -timeout=20 corpus
 .PHONY: fuzz
 
+# random steps of random problems against their definition in quadruple precision: SEED=n COUNT=m. One problem alone is printed.
+fuzz-steps: need-check
+	@$(MAKE) --no-print-directory -s $(BUILD)/check/fuzz_steps
+	$(BUILD)/check/fuzz_steps $(or $(SEED),1) $(or $(COUNT),$(if $(SEED),1,1000))
+.PHONY: fuzz-steps
+
 # ---- Warnings: all that is compiled --------------------------------------------------------------------------------------
 
 BENCH_SOURCES := $(wildcard bench/*.c bench/*/*.c)

@@ -1,0 +1,11 @@
+/* invariance.h - the suites of this program. */
+#ifndef TESTS_INVARIANCE_H
+#define TESTS_INVARIANCE_H
+
+#include <check.h>
+
+Suite *suite_frames(void);
+Suite *suite_reversed(void);
+Suite *suite_numbers(void);
+
+#endif
