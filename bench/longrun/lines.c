@@ -3,7 +3,8 @@
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */
 
-/* The magnetic bottle of scenes/magnetic.c as H = |p - e A|^2 / (2m), A = (1 + z^2)/2 (-y, x, 0). */
+/* The magnetic bottle of scenes/magnetic.c as H = |p - e A|^2 / (2m), A = (1 + z^2)/2 (-y, x, 0), with v_y = -1. The
+ * angular momentum l = x p_y - y p_x < 0 holds the charge where e (1 + z^2) |l| <= m H. */
 static jet bottle(const jet q[], const jet p[], jet t, void *ctx)
 {
     (void)t, (void)ctx;
@@ -13,7 +14,7 @@ static jet bottle(const jet q[], const jet p[], jet t, void *ctx)
     return jet_mul(1 / (2 * mass), jet_dot(v, v, 3));
 }
 
-static const double bottle_q[] = {0.5, 0, 0.25}, bottle_p[] = {0.1875, 1.08203125, 0.375};
+static const double bottle_q[] = {0.5, 0, 0.25}, bottle_p[] = {0.1875, -0.41796875, 0.375};
 static const scene scene_bottle = {
     .name = "bottle", .n = 3, .hamiltonian = bottle, .q = bottle_q, .p = bottle_p, .energy_scale = 0.49};
 
@@ -68,7 +69,7 @@ const longrun_line longrun_lines[] = {
     SOLAR(400, "galerkin", LONGRUN_COMPENSATED, 64, LONGRUN_HOLDS),
     OTHER(scene_bottle, "magnetic bottle", "Hamiltonian", 0.1, 64, true),
     OTHER(scene_spring, "elastic pendulum", "potential", 0.1, 64, true),
-    OTHER(scene_double_pendulum, "double pendulum", "Lagrangian", 0.05, 64, false),
+    OTHER(scene_double_pendulum, "double pendulum", "Lagrangian", 0.03125, 64, false),
     KEPLER(0.1, LONGRUN_ROUNDED, 16, LONGRUN_FAILS),
     SOLAR(250, "galerkin", LONGRUN_ROUNDED, 32, LONGRUN_FAILS),
     SOLAR(400, "galerkin", LONGRUN_ROUNDED, 32, LONGRUN_FAILS),

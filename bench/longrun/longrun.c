@@ -1,5 +1,5 @@
-/* longrun.c - the table and the picture of docs/roundoff.md: longrun DIR MINUTES. Status 1 where a row does not do what
- * it must.
+/* longrun.c - the table and the picture of docs/roundoff.md: longrun DIR MINUTES [SCENE]. Status 1 where a row does not
+ * do what it must.
  *
  * Brouwer's law: errors of random sign add up to an energy error that grows as t^(1/2); errors with a sign of their own
  * make it grow as t. Fitted is log rms = log c + a log t, the rms over the orbits of e_i = (H - H0_i) / |H0_i|, at
@@ -10,6 +10,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { FULL_MINUTES = 18, ORBITS_LEAST = 8 };
 
@@ -44,19 +45,19 @@ static void write_row(output *out, const longrun_series *s, longrun_quantity qua
     write_samples(out->csv, s, quantity);
     fprintf(out->table, "| %s | %s | %s %d%s | %s | %g |", l->title, l->form, l->method, l->order, sums[l->sums],
             quantities[quantity], l->h);
-    fprintf(out->table, " %d | %.3g | %.1e | %.1e |", s->orbits, (double)s->steps[s->samples - 1] / 1e6, r.floor,
+    fprintf(out->table, " %d | %.3g | %.1e | %.1e |", s->orbits, (double)s->steps[s->samples - 1] / 1e6, r.scatter,
             r.rms);
     if (isfinite(r.interval)) fprintf(out->table, " %.2f ± %.2f |", r.exponent, r.interval);
     else fprintf(out->table, " - |"); /* too short */
     fprintf(out->table, " %.1e ± %.1e | %.1f |", r.mean, r.deviation, r.mean / r.deviation);
     fprintf(out->table, " %s | %s | %s | %s | %s |\n", answers[r.unbiased], answers[r.is_walk],
             bounded ? answers[r.is_small] : "-", duties[duty], answers[right]);
-    experiment_progress(
-        "%-20s %-9s h %-5g %-22s%-17s %3d orbits: rms %.1e, exponent %.2f +- %.2f from %ld, mean %+.1e +- "
-        "%.1e: %s%s%s%s",
-        l->title, l->method, l->h, sums[l->sums], quantities[quantity], s->orbits, r.rms, r.exponent, r.interval,
-        r.fit_from, r.mean, r.deviation, meets ? "meets all" : "misses", r.unbiased ? "" : " mean",
-        r.is_walk ? "" : " exponent", r.is_small ? "" : " rms");
+    experiment_progress("%-20s %-9s h %-5g%-23s %-17s %3d orbits: scatter %.1e, rms %.1e, exponent %.2f +- %.2f from "
+                        "%ld, mean %+.1e +- "
+                        "%.1e: %s%s%s%s",
+                        l->title, l->method, l->h, sums[l->sums], quantities[quantity], s->orbits, r.scatter, r.rms,
+                        r.exponent, r.interval, r.fit_from, r.mean, r.deviation, meets ? "meets all" : "misses",
+                        r.unbiased ? "" : " mean", r.is_walk ? "" : " exponent", r.is_small ? "" : " rms");
     out->rows++;
     out->wrong += !right;
     if (!right) experiment_progress("    WRONG: it must meet %s", duties[duty]);
@@ -76,19 +77,20 @@ static void run_line(output *out, longrun_series *series, const longrun_line *l,
 int main(int argc, char *argv[])
 {
     sweep_insist_on_one_thread(argv);
-    const double minutes = argc == 3 ? strtod(argv[2], NULL) : 0;
-    if (!(minutes > 0)) experiment_fail("longrun", "usage: longrun DIR MINUTES");
+    const double minutes = argc == 3 || argc == 4 ? strtod(argv[2], NULL) : 0;
+    if (!(minutes > 0)) experiment_fail("longrun", "usage: longrun DIR MINUTES [SCENE]");
     const experiment e = {argv[1], argc, argv};
     output out = {.csv = experiment_csv(&e, "longrun", "line,quantity,steps,time,rms,mean")};
     out.table =
         experiment_table(&e, "longrun",
-                         " scene | form | method | quantity | h | orbits | million steps | roundoff of its value | "
+                         " scene | form | method | quantity | h | orbits | million steps | scatter of its values | "
                          "rms at the end | exponent, 95% | mean at the end, standard error | their ratio | "
                          "mean is 0 | exponent is 1/2 | rms | must meet | does ");
     longrun_series *series = malloc(sizeof *series);
     if (!series) experiment_fail("longrun", "no memory");
     (void)gauss_tableau_of(8); /* before there are threads */
-    for (const longrun_line *l = longrun_lines; l->scene; l++) run_line(&out, series, l, minutes / FULL_MINUTES);
+    for (const longrun_line *l = longrun_lines; l->scene; l++)
+        if (argc == 3 || strcmp(argv[3], l->scene->name) == 0) run_line(&out, series, l, minutes / FULL_MINUTES);
     free(series);
     experiment_close(out.csv);
     experiment_close(out.table);

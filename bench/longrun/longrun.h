@@ -5,7 +5,7 @@
 
 #include "experiments/experiment.h"
 
-enum { LONGRUN_ORBITS_MAX = 256, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18 };
+enum { LONGRUN_ORBITS_MAX = 256, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18, LONGRUN_WINDOW = 1024 };
 
 /* The angular momentum is that about the axis of q[2]. */
 typedef enum { LONGRUN_ENERGY, LONGRUN_MOMENTUM, LONGRUN_QUANTITIES } longrun_quantity;
@@ -32,12 +32,14 @@ typedef struct {
 
 extern const longrun_line longrun_lines[]; /* a scene of NULL ends */
 
-/* errors[quantity][sample][orbit] are (x - x_0) / scale. */
+/* errors[quantity][sample][orbit] are (x - x_0) / scale, x and x_0 means over a window of steps, which ends steps[k]
+ * after the window of x_0. */
 typedef struct {
     const longrun_line *line;
     int orbits, samples;
     double cpu; /* s, of all threads */
     long steps[LONGRUN_SAMPLES_MAX];
+    double scatter[LONGRUN_QUANTITIES][LONGRUN_ORBITS_MAX]; /* of the values in the first window */
     double errors[LONGRUN_QUANTITIES][LONGRUN_SAMPLES_MAX][LONGRUN_ORBITS_MAX];
 } longrun_series;
 
@@ -49,7 +51,7 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
 typedef struct {
     double rms, mean, deviation;      /* at the end; of the mean: its standard error */
     double exponent, interval;        /* of the rms; half the width, 95 % */
-    double floor;                     /* the roundoff of the quantity's own evaluation */
+    double scatter;                   /* of the values: roundoff of their own evaluation, truncation of the steps */
     long fit_from;                    /* steps; 0: no fit */
     bool unbiased, is_walk, is_small; /* the bounds, met where there is none */
 } longrun_result;

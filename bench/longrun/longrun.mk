@@ -4,10 +4,10 @@ LONGRUN         = $(BUILD)/bench/longrun
 LONGRUN_OBJECTS = $(patsubst %.c,$(BUILD)/%.o,$(wildcard bench/longrun/*.c)) $(EXPERIMENTS_DIR)/experiment.o
 MINUTES        ?= 18
 
-# MINUTES=n: more or fewer orbits. Fails where a row does not do what it must.
+# MINUTES=n: more or fewer orbits; SCENE=kepler for the rows of one scene. Fails where a row does not do what it must.
 longrun: need-bench
 	@$(MAKE) --no-print-directory $(LONGRUN)/longrun
-	@$(LONGRUN)/longrun $(LONGRUN) $(MINUTES); status=$$?; \
+	@$(LONGRUN)/longrun $(LONGRUN) $(MINUTES) $(SCENE); status=$$?; \
 	gnuplot -c bench/longrun/longrun.gp $(LONGRUN) bench/experiments && cat $(LONGRUN)/longrun.md && exit $$status
 .PHONY: longrun
 

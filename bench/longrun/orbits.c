@@ -7,8 +7,9 @@
 #include <stdint.h>
 #include <string.h>
 
-enum { THREADS = 2, SAMPLES_A_DECADE = 10 };
-static const double PERTURBATION = 1e-12;
+/* Samples begin after FIRST_SAMPLE windows; from there they do not overlap. */
+enum { THREADS = 2, SAMPLES_A_DECADE = 10, FIRST_SAMPLE = 5 };
+static const double PERTURBATION = 1e-12, PI = 3.14159265358979323846;
 
 typedef struct {
     const tvi_system *system;
@@ -101,18 +102,45 @@ static void measure(const orbit *o, double value[LONGRUN_QUANTITIES])
     value[LONGRUN_MOMENTUM] = (double)(left - right);
 }
 
+/* A step and its values. */
+static void step_and_measure(orbit *o, const longrun_line *line, double value[LONGRUN_QUANTITIES])
+{
+    orbit_advance(o, line, 1);
+    measure(o, value);
+}
+
+/* The means of the values less `start` over the steps of a window, with weights 1 - cos(2 pi i / W); what repeats
+ * itself several times in a window is not in them. scatter: the root mean square about that mean, or NULL. */
+static void observe(orbit *o, const longrun_line *line, const double start[], double mean[], double scatter[])
+{
+    double squares[LONGRUN_QUANTITIES] = {0}, value[LONGRUN_QUANTITIES];
+    for (int i = 0; i < LONGRUN_QUANTITIES; i++) mean[i] = 0;
+    for (int step = 1; step <= LONGRUN_WINDOW; step++) {
+        const double weight = (1 - cos(2 * PI * (step - 0.5) / LONGRUN_WINDOW)) / LONGRUN_WINDOW;
+        step_and_measure(o, line, value);
+        for (int i = 0; i < LONGRUN_QUANTITIES; i++) {
+            const double d = value[i] - start[i];
+            mean[i] += weight * d, squares[i] += weight * d * d;
+        }
+    }
+    for (int i = 0; i < LONGRUN_QUANTITIES && scatter; i++) scatter[i] = sqrt(fmax(0, squares[i] - mean[i] * mean[i]));
+}
+
 static void orbit_run(longrun_series *series, const tvi_system *system, int k)
 {
+    const longrun_line *line = series->line;
     orbit o;
-    double start[LONGRUN_QUANTITIES], now[LONGRUN_QUANTITIES];
-    orbit_begin(&o, series->line, system, k);
+    double start[LONGRUN_QUANTITIES], first[LONGRUN_QUANTITIES], now[LONGRUN_QUANTITIES], scatter[LONGRUN_QUANTITIES];
+    orbit_begin(&o, line, system, k);
     measure(&o, start);
+    const double scale[LONGRUN_QUANTITIES] = {fmax(fabs(start[0]), line->scene->energy_scale), fabs(start[1])};
+    observe(&o, line, start, first, scatter);
+    for (int i = 0; i < LONGRUN_QUANTITIES; i++) series->scatter[i][k] = scatter[i] / scale[i];
     for (int sample = 0; sample < series->samples; sample++) {
-        orbit_advance(&o, series->line, series->steps[sample] - (sample > 0 ? series->steps[sample - 1] : 0));
-        measure(&o, now);
-        const double scale[LONGRUN_QUANTITIES] = {fmax(fabs(start[0]), series->line->scene->energy_scale), start[1]};
-        for (int i = 0; i < LONGRUN_QUANTITIES; i++)
-            series->errors[i][sample][k] = (now[i] - start[i]) / fabs(scale[i]);
+        const long before = sample > 0 ? series->steps[sample - 1] : 0;
+        orbit_advance(&o, line, series->steps[sample] - before - LONGRUN_WINDOW);
+        observe(&o, line, start, now, NULL);
+        for (int i = 0; i < LONGRUN_QUANTITIES; i++) series->errors[i][sample][k] = (now[i] - first[i]) / scale[i];
     }
     orbit_end(&o);
 }
@@ -130,10 +158,10 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
     tvi_system *system = experiment_system(line->scene);
     ensemble all = {.series = series, .system = system};
     const double begin = run_clock();
-    const int decades = (int)ceil(SAMPLES_A_DECADE * (log10(steps) - 1));
-    series->line = line, series->orbits = orbits, series->samples = decades + 1;
-    for (int k = 0; k <= decades; k++)
-        series->steps[k] = lround(steps * pow(10, (double)(k - decades) / SAMPLES_A_DECADE));
+    const int last = (int)floor(SAMPLES_A_DECADE * log10(steps / (FIRST_SAMPLE * LONGRUN_WINDOW)));
+    if (last < 0) experiment_fail(line->title, "too few steps");
+    series->line = line, series->orbits = orbits, series->samples = last + 1;
+    for (int k = 0; k <= last; k++) series->steps[k] = lround(steps * pow(10, (double)(k - last) / SAMPLES_A_DECADE));
     for (int i = 0; i < THREADS; i++)
         if (pthread_create(&thread[i], NULL, run_some, &all) != 0) experiment_fail("threads", "cannot be made");
     for (int i = 0; i < THREADS; i++) pthread_join(thread[i], NULL);

@@ -17,10 +17,11 @@ struct rounded {
     const tvi_system *system;
     double h;
     double node[2][NODES], weight[2][NODES], position_weight[2][NODES]; /* in two parts, the first short */
-    double matrix[NODES][NODES], ahead[NODES][NODES];                   /* [j][i] (a a)_ij; the predictor's */
-    double Q[N_MAX * NODES], force[N_MAX * NODES], guess[N_MAX * NODES];
+    double matrix[NODES][NODES];                                        /* [j][i] (a a)_ij */
+    double ahead[2][2][NODES][NODES];                                   /* [steps - 1][step back][j][i] */
+    double Q[N_MAX * NODES], force[N_MAX * NODES], before[N_MAX * NODES], guess[N_MAX * NODES];
     double q_low[N_MAX], p_low[N_MAX], size[N_MAX];
-    bool goes_on;  /* force is that of the last step */
+    long made;     /* steps: force and before are those of the last two */
     double *block; /* of the force's tape */
 };
 
@@ -28,6 +29,40 @@ static void split(long double x, double *part, double *rest)
 {
     *part = (float)x;
     *rest = (double)(x - *part);
+}
+
+/* pi_0(s), ... at the nodes of the step before the last, of the last and of the next one: polynomials that are
+ * orthonormal on the first two thirds. */
+enum { DEGREE = 3 * NODES / 2, PLACES = 3 * NODES };
+
+static void set_basis(const gauss_tableau *t, long double basis[DEGREE + 1][PLACES])
+{
+    for (int k = 0; k <= DEGREE; k++) {
+        for (int i = 0; i < PLACES; i++)
+            basis[k][i] = k > 0 ? basis[k - 1][i] * (t->node[i % NODES] + (long double)(i / NODES) - 1) : 1;
+        for (int l = 0; l <= k; l++) { /* at last its own length */
+            long double product = 0;
+            for (int i = 0; i < 2 * NODES; i++) product += basis[k][i] * basis[l][i];
+            for (int i = 0; i < PLACES; i++)
+                basis[k][i] = l < k ? basis[k][i] - product * basis[l][i] : basis[k][i] / sqrtl(product);
+        }
+    }
+}
+
+/* The next step from one by its polynomial, from two by least squares, sum_k pi_k(1 + c_i) pi_k(s_j). */
+static void set_predictor(rounded *r, const gauss_tableau *t)
+{
+    long double basis[DEGREE + 1][PLACES];
+    set_basis(t, basis);
+    for (int i = 0; i < NODES; i++)
+        for (int j = 0; j < NODES; j++) {
+            r->ahead[0][0][j][i] = (double)t->extrapolation[i][j];
+            for (int back = 0; back < 2; back++) {
+                long double sum = 0;
+                for (int k = 0; k <= DEGREE; k++) sum += basis[k][2 * NODES + i] * basis[k][(1 - back) * NODES + j];
+                r->ahead[1][back][j][i] = (double)sum;
+            }
+        }
 }
 
 rounded *rounded_create(const tvi_system *system, double h)
@@ -43,11 +78,9 @@ rounded *rounded_create(const tvi_system *system, double h)
         split(t->node[i], &r->node[0][i], &r->node[1][i]);
         split(t->weight[i], &r->weight[0][i], &r->weight[1][i]);
         split(t->position_weight[i], &r->position_weight[0][i], &r->position_weight[1][i]);
-        for (int j = 0; j < NODES; j++) {
-            r->matrix[j][i] = (double)t->matrix[i][j];
-            r->ahead[j][i] = (double)t->extrapolation[i][j];
-        }
+        for (int j = 0; j < NODES; j++) r->matrix[j][i] = (double)t->matrix[i][j];
     }
+    set_predictor(r, t);
     return r;
 }
 
@@ -57,10 +90,9 @@ void rounded_free(rounded *r)
     free(r);
 }
 
-/* out_i = sum_j row_ji x_j */
-static void multiply(const double row[NODES][NODES], const double x[NODES], double out[NODES])
+/* out_i += sum_j row_ji x_j */
+static void add_product(double row[NODES][NODES], const double x[NODES], double out[NODES])
 {
-    for (int i = 0; i < NODES; i++) out[i] = 0;
     for (int j = 0; j < NODES; j++)
         for (int i = 0; i < NODES; i++) out[i] += row[j][i] * x[j];
 }
@@ -78,10 +110,11 @@ static tvi_status evaluate(rounded *r)
 /* Q of the forces; the sum of the squares of the movements, relative to the sizes. */
 static double place(rounded *r, const double force[], const double q[], const double p[])
 {
-    double squares = 0, sum[NODES];
+    double squares = 0;
     for (int u = 0; u < r->system->n; u++) {
         const double rate = r->h / r->system->mass[u], drift = rate * p[u], scale = r->h * rate;
-        multiply((const double(*)[NODES])r->matrix, force + u * NODES, sum);
+        double sum[NODES] = {0};
+        add_product(r->matrix, force + u * NODES, sum);
         for (int i = 0; i < NODES; i++) {
             const double now = q[u] + (r->node[0][i] * drift + r->node[1][i] * drift + scale * sum[i]);
             const double change = (now - r->Q[u * NODES + i]) / r->size[u];
@@ -92,23 +125,39 @@ static double place(rounded *r, const double force[], const double q[], const do
     return squares;
 }
 
-/* From the forces of the last step, or from that at the start. */
-static tvi_status predict(rounded *r, const double q[], const double p[])
+/* The forces from those of the last steps, or as at the start. */
+static tvi_status guess(rounded *r, const double q[])
 {
     const int n = r->system->n;
+    const size_t size = (size_t)(n * NODES) * sizeof(double);
+    if (r->made == 0) {
+        for (int k = 0; k < n * NODES; k++) r->Q[k] = q[k / NODES];
+        const tvi_status status = evaluate(r);
+        memcpy(r->guess, r->force, size);
+        return status;
+    }
+    memset(r->guess, 0, size);
+    for (int u = 0; u < n * NODES; u += NODES) {
+        add_product(r->ahead[r->made > 1][0], r->force + u, r->guess + u);
+        if (r->made > 1) add_product(r->ahead[1][1], r->before + u, r->guess + u);
+    }
+    memcpy(r->before, r->force, size);
+    return TVI_OK;
+}
+
+/* Q of the guess, and the sizes of the unknowns: |q0| + |Q_8 - q0|, with a share of the largest. */
+static tvi_status predict(rounded *r, const double q[], const double p[])
+{
     double largest = 0;
-    for (int u = 0; u < n; u++) r->size[u] = 1;
-    for (int k = 0; k < n * NODES && !r->goes_on; k++) r->Q[k] = q[k / NODES];
-    const tvi_status status = r->goes_on ? TVI_OK : evaluate(r);
+    const tvi_status status = guess(r, q);
     if (status != TVI_OK) return status;
-    for (int u = 0; u < n && r->goes_on; u++)
-        multiply((const double(*)[NODES])r->ahead, r->force + u * NODES, r->guess + u * NODES);
-    (void)place(r, r->goes_on ? r->guess : r->force, q, p);
-    for (int u = 0; u < n; u++) {
+    for (int u = 0; u < r->system->n; u++) r->size[u] = 1;
+    (void)place(r, r->guess, q, p);
+    for (int u = 0; u < r->system->n; u++) {
         r->size[u] = fabs(q[u]) + fabs(r->Q[u * NODES + NODES - 1] - q[u]);
         largest = fmax(largest, r->size[u]);
     }
-    for (int u = 0; u < n; u++) r->size[u] += 1e-3 * largest;
+    for (int u = 0; u < r->system->n; u++) r->size[u] += 1e-3 * largest;
     return TVI_OK;
 }
 
@@ -165,7 +214,7 @@ tvi_status rounded_run(rounded *r, long steps, double q[], double p[])
         tvi_status status = predict(r, q, p);
         if (status == TVI_OK) status = iterate(r, q, p);
         if (status != TVI_OK) return status;
-        r->goes_on = true;
+        r->made++;
         for (int u = 0; u < r->system->n; u++) {
             const double *force = r->force + u * NODES, rate = r->h / r->system->mass[u];
             add(&q[u], &r->q_low[u], rate * (p[u] + (r->p_low[u] + r->h * integral(r->position_weight, force))));

@@ -2,10 +2,8 @@
 
 #include <math.h>
 
-/* A sample of at most so many steps has no error yet but that of evaluating the quantity; the fit begins where the rms
- * is so many times that. */
-static const long FLOOR_STEPS = 40;
-static const double ABOVE_FLOOR = 4;
+/* The fit begins where the rms is so many times the scatter of the values; their means over a window scatter less. */
+static const double ABOVE_SCATTER = 0.125;
 
 /* Of the standard errors of the mean, of the exponent about 1/2. */
 static const double BIAS_MOST = 3, EXPONENT_MOST = 0.15;
@@ -42,21 +40,18 @@ static double standard_error(const longrun_series *s, longrun_quantity quantity,
     return sqrt(squares / (s->orbits - 1) / s->orbits);
 }
 
-/* The rms of the first samples. */
-static double evaluation_floor(const longrun_series *s, longrun_quantity quantity)
+static double scatter(const longrun_series *s, longrun_quantity quantity)
 {
     double squares = 0;
-    int count = 0;
-    for (int k = 0; k < s->samples && s->steps[k] <= FLOOR_STEPS; k++, count++)
-        squares += pow(longrun_rms(s, quantity, k), 2);
-    return count > 0 ? sqrt(squares / count) : 0;
+    for (int i = 0; i < s->orbits; i++) squares += s->scatter[quantity][i] * s->scatter[quantity][i];
+    return sqrt(squares / s->orbits);
 }
 
-/* The sample from which on all are above the floor. */
-static int fit_start(const longrun_series *s, longrun_quantity quantity, double floor)
+/* The sample from which on the rms is above `least`. */
+static int fit_start(const longrun_series *s, longrun_quantity quantity, double least)
 {
     int k = s->samples;
-    while (k > 0 && longrun_rms(s, quantity, k - 1) > ABOVE_FLOOR * floor) k--;
+    while (k > 0 && longrun_rms(s, quantity, k - 1) > least) k--;
     return k;
 }
 
@@ -88,8 +83,8 @@ longrun_result longrun_judge(const longrun_series *s, longrun_quantity quantity)
     const double most = quantity == LONGRUN_ENERGY ? s->line->rms_most : 0;
     longrun_result r = {.rms = longrun_rms(s, quantity, last), .mean = longrun_mean(s, quantity, last)};
     r.deviation = standard_error(s, quantity, last);
-    r.floor = evaluation_floor(s, quantity);
-    const int from = fit_start(s, quantity, r.floor);
+    r.scatter = scatter(s, quantity);
+    const int from = fit_start(s, quantity, ABOVE_SCATTER * r.scatter);
     r.exponent = exponent(s, quantity, from, -1);
     r.interval = exponent_interval(s, quantity, from, r.exponent);
     r.fit_from = from < s->samples ? s->steps[from] : 0;
