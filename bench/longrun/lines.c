@@ -41,39 +41,31 @@ static const scene scene_spring = {.name = "spring",
 #define DAYS_A_YEAR 365.25
 #define CENTURIES   (1000 * 100 * DAYS_A_YEAR) /* a thousand of them, in days */
 
-#define KEPLER(h_, sums_, orbits_, duty_)                                                                              \
-    {                                                                                                                  \
-        .scene = &scene_kepler, .title = "Kepler", .form = "potential", .method = "galerkin", .order = 16, .h = h_,    \
-        .sums = sums_, .steps = 3e6, .orbits = orbits_, .has_momentum = true, .duty = {                                \
-            duty_,                                                                                                     \
-            duty_                                                                                                      \
-        }                                                                                                              \
-    }
+/* clang-format off */
+#define KEPLER(h_, sums_, orbits_, energy_, momentum_)                                                                 \
+    {.scene = &scene_kepler, .title = "Kepler", .form = "potential", .method = "galerkin", .order = 16, .sums = sums_, \
+     .h = h_, .steps = 3e6, .orbits = orbits_, .has_momentum = true, .duty = {energy_, momentum_}}
 #define SOLAR(h_, method_, sums_, orbits_, duty_)                                                                      \
-    {                                                                                                                  \
-        .scene = &scene_solar, .title = "outer Solar System", .form = "potential", .method = method_, .order = 16,     \
-        .h = h_, .sums = sums_, .steps = CENTURIES / h_, .orbits = orbits_, .unit = DAYS_A_YEAR, .duty = {duty_},      \
-        .rms_most = 2e-14                                                                                              \
-    }
+    {.scene = &scene_solar, .title = "outer Solar System", .form = "potential", .method = method_, .order = 16,        \
+     .sums = sums_, .h = h_, .steps = CENTURIES / (h_), .orbits = orbits_, .duty = {duty_}, .rms_most = 2e-14}
 #define OTHER(scene_, title_, form_, h_, orbits_, momentum_)                                                           \
-    {                                                                                                                  \
-        .scene = &scene_, .title = title_, .form = form_, .method = "galerkin", .order = 16, .h = h_, .steps = 1e6,    \
-        .orbits = orbits_, .has_momentum = momentum_                                                                   \
-    }
+    {.scene = &scene_, .title = title_, .form = form_, .method = "galerkin", .order = 16, .h = h_, .steps = 1e6,       \
+     .orbits = orbits_, .has_momentum = momentum_}
+/* clang-format on */
 
 const longrun_line longrun_lines[] = {
-    KEPLER(0.1, LONGRUN_COMPENSATED, 64, LONGRUN_HOLDS),
-    KEPLER(0.25, LONGRUN_COMPENSATED, 64, LONGRUN_HOLDS),
-    SOLAR(100, "galerkin", LONGRUN_COMPENSATED, 64, LONGRUN_HOLDS),
-    SOLAR(250, "galerkin", LONGRUN_COMPENSATED, 64, LONGRUN_HOLDS),
-    SOLAR(400, "galerkin", LONGRUN_COMPENSATED, 64, LONGRUN_HOLDS),
-    OTHER(scene_bottle, "magnetic bottle", "Hamiltonian", 0.1, 64, true),
-    OTHER(scene_spring, "elastic pendulum", "potential", 0.1, 64, true),
-    OTHER(scene_double_pendulum, "double pendulum", "Lagrangian", 0.03125, 64, false),
-    KEPLER(0.1, LONGRUN_ROUNDED, 16, LONGRUN_FAILS),
+    KEPLER(0.1, LONGRUN_COMPENSATED, 128, LONGRUN_HOLDS, LONGRUN_HOLDS),
+    KEPLER(0.25, LONGRUN_COMPENSATED, 128, LONGRUN_HOLDS, LONGRUN_HOLDS),
+    SOLAR(100, "galerkin", LONGRUN_COMPENSATED, 128, LONGRUN_HOLDS),
+    SOLAR(250, "galerkin", LONGRUN_COMPENSATED, 192, LONGRUN_HOLDS),
+    SOLAR(400, "galerkin", LONGRUN_COMPENSATED, 192, LONGRUN_HOLDS),
+    OTHER(scene_bottle, "magnetic bottle", "Hamiltonian", 0.1, 128, true),
+    OTHER(scene_spring, "elastic pendulum", "potential", 0.1, 192, true),
+    OTHER(scene_double_pendulum, "double pendulum", "Lagrangian", 0.03125, 72, false),
+    KEPLER(0.1, LONGRUN_ROUNDED, 24, LONGRUN_FAILS, LONGRUN_SHOWN),
     SOLAR(250, "galerkin", LONGRUN_ROUNDED, 32, LONGRUN_FAILS),
     SOLAR(400, "galerkin", LONGRUN_ROUNDED, 32, LONGRUN_FAILS),
-    SOLAR(100, "galerkin", LONGRUN_PLAIN, 16, LONGRUN_FAILS),
-    SOLAR(100, "midpoint", LONGRUN_COMPENSATED, 8, LONGRUN_SHOWN),
+    SOLAR(100, "galerkin", LONGRUN_PLAIN, 64, LONGRUN_FAILS),
+    SOLAR(100, "midpoint", LONGRUN_COMPENSATED, 32, LONGRUN_SHOWN),
     {.scene = NULL},
 };

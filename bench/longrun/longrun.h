@@ -23,10 +23,9 @@ typedef struct {
     int order;
     longrun_sums sums;
     double h, steps;                       /* steps of a whole run */
-    int orbits;                            /* of a program of LONGRUN_MINUTES; an even number */
+    int orbits;                            /* of the whole program */
     longrun_duty duty[LONGRUN_QUANTITIES]; /* a quantity that has no meaning has no row */
     bool has_momentum;
-    double unit;     /* of time, in units of the picture's axis; 0: none */
     double rms_most; /* of the energy at the end; 0: no bound */
 } longrun_line;
 
