@@ -51,13 +51,13 @@ static const scene scene_spring = {.name = "spring",
 
 /* Unless it says otherwise a row has compensated sums and must hold. */
 const longrun_line longrun_lines[] = {
-    {KEPLER, GALERKIN, .h = 0.1, .orbits = 128},
-    {KEPLER, GALERKIN, .h = 0.25, .orbits = 128},
+    {KEPLER, GALERKIN, .h = 0.1, .orbits = 96},
+    {KEPLER, GALERKIN, .h = 0.25, .orbits = 96},
     {SOLAR(100), GALERKIN, .orbits = 128},
-    {SOLAR(250), GALERKIN, .orbits = 192},
-    {SOLAR(400), GALERKIN, .orbits = 192},
+    {SOLAR(250), GALERKIN, .orbits = 256},
+    {SOLAR(400), GALERKIN, .orbits = 256},
     {BOTTLE, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
-    {SPRING, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 192},
+    {SPRING, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
     {DOUBLE, GALERKIN, .h = 0.03125, .steps = 1e6, .orbits = 72},
     {KEPLER, GALERKIN, .h = 0.1, .sums = LONGRUN_ROUNDED, .orbits = 24, .duty = {LONGRUN_FAILS, LONGRUN_SHOWN}},
     {SOLAR(250), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},

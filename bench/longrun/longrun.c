@@ -3,7 +3,7 @@
  *
  * Brouwer's law: errors of random sign add up to an energy error that grows as t^(1/2); errors with a sign of their own
  * make it grow as t. Fitted is log rms = log c + a log t, the rms over the orbits of e_i = (H - H0_i) / |H0_i|, at
- * times in equal ratios. */
+ * times in equal ratios; H and H0 are means over a window of steps. */
 #include "longrun.h"
 #include "baselines/gauss_tableau.h"
 #include "sweep.h"
@@ -68,7 +68,7 @@ static void run_line(output *out, longrun_series *series, const longrun_line *l,
 {
     const double orbits = fmin(fmax(part * l->orbits, ORBITS_LEAST), LONGRUN_ORBITS_MAX);
     longrun_run(series, l, (int)orbits, l->steps * fmin(1, part / WHOLE_FROM));
-    for (int quantity = 0; quantity <= l->has_momentum; quantity++) {
+    for (int quantity = 0; quantity < (l->has_momentum ? LONGRUN_QUANTITIES : 1); quantity++) {
         write_samples(out->csv, series, (longrun_quantity)quantity);
         write_row(out, series, (longrun_quantity)quantity);
         tell(series, (longrun_quantity)quantity);

@@ -7,8 +7,8 @@ set logscale xy
 set format xy powers
 set key top left Left reverse samplen 2 spacing 1.1
 set xlabel "steps"
-set xrange [4e3:4e6]
-set yrange [1e-16:1e-11]
+set xrange [1e3:4e6]
+set yrange [3e-17:1e-11]
 law(t) = 4e-17 * t ** 0.5
 linear(t) = 4e-19 * t
 

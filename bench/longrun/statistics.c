@@ -3,7 +3,7 @@
 #include <math.h>
 
 /* The fit begins where the rms is so many times the scatter of the values; their means over a window scatter less. */
-static const double ABOVE_SCATTER = 0.125;
+static const double ABOVE_SCATTER = 0.25;
 
 /* Of the standard errors of the mean, of the exponent about 1/2. */
 static const double BIAS_MOST = 3, EXPONENT_MOST = 0.15;
