@@ -42,8 +42,8 @@ static const scene scene_spring = {.name = "spring",
 
 #define GALERKIN .method = "galerkin", .order = 16
 #define KEPLER   .scene = &scene_kepler, .title = "Kepler", .form = "potential", .steps = 3e6, .has_momentum = true
-#define SOLAR(h_)                                                                                                      \
-    .scene = &scene_solar, .title = "outer Solar System", .form = "potential", .h = h_, .steps = CENTURIES / (h_),     \
+#define SOLAR(h_, steps_)                                                                                              \
+    .scene = &scene_solar, .title = "outer Solar System", .form = "potential", .h = h_, .steps = steps_,               \
     .rms_most = 2e-14
 #define BOTTLE .scene = &scene_bottle, .title = "magnetic bottle", .form = "Hamiltonian", .has_momentum = true
 #define SPRING .scene = &scene_spring, .title = "elastic pendulum", .form = "potential", .has_momentum = true
@@ -53,16 +53,16 @@ static const scene scene_spring = {.name = "spring",
 const longrun_line longrun_lines[] = {
     {KEPLER, GALERKIN, .h = 0.1, .orbits = 96},
     {KEPLER, GALERKIN, .h = 0.25, .orbits = 96},
-    {SOLAR(100), GALERKIN, .orbits = 128},
-    {SOLAR(250), GALERKIN, .orbits = 256},
-    {SOLAR(400), GALERKIN, .orbits = 256},
+    {SOLAR(100, CENTURIES / 100), GALERKIN, .orbits = 128},
+    {SOLAR(250, CENTURIES / 250), GALERKIN, .orbits = 256},
+    {SOLAR(400, CENTURIES / 400), GALERKIN, .orbits = 256},
     {BOTTLE, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
     {SPRING, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
     {DOUBLE, GALERKIN, .h = 0.03125, .steps = 1e6, .orbits = 72},
     {KEPLER, GALERKIN, .h = 0.1, .sums = LONGRUN_ROUNDED, .orbits = 24, .duty = {LONGRUN_FAILS, LONGRUN_SHOWN}},
-    {SOLAR(250), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},
-    {SOLAR(400), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},
-    {SOLAR(100), GALERKIN, .sums = LONGRUN_PLAIN, .orbits = 64, .duty = {LONGRUN_FAILS}},
-    {SOLAR(100), .method = "midpoint", .order = 16, .orbits = 32, .duty = {LONGRUN_SHOWN}},
+    {SOLAR(250, CENTURIES / 250), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},
+    {SOLAR(400, CENTURIES / 400), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},
+    {SOLAR(100, CENTURIES / 100), GALERKIN, .sums = LONGRUN_PLAIN, .orbits = 64, .duty = {LONGRUN_FAILS}},
+    {SOLAR(100, CENTURIES / 400), .method = "midpoint", .order = 16, .orbits = 32, .duty = {LONGRUN_SHOWN}},
     {.scene = NULL},
 };

@@ -49,6 +49,8 @@ static void write_row(output *out, const longrun_series *s, longrun_quantity qua
     fprintf(out->table, " %.1e ± %.1e | %.1f |", r.mean, r.deviation, r.mean / r.deviation);
     fprintf(out->table, " %s | %s | %s | %s |\n", answers[r.unbiased], answers[r.is_walk],
             quantity == LONGRUN_ENERGY && l->rms_most > 0 ? answers[r.is_small] : "-", verdicts[duty][right]);
+    fflush(out->csv);
+    fflush(out->table);
     out->rows++;
     out->wrong += !right;
 }
