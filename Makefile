@@ -113,6 +113,7 @@ include bench/bench.mk
 
 include bench/experiments/experiments.mk
 include bench/performance/performance.mk
+include bench/longrun/longrun.mk
 
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 

@@ -40,15 +40,6 @@ chaos: need-bench
 	gnuplot -c bench/chaos.gp $(BUILD)/bench bench/experiments
 .PHONY: chaos
 
-# the table and the picture of docs/roundoff.md; MINUTES=n for another length of the runs
-MINUTES ?= 18
-longrun: need-bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/longrun
-	$(BUILD)/bench/longrun $(BUILD)/bench $(MINUTES)
-	gnuplot -c bench/longrun.gp $(BUILD)/bench bench/experiments
-	@cat $(BUILD)/bench/longrun.md
-.PHONY: longrun
-
 # The generated tables of the documents: all made anew and compared, but for times; or put into the documents.
 DOCUMENTS ?= README.md $(wildcard docs/*.md)
 verify: need-bench
@@ -66,9 +57,8 @@ $(BUILD)/bench/sweep: $(BUILD)/bench/bench.o $(BUILD)/bench/summary.o
 $(BUILD)/bench/choose: $(BUILD)/bench/choose.o
 $(BUILD)/bench/order_doubling: $(BUILD)/bench/order_doubling.o
 $(BUILD)/bench/chaos: $(BUILD)/bench/chaos.o $(BUILD)/bench/experiments/experiment.o
-$(BUILD)/bench/longrun: $(BUILD)/bench/longrun.o $(BUILD)/bench/experiments/experiment.o
-$(BUILD)/bench/sweep $(BUILD)/bench/choose $(BUILD)/bench/order_doubling $(BUILD)/bench/chaos $(BUILD)/bench/longrun: $(SWEEP_OBJECTS) \
-                                                                                               $(BUILD)/libtvi.a
+$(BUILD)/bench/sweep $(BUILD)/bench/choose $(BUILD)/bench/order_doubling $(BUILD)/bench/chaos: $(SWEEP_OBJECTS) \
+                                                                       $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
 $(BUILD)/bench/tails: $(BUILD)/bench/tails.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
