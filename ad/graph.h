@@ -66,6 +66,8 @@ void jet_graph_free(jet_graph *graph);
 int jet_graph_inputs(const jet_graph *graph);
 jet jet_graph_input(const jet_graph *graph, int i);
 int jet_graph_count(const jet_graph *graph);
+/* How often another node was met where one was looked for, of those recorded before. */
+long jet_graph_collisions(const jet_graph *graph);
 struct jet_node *jet_graph_node(const jet_graph *graph, int index);
 
 static inline jet jet_of_node(struct jet_node *node) { return (jet){0, node}; }

@@ -17,6 +17,7 @@ struct jet_graph {
     struct jet_node **nodes; /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
     int slots;               /* of the hash table, a power of two > 2 count */
     struct jet_node **table;
+    long collisions; /* other nodes met where one was looked for in the table */
 };
 
 /* ---- Poison: an operation that could not be recorded, and the reason --------------------------------------------- */
@@ -59,6 +60,7 @@ struct jet_node *jet_graph_node(const jet_graph *graph, int index)
 int jet_graph_inputs(const jet_graph *graph) { return graph->inputs; }
 int jet_graph_count(const jet_graph *graph) { return graph->count; }
 jet jet_graph_input(const jet_graph *graph, int i) { return jet_of_node(jet_graph_node(graph, i)); }
+long jet_graph_collisions(const jet_graph *graph) { return graph->collisions; }
 void jet_graph_close(jet_graph *graph) { graph->open = false; }
 
 static bool has_second_operand(jet_op op) { return jet_role_of_b(op) == B_OPERAND; }
@@ -100,12 +102,27 @@ static bool same_node(const struct jet_node *x, const struct jet_node *y)
 }
 
 /* Where the node is in the table, or the empty slot where it belongs. */
-static struct jet_node **table_slot(struct jet_node **table, int slots, const struct jet_node *node)
+static struct jet_node **table_slot(jet_graph *graph, const struct jet_node *node)
 {
-    const uint64_t mask = (uint64_t)slots - 1;
+    const uint64_t mask = (uint64_t)graph->slots - 1;
     uint64_t i = node_hash(node) & mask;
-    while (table[i] && !same_node(table[i], node)) i = (i + 1) & mask;
-    return &table[i];
+    for (; graph->table[i] && !same_node(graph->table[i], node); i = (i + 1) & mask) graph->collisions++;
+    return &graph->table[i];
+}
+
+static bool grow_table(jet_graph *graph)
+{
+    const int slots = graph->slots ? 2 * graph->slots : 4 * CHUNK;
+    struct jet_node **table = calloc((size_t)slots, sizeof *table);
+    if (!table) return false;
+    free(graph->table);
+    graph->table = table;
+    graph->slots = slots;
+    for (int i = 0; i < graph->count; i++) {
+        struct jet_node *node = jet_graph_node(graph, i);
+        *table_slot(graph, node) = node;
+    }
+    return true;
 }
 
 static bool reserve(jet_graph *graph)
@@ -118,19 +135,7 @@ static bool reserve(jet_graph *graph)
         if (!nodes[graph->capacity / CHUNK]) return false;
         graph->capacity += CHUNK;
     }
-    if (graph->slots <= 2 * graph->count + 2) {
-        const int slots = graph->slots ? 2 * graph->slots : 4 * CHUNK;
-        struct jet_node **table = calloc((size_t)slots, sizeof *table);
-        if (!table) return false;
-        for (int i = 0; i < graph->count; i++) {
-            struct jet_node *node = jet_graph_node(graph, i);
-            *table_slot(table, slots, node) = node;
-        }
-        free(graph->table);
-        graph->table = table;
-        graph->slots = slots;
-    }
-    return true;
+    return graph->slots > 2 * graph->count + 2 || grow_table(graph);
 }
 
 /* The node equal to `wanted`, recorded now if it is new. Takes the terms of `wanted`. NULL without memory. */
@@ -144,7 +149,7 @@ static struct jet_node *record(jet_graph *graph, struct jet_node wanted, bool *i
     }
     wanted.graph = graph;
     wanted.index = graph->count;
-    struct jet_node **slot = table_slot(graph->table, graph->slots, &wanted);
+    struct jet_node **slot = table_slot(graph, &wanted);
     if (*slot) {
         free(wanted.terms);
         return *slot;

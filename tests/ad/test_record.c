@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #define COUNT(table) ((int)(sizeof table / sizeof table[0]))
 
@@ -146,17 +145,13 @@ START_TEST(different_is_kept)
 }
 END_TEST
 
-/* Seconds: work linear in the length stays far below, quadratic work (1e9 comparisons and more) far above. */
-static const double LINEAR_TIME = 2;
-
-static double seconds_since(clock_t start) { return (double)(clock() - start) / CLOCKS_PER_SEC; }
-
-/* What was recorded first is found again, and fast, after thousands of nodes that differ in their numbers alone. */
+/* What was recorded first is found again after thousands of nodes that differ in their numbers alone, and soon: in a
+ * table at most half full a search meets less than one other node on the average, and a node is looked for when it is
+ * recorded, again, and when the table grows. */
 START_TEST(sharing_survives_growth)
 {
     enum { MANY = 50000 };
     static jet first[MANY];
-    const clock_t start = clock();
     jet_graph *graph = jet_graph_create(1);
     const jet x = jet_graph_input(graph, 0);
     for (int i = 0; i < MANY; i++) first[i] = jet_pow(x, 0.25 + i);
@@ -164,7 +159,7 @@ START_TEST(sharing_survives_growth)
     for (int i = 0; i < MANY; i++) ck_assert_ptr_eq(jet_pow(x, 0.25 + i).node, first[i].node);
     ck_assert_int_eq(jet_graph_count(graph), 1 + MANY);
     for (int i = 0; i < MANY; i++) ck_assert_int_eq(jet_graph_node(graph, 1 + i)->index, 1 + i);
-    ck_assert_double_lt(seconds_since(start), LINEAR_TIME);
+    ck_assert_int_lt(jet_graph_collisions(graph), 2 * jet_graph_count(graph));
     jet_graph_free(graph);
 }
 END_TEST
@@ -435,7 +430,7 @@ static void record_long(const jet in[], jet z[])
     z[1] = jet_dot(in, in, LONG);
 }
 
-START_TEST(long_sums_are_fast)
+START_TEST(long_sums_are_right)
 {
     jet_graph *graph = jet_graph_create(LONG);
     jet *in = malloc(LONG * sizeof *in), z[2];
@@ -447,10 +442,9 @@ START_TEST(long_sums_are_fast)
         sum += x[i];
         squares += x[i] * x[i];
     }
-    const clock_t start = clock();
     record_long(in, z);
     recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
-    ck_assert_double_lt(seconds_since(start), LINEAR_TIME);
+    ck_assert_int_lt(jet_graph_collisions(graph), 2 * jet_graph_count(graph));
     ck_assert_int_eq(jet_graph_count(graph), LONG + LONG + 2);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], sum);
@@ -498,7 +492,7 @@ Suite *record_suite(void)
     tcase_add_test(slots, nesting_is_free);
     tcase_add_test(slots, slots_take_numbers);
     TCase *sums = add_case(suite, "sums");
-    tcase_add_test(sums, long_sums_are_fast);
+    tcase_add_test(sums, long_sums_are_right);
     tcase_add_test(sums, sums_keep_their_order);
     return suite;
 }
