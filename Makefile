@@ -61,7 +61,7 @@ all: need-library
 PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
                     'libblas-dev:pkg-config --exists blas'
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
-                    'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
+                    'clang-format:command -v clang-format' 'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
                     'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun'
 PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
 

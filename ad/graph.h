@@ -49,13 +49,13 @@ typedef struct jet_term {
 struct jet_node {
     jet_graph *graph; /* NULL: a poison node                                             */
     jet_op op;
-    int index;            /* order of recording: operands come first, partners may come later */
-    double number;        /* CONST: the value; POW: the exponent; LINEAR: the number added    */
-    struct jet_node *a;   /* the operand                                                      */
-    struct jet_node *b;   /* MUL, DIV: the second operand; from EXP on: the partner w         */
-    jet_term *terms;      /* LINEAR                                                           */
-    int count;            /* of terms                                                         */
-    int mark;             /* scratch of whoever walks the graph                               */
+    int index;          /* order of recording: operands come first, partners may come later */
+    double number;      /* CONST: the value; POW: the exponent; LINEAR: the number added    */
+    struct jet_node *a; /* the operand                                                      */
+    struct jet_node *b; /* MUL, DIV: the second operand; from EXP on: the partner w         */
+    jet_term *terms;    /* LINEAR                                                           */
+    int count;          /* of terms                                                         */
+    int mark;           /* scratch of whoever walks the graph                               */
 };
 
 /* A new open graph whose first nodes are its inputs; NULL without memory. */

@@ -1,9 +1,9 @@
-/* rule.h - what each operation does, in every kind of sweep. One operation a line of the table in rule.c; the rules of a
- * family share a file, rule_*.c, and within it a recurrence.
+/* rule.h - what each operation does, in every kind of sweep. One operation a line of the table in rule.c; the rules of
+ * a family share a file, rule_*.c, and within it a recurrence.
  *
- * Series are normalised: x(s) = sum_k x_k s^k. Coefficient k of a series starts at x + k * stride and is `width` numbers
- * wide: equal operations side by side, times lanes. A rule's loops are made by the frames below from a body that is
- * written for a vector type V (vector.h); where a series meets the lanes of a tangent, S reads it. */
+ * Series are normalised: x(s) = sum_k x_k s^k. Coefficient k of a series starts at x + k * stride and is `width`
+ * numbers wide: equal operations side by side, times lanes. A rule's loops are made by the frames below from a body
+ * that is written for a vector type V (vector.h); where a series meets the lanes of a tangent, S reads it. */
 #ifndef TVI_AD_RULE_H
 #define TVI_AD_RULE_H
 

@@ -1,7 +1,8 @@
 /* z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number. */
 #include "sums.h"
 
-/* name[terms](parameters) calls of(..., terms), each a function of its own as in sum_products.c; name[0]: of more terms. */
+/* name[terms](parameters) calls of(..., terms), each a function of its own as in sum_products.c; name[0]: of more
+ * terms. */
 enum { OWN_MAX = 5 };
 #define TABLE(name, of, parameters, ...)                                                                               \
     static void name##_any parameters { of(__VA_ARGS__, run->terms); }                                                 \

@@ -115,7 +115,7 @@ static void operators_on_jets()
     expect("operators record what names record", std::fabs(names - operators) < 1e-14 && std::fabs(names - 0.5) > 0.1);
 }
 
-/* ---- Systems ------------------------------------------------------------------------------------------------------ */
+/* ---- Systems ----------------------------------------------------------------------------------------------------- */
 
 struct pendulum {
     double gravity;

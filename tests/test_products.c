@@ -151,8 +151,8 @@ static const struct {
     const char *name;
     int order;
     double h;
-} product_methods[] = {{"midpoint", 16, 0.15}, {"midpoint", 6, 0.05}, {"start", 12, 0.1},    {"end", 12, 0.1},
-                       {"right", 12, 0.1},     {"left", 12, 0.1},     {"poincare", 14, 0.15}, {"tvi", 4, 0.02},
+} product_methods[] = {{"midpoint", 16, 0.15},  {"midpoint", 6, 0.05}, {"start", 12, 0.1},     {"end", 12, 0.1},
+                       {"right", 12, 0.1},      {"left", 12, 0.1},     {"poincare", 14, 0.15}, {"tvi", 4, 0.02},
                        {"htvi-right", 4, 0.02}, {"htvi-left", 4, 0.02}};
 
 static void run(const tvi_system *system, const tvi_options *options, double h, double q[], double p[])

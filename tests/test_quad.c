@@ -1,5 +1,5 @@
-/* test_quad.c - the library's type I and Taylor steps against the same methods from their definition in quadruple precision
- * (bench/quad.h). gcc only. */
+/* test_quad.c - the library's type I and Taylor steps against the same methods from their definition in quadruple
+ * precision (bench/quad.h). gcc only. */
 #include "problems.h"
 #include "quad.h"
 #include "suites.h"
@@ -12,7 +12,8 @@ typedef struct {
     quad t, q[N_MAX], p[N_MAX];
 } quad_state;
 
-static const test_problem *const problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain};
+static const test_problem *const problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles,
+                                               &problem_chain};
 enum { PROBLEMS = sizeof problems / sizeof *problems };
 
 static quad_system *quad_problem(const test_problem *problem)
@@ -89,9 +90,14 @@ static const struct {
     int points;
     double b[4], c[4]; /* see quad_rule */
 } rules[] = {
-    {TVI_GAUSS, 1, {0}, {0}},      {TVI_GAUSS, 3, {0}, {0}},           {TVI_GAUSS, 6, {0}, {0}},
-    {TVI_TRAPEZOID, 2, {1, 1}, {0, 1}}, {TVI_RECTANGLE_START, 1, {1}, {0}}, {TVI_RECTANGLE_END, 1, {1}, {1}},
-    {TVI_LOBATTO, 3, {1, 4, 1}, {0, 0.5, 1}}, {TVI_LOBATTO, 4, {1, 5, 5, 1}, {0, -1, 1, 1}},
+    {TVI_GAUSS, 1, {0}, {0}},
+    {TVI_GAUSS, 3, {0}, {0}},
+    {TVI_GAUSS, 6, {0}, {0}},
+    {TVI_TRAPEZOID, 2, {1, 1}, {0, 1}},
+    {TVI_RECTANGLE_START, 1, {1}, {0}},
+    {TVI_RECTANGLE_END, 1, {1}, {1}},
+    {TVI_LOBATTO, 3, {1, 4, 1}, {0, 0.5, 1}},
+    {TVI_LOBATTO, 4, {1, 5, 5, 1}, {0, -1, 1, 1}},
 };
 enum { RULES = sizeof rules / sizeof *rules };
 
@@ -153,8 +159,8 @@ enum { HIGH = sizeof high / sizeof *high };
 
 static void check_error(const char *of, double error, double expected)
 {
-    ck_assert_msg(expected > 1e-14 && error < 1.5 * expected && error > expected / 1.5, "%s: error %.2e, not %.2e", of, error,
-                  expected);
+    ck_assert_msg(expected > 1e-14 && error < 1.5 * expected && error > expected / 1.5, "%s: error %.2e, not %.2e", of,
+                  error, expected);
 }
 
 static void compare_with_definition(const test_problem *problem, const tvi_options *options, const quad_method *method,

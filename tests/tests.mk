@@ -7,8 +7,8 @@
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-generating check-tests $(patsubst %,check-%,$(filter-out generating,$(FOLDERS))) check-valgrind \
-           check-install check-warnings-gcc check-warnings-clang check-headers check-readme check-tables check-symbols \
-           check-instructions check-examples
+           check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
+           check-symbols check-instructions check-examples
 LONG    := check-sanitizers check-coverage check-optimized check-base check-threads
 .PHONY: check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
@@ -92,7 +92,9 @@ do-base: $(addprefix $(BUILD)/check/,tvi events generating)
 
 # ---- Memory and undefined behaviour: the same programs, some of their suites -------------------------------------------
 
-SANITIZE   := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+# what a null pointer or an object too small leads to, the address sanitizer finds: these two are half of the compiling
+SANITIZE   := -O1 -g1 -fsanitize=address,undefined -fno-sanitize=null,object-size -fno-sanitize-recover=all \
+              -fno-omit-frame-pointer
 VALGRIND   := valgrind -q --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect
 IN_ONE_GO  := CK_FORK=no tests/suites.sh
 
@@ -113,7 +115,7 @@ do-valgrind: $(addprefix $(BUILD)/check/,tvi ad)
 # two threads on one system, library and all
 check-threads:
 	$(REPORT) "two threads, ten thousand integrators, thread sanitizer" $(LOG) \
-	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads CFLAGS='-O1 -g -fsanitize=thread'
+	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads CFLAGS='-O1 -g1 -fsanitize=thread'
 do-threads: $(BUILD)/check/threads
 	TSAN_OPTIONS=halt_on_error=1 OPENBLAS_NUM_THREADS=1 $<
 $(BUILD)/check/threads: $(BUILD)/tests/threads/threads.o $(BUILD)/libtvi.a
@@ -153,6 +155,13 @@ check-warnings-clang:
 	$(REPORT) "no warnings from clang" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-warnings-clang BUILD=$(BUILD)/read CC=clang CFLAGS='-Werror -fsyntax-only'
 do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
+
+# .clang-format, and its 120 columns in comments too, which it leaves as they are
+FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addprefix $(folder)/,*.[ch] *.cpp */*.[ch] */*.cpp */*/*.[ch]))))
+check-formatting: ; $(REPORT) "formatting" $(LOG) $(DO)
+do-formatting:
+	clang-format --dry-run -Werror $(FORMATTED)
+	! grep -nE '^.{121,}' $(FORMATTED)
 
 # ---- What users get ----------------------------------------------------------------------------------------------------
 

@@ -135,8 +135,8 @@ static void record_gravity(double c, const jet x[], jet z[])
     }
 }
 
-/* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one more,
- * and with a product that something else needs, too. */
+/* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one
+ * more, and with a product that something else needs, too. */
 static void record_products(double c, const jet x[], jet z[])
 {
     (void)c;
@@ -147,7 +147,8 @@ static void record_products(double c, const jet x[], jet z[])
     z[1] = jet_mul(-2, jet_mul(x[0], x[1]));
     z[2] = jet_sub(jet_mul(x[0], x[3]), jet_mul(3, jet_mul(x[1], x[2])));
     z[3] = jet_sub(jet_mul(x[3], x[3]), jet_mul(x[4], x[1]));
-    z[4] = jet_sum((const jet[]){jet_mul(x[0], x[2]), jet_mul(x[1], x[3]), jet_mul(x[2], x[4]), jet_mul(x[3], x[5])}, 4);
+    z[4] =
+        jet_sum((const jet[]){jet_mul(x[0], x[2]), jet_mul(x[1], x[3]), jet_mul(x[2], x[4]), jet_mul(x[3], x[5])}, 4);
     z[5] = jet_sum(five, 5);
     z[6] = jet_add(1, jet_mul(x[5], x[5]));
     z[7] = jet_add(shared, jet_mul(x[3], x[4]));
@@ -211,8 +212,13 @@ const function compositions[] = {
     {"relativistic", record_relativistic, 2, 1, 0, {0.3, -0.8}, 1e-13},
     {"medley", record_medley, 3, 2, 0, {0.7, 0.9, 1.1}, 1e-13},
     {"products", record_products, 6, 9, 0, {0.7, -0.9, 1.1, 0.4, -1.3, 0.8}, 1e-13},
-    {"gravity", record_gravity, 18, 18, 0,
-     {3, 0, 0, -3, 0, 0.5, 0, 3, 1, 0, -3, -1, 0.5, 0.2, 4, -0.3, 0.4, -4}, 1e-13},
+    {"gravity",
+     record_gravity,
+     18,
+     18,
+     0,
+     {3, 0, 0, -3, 0, 0.5, 0, 3, 1, 0, -3, -1, 0.5, 0.2, 4, -0.3, 0.4, -4},
+     1e-13},
 };
 
 const int operation_count = sizeof operations / sizeof operations[0];

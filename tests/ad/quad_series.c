@@ -117,15 +117,19 @@ static void quad_products(double c, const quad x[], quad z[])
     z[8] = x[2] * x[5] / 2;
 }
 
-#define NAMED(name) {#name, quad_##name}
+#define NAMED(name)                                                                                                    \
+    {                                                                                                                  \
+#name, quad_##name                                                                                             \
+    }
 static const struct {
     const char *name;
     quad_fn *value;
 } quad_functions[] = {
-    NAMED(add), NAMED(sub), NAMED(neg), NAMED(linear), NAMED(sum), NAMED(dot), NAMED(mul), NAMED(div), NAMED(sqr),
-    NAMED(sqrt), NAMED(pow), NAMED(exp), NAMED(log), NAMED(sin), NAMED(cos), NAMED(tan), NAMED(asin), NAMED(acos),
-    NAMED(atan), NAMED(sinh), NAMED(cosh), NAMED(tanh), NAMED(kepler), NAMED(pendulums), NAMED(lattice),
-    NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
+    NAMED(add),     NAMED(sub),          NAMED(neg),    NAMED(linear),   NAMED(sum),     NAMED(dot),
+    NAMED(mul),     NAMED(div),          NAMED(sqr),    NAMED(sqrt),     NAMED(pow),     NAMED(exp),
+    NAMED(log),     NAMED(sin),          NAMED(cos),    NAMED(tan),      NAMED(asin),    NAMED(acos),
+    NAMED(atan),    NAMED(sinh),         NAMED(cosh),   NAMED(tanh),     NAMED(kepler),  NAMED(pendulums),
+    NAMED(lattice), NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
 };
 
 static quad_fn *find_function(const char *name)

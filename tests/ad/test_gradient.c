@@ -172,7 +172,8 @@ static void check_lift(const function *f, bool of_gradient)
 {
     static double direction[INPUTS_MAX * SHORT], in[2 * INPUTS_MAX * SHORT];
     recording lift = record_lift(f, of_gradient, JET_TAPE_SERIES);
-    recording r = of_gradient ? record_gradient(f, f->outputs - 1, JET_TAPE_SERIES) : record_outputs(f, JET_TAPE_SERIES);
+    recording r =
+        of_gradient ? record_gradient(f, f->outputs - 1, JET_TAPE_SERIES) : record_outputs(f, JET_TAPE_SERIES);
     const size_t size = (size_t)r.outputs * SHORT;
     double *out = numbers(2 * size), *z = numbers(size), *dz = numbers(size);
     dense_series(f, DEGREE, series);
@@ -224,19 +225,19 @@ END_TEST
 /* ---- What is recorded -------------------------------------------------------------------------------------------- */
 
 /* row(name, output of x and y, d/dx, d/dy, nodes added by the gradient): the derivatives are these very nodes. */
-#define RECORDED(row)                                                                                                  \
-    row(number, jet_const(3), jet_const(0), jet_const(0), 0)                                                           \
-    row(input, y, jet_const(0), jet_const(1), 0)                                                                       \
-    row(linear, jet_sub(jet_mul(2, x), jet_add(y, 5)), jet_const(2), jet_const(-1), 0)                                 \
-    row(cancelled, jet_sub(jet_sin(x), jet_sin(x)), jet_const(0), jet_const(0), 0)                                     \
-    row(product, jet_mul(x, y), y, x, 0)                                                                               \
-    row(square, jet_sqr(x), jet_mul(2, x), jet_const(0), 1)                                                            \
-    row(exponential, jet_exp(y), jet_const(0), jet_exp(y), 0)                                                          \
-    row(sine, jet_sin(x), jet_cos(x), jet_const(0), 0)                                                                 \
-    row(cosine, jet_cos(x), jet_neg(jet_sin(x)), jet_const(0), 1)                                                      \
-    row(logarithm, jet_log(x), jet_div(1, x), jet_const(0), 2)                                                         \
-    row(chain, jet_sin(jet_exp(x)), jet_mul(jet_exp(x), jet_cos(jet_exp(x))), jet_const(0), 1)                         \
-    row(fan, jet_mul(x, jet_sin(x)), jet_add(jet_sin(x), jet_mul(x, jet_cos(x))), jet_const(0), 2)
+#define RECORDED(ROW)                                                                                                  \
+    ROW(number, jet_const(3), jet_const(0), jet_const(0), 0)                                                           \
+    ROW(input, y, jet_const(0), jet_const(1), 0)                                                                       \
+    ROW(linear, jet_sub(jet_mul(2, x), jet_add(y, 5)), jet_const(2), jet_const(-1), 0)                                 \
+    ROW(cancelled, jet_sub(jet_sin(x), jet_sin(x)), jet_const(0), jet_const(0), 0)                                     \
+    ROW(product, jet_mul(x, y), y, x, 0)                                                                               \
+    ROW(square, jet_sqr(x), jet_mul(2, x), jet_const(0), 1)                                                            \
+    ROW(exponential, jet_exp(y), jet_const(0), jet_exp(y), 0)                                                          \
+    ROW(sine, jet_sin(x), jet_cos(x), jet_const(0), 0)                                                                 \
+    ROW(cosine, jet_cos(x), jet_neg(jet_sin(x)), jet_const(0), 1)                                                      \
+    ROW(logarithm, jet_log(x), jet_div(1, x), jet_const(0), 2)                                                         \
+    ROW(chain, jet_sin(jet_exp(x)), jet_mul(jet_exp(x), jet_cos(jet_exp(x))), jet_const(0), 1)                         \
+    ROW(fan, jet_mul(x, jet_sin(x)), jet_add(jet_sin(x), jet_mul(x, jet_cos(x))), jet_const(0), 2)
 
 #define BUILD(name, output, by_x, by_y, nodes)                                                                         \
     static void build_##name(jet x, jet y, jet out[3])                                                                 \

@@ -11,86 +11,86 @@
 /* ---- What is the same -------------------------------------------------------------------------------------------- */
 
 /* row(name, one, other): both are the same node, or the same number, for jets x and y. */
-#define SAME(row)                                                                                                      \
-    row(difference_of_equals, jet_sub(x, x), jet_const(0))                                                             \
-    row(sum_of_equals, jet_add(x, x), jet_mul(2, x))                                                                   \
-    row(times_one, jet_mul(x, 1), x)                                                                                   \
-    row(one_times, jet_mul(1, x), x)                                                                                   \
-    row(times_zero, jet_mul(0, x), jet_const(0))                                                                       \
-    row(plus_zero, jet_add(x, 0), x)                                                                                   \
-    row(minus_zero, jet_sub(x, 0), x)                                                                                  \
-    row(zero_minus, jet_sub(0, x), jet_neg(x))                                                                         \
-    row(negated_twice, jet_neg(jet_neg(x)), x)                                                                         \
-    row(over_one, jet_div(x, 1), x)                                                                                    \
-    row(over_number, jet_div(x, 4), jet_mul(0.25, x))                                                                  \
-    row(zero_over, jet_div(0, x), jet_const(0))                                                                        \
-    row(scaled_twice, jet_mul(2, jet_mul(-3, x)), jet_mul(-6, x))                                                      \
-    row(scaled_back, jet_mul(0.5, jet_add(x, x)), x)                                                                   \
-    row(multiples_collect, jet_add(jet_mul(2, x), jet_mul(3, x)), jet_mul(5, x))                                       \
-    row(multiples_cancel, jet_sub(jet_mul(2, x), jet_add(x, x)), jet_const(0))                                         \
-    row(sums_cancel, jet_sub(jet_add(x, y), jet_add(x, y)), jet_const(0))                                              \
-    row(sum_again, jet_add(x, jet_mul(2, y)), jet_add(x, jet_mul(2, y)))                                               \
-    row(affine_again, jet_add(jet_mul(2, x), 3), jet_add(3, jet_mul(2, x)))                                            \
-    row(terms_cancel, jet_sum((const jet[]){x, y, jet_neg(x), jet_const(0)}, 4), y)                                    \
-    row(later_terms_cancel, jet_sum((const jet[]){x, y, jet_neg(y)}, 3), x)                                            \
-    row(later_terms_collect, jet_sum((const jet[]){x, y, x, y}, 4), jet_add(jet_mul(2, x), jet_mul(2, y)))             \
-    row(all_cancel, jet_sum((const jet[]){x, jet_const(3), jet_neg(x)}, 3), jet_const(3))                              \
-    row(functions_cancel, jet_sub(jet_exp(x), jet_exp(x)), jet_const(0))                                               \
-    row(product_again, jet_mul(x, y), jet_mul(x, y))                                                                   \
-    row(product_commutes, jet_mul(x, y), jet_mul(y, x))                                                                \
-    row(square_is_product, jet_sqr(x), jet_mul(x, x))                                                                  \
-    row(quotient_again, jet_div(x, y), jet_div(x, y))                                                                  \
-    row(power_zero, jet_pow(x, 0), jet_const(1))                                                                       \
-    row(power_one, jet_pow(x, 1), x)                                                                                   \
-    row(power_two, jet_pow(x, 2), jet_sqr(x))                                                                          \
-    row(power_three, jet_pow(x, 3), jet_mul(x, jet_sqr(x)))                                                            \
-    row(power_four, jet_pow(x, 4), jet_sqr(jet_sqr(x)))                                                                \
-    row(power_half, jet_pow(x, 0.5), jet_sqrt(x))                                                                      \
-    row(power_minus_one, jet_pow(x, -1), jet_div(1, x))                                                                \
-    row(power_again, jet_pow(x, -1.5), jet_pow(x, -1.5))                                                               \
-    row(sin_again, jet_sin(x), jet_sin(x))                                                                             \
-    row(tanh_again, jet_tanh(x), jet_tanh(x))                                                                          \
-    row(int_and_double, jet_mul(2, x), jet_mul(2.0, x))                                                                \
-    row(float_and_double, jet_mul(0.5f, x), jet_mul(0.5, x))                                                           \
-    row(constant_and_double, jet_mul(jet_const(2), x), jet_mul(2, x))                                                  \
-    row(empty_sum, jet_sum(&x, 0), jet_const(0))                                                                       \
-    row(negative_sum, jet_sum(&x, -1), jet_const(0))                                                                   \
-    row(empty_dot, jet_dot(&x, &y, 0), jet_const(0))                                                                   \
-    row(negative_dot, jet_dot(&x, &y, -3), jet_const(0))                                                               \
-    row(sum_of_one, jet_sum(&x, 1), x)                                                                                 \
-    row(dot_of_one, jet_dot(&x, &y, 1), jet_mul(x, y))                                                                 \
-    row(dot_with_numbers, jet_dot((const jet[]){x, jet_const(2)}, (const jet[]){jet_const(0), jet_const(4)}, 2),       \
+#define SAME(ROW)                                                                                                      \
+    ROW(difference_of_equals, jet_sub(x, x), jet_const(0))                                                             \
+    ROW(sum_of_equals, jet_add(x, x), jet_mul(2, x))                                                                   \
+    ROW(times_one, jet_mul(x, 1), x)                                                                                   \
+    ROW(one_times, jet_mul(1, x), x)                                                                                   \
+    ROW(times_zero, jet_mul(0, x), jet_const(0))                                                                       \
+    ROW(plus_zero, jet_add(x, 0), x)                                                                                   \
+    ROW(minus_zero, jet_sub(x, 0), x)                                                                                  \
+    ROW(zero_minus, jet_sub(0, x), jet_neg(x))                                                                         \
+    ROW(negated_twice, jet_neg(jet_neg(x)), x)                                                                         \
+    ROW(over_one, jet_div(x, 1), x)                                                                                    \
+    ROW(over_number, jet_div(x, 4), jet_mul(0.25, x))                                                                  \
+    ROW(zero_over, jet_div(0, x), jet_const(0))                                                                        \
+    ROW(scaled_twice, jet_mul(2, jet_mul(-3, x)), jet_mul(-6, x))                                                      \
+    ROW(scaled_back, jet_mul(0.5, jet_add(x, x)), x)                                                                   \
+    ROW(multiples_collect, jet_add(jet_mul(2, x), jet_mul(3, x)), jet_mul(5, x))                                       \
+    ROW(multiples_cancel, jet_sub(jet_mul(2, x), jet_add(x, x)), jet_const(0))                                         \
+    ROW(sums_cancel, jet_sub(jet_add(x, y), jet_add(x, y)), jet_const(0))                                              \
+    ROW(sum_again, jet_add(x, jet_mul(2, y)), jet_add(x, jet_mul(2, y)))                                               \
+    ROW(affine_again, jet_add(jet_mul(2, x), 3), jet_add(3, jet_mul(2, x)))                                            \
+    ROW(terms_cancel, jet_sum((const jet[]){x, y, jet_neg(x), jet_const(0)}, 4), y)                                    \
+    ROW(later_terms_cancel, jet_sum((const jet[]){x, y, jet_neg(y)}, 3), x)                                            \
+    ROW(later_terms_collect, jet_sum((const jet[]){x, y, x, y}, 4), jet_add(jet_mul(2, x), jet_mul(2, y)))             \
+    ROW(all_cancel, jet_sum((const jet[]){x, jet_const(3), jet_neg(x)}, 3), jet_const(3))                              \
+    ROW(functions_cancel, jet_sub(jet_exp(x), jet_exp(x)), jet_const(0))                                               \
+    ROW(product_again, jet_mul(x, y), jet_mul(x, y))                                                                   \
+    ROW(product_commutes, jet_mul(x, y), jet_mul(y, x))                                                                \
+    ROW(square_is_product, jet_sqr(x), jet_mul(x, x))                                                                  \
+    ROW(quotient_again, jet_div(x, y), jet_div(x, y))                                                                  \
+    ROW(power_zero, jet_pow(x, 0), jet_const(1))                                                                       \
+    ROW(power_one, jet_pow(x, 1), x)                                                                                   \
+    ROW(power_two, jet_pow(x, 2), jet_sqr(x))                                                                          \
+    ROW(power_three, jet_pow(x, 3), jet_mul(x, jet_sqr(x)))                                                            \
+    ROW(power_four, jet_pow(x, 4), jet_sqr(jet_sqr(x)))                                                                \
+    ROW(power_half, jet_pow(x, 0.5), jet_sqrt(x))                                                                      \
+    ROW(power_minus_one, jet_pow(x, -1), jet_div(1, x))                                                                \
+    ROW(power_again, jet_pow(x, -1.5), jet_pow(x, -1.5))                                                               \
+    ROW(sin_again, jet_sin(x), jet_sin(x))                                                                             \
+    ROW(tanh_again, jet_tanh(x), jet_tanh(x))                                                                          \
+    ROW(int_and_double, jet_mul(2, x), jet_mul(2.0, x))                                                                \
+    ROW(float_and_double, jet_mul(0.5f, x), jet_mul(0.5, x))                                                           \
+    ROW(constant_and_double, jet_mul(jet_const(2), x), jet_mul(2, x))                                                  \
+    ROW(empty_sum, jet_sum(&x, 0), jet_const(0))                                                                       \
+    ROW(negative_sum, jet_sum(&x, -1), jet_const(0))                                                                   \
+    ROW(empty_dot, jet_dot(&x, &y, 0), jet_const(0))                                                                   \
+    ROW(negative_dot, jet_dot(&x, &y, -3), jet_const(0))                                                               \
+    ROW(sum_of_one, jet_sum(&x, 1), x)                                                                                 \
+    ROW(dot_of_one, jet_dot(&x, &y, 1), jet_mul(x, y))                                                                 \
+    ROW(dot_with_numbers, jet_dot((const jet[]){x, jet_const(2)}, (const jet[]){jet_const(0), jet_const(4)}, 2),       \
         jet_const(8))                                                                                                  \
-    row(numbers_add, jet_add(2, 0.5), jet_const(2.5))                                                                  \
-    row(numbers_subtract, jet_sub(2, 0.5), jet_const(1.5))                                                             \
-    row(numbers_multiply, jet_mul(2, -3), jet_const(-6))                                                               \
-    row(numbers_divide, jet_div(3, 2), jet_const(1.5))                                                                 \
-    row(numbers_in_functions, jet_exp(jet_neg(jet_sqr(2))), jet_const(exp(-4)))                                        \
-    row(numbers_in_sums, jet_sum((const jet[]){jet_const(1), jet_const(2)}, 2), jet_const(3))                          \
-    row(number_to_power, jet_pow(3, 2), jet_const(9))                                                                  \
-    row(number_to_fraction, jet_pow(4, -1.5), jet_const(0.125))                                                        \
-    row(negative_to_power, jet_pow(-2, 3), jet_const(-8))                                                              \
-    row(zero_to_zero, jet_pow(0, 0), jet_const(1))
+    ROW(numbers_add, jet_add(2, 0.5), jet_const(2.5))                                                                  \
+    ROW(numbers_subtract, jet_sub(2, 0.5), jet_const(1.5))                                                             \
+    ROW(numbers_multiply, jet_mul(2, -3), jet_const(-6))                                                               \
+    ROW(numbers_divide, jet_div(3, 2), jet_const(1.5))                                                                 \
+    ROW(numbers_in_functions, jet_exp(jet_neg(jet_sqr(2))), jet_const(exp(-4)))                                        \
+    ROW(numbers_in_sums, jet_sum((const jet[]){jet_const(1), jet_const(2)}, 2), jet_const(3))                          \
+    ROW(number_to_power, jet_pow(3, 2), jet_const(9))                                                                  \
+    ROW(number_to_fraction, jet_pow(4, -1.5), jet_const(0.125))                                                        \
+    ROW(negative_to_power, jet_pow(-2, 3), jet_const(-8))                                                              \
+    ROW(zero_to_zero, jet_pow(0, 0), jet_const(1))
 
 /* row(name, one, other): these are not the same. */
-#define DIFFERENT(row)                                                                                                 \
-    row(inputs, x, y)                                                                                                  \
-    row(sum_and_difference, jet_add(x, y), jet_sub(x, y))                                                              \
-    row(coefficients, jet_mul(2, x), jet_mul(3, x))                                                                    \
-    row(scaled_nodes, jet_mul(2, x), jet_mul(2, y))                                                                    \
-    row(second_coefficients, jet_add(x, y), jet_add(x, jet_mul(2, y)))                                                 \
-    row(numbers_added, jet_add(x, 1), jet_add(x, 2))                                                                   \
-    row(lengths, jet_add(x, jet_mul(2, y)), jet_sum((const jet[]){x, jet_mul(2, y), jet_sin(x)}, 3))                   \
-    row(quotient_and_inverse, jet_div(x, y), jet_div(y, x))                                                            \
-    row(divisors, jet_div(x, y), jet_div(x, jet_sin(y)))                                                               \
-    row(dividends, jet_div(1, x), jet_div(2, x))                                                                       \
-    row(product_and_square, jet_mul(x, y), jet_mul(x, x))                                                              \
-    row(second_factors, jet_mul(x, y), jet_mul(x, jet_sin(y)))                                                         \
-    row(functions, jet_sin(x), jet_cos(x))                                                                             \
-    row(arguments, jet_exp(x), jet_exp(y))                                                                             \
-    row(inverses, jet_asin(x), jet_acos(x))                                                                            \
-    row(exponents, jet_pow(x, 1.5), jet_pow(x, 2.5))                                                                   \
-    row(not_zero, jet_mul(1e-300, x), jet_const(0))
+#define DIFFERENT(ROW)                                                                                                 \
+    ROW(inputs, x, y)                                                                                                  \
+    ROW(sum_and_difference, jet_add(x, y), jet_sub(x, y))                                                              \
+    ROW(coefficients, jet_mul(2, x), jet_mul(3, x))                                                                    \
+    ROW(scaled_nodes, jet_mul(2, x), jet_mul(2, y))                                                                    \
+    ROW(second_coefficients, jet_add(x, y), jet_add(x, jet_mul(2, y)))                                                 \
+    ROW(numbers_added, jet_add(x, 1), jet_add(x, 2))                                                                   \
+    ROW(lengths, jet_add(x, jet_mul(2, y)), jet_sum((const jet[]){x, jet_mul(2, y), jet_sin(x)}, 3))                   \
+    ROW(quotient_and_inverse, jet_div(x, y), jet_div(y, x))                                                            \
+    ROW(divisors, jet_div(x, y), jet_div(x, jet_sin(y)))                                                               \
+    ROW(dividends, jet_div(1, x), jet_div(2, x))                                                                       \
+    ROW(product_and_square, jet_mul(x, y), jet_mul(x, x))                                                              \
+    ROW(second_factors, jet_mul(x, y), jet_mul(x, jet_sin(y)))                                                         \
+    ROW(functions, jet_sin(x), jet_cos(x))                                                                             \
+    ROW(arguments, jet_exp(x), jet_exp(y))                                                                             \
+    ROW(inverses, jet_asin(x), jet_acos(x))                                                                            \
+    ROW(exponents, jet_pow(x, 1.5), jet_pow(x, 2.5))                                                                   \
+    ROW(not_zero, jet_mul(1e-300, x), jet_const(0))
 
 typedef void pair_fn(jet x, jet y, jet out[2]);
 
@@ -121,10 +121,8 @@ static bool build_equal(pair_fn *build, bool computed)
     jet_graph *graph = jet_graph_create(2);
     const jet x = jet_graph_input(graph, 0), y = jet_graph_input(graph, 1);
     jet pair[2];
-    if (computed)
-        build(jet_mul(x, y), jet_cosh(x), pair);
-    else
-        build(x, y, pair);
+    if (computed) build(jet_mul(x, y), jet_cosh(x), pair);
+    else build(x, y, pair);
     const bool result = equal(pair);
     ck_assert_int_eq(jet_graph_accept(graph, 2, pair), TVI_OK);
     jet_graph_free(graph);
@@ -184,29 +182,29 @@ END_TEST
 /* ---- Counts of nodes --------------------------------------------------------------------------------------------- */
 
 /* row(name, nodes, result): so many nodes are added to the two inputs, partners among them. */
-#define COUNTS(row)                                                                                                    \
-    row(of_numbers, 0, jet_sub(jet_tanh(jet_add(1, jet_exp(0.5))), jet_div(jet_pow(2, 0.5), jet_log(3))))              \
-    row(of_nothing, 0, jet_mul(0, x))                                                                                  \
-    row(of_addition, 1, jet_add(x, y))                                                                                 \
-    row(of_affine, 2, jet_add(jet_mul(2, x), 3))                                                                       \
-    row(of_long_sum, 1, jet_sum((const jet[]){x, y, x, y, jet_const(2)}, 5))                                           \
-    row(of_dot, 3, jet_dot((const jet[]){x, x}, (const jet[]){x, y}, 2))                                               \
-    row(of_equal_products, 2, jet_add(jet_mul(x, y), jet_mul(y, x)))                                                   \
-    row(of_reciprocal, 2, jet_div(1, x))                                                                               \
-    row(of_root, 1, jet_sqrt(x))                                                                                       \
-    row(of_power, 1, jet_pow(x, -1.5))                                                                                 \
-    row(of_eighth_power, 3, jet_pow(x, 8))                                                                             \
-    row(of_seventh_power, 4, jet_pow(x, 7))                                                                            \
-    row(of_exp, 1, jet_exp(x))                                                                                         \
-    row(of_log, 1, jet_log(x))                                                                                         \
-    row(of_sin, 2, jet_sin(x))                                                                                         \
-    row(of_sin_and_cos, 3, jet_mul(jet_sin(x), jet_cos(x)))                                                            \
-    row(of_sinh_and_cosh, 3, jet_mul(jet_cosh(x), jet_sinh(x)))                                                        \
-    row(of_tan, 3, jet_tan(x))                                                                                         \
-    row(of_tanh, 2, jet_tanh(x))                                                                                       \
-    row(of_atan, 3, jet_atan(x))                                                                                       \
-    row(of_asin, 5, jet_asin(x))                                                                                       \
-    row(of_asin_and_acos, 7, jet_mul(jet_asin(x), jet_acos(x)))
+#define COUNTS(ROW)                                                                                                    \
+    ROW(of_numbers, 0, jet_sub(jet_tanh(jet_add(1, jet_exp(0.5))), jet_div(jet_pow(2, 0.5), jet_log(3))))              \
+    ROW(of_nothing, 0, jet_mul(0, x))                                                                                  \
+    ROW(of_addition, 1, jet_add(x, y))                                                                                 \
+    ROW(of_affine, 2, jet_add(jet_mul(2, x), 3))                                                                       \
+    ROW(of_long_sum, 1, jet_sum((const jet[]){x, y, x, y, jet_const(2)}, 5))                                           \
+    ROW(of_dot, 3, jet_dot((const jet[]){x, x}, (const jet[]){x, y}, 2))                                               \
+    ROW(of_equal_products, 2, jet_add(jet_mul(x, y), jet_mul(y, x)))                                                   \
+    ROW(of_reciprocal, 2, jet_div(1, x))                                                                               \
+    ROW(of_root, 1, jet_sqrt(x))                                                                                       \
+    ROW(of_power, 1, jet_pow(x, -1.5))                                                                                 \
+    ROW(of_eighth_power, 3, jet_pow(x, 8))                                                                             \
+    ROW(of_seventh_power, 4, jet_pow(x, 7))                                                                            \
+    ROW(of_exp, 1, jet_exp(x))                                                                                         \
+    ROW(of_log, 1, jet_log(x))                                                                                         \
+    ROW(of_sin, 2, jet_sin(x))                                                                                         \
+    ROW(of_sin_and_cos, 3, jet_mul(jet_sin(x), jet_cos(x)))                                                            \
+    ROW(of_sinh_and_cosh, 3, jet_mul(jet_cosh(x), jet_sinh(x)))                                                        \
+    ROW(of_tan, 3, jet_tan(x))                                                                                         \
+    ROW(of_tanh, 2, jet_tanh(x))                                                                                       \
+    ROW(of_atan, 3, jet_atan(x))                                                                                       \
+    ROW(of_asin, 5, jet_asin(x))                                                                                       \
+    ROW(of_asin_and_acos, 7, jet_mul(jet_asin(x), jet_acos(x)))
 
 #define SINGLE(name, nodes, result)                                                                                    \
     static jet count_##name(jet x, jet y) { return (void)x, (void)y, result; }
@@ -234,61 +232,61 @@ END_TEST
 /* ---- Refusals ---------------------------------------------------------------------------------------------------- */
 
 /* row(name, result, status): x is a jet of the graph, other of another, closed of a closed one. */
-#define REFUSALS(row)                                                                                                  \
-    row(nothing_wrong, jet_sin(x), TVI_OK)                                                                             \
-    row(just_a_number, jet_const(3), TVI_OK)                                                                           \
-    row(an_input, x, TVI_OK)                                                                                           \
-    row(unset, jet_unset(), TVI_EINVAL)                                                                                \
-    row(unset_used, jet_add(x, jet_unset()), TVI_EINVAL)                                                               \
-    row(unset_alone, jet_exp(jet_unset()), TVI_EINVAL)                                                                 \
-    row(unset_to_power, jet_pow(jet_unset(), 0), TVI_EINVAL)                                                           \
-    row(unset_times_zero, jet_mul(0, jet_unset()), TVI_EINVAL)                                                         \
-    row(unset_in_sum, jet_sum((const jet[]){x, jet_unset(), x}, 3), TVI_EINVAL)                                        \
-    row(unset_in_dot, jet_dot((const jet[]){x, jet_unset()}, (const jet[]){x, x}, 2), TVI_EINVAL)                      \
-    row(unset_far_down, jet_sin(jet_mul(2, jet_sub(jet_unset(), x))), TVI_EINVAL)                                      \
-    row(another, other, TVI_EINVAL)                                                                                    \
-    row(another_alone, jet_sin(other), TVI_EINVAL)                                                                     \
-    row(mixed_sum, jet_add(x, other), TVI_EINVAL)                                                                      \
-    row(mixed_difference, jet_sub(other, x), TVI_EINVAL)                                                               \
-    row(mixed_product, jet_mul(x, other), TVI_EINVAL)                                                                  \
-    row(mixed_quotient, jet_div(other, x), TVI_EINVAL)                                                                 \
-    row(mixed_dot, jet_dot(&x, &other, 1), TVI_EINVAL)                                                                 \
-    row(mixed_far_down, jet_exp(jet_mul(x, jet_sin(other))), TVI_EINVAL)                                               \
-    row(closed_alone, closed, TVI_EINVAL)                                                                              \
-    row(closed_function, jet_sin(closed), TVI_EINVAL)                                                                  \
-    row(closed_scaled, jet_mul(2, closed), TVI_EINVAL)                                                                 \
-    row(closed_shared, jet_sqr(closed), TVI_EINVAL)                                                                    \
-    row(closed_power, jet_pow(closed, 1.5), TVI_EINVAL)                                                                \
-    row(closed_divisor, jet_div(1, closed), TVI_EINVAL)                                                                \
-    row(closed_sum, jet_sum(&closed, 1), TVI_EINVAL)                                                                   \
-    row(closed_and_open, jet_add(x, closed), TVI_EINVAL)                                                               \
-    row(not_finite, jet_const(INFINITY), TVI_ENONFINITE)                                                               \
-    row(not_a_number, jet_const(NAN), TVI_ENONFINITE)                                                                  \
-    row(not_finite_added, jet_add(x, INFINITY), TVI_ENONFINITE)                                                        \
-    row(not_a_number_times, jet_mul(NAN, x), TVI_ENONFINITE)                                                           \
-    row(not_a_number_in_function, jet_sqrt(NAN), TVI_ENONFINITE)                                                       \
-    row(over_infinity, jet_div(x, INFINITY), TVI_ENONFINITE)                                                           \
-    row(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                       \
-    row(exponent_not_a_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                        \
-    row(exp_overflows, jet_exp(1000), TVI_ENONFINITE)                                                                  \
-    row(power_overflows, jet_pow(1e200, 2), TVI_ENONFINITE)                                                            \
-    row(root_power_overflows, jet_pow(1e-200, -2.5), TVI_ENONFINITE)                                                   \
-    row(product_overflows, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                      \
-    row(quotient_overflows, jet_div(1e200, 1e-200), TVI_ENONFINITE)                                                    \
-    row(sum_overflows, jet_add(1.7e308, 1.7e308), TVI_ENONFINITE)                                                      \
-    row(added_overflows, jet_sum((const jet[]){x, jet_const(1.7e308), jet_const(1.7e308)}, 3), TVI_ENONFINITE)         \
-    row(coefficient_overflows, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                      \
-    row(overflow_used, jet_add(x, jet_exp(1000)), TVI_ENONFINITE)                                                      \
-    row(root_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                        \
-    row(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                          \
-    row(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                         \
-    row(power_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                                   \
-    row(reciprocal_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                               \
-    row(over_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                         \
-    row(jet_over_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                     \
-    row(domain_used, jet_sub(x, jet_mul(x, jet_log(-1))), TVI_EDOMAIN)                                                 \
-    row(domain_times_zero, jet_mul(0, jet_log(-1)), TVI_EDOMAIN)                                                       \
-    row(domain_in_sum, jet_sum((const jet[]){jet_log(-1), jet_sqr(x)}, 2), TVI_EDOMAIN)
+#define REFUSALS(ROW)                                                                                                  \
+    ROW(nothing_wrong, jet_sin(x), TVI_OK)                                                                             \
+    ROW(just_a_number, jet_const(3), TVI_OK)                                                                           \
+    ROW(an_input, x, TVI_OK)                                                                                           \
+    ROW(unset, jet_unset(), TVI_EINVAL)                                                                                \
+    ROW(unset_used, jet_add(x, jet_unset()), TVI_EINVAL)                                                               \
+    ROW(unset_alone, jet_exp(jet_unset()), TVI_EINVAL)                                                                 \
+    ROW(unset_to_power, jet_pow(jet_unset(), 0), TVI_EINVAL)                                                           \
+    ROW(unset_times_zero, jet_mul(0, jet_unset()), TVI_EINVAL)                                                         \
+    ROW(unset_in_sum, jet_sum((const jet[]){x, jet_unset(), x}, 3), TVI_EINVAL)                                        \
+    ROW(unset_in_dot, jet_dot((const jet[]){x, jet_unset()}, (const jet[]){x, x}, 2), TVI_EINVAL)                      \
+    ROW(unset_far_down, jet_sin(jet_mul(2, jet_sub(jet_unset(), x))), TVI_EINVAL)                                      \
+    ROW(another, other, TVI_EINVAL)                                                                                    \
+    ROW(another_alone, jet_sin(other), TVI_EINVAL)                                                                     \
+    ROW(mixed_sum, jet_add(x, other), TVI_EINVAL)                                                                      \
+    ROW(mixed_difference, jet_sub(other, x), TVI_EINVAL)                                                               \
+    ROW(mixed_product, jet_mul(x, other), TVI_EINVAL)                                                                  \
+    ROW(mixed_quotient, jet_div(other, x), TVI_EINVAL)                                                                 \
+    ROW(mixed_dot, jet_dot(&x, &other, 1), TVI_EINVAL)                                                                 \
+    ROW(mixed_far_down, jet_exp(jet_mul(x, jet_sin(other))), TVI_EINVAL)                                               \
+    ROW(closed_alone, closed, TVI_EINVAL)                                                                              \
+    ROW(closed_function, jet_sin(closed), TVI_EINVAL)                                                                  \
+    ROW(closed_scaled, jet_mul(2, closed), TVI_EINVAL)                                                                 \
+    ROW(closed_shared, jet_sqr(closed), TVI_EINVAL)                                                                    \
+    ROW(closed_power, jet_pow(closed, 1.5), TVI_EINVAL)                                                                \
+    ROW(closed_divisor, jet_div(1, closed), TVI_EINVAL)                                                                \
+    ROW(closed_sum, jet_sum(&closed, 1), TVI_EINVAL)                                                                   \
+    ROW(closed_and_open, jet_add(x, closed), TVI_EINVAL)                                                               \
+    ROW(not_finite, jet_const(INFINITY), TVI_ENONFINITE)                                                               \
+    ROW(not_a_number, jet_const(NAN), TVI_ENONFINITE)                                                                  \
+    ROW(not_finite_added, jet_add(x, INFINITY), TVI_ENONFINITE)                                                        \
+    ROW(not_a_number_times, jet_mul(NAN, x), TVI_ENONFINITE)                                                           \
+    ROW(not_a_number_in_function, jet_sqrt(NAN), TVI_ENONFINITE)                                                       \
+    ROW(over_infinity, jet_div(x, INFINITY), TVI_ENONFINITE)                                                           \
+    ROW(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                       \
+    ROW(exponent_not_a_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                        \
+    ROW(exp_overflows, jet_exp(1000), TVI_ENONFINITE)                                                                  \
+    ROW(power_overflows, jet_pow(1e200, 2), TVI_ENONFINITE)                                                            \
+    ROW(root_power_overflows, jet_pow(1e-200, -2.5), TVI_ENONFINITE)                                                   \
+    ROW(product_overflows, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                      \
+    ROW(quotient_overflows, jet_div(1e200, 1e-200), TVI_ENONFINITE)                                                    \
+    ROW(sum_overflows, jet_add(1.7e308, 1.7e308), TVI_ENONFINITE)                                                      \
+    ROW(added_overflows, jet_sum((const jet[]){x, jet_const(1.7e308), jet_const(1.7e308)}, 3), TVI_ENONFINITE)         \
+    ROW(coefficient_overflows, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                      \
+    ROW(overflow_used, jet_add(x, jet_exp(1000)), TVI_ENONFINITE)                                                      \
+    ROW(root_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                        \
+    ROW(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                          \
+    ROW(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                         \
+    ROW(power_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                                   \
+    ROW(reciprocal_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                               \
+    ROW(over_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                         \
+    ROW(jet_over_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                     \
+    ROW(domain_used, jet_sub(x, jet_mul(x, jet_log(-1))), TVI_EDOMAIN)                                                 \
+    ROW(domain_times_zero, jet_mul(0, jet_log(-1)), TVI_EDOMAIN)                                                       \
+    ROW(domain_in_sum, jet_sum((const jet[]){jet_log(-1), jet_sqr(x)}, 2), TVI_EDOMAIN)
 
 #define REFUSED(name, result, status)                                                                                  \
     static jet refuse_##name(jet x, jet other, jet closed) { return (void)x, (void)other, (void)closed, result; }
@@ -365,7 +363,7 @@ END_TEST
 
 /* ---- Slots ------------------------------------------------------------------------------------------------------- */
 
-#define STEP(inner) jet_add(1, jet_mul(x[0], inner))
+#define STEP(inner)   jet_add(1, jet_mul(x[0], inner))
 #define STEP_5(inner) STEP(STEP(STEP(STEP(STEP(inner)))))
 
 /* 1 + x (1 + x (1 + ...)), nested 20 deep, written out by the preprocessor: it compiles at once, because no slot names

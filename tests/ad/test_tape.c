@@ -19,10 +19,7 @@ static int operations_of(const jet_tape *tape, jet_op op)
     return count;
 }
 
-static int all_operations(const jet_tape *tape)
-{
-    return tape->slots - tape->inputs - tape->constants;
-}
+static int all_operations(const jet_tape *tape) { return tape->slots - tape->inputs - tape->constants; }
 
 /* Values leave out the partners, which series alone need. */
 static const struct {
@@ -30,11 +27,11 @@ static const struct {
     jet_op op, partner;
     int values, series; /* operations on the tape */
 } partners[] = {
-    {"exp", OP_EXP, OP_EXP, 1, 1},      {"log", OP_LOG, OP_LOG, 1, 1},       {"sin", OP_SIN, OP_COS, 1, 2},
-    {"cos", OP_COS, OP_SIN, 1, 2},      {"sinh", OP_SINH, OP_COSH, 1, 2},    {"cosh", OP_COSH, OP_SINH, 1, 2},
-    {"tan", OP_TAN, OP_SQUARES, 1, 3},      {"tanh", OP_TANH, OP_SECH2, 1, 2},   {"asin", OP_ASIN, OP_SQRT, 1, 5},
-    {"acos", OP_ACOS, OP_SQRT, 1, 5},   {"atan", OP_ATAN, OP_SQUARES, 1, 3},     {"sqrt", OP_SQRT, OP_SQRT, 1, 1},
-    {"neg", OP_LINEAR, OP_LINEAR, 1, 1}, {"mul", OP_PRODUCTS, OP_PRODUCTS, 1, 1},      {"div", OP_DIV, OP_DIV, 1, 1},
+    {"exp", OP_EXP, OP_EXP, 1, 1},       {"log", OP_LOG, OP_LOG, 1, 1},           {"sin", OP_SIN, OP_COS, 1, 2},
+    {"cos", OP_COS, OP_SIN, 1, 2},       {"sinh", OP_SINH, OP_COSH, 1, 2},        {"cosh", OP_COSH, OP_SINH, 1, 2},
+    {"tan", OP_TAN, OP_SQUARES, 1, 3},   {"tanh", OP_TANH, OP_SECH2, 1, 2},       {"asin", OP_ASIN, OP_SQRT, 1, 5},
+    {"acos", OP_ACOS, OP_SQRT, 1, 5},    {"atan", OP_ATAN, OP_SQUARES, 1, 3},     {"sqrt", OP_SQRT, OP_SQRT, 1, 1},
+    {"neg", OP_LINEAR, OP_LINEAR, 1, 1}, {"mul", OP_PRODUCTS, OP_PRODUCTS, 1, 1}, {"div", OP_DIV, OP_DIV, 1, 1},
 };
 
 START_TEST(values_leave_out_partners)
@@ -369,8 +366,8 @@ START_TEST(shared_operands_are_read_in_turns)
 }
 END_TEST
 
-/* What becomes of sums of products (functions.c): one operation each, but of more terms than one takes, with a number, and
- * where something else needs one of the products. */
+/* What becomes of sums of products (functions.c): one operation each, but of more terms than one takes, with a number,
+ * and where something else needs one of the products. */
 START_TEST(sums_of_products_are_one_operation)
 {
     recording r = record_outputs(composition_named("products"), (jet_tape_kind)_i);

@@ -1,13 +1,15 @@
-/* main.c - the generating functions, on systems of every form. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every
- * Check program. */
+/* main.c - the generating functions, on systems of every form. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in
+ * every Check program. */
 #include "generating.h"
 
 #include <stddef.h>
 #include <stdlib.h>
 
 static Suite *(*const suites[])(void) = {
-    suite_orders, suite_adjoints, suite_forms, suite_geometry, suite_tangent_map, suite_statements, suite_serves, suite_points, suite_dense, suite_convergence, suite_definition, suite_states,
-    suite_references, suite_galerkin, suite_galerkin_lagrangian, suite_galerkin_quad,
+    suite_orders,        suite_adjoints, suite_forms,      suite_geometry, suite_tangent_map,
+    suite_statements,    suite_serves,   suite_points,     suite_dense,    suite_convergence,
+    suite_definition,    suite_states,   suite_references, suite_galerkin, suite_galerkin_lagrangian,
+    suite_galerkin_quad,
 };
 
 int main(void)

@@ -9,7 +9,7 @@
 
 static tvi_options galerkin(int nodes) { return kind_options(&kinds[GALERKIN], nodes); }
 
-/* ---- Any Hamiltonian: the canonical exchange ----------------------------------------------------------------------- */
+/* ---- Any Hamiltonian: the canonical exchange --------------------------------------------------------------------- */
 
 /* Collocation does not see a linear canonical change of the variables: Q = p, P = -q, H = sum Q_i^2/(2 m_i) + V(-P). */
 static jet kepler_potential(const jet q[], jet t)
@@ -70,7 +70,7 @@ START_TEST(exchange_of_variables_changes_nothing)
 }
 END_TEST
 
-/* ---- A field whose components are its inputs ----------------------------------------------------------------------- */
+/* ---- A field whose components are its inputs --------------------------------------------------------------------- */
 
 /* F = (m q_1, m q_0): with m = 1 the coordinates themselves. All else doubles with m, bit for bit. */
 static void saddle(const jet q[], jet t, jet force[], void *ctx)
@@ -159,7 +159,7 @@ START_TEST(energy_does_not_drift)
 }
 END_TEST
 
-/* ---- The predictor and the passes --------------------------------------------------------------------------------- */
+/* ---- The predictor and the passes -------------------------------------------------------------------------------- */
 
 /* Kepler from its apocentre, `steps` steps of h and h times ratio in turns. */
 static tvi_stats stats_after(const tvi_options *options, double h, double ratio, bool resets, int steps)
@@ -287,7 +287,8 @@ static jet carried(const jet q[], const jet p[], jet t, void *ctx)
     return jet_mul(p[0], power_of(t, *(int *)ctx));
 }
 
-/* Of m q'' = t^(N-1) and of q' = t^(N-1), whose polynomials are known: h^(N+1) 2^-(N+1) / (m N (N+1)) and h^N 2^-N / N. */
+/* Of m q'' = t^(N-1) and of q' = t^(N-1), whose polynomials are known: h^(N+1) 2^-(N+1) / (m N (N+1)) and h^N 2^-N /
+ * N. */
 START_TEST(tail_is_the_last_term)
 {
     const int N = _i;
