@@ -8,7 +8,7 @@
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-generating check-tests $(patsubst %,check-%,$(filter-out generating,$(FOLDERS))) check-valgrind \
            check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
-           check-symbols check-instructions check-examples
+           check-symbols check-names check-instructions check-examples
 LONG    := check-sanitizers check-coverage check-optimized check-base check-threads
 .PHONY: check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
@@ -208,6 +208,11 @@ do-examples: all
 check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 	tests/symbols.sh $^ include/jet.h include/tvi.h
+
+# a program that links the static library may use every other name for its own
+check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(LOG) $(DO)
+do-names: $(BUILD)/libtvi.a
+	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps tests/instructions.txt
