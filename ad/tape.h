@@ -16,12 +16,12 @@ typedef enum {
     JET_TAPE_SERIES
 } jet_tape_kind;
 
-/* Operations z + i = op(a + i, b + i), i < count, of adjacent slots. LINEAR: the number of z + i is base[first + i],
- * ..., and each has terms of its own, term_coefficient[k] term_slot[k], k = term + i * terms, ... PRODUCTS, SQUARES:
- * one set of terms, term_coefficient[k] (term_slot[k] + i) (term_second[k] + i), k = term, ... */
+/* Operations z + i = op(a + i, b + i), i < count, of adjacent slots, with the partners w + i. LINEAR: the number of z +
+ * i is base[first + i], ..., and each has terms of its own, term_coefficient[k] term_slot[k], k = term + i * terms, ...
+ * PRODUCTS, SQUARES: one set of terms, term_coefficient[k] (term_slot[k] + i) (term_second[k] + i), k = term, ... */
 typedef struct {
     jet_op op;
-    int count, z, a, b;
+    int count, z, a, b, w;
     double c;         /* the number of the node */
     bool has_numbers; /* LINEAR: not all numbers are 0 */
     int first, terms, term;
@@ -29,6 +29,9 @@ typedef struct {
 
 /* Of PRODUCTS and SQUARES; what has more is a sum of products that stand alone. */
 enum { JET_TERMS_MAX = 4 };
+
+/* The instruction sets that the sweeps are compiled for (JET_ISA). */
+typedef enum { jet_isa_base, jet_isa_avx2, jet_isa_avx512, JET_ISA_COUNT } jet_isa;
 
 typedef struct jet_sweeps jet_sweeps;
 
@@ -53,6 +56,7 @@ void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
 
 /* The sweeps, compiled for one instruction set. */
 struct jet_sweeps {
+    jet_isa isa;
     bool (*values)(const jet_tape *tape, double *x, int lanes);
     bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);

@@ -119,7 +119,7 @@ in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() 
 /^#define jet_/ { # name(arguments) and the remark behind the definition
     signature = $2
     sub(/^#define /, "")
-    match($0, /^[a-z_]+\([a-z, ]*\)/)
+    match($0, /^[a-z_0-9]+\([a-z, ]*\)/)
     signature = substr($0, 1, RLENGTH)
     remark = index($0, "/*") ? substr($0, index($0, "/*")) : ""
     line[++lines] = sprintf("%-16s%s", signature, remark)

@@ -12,7 +12,8 @@
  *      makes a poison jet, and the system whose function returns one is refused with TVI_EINVAL. A jet kept after its
  *      system was freed must not be used at all, like any freed memory.
  *   3. An operation is refused with TVI_EDOMAIN wherever its power series does not exist: sqrt at 0, asin at 1,
- *      pow(0, 1.5), log at 0, division by 0. That happens at once where the operand is a number, else at the step.
+ *      pow(0, 1.5), log at 0, hypot at (0, 0), division by 0. That
+ *      happens at once where the operand is a number, else at the step.
  *   4. C++ users may write operators, 0.5 * a * b - sin(a) / 2 and a += b, and the functions sqr, sqrt, exp, log, pow,
  *      sin and the others without the prefix; both spellings record the same.
  *   5. jet_pow(a, c) takes any a where c = 0, 1, 2, ...; a != 0 where c = -1, -2, ...; a > 0 otherwise.
@@ -64,9 +65,17 @@ typedef struct jet jet;
     ROW(atan, JET_ATAN)                                                                                                \
     ROW(sinh, JET_SINH)                                                                                                \
     ROW(cosh, JET_COSH)                                                                                                \
-    ROW(tanh, JET_TANH)
+    ROW(tanh, JET_TANH)                                                                                                \
+    ROW(asinh, JET_ASINH)                                                                                              \
+    ROW(acosh, JET_ACOSH)                                                                                              \
+    ROW(atanh, JET_ATANH)                                                                                              \
+    ROW(erf, JET_ERF)
+#define JET_FUNCTION2_LIST(ROW) /* and of two */                                                                       \
+    ROW(atan2, JET_ATAN2)                                                                                              \
+    ROW(hypot, JET_HYPOT)
 #define JET_FUNCTION_CODE(name, code) code,
 typedef enum { JET_NEG, JET_FUNCTION_LIST(JET_FUNCTION_CODE) JET_FUNCTION_COUNT } jet_function;
+typedef enum { JET_FUNCTION2_LIST(JET_FUNCTION_CODE) JET_FUNCTION2_COUNT } jet_function2;
 #undef JET_FUNCTION_CODE
 
 /* What the names below record through; users have no need to call these. */
@@ -76,6 +85,7 @@ jet jet_record_mul(jet a, jet b);
 jet jet_record_div(jet a, jet b);
 jet jet_record_pow(jet a, double c);
 jet jet_record_function(jet_function f, jet a);
+jet jet_record_function2(jet_function2 f, jet a, jet b);
 
 /* A number (node NULL), or a node of a recording. Pass it by value; its members are the library's own. */
 #ifndef __cplusplus
@@ -109,6 +119,10 @@ struct jet {
     friend inline jet name(jet a) { return jet_record_function(function, a); }
     JET_FUNCTION_LIST(JET_DEFINE_FRIEND)
 #undef JET_DEFINE_FRIEND
+#define JET_DEFINE_FRIEND(name, function)                                                                              \
+    friend inline jet name(jet a, jet b) { return jet_record_function2(function, a, b); }
+    JET_FUNCTION2_LIST(JET_DEFINE_FRIEND)
+#undef JET_DEFINE_FRIEND
 };
 
 extern "C" {
@@ -132,6 +146,10 @@ static inline jet jet_neg(jet a) { return -a; }
 #define JET_DEFINE(name, function)                                                                                     \
     static inline jet jet_##name(jet a) { return name(a); }
 JET_FUNCTION_LIST(JET_DEFINE)
+#undef JET_DEFINE
+#define JET_DEFINE(name, function)                                                                                     \
+    static inline jet jet_##name(jet a, jet b) { return jet_record_function2(function, a, b); }
+JET_FUNCTION2_LIST(JET_DEFINE)
 #undef JET_DEFINE
 
 #else
@@ -159,25 +177,31 @@ static inline jet jet_const(double value)
     return constant;
 }
 
-#define jet_add(a, b) jet_record_add(JET_SLOT(a), JET_SLOT(b))   /* a + b */
-#define jet_sub(a, b) jet_record_sub(JET_SLOT(a), JET_SLOT(b))   /* a - b */
-#define jet_mul(a, b) jet_record_mul(JET_SLOT(a), JET_SLOT(b))   /* a b */
-#define jet_div(a, b) jet_record_div(JET_SLOT(a), JET_SLOT(b))   /* a / b,  b != 0 */
-#define jet_pow(a, c) jet_record_pow(JET_SLOT(a), (c))           /* a^c for a number c, see rule 5 */
-#define jet_neg(a)    jet_record_function(JET_NEG, JET_SLOT(a))  /* -a */
-#define jet_sqr(a)    jet_record_function(JET_SQR, JET_SLOT(a))  /* a^2 */
-#define jet_sqrt(a)   jet_record_function(JET_SQRT, JET_SLOT(a)) /* a > 0 */
-#define jet_exp(a)    jet_record_function(JET_EXP, JET_SLOT(a))
-#define jet_log(a)    jet_record_function(JET_LOG, JET_SLOT(a)) /* natural logarithm, a > 0 */
-#define jet_sin(a)    jet_record_function(JET_SIN, JET_SLOT(a))
-#define jet_cos(a)    jet_record_function(JET_COS, JET_SLOT(a))
-#define jet_tan(a)    jet_record_function(JET_TAN, JET_SLOT(a))
-#define jet_asin(a)   jet_record_function(JET_ASIN, JET_SLOT(a)) /* -1 < a < 1 */
-#define jet_acos(a)   jet_record_function(JET_ACOS, JET_SLOT(a)) /* -1 < a < 1 */
-#define jet_atan(a)   jet_record_function(JET_ATAN, JET_SLOT(a))
-#define jet_sinh(a)   jet_record_function(JET_SINH, JET_SLOT(a))
-#define jet_cosh(a)   jet_record_function(JET_COSH, JET_SLOT(a))
-#define jet_tanh(a)   jet_record_function(JET_TANH, JET_SLOT(a))
+#define jet_add(a, b)   jet_record_add(JET_SLOT(a), JET_SLOT(b))   /* a + b */
+#define jet_sub(a, b)   jet_record_sub(JET_SLOT(a), JET_SLOT(b))   /* a - b */
+#define jet_mul(a, b)   jet_record_mul(JET_SLOT(a), JET_SLOT(b))   /* a b */
+#define jet_div(a, b)   jet_record_div(JET_SLOT(a), JET_SLOT(b))   /* a / b,  b != 0 */
+#define jet_pow(a, c)   jet_record_pow(JET_SLOT(a), (c))           /* a^c for a number c, see rule 5 */
+#define jet_neg(a)      jet_record_function(JET_NEG, JET_SLOT(a))  /* -a */
+#define jet_sqr(a)      jet_record_function(JET_SQR, JET_SLOT(a))  /* a^2 */
+#define jet_sqrt(a)     jet_record_function(JET_SQRT, JET_SLOT(a)) /* a > 0 */
+#define jet_exp(a)      jet_record_function(JET_EXP, JET_SLOT(a))
+#define jet_log(a)      jet_record_function(JET_LOG, JET_SLOT(a)) /* natural logarithm, a > 0 */
+#define jet_sin(a)      jet_record_function(JET_SIN, JET_SLOT(a))
+#define jet_cos(a)      jet_record_function(JET_COS, JET_SLOT(a))
+#define jet_tan(a)      jet_record_function(JET_TAN, JET_SLOT(a))
+#define jet_asin(a)     jet_record_function(JET_ASIN, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_acos(a)     jet_record_function(JET_ACOS, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_atan(a)     jet_record_function(JET_ATAN, JET_SLOT(a))
+#define jet_sinh(a)     jet_record_function(JET_SINH, JET_SLOT(a))
+#define jet_cosh(a)     jet_record_function(JET_COSH, JET_SLOT(a))
+#define jet_tanh(a)     jet_record_function(JET_TANH, JET_SLOT(a))
+#define jet_asinh(a)    jet_record_function(JET_ASINH, JET_SLOT(a))
+#define jet_acosh(a)    jet_record_function(JET_ACOSH, JET_SLOT(a)) /* a > 1 */
+#define jet_atanh(a)    jet_record_function(JET_ATANH, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_erf(a)      jet_record_function(JET_ERF, JET_SLOT(a))   /* 2/sqrt(pi) integral_0^a exp(-s^2) ds */
+#define jet_atan2(a, b) jet_record_function2(JET_ATAN2, JET_SLOT(a), JET_SLOT(b)) /* angle of (b, a), not both 0 */
+#define jet_hypot(a, b) jet_record_function2(JET_HYPOT, JET_SLOT(a), JET_SLOT(b)) /* sqrt(a^2 + b^2), not both 0 */
 
 #endif
 

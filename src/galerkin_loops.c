@@ -5,11 +5,11 @@
 
 #include <stddef.h>
 
-#define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + w))
-#define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + w))
+#define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + here))
+#define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + here))
 
 /* In halves, which wait less for each other. */
-INLINE double sum_of(const double x[], size_t count)
+JET_INLINE double sum_of(const double x[], size_t count)
 {
     double sum[8];
     for (size_t i = 0; i < count; i++) sum[i] = x[i];
@@ -46,8 +46,8 @@ enum { CHAINS = 4 };
         sum += sum_of((const double *)&squares, sizeof squares / sizeof(double));                                      \
     }
 
-INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
-                         int lanes)
+JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
+                             int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
     const int unknowns = nodes->unknowns;
@@ -77,8 +77,8 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
         }                                                                                                              \
     }
 
-INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[],
-                          int lanes)
+JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
+                              const double *const drives[], int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
     const int unknowns = nodes->unknowns;
@@ -96,13 +96,13 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
         V total = {0};                                                                                                 \
-        for (int j = 0; j < lanes; j++) total += *(const V *)(weight + j * SUMS + w) * drive[j];                       \
-        *(V *)(sum + u * SUMS + w) = total;                                                                            \
+        for (int j = 0; j < lanes; j++) total += *(const V *)(weight + j * SUMS + here) * drive[j];                    \
+        *(V *)(sum + u * SUMS + here) = total;                                                                         \
     }
-#define COPY(V, S) VECTOR(V, last, u) = *(const V *)(drive + w);
+#define COPY(V, S) VECTOR(V, last, u) = *(const V *)(drive + here);
 
-INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum,
-                            double *last, int lanes)
+JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum,
+                                double *last, int lanes)
 {
     for (int u = 0; u < nodes->unknowns; u++) {
         const double *drive = nodes->x + (size_t)slot[u] * (size_t)lanes;
@@ -119,8 +119,8 @@ static void integrate(const galerkin_nodes *nodes, const double *weight, const i
 
 #define BASE(V, S) VECTOR(V, nodes->base, u) = OF_VECTOR(V, c, 0) * drift[u] + OF_VECTOR(V, c_rest, 0) * drift[u];
 
-INLINE void set_base_lanes(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
-                           const double *drift, int lanes)
+JET_INLINE void set_base_lanes(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
+                               const double *drift, int lanes)
 {
     for (int u = 0; u < count; u++) JET_BLOCKS(lanes, BASE, );
 }

@@ -39,6 +39,12 @@ typedef struct {
     ROW(asin_of_minus_two, jet_asin(-2), TVI_EDOMAIN)                                                                  \
     ROW(acos_of_minus_one, jet_acos(-1), TVI_EDOMAIN)                                                                  \
     ROW(acos_of_two, jet_acos(2), TVI_EDOMAIN)                                                                         \
+    ROW(acosh_of_one, jet_acosh(1), TVI_EDOMAIN)                                                                       \
+    ROW(atanh_of_one, jet_atanh(1), TVI_EDOMAIN)                                                                       \
+    ROW(angle_of_zero, jet_atan2(0, 0), TVI_EDOMAIN)                                                                   \
+    ROW(hypot_of_zero, jet_hypot(0, 0), TVI_EDOMAIN)                                                                   \
+    ROW(hypot_with_nan, jet_hypot(x, NAN), TVI_ENONFINITE)                                                             \
+    ROW(overflow_of_hypot, jet_hypot(DBL_MAX, DBL_MAX), TVI_ENONFINITE)                                                \
     ROW(fraction_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                                \
     ROW(fraction_of_negative, jet_pow(-1, 0.5), TVI_EDOMAIN)                                                           \
     ROW(inverse_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                                  \
@@ -85,7 +91,14 @@ typedef struct {
     ROW(atan_other, jet_atan(other))                                                                                   \
     ROW(sinh_other, jet_sinh(other))                                                                                   \
     ROW(cosh_other, jet_cosh(other))                                                                                   \
-    ROW(tanh_other, jet_tanh(other))
+    ROW(tanh_other, jet_tanh(other))                                                                                   \
+    ROW(asinh_other, jet_asinh(other))                                                                                 \
+    ROW(acosh_other, jet_acosh(other))                                                                                 \
+    ROW(atanh_other, jet_atanh(other))                                                                                 \
+    ROW(erf_other, jet_erf(other))                                                                                     \
+    ROW(angle_of_other, jet_atan2(other, x))                                                                           \
+    ROW(angle_to_other, jet_atan2(2, other))                                                                           \
+    ROW(hypot_with_other, jet_hypot(x, other))
 
 #define MAKE(name, value)                                                                                              \
     static jet name(jet x, jet other)                                                                                  \

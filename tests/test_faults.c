@@ -30,8 +30,12 @@ static int every_function(jet x, jet y[])
     y[count++] = jet_log(jet_add(2, x));
     y[count++] = jet_asin(jet_mul(0.5, x));
     y[count++] = jet_acos(jet_mul(0.25, x));
-    static const jet_function everywhere[] = {JET_EXP,  JET_SIN,  JET_COS,  JET_TAN,
-                                              JET_ATAN, JET_SINH, JET_COSH, JET_TANH};
+    y[count++] = jet_acosh(jet_add(2, x));
+    y[count++] = jet_atanh(jet_mul(0.25, x));
+    y[count++] = jet_atan2(x, jet_add(2, x));
+    y[count++] = jet_hypot(2, x);
+    static const jet_function everywhere[] = {JET_EXP,  JET_SIN,  JET_COS,  JET_TAN,   JET_ATAN,
+                                              JET_SINH, JET_COSH, JET_TANH, JET_ASINH, JET_ERF};
     for (size_t i = 0; i < sizeof everywhere / sizeof *everywhere; i++)
         y[count++] = jet_record_function(everywhere[i], jet_mul(0.5, x));
     return count;
@@ -463,6 +467,7 @@ Suite *suite_faults(void)
     Suite *suite = suite_create("faults");
     tcase_add_test(add_case(suite, "hooks"), hooks_count);
     TCase *systems = add_case(suite, "systems");
+    tcase_set_timeout(systems, 60);
     tcase_add_loop_test(systems, events_without_memory, 0, 2);
     tcase_add_loop_test(systems, systems_without_memory, 0, 2 * STATEMENTS);
     tcase_add_loop_test(systems, questions_without_memory, 0, 2 * STATEMENTS);

@@ -36,6 +36,12 @@ UNARY(atan)
 UNARY(sinh)
 UNARY(cosh)
 UNARY(tanh)
+UNARY(asinh)
+UNARY(acosh)
+UNARY(atanh)
+UNARY(erf)
+BINARY(atan2)
+BINARY(hypot)
 
 static void record_pow(double c, const jet x[], jet z[]) { z[0] = jet_pow(x[0], c); }
 
@@ -114,6 +120,16 @@ static void record_medley(double c, const jet x[], jet z[])
     const jet bend = jet_sub(jet_tan(jet_div(x[0], 3)), jet_mul(jet_tanh(x[2]), jet_log(root)));
     z[0] = jet_sum((const jet[]){wave, arc, growth, turn, bend, jet_mul(e, arc)}, 6);
     z[1] = jet_div(jet_mul(wave, root), jet_sub(3, turn));
+}
+
+/* Distances and angles of two points in the plane, (x0, x1) and (x2, x3), in runs of two; and of numbers. */
+static void record_polar(double c, const jet x[], jet z[])
+{
+    (void)c;
+    z[0] = jet_add(jet_atan2(x[1], x[0]), jet_mul(2, jet_atan2(x[3], x[2])));
+    z[1] = jet_mul(jet_hypot(x[0], x[2]), jet_hypot(x[1], x[3]));
+    z[2] = jet_sub(jet_atan2(2, x[0]), jet_hypot(x[1], 3));
+    z[3] = jet_mul(jet_erf(x[1]), jet_asinh(jet_mul(x[0], x[3])));
 }
 
 /* The forces of gravity among six bodies of masses 1, 2, .. 6 in space: inputs and outputs [body][axis]. */
@@ -203,6 +219,19 @@ const function operations[] = {
     {"cosh", record_cosh, 1, 1, 0, {-4}, 1e-14},
     {"tanh", record_tanh, 1, 1, 0, {0.6}, 1e-14},
     {"tanh", record_tanh, 1, 1, 0, {-2}, 1e-14},
+    {"asinh", record_asinh, 1, 1, 0, {0.3}, 1e-14},
+    {"asinh", record_asinh, 1, 1, 0, {-5}, 1e-14},
+    {"acosh", record_acosh, 1, 1, 0, {2.1}, 1e-14},
+    {"acosh", record_acosh, 1, 1, 0, {40}, 1e-14},
+    {"atanh", record_atanh, 1, 1, 0, {0.3}, 1e-14},
+    {"atanh", record_atanh, 1, 1, 0, {-0.5}, 1e-14},
+    {"erf", record_erf, 1, 1, 0, {0.6}, 1e-14},
+    {"erf", record_erf, 1, 1, 0, {-1.4}, 1e-14},
+    {"atan2", record_atan2, 2, 1, 0, {1.3, 2.1}, 1e-14},
+    {"atan2", record_atan2, 2, 1, 0, {2.1, -1.3}, 1e-14},
+    {"atan2", record_atan2, 2, 1, 0, {-2.3, -0.4}, 1e-14},
+    {"hypot", record_hypot, 2, 1, 0, {1.3, 2.1}, 1e-14},
+    {"hypot", record_hypot, 2, 1, 0, {-2.3, 0.4}, 1e-14},
 };
 
 const function compositions[] = {
@@ -211,6 +240,7 @@ const function compositions[] = {
     {"lattice", record_lattice, 4, 1, 0, {0.2, -0.3, 0.5, 0.1}, 1e-13},
     {"relativistic", record_relativistic, 2, 1, 0, {0.3, -0.8}, 1e-13},
     {"medley", record_medley, 3, 2, 0, {0.7, 0.9, 1.1}, 1e-13},
+    {"polar", record_polar, 4, 4, 0, {2.1, -1.3, 1.7, 2.2}, 1e-13},
     {"products", record_products, 6, 9, 0, {0.7, -0.9, 1.1, 0.4, -1.3, 0.8}, 1e-13},
     {"gravity",
      record_gravity,

@@ -35,6 +35,10 @@ TWICE(atan, 1 / (1 + a * a), -2 * a / ((1 + a * a) * (1 + a * a)))
 TWICE(sinh, cosh(a), sinh(a))
 TWICE(cosh, sinh(a), cosh(a))
 TWICE(tanh, 1 / (cosh(a) * cosh(a)), -2 * tanh(a) / (cosh(a) * cosh(a)))
+TWICE(asinh, 1 / sqrt(1 + a * a), -a / ((1 + a * a) * sqrt(1 + a * a)))
+TWICE(acosh, 1 / sqrt(a * a - 1), -a / ((a * a - 1) * sqrt(a * a - 1)))
+TWICE(atanh, 1 / (1 - a * a), 2 * a / ((1 - a * a) * (1 - a * a)))
+TWICE(erf, 2 / sqrt(acos(-1)) * exp(-a * a), -4 * a / sqrt(acos(-1)) * exp(-a * a))
 
 #define OF_TWO(name, da, db, daa, dab, dbb)                                                                            \
     static void d_##name(double c, double a, double b, double d[DERIVATIVES])                                          \
@@ -53,22 +57,31 @@ OF_TWO(mul, b, a, 0, 1, 0)
 OF_TWO(div, 1 / b, -a / (b * b), 0, -1 / (b * b), 2 * a / (b * b * b))
 OF_TWO(linear, 3, -0.25, 0, 0, 0)
 
+static double r2(double a, double b) { return a * a + b * b; }
+static double r3(double a, double b) { return r2(a, b) * sqrt(r2(a, b)); }
+
+OF_TWO(atan2, b / r2(a, b), -a / r2(a, b), -2 * a * b / (r2(a, b) * r2(a, b)),
+       (a - b) * (a + b) / (r2(a, b) * r2(a, b)), 2 * a * b / (r2(a, b) * r2(a, b)))
+OF_TWO(hypot, a / sqrt(r2(a, b)), b / sqrt(r2(a, b)), b *b / r3(a, b), -a *b / r3(a, b), a *a / r3(a, b))
+
 static const struct {
     const char *name;
     derivatives_fn *derivatives;
     double c, a, b;
 } analytic[] = {
-    {"add", d_add, 0, 0.7, -1.3}, {"sub", d_sub, 0, 0.7, -1.3},       {"mul", d_mul, 0, 0.7, -1.3},
-    {"div", d_div, 0, 0.7, -1.3}, {"linear", d_linear, 0, 0.7, -1.3}, {"neg", d_neg, 0, 0.7, 0},
-    {"sqr", d_sqr, 0, -0.7, 0},   {"sqrt", d_sqrt, 0, 0.7, 0},        {"pow", d_pow, 0, -0.7, 0},
-    {"pow", d_pow, 1, -0.7, 0},   {"pow", d_pow, 2, -0.7, 0},         {"pow", d_pow, 5, -0.7, 0},
-    {"pow", d_pow, -1, -0.7, 0},  {"pow", d_pow, -2, -0.7, 0},        {"pow", d_pow, 0.5, 0.7, 0},
-    {"pow", d_pow, 1.5, 0.7, 0},  {"pow", d_pow, -2.5, 0.7, 0},       {"pow", d_pow, 0.3, 0.7, 0},
-    {"exp", d_exp, 0, -0.7, 0},   {"log", d_log, 0, 0.7, 0},          {"sin", d_sin, 0, 0.7, 0},
-    {"cos", d_cos, 0, 0.7, 0},    {"tan", d_tan, 0, -0.7, 0},         {"asin", d_asin, 0, 0.7, 0},
-    {"acos", d_acos, 0, 0.7, 0},  {"atan", d_atan, 0, 0.7, 0},        {"sinh", d_sinh, 0, 0.7, 0},
-    {"cosh", d_cosh, 0, 0.7, 0},  {"tanh", d_tanh, 0, 0.7, 0},        {"tanh", d_tanh, 0, 15, 0},
-    {"tanh", d_tanh, 0, -300, 0}, {"asin", d_asin, 0, 0, 0},          {"sinh", d_sinh, 0, 0, 0},
+    {"add", d_add, 0, 0.7, -1.3},   {"sub", d_sub, 0, 0.7, -1.3},       {"mul", d_mul, 0, 0.7, -1.3},
+    {"div", d_div, 0, 0.7, -1.3},   {"linear", d_linear, 0, 0.7, -1.3}, {"neg", d_neg, 0, 0.7, 0},
+    {"sqr", d_sqr, 0, -0.7, 0},     {"sqrt", d_sqrt, 0, 0.7, 0},        {"pow", d_pow, 0, -0.7, 0},
+    {"pow", d_pow, 1, -0.7, 0},     {"pow", d_pow, 2, -0.7, 0},         {"pow", d_pow, 5, -0.7, 0},
+    {"pow", d_pow, -1, -0.7, 0},    {"pow", d_pow, -2, -0.7, 0},        {"pow", d_pow, 0.5, 0.7, 0},
+    {"pow", d_pow, 1.5, 0.7, 0},    {"pow", d_pow, -2.5, 0.7, 0},       {"pow", d_pow, 0.3, 0.7, 0},
+    {"exp", d_exp, 0, -0.7, 0},     {"log", d_log, 0, 0.7, 0},          {"sin", d_sin, 0, 0.7, 0},
+    {"cos", d_cos, 0, 0.7, 0},      {"tan", d_tan, 0, -0.7, 0},         {"asin", d_asin, 0, 0.7, 0},
+    {"acos", d_acos, 0, 0.7, 0},    {"atan", d_atan, 0, 0.7, 0},        {"sinh", d_sinh, 0, 0.7, 0},
+    {"cosh", d_cosh, 0, 0.7, 0},    {"tanh", d_tanh, 0, 0.7, 0},        {"tanh", d_tanh, 0, 15, 0},
+    {"tanh", d_tanh, 0, -300, 0},   {"asin", d_asin, 0, 0, 0},          {"sinh", d_sinh, 0, 0, 0},
+    {"asinh", d_asinh, 0, -0.7, 0}, {"acosh", d_acosh, 0, 1.7, 0},      {"atanh", d_atanh, 0, 0.7, 0},
+    {"erf", d_erf, 0, -0.7, 0},     {"atan2", d_atan2, 0, 0.7, -1.3},   {"hypot", d_hypot, 0, 0.7, -0.9},
 };
 
 /* A row of a matrix of derivatives by the recorded gradient. */

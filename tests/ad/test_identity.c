@@ -61,6 +61,17 @@
         jet_sqrt(jet_sub(jet_sqr(x), 1)))                                                                              \
     ROW(tanh_of_artanh, 0.3, 0, jet_tanh(jet_mul(0.5, jet_log(jet_div(jet_add(1, x), jet_sub(1, x))))), x,             \
         jet_div(jet_add(1, x), jet_sub(1, x)))                                                                         \
+    ROW(sinh_of_asinh, 0.4, 0, jet_sinh(jet_asinh(x)), x, jet_asinh(x))                                                \
+    ROW(asinh_of_sinh, -0.8, 0, jet_asinh(jet_sinh(x)), x, jet_sinh(x))                                                \
+    ROW(cosh_of_acosh, 1.9, 0, jet_cosh(jet_acosh(x)), x, jet_acosh(x))                                                \
+    ROW(acosh_of_cosh, 1.2, 0, jet_acosh(jet_cosh(x)), x, jet_cosh(x))                                                 \
+    ROW(tanh_of_atanh, 0.3, 0, jet_tanh(jet_atanh(x)), x, jet_atanh(x))                                                \
+    ROW(atanh_of_tanh, -0.8, 0, jet_atanh(jet_tanh(x)), x, jet_tanh(x))                                                \
+    ROW(erf_is_odd, 0.8, 0, jet_erf(jet_neg(x)), jet_neg(jet_erf(x)), jet_erf(x))                                      \
+    ROW(hypot_by_root, 0.8, -1.9, jet_hypot(x, y), jet_sqrt(jet_add(jet_sqr(x), jet_sqr(y))), jet_sqr(y))              \
+    ROW(radius_and_angle, 1.8, -1.3, jet_mul(jet_hypot(x, y), jet_cos(jet_atan2(y, x))), x, jet_atan2(y, x))           \
+    ROW(angle_and_radius, -1.8, -1.3, jet_mul(jet_hypot(x, y), jet_sin(jet_atan2(y, x))), y, jet_atan2(y, x))          \
+    ROW(angle_by_tangent, 1.8, -1.3, jet_atan2(x, y), jet_sub(1.5707963267948966, jet_atan2(y, x)), jet_atan2(y, x))   \
     ROW(sum_is_additions, 0.8, 1.3, jet_sum((const jet[]){x, y, jet_sin(x), x}, 4),                                    \
         jet_add(jet_add(jet_add(x, x), jet_sin(x)), y), x)                                                             \
     ROW(dot_is_products, 0.8, 1.3, jet_dot((const jet[]){x, y, x}, (const jet[]){y, y, jet_const(3)}, 3),              \
