@@ -16,8 +16,8 @@
  * offence, it goes on to the outputs. z overlaps neither a nor b. */
 typedef bool jet_value_rule(double c, int width, const double *a, const double *b, double *restrict z);
 
-/* The others work on the members of a run, in blocks as the sweeps have them (tape.h), whose orders are `stride` numbers
- * apart for one lane. */
+/* The others work on the members of a run, in blocks as the sweeps have them (tape.h), whose orders are `stride`
+ * numbers apart for one lane. */
 
 /* z_k from orders 0..k of a, b, w and 0..k-1 of z, k >= 1. */
 typedef void jet_series_rule(const jet_run *run, double *x, int k, size_t stride, int lanes);

@@ -198,6 +198,44 @@ START_TEST(error_is_that_of_the_definition)
 }
 END_TEST
 
+/* ---- Every function, in a Taylor step of degree 12 --------------------------------------------------------------- */
+
+enum { FUNCTIONS = JET_FUNCTION_COUNT + JET_FUNCTION2_COUNT };
+
+/* Function number *ctx of 0.5 + q / 5, for acosh of 1.5 + q / 5, and of 1 + t. */
+static void one_function(const jet q[], jet t, jet F[], void *ctx)
+{
+    const int which = *(const int *)ctx;
+    const jet x = jet_add(which == JET_ACOSH ? 1.5 : 0.5, jet_div(q[0], 5));
+    F[0] = which < JET_FUNCTION_COUNT
+               ? jet_record_function((jet_function)which, x)
+               : jet_record_function2((jet_function2)(which - JET_FUNCTION_COUNT), x, jet_add(1, t));
+}
+
+START_TEST(functions_agree)
+{
+    int which = _i;
+    const double h = 0.5;
+    double t = 0.125, q = 0.25, p = 0.75;
+    quad at = t, Q = q, P = p;
+    tvi_system *system;
+    tvi_integrator *integrator;
+    tvi_options options;
+    ck_assert_int_eq(tvi_system_force(&system, 1, NULL, one_function, &which), TVI_OK);
+    ck_assert_int_eq(tvi_options_named("taylor", 11, &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    ck_assert_int_eq(tvi_step(integrator, h, &t, &q, &p), TVI_OK);
+    quad_system *exact = quad_system_force(1, NULL, one_function, &which);
+    ck_assert_ptr_nonnull(exact);
+    quad_taylor(exact, tvi_integrator_options(integrator)->degree, h, 1, &at, &Q, &P);
+    ck_assert_double_lt((double)fabsq(q - Q), 1e-15);
+    ck_assert_double_lt((double)fabsq(p - P), 1e-15);
+    quad_system_free(exact);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 static void add_case(Suite *suite, const char *name, const TTest *test, int count)
 {
     TCase *tcase = tcase_create(name);
@@ -209,6 +247,7 @@ static void add_case(Suite *suite, const char *name, const TTest *test, int coun
 Suite *suite_quad(void)
 {
     Suite *suite = suite_create("quad");
+    add_case(suite, "functions", functions_agree, FUNCTIONS);
     add_case(suite, "references", references_agree, PROBLEMS);
     add_case(suite, "definition", step_is_that_of_the_definition, 6 * PROBLEMS * RULES);
     add_case(suite, "high degrees", error_is_that_of_the_definition, 4 * HIGH);
