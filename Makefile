@@ -1,5 +1,6 @@
 # make            build/libtvi.a and build/libtvi.so
-# make check      the tests (installs what they need from Debian, as root)
+# make check      the tests (installs what they need from Debian, as root), less than six minutes of two cores
+# make check-long what takes longer: sanitizers, coverage, the base instruction set, warnings of gcc as it optimizes
 # make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
 # make cov        lines of ad and src that the tests run; fails below 95%
 # make fuzz       random programs led by coverage (libFuzzer), a minute; SECONDS=n for longer
@@ -52,7 +53,7 @@ OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
 .DELETE_ON_ERROR:
-.PHONY: all check bench choose references clean need-library need-check need-bench
+.PHONY: all check check-long bench choose references clean need-library need-check need-bench
 
 all: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a $(BUILD)/libtvi.so
@@ -62,7 +63,7 @@ all: need-library
 PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
                     'libblas-dev:pkg-config --exists blas'
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
-                    'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
+                    'clang-format:command -v clang-format' 'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
                     'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun'
 PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
 

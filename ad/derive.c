@@ -79,7 +79,7 @@ static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
     if (!rule) return;
     const double factor = take_factor(&zbar); /* the rules are linear in z-bar */
     contribute(bar, z->a, jet_mul(factor, rule->pull(z, zbar, 0)));
-    if (rule->b == B_OPERAND) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));
+    if (z->b) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));
 }
 
 bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])

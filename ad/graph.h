@@ -11,7 +11,7 @@
 #include <stddef.h>
 
 /* The operations that are left after folding. A sum of multiples is one LINEAR node: add, sub, neg, sum, scaling by a
- * number and adding a number. A partner w is a second series that the recurrence of z needs (see rule.h). */
+ * number and adding a number. A partner w is another series that the recurrence of z needs (see rule.h). */
 typedef enum {
     OP_INPUT,
     OP_CONST,
@@ -21,6 +21,8 @@ typedef enum {
     OP_DIV,    /* z = a / b                                      */
     OP_SQRT,   /* z = sqrt a                                     */
     OP_POW,    /* z = a^number                                   */
+    OP_HYPOT,  /* z = sqrt(a^2 + b^2)                            */
+    OP_ATAN2,  /* z' = (b a' - a b') / w, w = a^2 + b^2          */
     OP_EXP,    /* z' =  w a', w = z                              */
     OP_SIN,    /* z' =  w a', w = cos a                          */
     OP_COS,    /* z' = -w a', w = sin a                          */
@@ -29,10 +31,14 @@ typedef enum {
     OP_TAN,    /* z' =  w a', w = 1 + z^2                        */
     OP_TANH,   /* z' =  w a', w = sech2 a                        */
     OP_SECH2,  /* z = 1 - w^2 = 1 / cosh^2 a, w = tanh a         */
+    OP_ERF,    /* z' =  w a', w = 2 exp(-a^2) / sqrt(pi)         */
     OP_LOG,    /* z' =  a' / w, w = a                            */
     OP_ASIN,   /* z' =  a' / w, w = sqrt((1-a)(1+a))             */
     OP_ACOS,   /* z' = -a' / w, w = sqrt((1-a)(1+a))             */
     OP_ATAN,   /* z' =  a' / w, w = 1 + a^2                      */
+    OP_ASINH,  /* z' =  a' / w, w = sqrt(1 + a^2)                */
+    OP_ACOSH,  /* z' =  a' / w, w = sqrt((a-1)(a+1))             */
+    OP_ATANH,  /* z' =  a' / w, w = (1-a)(1+a)                   */
     /* On a tape only: */
     OP_PRODUCTS, /* z = sum_i coefficient_i a_i b_i */
     OP_SQUARES,  /* z = sum_i coefficient_i a_i^2   */
@@ -49,13 +55,14 @@ typedef struct jet_term {
 struct jet_node {
     jet_graph *graph; /* NULL: a poison node                                             */
     jet_op op;
-    int index;            /* order of recording: operands come first, partners may come later */
-    double number;        /* CONST: the value; POW: the exponent; LINEAR: the number added    */
-    struct jet_node *a;   /* the operand                                                      */
-    struct jet_node *b;   /* MUL, DIV: the second operand; from EXP on: the partner w         */
-    jet_term *terms;      /* LINEAR                                                           */
-    int count;            /* of terms                                                         */
-    int mark;             /* scratch of whoever walks the graph                               */
+    int index;          /* order of recording: operands come first, partners may come later */
+    double number;      /* CONST: the value; POW: the exponent; LINEAR: the number added    */
+    struct jet_node *a; /* the operand                                                      */
+    struct jet_node *b; /* the second operand, NULL where there is none                     */
+    struct jet_node *w; /* the partner, NULL where there is none                            */
+    jet_term *terms;    /* LINEAR                                                           */
+    int count;          /* of terms                                                         */
+    int mark;           /* scratch of whoever walks the graph                               */
 };
 
 /* A new open graph whose first nodes are its inputs; NULL without memory. */
@@ -63,20 +70,35 @@ jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
 void jet_graph_free(jet_graph *graph);
 
+/* The node equal to `wanted`, recorded now if it is new. Takes the terms of `wanted`. NULL without memory. */
+struct jet_node *jet_graph_record(jet_graph *graph, struct jet_node wanted, bool *is_new);
+/* The same as a jet, poison without memory. */
+jet jet_graph_record_jet(jet_graph *graph, struct jet_node wanted);
+jet jet_graph_constant(jet_graph *graph, double value);
+/* An operation was lost for want of memory: no output is accepted any more. */
+void jet_graph_lose(jet_graph *graph);
+
 int jet_graph_inputs(const jet_graph *graph);
 jet jet_graph_input(const jet_graph *graph, int i);
 int jet_graph_count(const jet_graph *graph);
+/* How often another node was met where one was looked for, of those recorded before. */
+long jet_graph_collisions(const jet_graph *graph);
 struct jet_node *jet_graph_node(const jet_graph *graph, int index);
 
 static inline jet jet_of_node(struct jet_node *node) { return (jet){0, node}; }
 
+/* The open graph that all nodes among x belong to, NULL where all are numbers; or why an operation on x is refused. */
+tvi_status jet_graph_of(int count, const jet x[], jet_graph **graph);
+/* A jet of no graph that stands for the reason, as does whatever is made of it. */
+jet jet_poison(tvi_status reason);
+bool jet_is_poison(jet x);
 /* A jet that no operation has set: what outputs are filled with before the user's function runs. */
 jet jet_unset(void);
 /* Makes the jets outputs of the open graph: nodes of it stay, finite numbers become constant nodes; else why not. */
 tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[]);
 
-/* op of one operand, from OP_SQRT on but OP_POW. */
-jet jet_record_op(jet_op op, jet a);
+/* op of its operands, from OP_SQRT on but OP_POW; where it has one, b is ignored. */
+jet jet_record_op(jet_op op, jet a, jet b);
 
 /* sum_i coefficient[i] x[i]; equal nodes are collected, numbers folded. */
 jet jet_linear(int count, const double coefficient[], const jet x[]);

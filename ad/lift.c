@@ -19,7 +19,7 @@ static void mark_needed(lifting *l, int count, int outputs, const jet output[])
         const struct jet_node *z = jet_graph_node(l->from, i);
         if (!l->needed[i]) continue;
         if (z->a) l->needed[z->a->index] = true;
-        if (jet_role_of_b(z->op) == B_OPERAND) l->needed[z->b->index] = true;
+        if (z->b) l->needed[z->b->index] = true;
         for (int term = 0; term < z->count; term++) l->needed[z->terms[term].node->index] = true;
     }
 }
@@ -39,15 +39,16 @@ static jet combine(const lifting *l, const struct jet_node *z, const jet x[], do
 static jet value_of(const lifting *l, const struct jet_node *z)
 {
     const jet a = z->a ? l->value[z->a->index] : jet_const(0);
+    const jet b = z->b ? l->value[z->b->index] : jet_const(0);
     switch (z->op) {
     case OP_CONST: return jet_const(z->number);
     case OP_LINEAR: return combine(l, z, l->value, z->number);
     case OP_SQR: return jet_sqr(a);
-    case OP_MUL: return jet_mul(a, l->value[z->b->index]);
-    case OP_DIV: return jet_div(a, l->value[z->b->index]);
+    case OP_MUL: return jet_mul(a, b);
+    case OP_DIV: return jet_div(a, b);
     case OP_POW: return jet_pow(a, z->number);
     case OP_SECH2: (void)jet_tanh(a); /* fall through: its series reads this one, which must stand before it */
-    default: return jet_record_op(z->op, a);
+    default: return jet_record_op(z->op, a, b);
     }
 }
 
@@ -59,7 +60,7 @@ static jet rate_of(const lifting *l, const struct jet_node *z, jet value)
     if (!value.node || !value.node->graph) return value;
     const jet_rule *rule = jet_rules[z->op];
     const jet da = l->rate[z->a->index];
-    if (rule->b != B_OPERAND) return rule->pull(value.node, da, 0);
+    if (!z->b) return rule->pull(value.node, da, 0);
     const jet db = l->rate[z->b->index];
     const bool swapped = z->op == OP_MUL && value.node->a != l->value[z->a->index].node;
     return jet_add(rule->pull(value.node, da, swapped), rule->pull(value.node, db, !swapped));

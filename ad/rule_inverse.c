@@ -1,36 +1,36 @@
-/* Functions whose derivative divides by another series, z' = s a' / b with s = 1 or -1: the logarithm and the inverse
- * trigonometric functions. The partner b is read at lower orders only. */
+/* Functions whose derivative divides by another series, z' = s a' / w with s = 1 or -1: the logarithm and the inverse
+ * trigonometric and hyperbolic functions. The partner w is read at lower orders only. */
 #include "rule.h"
 
 #include <math.h>
 
-/* b z' = s a'  =>  b_0 z_k = s a_k - (1/k) sum_{j=1}^{k-1} j z_j b_{k-j}.   O(N^2). */
+/* w z' = s a'  =>  w_0 z_k = s a_k - (1/k) sum_{j=1}^{k-1} j z_j w_{k-j}.   O(N^2). */
 #define INVERSE_SERIES(V, S, s)                                                                                        \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 1, k - 1, (double)j * S(V, z, j) * S(V, b, k - j));                                            \
-        JET_AT(V, z, k) = (s * S(V, a, k) - sum / (double)k) / S(V, b, 0);                                             \
+        JET_SUM(V, sum, 1, k - 1, (double)j * S(V, z, j) * S(V, w, k - j));                                            \
+        JET_AT(V, z, k) = (s * S(V, a, k) - sum / (double)k) / S(V, w, 0);                                             \
     }
 
-/* b_0 dz_k = s da_k - (1/k) sum_{j=1}^{k} j z_j db_{k-j} - (1/k) sum_{j=1}^{k-1} (k-j) b_j dz_{k-j};
- * b_0 dz_0 = s da_0. */
+/* w_0 dz_k = s da_k - (1/k) sum_{j=1}^{k} j z_j dw_{k-j} - (1/k) sum_{j=1}^{k-1} (k-j) w_j dz_{k-j};
+ * w_0 dz_0 = s da_0. */
 #define INVERSE_TANGENT(V, S, s)                                                                                       \
     {                                                                                                                  \
         const double scale = k > 0 ? 1 / (double)k : 1;                                                                \
         V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 1, k, (double)j *S(V, z, j) * JET_D_OF(V, db, k - j));                                         \
-        JET_SUM(V, sum, 1, k - 1, (double)(k - j) * S(V, b, j) * JET_D_OF(V, dz, k - j));                              \
-        JET_D_AT(V, dz, k) = (s * JET_D_OF(V, da, k) - scale * sum) / S(V, b, 0);                                      \
+        JET_SUM(V, sum, 1, k, (double)j *S(V, z, j) * JET_D_OF(V, dw, k - j));                                         \
+        JET_SUM(V, sum, 1, k - 1, (double)(k - j) * S(V, w, j) * JET_D_OF(V, dz, k - j));                              \
+        JET_D_AT(V, dz, k) = (s * JET_D_OF(V, da, k) - scale * sum) / S(V, w, 0);                                      \
     }
 
-/* With u = zbar_k / b_0:  abar_k += s u,  bbar_{k-j} -= (j/k) u z_j (j = 1..k),  zbar_j -= (j/k) u b_{k-j} (j
+/* With u = zbar_k / w_0:  abar_k += s u,  wbar_{k-j} -= (j/k) u z_j (j = 1..k),  zbar_j -= (j/k) u w_{k-j} (j
  * = 1..k-1). */
 #define INVERSE_ADJOINT(V, S, s)                                                                                       \
     {                                                                                                                  \
-        const V u = S(V, zbar, k) / S(V, b, 0);                                                                        \
+        const V u = S(V, zbar, k) / S(V, w, 0);                                                                        \
         JET_AT(V, abar, k) += s * u;                                                                                   \
-        JET_EACH(1, k, JET_AT(V, bbar, k - j) -= (j / (double)k) * u * S(V, z, j));                                    \
-        JET_EACH(1, k - 1, JET_AT(V, zbar, j) -= (j / (double)k) * u * S(V, b, k - j));                                \
+        JET_EACH(1, k, JET_AT(V, wbar, k - j) -= (j / (double)k) * u * S(V, z, j));                                    \
+        JET_EACH(1, k - 1, JET_AT(V, zbar, j) -= (j / (double)k) * u * S(V, w, k - j));                                \
     }
 
 #define PLUS_SERIES(V, S)   INVERSE_SERIES(V, S, 1.0)
@@ -56,15 +56,19 @@
     static jet name##_pull(struct jet_node *z, jet zbar, int which)                                                    \
     {                                                                                                                  \
         (void)which;                                                                                                   \
-        return jet_mul(s, jet_div(zbar, jet_of_node(z->b)));                                                           \
+        return jet_mul(s, jet_div(zbar, jet_of_node(z->w)));                                                           \
     }                                                                                                                  \
-    JET_RULE(name, B_PARTNER)
+    JET_RULE(name, 1, W_LOWER)
 
 #define NOT_POSITIVE(a) ((a) <= 0)
 #define BEYOND_ONE(a)   ((a) <= -1 || (a) >= 1)
+#define UP_TO_ONE(a)    ((a) <= 1)
 #define NOWHERE(a)      ((void)(a), 0)
 
-INVERSE_RULES(log, log, PLUS, 1, NOT_POSITIVE) /* b = a                */
-INVERSE_RULES(asin, asin, PLUS, 1, BEYOND_ONE) /* b = sqrt((1-a)(1+a)) */
+INVERSE_RULES(log, log, PLUS, 1, NOT_POSITIVE) /* w = a                */
+INVERSE_RULES(asin, asin, PLUS, 1, BEYOND_ONE) /* w = sqrt((1-a)(1+a)) */
 INVERSE_RULES(acos, acos, MINUS, -1, BEYOND_ONE)
-INVERSE_RULES(atan, atan, PLUS, 1, NOWHERE) /* b = 1 + a^2          */
+INVERSE_RULES(atan, atan, PLUS, 1, NOWHERE)      /* w = 1 + a^2          */
+INVERSE_RULES(asinh, asinh, PLUS, 1, NOWHERE)    /* w = sqrt(1 + a^2)    */
+INVERSE_RULES(acosh, acosh, PLUS, 1, UP_TO_ONE)  /* w = sqrt((a-1)(a+1)) */
+INVERSE_RULES(atanh, atanh, PLUS, 1, BEYOND_ONE) /* w = (1-a)(1+a)       */

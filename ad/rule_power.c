@@ -54,7 +54,7 @@ static jet sqrt_pull(struct jet_node *z, jet zbar, int which)
     return jet_div(jet_mul(0.5, zbar), jet_of_node(z));
 }
 
-JET_RULE(sqrt, B_NONE)
+JET_RULE(sqrt, 1, W_NONE)
 
 /* ---- z = a^c,  a_0 != 0 where c is an integer, else a_0 > 0 ------------------------------------------------------ */
 
@@ -62,7 +62,7 @@ enum { HALVES_MAX = 16 };
 
 /* a^(halves/2) by multiplications and a square root, which vectorise, where pow does not; the best where the compiler
  * knows halves. */
-static inline __attribute__((always_inline)) void power_by(int halves, int width, const double *a, double *restrict z)
+JET_INLINE void power_by(int halves, int width, const double *a, double *restrict z)
 {
     const int count = abs(halves);
     for (int w = 0; w < width; w++) {
@@ -188,4 +188,4 @@ static jet pow_pull(struct jet_node *z, jet zbar, int which)
     return jet_mul(z->number, jet_mul(zbar, jet_pow(jet_of_node(z->a), z->number - 1)));
 }
 
-JET_RULE(pow, B_NONE)
+JET_RULE(pow, 1, W_NONE)

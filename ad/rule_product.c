@@ -15,7 +15,7 @@ static jet mul_pull(struct jet_node *z, jet zbar, int which)
     return jet_mul(zbar, jet_of_node(which == 0 ? z->b : z->a));
 }
 
-const jet_rule JET_RULE_OF(mul) = {.b = B_OPERAND, .value = mul_value, .pull = mul_pull};
+const jet_rule JET_RULE_OF(mul) = {.operands = 2, .value = mul_value, .pull = mul_pull};
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
@@ -25,7 +25,7 @@ static jet sqr_pull(struct jet_node *z, jet zbar, int which)
     return jet_mul(2, jet_mul(zbar, jet_of_node(z->a)));
 }
 
-const jet_rule JET_RULE_OF(sqr) = {.b = B_NONE, .pull = sqr_pull};
+const jet_rule JET_RULE_OF(sqr) = {.operands = 1, .pull = sqr_pull};
 
 /* ---- z = a / b,  b_0 != 0 ---------------------------------------------------------------------------------------- */
 
@@ -74,4 +74,4 @@ static jet div_pull(struct jet_node *z, jet zbar, int which)
     return which == 0 ? quotient : jet_neg(jet_mul(quotient, jet_of_node(z)));
 }
 
-JET_RULE(div, B_OPERAND)
+JET_RULE(div, 2, W_NONE)

@@ -1,17 +1,14 @@
-/* z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number. */
+/* sum_linear.c - z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number. */
 #include "sums.h"
 
-/* name[terms](parameters) calls of(..., terms), each a function of its own as in sum_products.c; name[0]: of more terms. */
+/* name[terms](parameters): one for each number of terms up to OWN_MAX, name[0] for more. */
 enum { OWN_MAX = 5 };
-#define TABLE(name, of, parameters, ...)                                                                               \
-    static void name##_any parameters { of(__VA_ARGS__, run->terms); }                                                 \
-    static void name##_1 parameters { of(__VA_ARGS__, 1); }                                                            \
-    static void name##_2 parameters { of(__VA_ARGS__, 2); }                                                            \
-    static void name##_3 parameters { of(__VA_ARGS__, 3); }                                                            \
-    static void name##_4 parameters { of(__VA_ARGS__, 4); }                                                            \
-    static void name##_5 parameters { of(__VA_ARGS__, 5); }                                                            \
+#define TABLE(name, body, parameters, ...)                                                                             \
+    static void name##_any parameters { body(__VA_ARGS__, run->terms); }                                               \
+    JET_BY_TERMS(name, body, parameters, __VA_ARGS__)                                                                  \
+    static void name##_5 parameters { body(__VA_ARGS__, 5); }                                                          \
     static void(*const name[1 + OWN_MAX]) parameters = {name##_any, name##_1, name##_2, name##_3, name##_4, name##_5};
-#define OF(name, run) name[(run)->terms <= OWN_MAX ? (run)->terms : 0]
+#define FUNCTION(name, run) name[(run)->terms <= OWN_MAX ? (run)->terms : 0]
 
 /* One lane. */
 JET_INLINE void sums_of_one(const jet_tape *tape, const jet_run *run, double *x, int terms)
@@ -48,8 +45,8 @@ TABLE(sums_eight, sums_of_many, (const jet_tape *tape, const jet_run *run, doubl
 
 void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    if (lanes == 1) OF(sums_one, run)(tape, run, x);
-    else if (lanes == 8) OF(sums_eight, run)(tape, run, x);
+    if (lanes == 1) FUNCTION(sums_one, run)(tape, run, x);
+    else if (lanes == 8) FUNCTION(sums_eight, run)(tape, run, x);
     else sums_of_many(tape, run, x, lanes, run->terms);
 }
 
@@ -60,7 +57,8 @@ void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int 
     for (int i = 0; i < run->count; i++) {
         const double base = tape->base[run->first + i];
         double *z = x + (size_t)(run->z + i) * (size_t)lanes;
-        for (int w = 0; base != 0 && w < lanes; w++) z[w] += base;
+        if (base == 0) continue;
+        for (int lane = 0; lane < lanes; lane++) z[lane] += base;
     }
 }
 
@@ -95,5 +93,5 @@ TABLE(adjoints_one, adjoints_of_one, (const jet_tape *tape, const jet_run *run, 
 
 void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar)
 {
-    OF(adjoints_one, run)(tape, run, bar);
+    FUNCTION(adjoints_one, run)(tape, run, bar);
 }

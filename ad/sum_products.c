@@ -1,21 +1,16 @@
-/* z = sum_t c_t a_t b_t, and z = sum_t c_t a_t^2, whose convolutions are symmetric: half the products. All terms pass
- * while a block of z is in a register. */
+/* sum_products.c - z = sum_t c_t a_t b_t, and z = sum_t c_t a_t^2, whose convolutions are symmetric: half the products.
+ * All terms pass while a block of z is in a register. */
 #include "sums.h"
 
-/* name[squares][terms](parameters) calls of(..., squares, terms), each a function of its own: what the compiler knows
- * spares it the registers of all the others. */
-#define BY_TERMS(name, of, squares, parameters, ...)                                                                   \
-    static void name##_##squares##_1 parameters { of(__VA_ARGS__, squares, 1); }                                       \
-    static void name##_##squares##_2 parameters { of(__VA_ARGS__, squares, 2); }                                       \
-    static void name##_##squares##_3 parameters { of(__VA_ARGS__, squares, 3); }                                       \
-    static void name##_##squares##_4 parameters { of(__VA_ARGS__, squares, 4); }
-#define TABLE(name, of, parameters, ...)                                                                               \
-    BY_TERMS(name, of, 0, parameters, __VA_ARGS__)                                                                     \
-    BY_TERMS(name, of, 1, parameters, __VA_ARGS__)                                                                     \
-    static void(*const name[2][1 + JET_TERMS_MAX])                                                                     \
-        parameters = {{NULL, name##_0_1, name##_0_2, name##_0_3, name##_0_4},                                          \
-                      {NULL, name##_1_1, name##_1_2, name##_1_3, name##_1_4}};
-#define OF(name, run) name[(run)->op == OP_SQUARES][(run)->terms]
+/* name[squares][terms](parameters): one for each number of terms of each operation. */
+#define TABLE(name, body, parameters, ...)                                                                             \
+    JET_BY_TERMS(name##_products, body, parameters, __VA_ARGS__, false)                                                \
+    JET_BY_TERMS(name##_squares, body, parameters, __VA_ARGS__, true)                                                  \
+    static void(*const name[2][1 + JET_TERMS_MAX]) parameters = {                                                      \
+        {NULL, name##_products_1, name##_products_2, name##_products_3, name##_products_4},                            \
+        {NULL, name##_squares_1, name##_squares_2, name##_squares_3, name##_squares_4},                                \
+    };
+#define FUNCTION(name, run) name[(run)->op == OP_SQUARES][(run)->terms]
 
 /* The terms of the run's first member, in the block x; those of the next ones stand beside them. */
 typedef struct {
@@ -63,13 +58,13 @@ JET_INLINE void values_of(const jet_tape *tape, const jet_run *run, double *x, i
     if (lanes == 8) JET_EIGHTS(width, VALUES, JET_OF)
     else JET_BLOCKS(width, VALUES, JET_OF);
 }
-TABLE(values_of_eight, values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
-TABLE(values_of_any, values_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes)
+TABLE(values_eight, values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
+TABLE(values_any, values_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes)
 
 void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    if (lanes == 8) OF(values_of_eight, run)(tape, run, x);
-    else OF(values_of_any, run)(tape, run, x, lanes);
+    if (lanes == 8) FUNCTION(values_eight, run)(tape, run, x);
+    else FUNCTION(values_any, run)(tape, run, x, lanes);
 }
 
 /* ---- Series ------------------------------------------------------------------------------------------------------ */
@@ -106,14 +101,14 @@ JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, i
     else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
 }
 
-TABLE(series_of_one, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k), tape, run, x, k, 1)
-TABLE(series_of_any, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k, int lanes), tape, run, x,
-      k, (size_t)lanes)
+TABLE(series_one, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k), tape, run, x, k, 1)
+TABLE(series_any, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k, int lanes), tape, run, x, k,
+      (size_t)lanes)
 
 void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes)
 {
-    if (lanes == 1) OF(series_of_one, run)(tape, run, x, k);
-    else OF(series_of_any, run)(tape, run, x, k, lanes);
+    if (lanes == 1) FUNCTION(series_one, run)(tape, run, x, k);
+    else FUNCTION(series_any, run)(tape, run, x, k, lanes);
 }
 
 /* ---- Tangents ---------------------------------------------------------------------------------------------------- */
@@ -160,13 +155,12 @@ JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const doub
     }
 }
 
-TABLE(tangents_of_any, tangents_of,
-      (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes), tape, run, x, dx, k,
-      (size_t)lanes)
+TABLE(tangents, tangents_of, (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes),
+      tape, run, x, dx, k, (size_t)lanes)
 
 void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes)
 {
-    OF(tangents_of_any, run)(tape, run, x, dx, k, lanes);
+    FUNCTION(tangents, run)(tape, run, x, dx, k, lanes);
 }
 
 /* ---- Adjoints ---------------------------------------------------------------------------------------------------- */
@@ -208,11 +202,10 @@ JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const doub
     else JET_BLOCKS(run->count, PRODUCTS_ADJOINT, JET_OF);
 }
 
-TABLE(adjoints_of_any, adjoints_of,
-      (const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top), tape, run, x, bars, k,
-      top)
+TABLE(adjoints, adjoints_of, (const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top),
+      tape, run, x, bars, k, top)
 
 void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top)
 {
-    OF(adjoints_of_any, run)(tape, run, x, bars, k, top);
+    FUNCTION(adjoints, run)(tape, run, x, bars, k, top);
 }

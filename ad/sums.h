@@ -26,6 +26,12 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
 void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes);
 void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bar, int k, int top);
 
-#define JET_INLINE static inline __attribute__((always_inline))
+/* name_T(parameters) calls body(..., T) for T = 1 .. JET_TERMS_MAX terms, each a function of its own: what the compiler
+ * knows of T spares it the registers of all the others. */
+#define JET_BY_TERMS(name, body, parameters, ...)                                                                      \
+    static void name##_1 parameters { body(__VA_ARGS__, 1); }                                                          \
+    static void name##_2 parameters { body(__VA_ARGS__, 2); }                                                          \
+    static void name##_3 parameters { body(__VA_ARGS__, 3); }                                                          \
+    static void name##_4 parameters { body(__VA_ARGS__, 4); }
 
 #endif

@@ -28,13 +28,11 @@ static bool values(const jet_tape *tape, double *x, int lanes)
 JET_INLINE bool series_of(const jet_tape *tape, double *x, int k, int lanes)
 {
     if (k == 0) return values(tape, x, lanes);
-    const size_t stride = (size_t)tape->slots * (size_t)lanes;
+    const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
         if (is_product(run)) jet_product_series(tape, run, x, k, lanes);
-        else if (run->op == OP_LINEAR) jet_linear_order(tape, run, x + (size_t)k * stride, lanes);
-        else
-            jet_rules[run->op]->series(run->c, k, stride, run->count * lanes, slot(x, run->a, lanes),
-                                       slot(x, run->b, lanes), slot_of(x, run->z, lanes));
+        else if (run->op == OP_LINEAR) jet_linear_order(tape, run, x + (size_t)k * stride * (size_t)lanes, lanes);
+        else jet_rules[run->op]->series(run, x, k, stride, lanes);
     }
     return true;
 }
@@ -46,30 +44,11 @@ static bool series(const jet_tape *tape, double *x, int k, int lanes)
 
 static void tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
 {
-    const size_t stride = (size_t)tape->slots, dstride = stride * (size_t)lanes;
+    const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (is_product(run)) {
-            jet_product_tangent(tape, run, x, dx, k, lanes);
-            continue;
-        }
-        if (run->op == OP_LINEAR) {
-            jet_linear_order(tape, run, dx + (size_t)k * dstride, lanes);
-            continue;
-        }
-        const jet_tangent members = {
-            .c = run->c,
-            .stride = stride,
-            .dstride = dstride,
-            .count = run->count,
-            .lanes = lanes,
-            .a = x + run->a,
-            .b = x + run->b,
-            .z = x + run->z,
-            .da = slot(dx, run->a, lanes),
-            .db = slot(dx, run->b, lanes),
-            .dz = slot_of(dx, run->z, lanes),
-        };
-        jet_rules[run->op]->tangent(&members, k);
+        if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, lanes);
+        else if (run->op == OP_LINEAR) jet_linear_order(tape, run, dx + (size_t)k * stride * (size_t)lanes, lanes);
+        else jet_rules[run->op]->tangent(run, x, dx, k, stride, lanes);
     }
 }
 
@@ -77,26 +56,9 @@ static void adjoints(const jet_tape *tape, const double *x, double *bar, int k, 
 {
     const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;) {
-        if (is_product(run)) {
-            jet_product_adjoint(tape, run, x, bar, k, top);
-            continue;
-        }
-        if (run->op == OP_LINEAR) {
-            jet_linear_adjoint(tape, run, bar + (size_t)k * stride);
-            continue;
-        }
-        const jet_adjoint members = {
-            .c = run->c,
-            .stride = stride,
-            .width = run->count,
-            .a = x + run->a,
-            .b = x + run->b,
-            .z = x + run->z,
-            .abar = bar + run->a,
-            .bbar = bar + run->b,
-            .zbar = bar + run->z,
-        };
-        jet_rules[run->op]->adjoint(&members, k);
+        if (is_product(run)) jet_product_adjoint(tape, run, x, bar, k, top);
+        else if (run->op == OP_LINEAR) jet_linear_adjoint(tape, run, bar + (size_t)k * stride);
+        else jet_rules[run->op]->adjoint(run, x, bar, k, stride);
     }
 }
 
@@ -113,4 +75,4 @@ static void combine(int count, const double *c, size_t of_c, int width, const do
     JET_BLOCKS(width, COMBINE, JET_OF);
 }
 
-const jet_sweeps JET_FOR_ISA(jet_sweeps) = {values, series, tangents, adjoints, combine};
+const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa), values, series, tangents, adjoints, combine};

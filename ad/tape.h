@@ -4,8 +4,8 @@
  * independent numbers (the nodes of a quadrature, the directions of a derivative), and the block is repeated for each
  * order of a series:
  *     x[(k * slots + slot) * lanes + lane].
- * Slots 0..inputs-1 are the inputs, which the caller sets; then come constants and computed quantities. Equal operations
- * that do not depend on each other have adjacent slots and run as one loop (a run). */
+ * Slots 0..inputs-1 are the inputs, which the caller sets; then come constants and computed quantities. Equal
+ * operations that do not depend on each other have adjacent slots and run as one loop (a run). */
 #ifndef TVI_AD_TAPE_H
 #define TVI_AD_TAPE_H
 
@@ -18,12 +18,12 @@ typedef enum {
     JET_TAPE_SERIES
 } jet_tape_kind;
 
-/* Operations z + i = op(a + i, b + i), i < count, of adjacent slots. LINEAR: the number of z + i is base[first + i], ...,
- * and each has terms of its own, term_coefficient[k] term_slot[k], k = term + i * terms, ... PRODUCTS, SQUARES: one set
- * of terms, term_coefficient[k] (term_slot[k] + i) (term_second[k] + i), k = term, ... */
+/* Operations z + i = op(a + i, b + i), i < count, of adjacent slots, with the partners w + i. LINEAR: the number of z +
+ * i is base[first + i], ..., and each has terms of its own, term_coefficient[k] term_slot[k], k = term + i * terms, ...
+ * PRODUCTS, SQUARES: one set of terms, term_coefficient[k] (term_slot[k] + i) (term_second[k] + i), k = term, ... */
 typedef struct {
     jet_op op;
-    int count, z, a, b;
+    int count, z, a, b, w;
     double c;         /* the number of the node */
     bool has_numbers; /* LINEAR: not all numbers are 0 */
     int first, terms, term;
@@ -32,17 +32,20 @@ typedef struct {
 /* Of PRODUCTS and SQUARES; what has more is a sum of products that stand alone. */
 enum { JET_TERMS_MAX = 4 };
 
+/* The instruction sets that the sweeps are compiled for (JET_ISA). */
+typedef enum { jet_isa_base, jet_isa_avx2, jet_isa_avx512, JET_ISA_COUNT } jet_isa;
+
 typedef struct jet_sweeps jet_sweeps;
 
 typedef struct {
     const jet_sweeps *sweeps; /* of the instruction set */
     int inputs, constants, slots, runs, rows, terms, outputs;
     jet_run *run;
-    double *constant; /* [constants], slots inputs .. inputs + constants - 1 */
-    double *base;     /* [rows] */
+    double *constant;             /* [constants], slots inputs .. inputs + constants - 1 */
+    double *base;                 /* [rows] */
     int *term_slot, *term_second; /* [terms] */
     double *term_coefficient;
-    int *output;      /* [outputs] slots */
+    int *output; /* [outputs] slots */
 } jet_tape;
 
 /* The outputs are accepted by the graph. The first `inputs` inputs of the graph have slots 0..inputs-1; later ones
@@ -65,6 +68,7 @@ void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
 
 /* The sweeps, compiled for one instruction set. */
 struct jet_sweeps {
+    jet_isa isa;
     bool (*values)(const jet_tape *tape, double *x, int lanes);
     bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
@@ -82,22 +86,23 @@ static inline bool jet_sweep_values(const jet_tape *tape, double *x, int lanes)
     return tape->sweeps->values(tape, x, lanes);
 }
 
-/* Coefficient k of all slots from orders 0..k of the inputs and 0..k-1 of all, k = 0, 1, 2, ... in turn: one order costs
- * O(k) an operation, so a series to degree N costs O(N^2). false at k = 0 as above. */
+/* Coefficient k of all slots from orders 0..k of the inputs and 0..k-1 of all, k = 0, 1, 2, ... in turn: one order
+ * costs O(k) an operation, so a series to degree N costs O(N^2). false at k = 0 as above. */
 static inline bool jet_sweep_series(const jet_tape *tape, double *x, int k, int lanes)
 {
     return tape->sweeps->series(tape, x, k, lanes);
 }
 
-/* Tangents dx (lanes directions) of coefficient k along the one-lane series x, from dx of the inputs, k = 0, 1, 2, ... */
+/* Tangents dx (lanes directions) of coefficient k along the one-lane series x, from dx of the inputs, k = 0, 1, 2,
+ * ... */
 static inline void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
 {
     tape->sweeps->tangents(tape, x, dx, k, lanes);
 }
 
 /* Adjoints along the one-lane series x: bar, a block like x, holds the derivatives of a scalar with respect to the
- * coefficients of each slot. Completes those of order k, k = top, top - 1, ..., 0 in turn; what the scalar itself depends
- * on is added by the caller beforehand. Costs about one and a half series, whatever the number of inputs. */
+ * coefficients of each slot. Completes those of order k, k = top, top - 1, ..., 0 in turn; what the scalar itself
+ * depends on is added by the caller beforehand. Costs about one and a half series, whatever the number of inputs. */
 static inline void jet_sweep_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)
 {
     tape->sweeps->adjoints(tape, x, bar, k, top);

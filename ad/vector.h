@@ -1,5 +1,5 @@
-/* vector.h - the frame of a rule: its body is written once for a vector type V and runs over a run's numbers in blocks of
- * the machine's vectors, then of shorter ones, down to single numbers. Sums stay in registers over all orders j.
+/* vector.h - the frame of a rule: its body is written once for a vector type V and runs over a run's numbers in blocks
+ * of the machine's vectors, then of shorter ones, down to single numbers. Sums stay in registers over all orders j.
  *
  * The rules and the sweeps are compiled once for each instruction set, JET_ISA (base, avx2, avx512); jet_sweeps_choose
  * (isa.c) picks the set at run time. Vector types are an extension of gcc and clang. */
@@ -8,16 +8,22 @@
 
 #include <stddef.h>
 
+#define JET_INLINE static inline __attribute__((always_inline))
+
 typedef double jet_v8 __attribute__((vector_size(64), aligned(8), may_alias));
 typedef double jet_v4 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double jet_v2 __attribute__((vector_size(16), aligned(8), may_alias));
 typedef double jet_v1;
 
-/* The blocks: BODY(V, S) at w, w + width of V, ...; S is handed on. */
-#define JET_BLOCKS_8(width, BODY, S) for (; w + 8 <= (width); w += 8) BODY(jet_v8, S)
-#define JET_BLOCKS_4(width, BODY, S) for (; w + 4 <= (width); w += 4) BODY(jet_v4, S)
-#define JET_BLOCKS_2(width, BODY, S) for (; w + 2 <= (width); w += 2) BODY(jet_v2, S)
-#define JET_BLOCKS_1(width, BODY, S) for (; w < (width); w++) BODY(jet_v1, S)
+/* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */
+#define JET_BLOCKS_8(width, BODY, S)                                                                                   \
+    for (; here + 8 <= (width); here += 8) BODY(jet_v8, S)
+#define JET_BLOCKS_4(width, BODY, S)                                                                                   \
+    for (; here + 4 <= (width); here += 4) BODY(jet_v4, S)
+#define JET_BLOCKS_2(width, BODY, S)                                                                                   \
+    for (; here + 2 <= (width); here += 2) BODY(jet_v2, S)
+#define JET_BLOCKS_1(width, BODY, S)                                                                                   \
+    for (; here < (width); here++) BODY(jet_v1, S)
 #if defined(__AVX512F__)
 #define JET_WIDE_BLOCKS(width, BODY, S)                                                                                \
     JET_BLOCKS_8(width, BODY, S)                                                                                       \
@@ -29,7 +35,7 @@ typedef double jet_v1;
 #endif
 #define JET_BLOCKS(width, BODY, S)                                                                                     \
     do {                                                                                                               \
-        int w = 0;                                                                                                     \
+        int here = 0;                                                                                                  \
         JET_WIDE_BLOCKS(width, BODY, S)                                                                                \
         JET_BLOCKS_2(width, BODY, S)                                                                                   \
         JET_BLOCKS_1(width, BODY, S)                                                                                   \
@@ -37,20 +43,23 @@ typedef double jet_v1;
 
 /* The same where the width is a multiple of 8. */
 #if defined(__AVX512F__)
-#define JET_EIGHTS(width, BODY, S) for (int w = 0; w < (width); w += 8) BODY(jet_v8, S)
+#define JET_EIGHTS(width, BODY, S)                                                                                     \
+    for (int here = 0; here < (width); here += 8) BODY(jet_v8, S)
 #elif defined(__AVX__)
-#define JET_EIGHTS(width, BODY, S) for (int w = 0; w < (width); w += 4) BODY(jet_v4, S)
+#define JET_EIGHTS(width, BODY, S)                                                                                     \
+    for (int here = 0; here < (width); here += 4) BODY(jet_v4, S)
 #else
-#define JET_EIGHTS(width, BODY, S) for (int w = 0; w < (width); w += 2) BODY(jet_v2, S)
+#define JET_EIGHTS(width, BODY, S)                                                                                     \
+    for (int here = 0; here < (width); here += 2) BODY(jet_v2, S)
 #endif
 
 /* Order j of a series, and of a tangent, at the block. */
-#define JET_AT(V, x, j) (*(V *)((x) + (size_t)(j) * stride + w))
-#define JET_OF(V, x, j) (*(const V *)((x) + (size_t)(j) * stride + w))
-#define JET_D_AT(V, x, j) (*(V *)((x) + (size_t)(j) * dstride + w))
-#define JET_D_OF(V, x, j) (*(const V *)((x) + (size_t)(j) * dstride + w))
+#define JET_AT(V, x, j)   (*(V *)((x) + stride * (size_t)(j) + here))
+#define JET_OF(V, x, j)   (*(const V *)((x) + stride * (size_t)(j) + here))
+#define JET_D_AT(V, x, j) (*(V *)((x) + dstride * (size_t)(j) + here))
+#define JET_D_OF(V, x, j) (*(const V *)((x) + dstride * (size_t)(j) + here))
 /* Order j of the series that goes with all lanes of a tangent. */
-#define JET_ONE_OF(V, x, j) ((x)[(size_t)(j) * stride])
+#define JET_ONE_OF(V, x, j) ((x)[stride * (size_t)(j)])
 
 /* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. */
 #define JET_SUM(V, sum, from, to, term)                                                                                \

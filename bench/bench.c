@@ -12,12 +12,14 @@
 
 /* A line here is all that a new method of the library takes. */
 static const method_range methods[] = {
-    {"midpoint", 2, 20, 2, true},  {"poincare", 2, 20, 2, true},      {"start", 4, 20, 4, true},
-    {"galerkin", 2, 20, 2, true},
-    {"end", 4, 20, 8, true},       {"both-ends", 4, 20, 4, true},     {"right", 4, 20, 4, true},
-    {"left", 4, 20, 8, true},      {"stormer-verlet", 2, 2, 1, true}, {"midpoint-truncated", 4, 20, 4, true},
-    {"tvi", 4, 20, 4, true},       {"symmetric-tvi", 4, 20, 4, true}, {"htvi-right", 4, 12, 4, true},
-    {"htvi-left", 4, 12, 8, true}, {"svhd", 2, 2, 1, true},           {"taylor", 4, 20, 2, false},
+    {"midpoint", 2, 20, 2, true},      {"poincare", 2, 20, 2, true},
+    {"start", 4, 20, 4, true},         {"galerkin", 2, 20, 2, true},
+    {"end", 4, 20, 8, true},           {"both-ends", 4, 20, 4, true},
+    {"right", 4, 20, 4, true},         {"left", 4, 20, 8, true},
+    {"stormer-verlet", 2, 2, 1, true}, {"midpoint-truncated", 4, 20, 4, true},
+    {"tvi", 4, 20, 4, true},           {"symmetric-tvi", 4, 20, 4, true},
+    {"htvi-right", 4, 12, 4, true},    {"htvi-left", 4, 12, 8, true},
+    {"svhd", 2, 2, 1, true},           {"taylor", 4, 20, 2, false},
 };
 enum { METHODS = sizeof methods / sizeof *methods };
 

@@ -10,9 +10,9 @@
 #include <string.h>
 
 static const method_range methods[] = {
-    {"midpoint", 2, 20, 2, true}, {"poincare", 2, 20, 2, true},      {"both-ends", 2, 20, 2, true},
-    {"galerkin", 2, 20, 2, true},
-    {"start", 2, 20, 2, true},    {"symmetric-tvi", 2, 20, 2, true}, {"taylor", 2, 20, 2, false},
+    {"midpoint", 2, 20, 2, true}, {"poincare", 2, 20, 2, true}, {"both-ends", 2, 20, 2, true},
+    {"galerkin", 2, 20, 2, true}, {"start", 2, 20, 2, true},    {"symmetric-tvi", 2, 20, 2, true},
+    {"taylor", 2, 20, 2, false},
 };
 static const double targets[] = {1e-4, 1e-6, 1e-8, 1e-10};
 enum {

@@ -39,11 +39,10 @@ typedef struct {
 
 /* Series that an operation computes beside its result (see evaluate). */
 static const int auxiliary[OP_COUNT] = {
-    [OP_POW] = 1,  [OP_SIN] = 1,   [OP_COS] = 1,  [OP_SINH] = 1, [OP_COSH] = 1, [OP_TAN] = 2,
-    [OP_TANH] = 2, [OP_SECH2] = 3, [OP_ASIN] = 2, [OP_ACOS] = 2, [OP_ATAN] = 1,
+    [OP_POW] = 1,   [OP_SIN] = 1,   [OP_COS] = 1,   [OP_SINH] = 1,  [OP_COSH] = 1,  [OP_TAN] = 2,
+    [OP_TANH] = 2,  [OP_SECH2] = 3, [OP_ASIN] = 2,  [OP_ACOS] = 2,  [OP_ATAN] = 1,  [OP_HYPOT] = 1,
+    [OP_ATAN2] = 3, [OP_ERF] = 2,   [OP_ASINH] = 2, [OP_ACOSH] = 2, [OP_ATANH] = 1,
 };
-
-static bool has_two_operands(jet_op op) { return op == OP_MUL || op == OP_DIV; }
 
 /* needed[i]: some output depends on node i by value. An operand has a smaller index than its node. */
 static bool *find_needed(const jet_graph *graph, int outputs, const jet output[])
@@ -55,7 +54,7 @@ static bool *find_needed(const jet_graph *graph, int outputs, const jet output[]
         const struct jet_node *node = jet_graph_node(graph, i);
         if (!needed[i]) continue;
         if (node->a) needed[node->a->index] = true;
-        if (has_two_operands(node->op)) needed[node->b->index] = true;
+        if (node->b) needed[node->b->index] = true;
         for (int j = 0; j < node->count; j++) needed[node->terms[j].node->index] = true;
     }
     return needed;
@@ -65,7 +64,7 @@ static instruction translate(const struct jet_node *node, const int series_of[])
 {
     instruction x = {.op = node->op, .number = node->number, .z = series_of[node->index], .count = node->count};
     if (node->a) x.a = series_of[node->a->index];
-    if (has_two_operands(node->op)) x.b = series_of[node->b->index];
+    if (node->b) x.b = series_of[node->b->index];
     x.terms = allocate((size_t)node->count, sizeof *x.terms);
     for (int j = 0; j < node->count; j++)
         x.terms[j] = (term){series_of[node->terms[j].node->index], node->terms[j].coefficient};
@@ -157,10 +156,10 @@ static void hyperbolic(const quad *a, quad *s, quad *c, int k)
     c[k] = k ? chain(a, s, k) : coshq(a[0]);
 }
 
-/* r = 1 - a^2, w = sqrt r. */
-static void root_of_complement(const quad *a, quad *r, quad *w, int k)
+/* r = c + s a^2, w = sqrt r. */
+static void root_of_quadratic(int c, int s, const quad *a, quad *r, quad *w, int k)
 {
-    r[k] = (k == 0) - product(a, a, k);
+    r[k] = (k == 0) * c + s * product(a, a, k);
     w[k] = root(r, w, k);
 }
 
@@ -212,11 +211,11 @@ static void evaluate(const instruction *x, quad *all, int length, int k)
         z[k] = quotient(z, r, z, k);
         break;
     case OP_ASIN: /* w z' = a' */
-        root_of_complement(a, u, w, k);
+        root_of_quadratic(1, -1, a, u, w, k);
         z[k] = k ? inverse_chain(a, w, z, k) : asinq(a[0]);
         break;
     case OP_ACOS: /* w z' = -a' */
-        root_of_complement(a, u, w, k);
+        root_of_quadratic(1, -1, a, u, w, k);
         z[k] = k ? -k * a[k] : 0;
         for (int j = 1; j < k; j++) z[k] -= j * z[j] * w[k - j];
         z[k] = k ? z[k] / (k * w[0]) : acosq(a[0]);
@@ -224,6 +223,33 @@ static void evaluate(const instruction *x, quad *all, int length, int k)
     case OP_ATAN: /* (1 + a^2) z' = a' */
         u[k] = (k == 0) + product(a, a, k);
         z[k] = k ? inverse_chain(a, u, z, k) : atanq(a[0]);
+        break;
+    case OP_ASINH: /* w z' = a' */
+        root_of_quadratic(1, 1, a, u, w, k);
+        z[k] = k ? inverse_chain(a, w, z, k) : asinhq(a[0]);
+        break;
+    case OP_ACOSH: /* w z' = a' */
+        root_of_quadratic(-1, 1, a, u, w, k);
+        z[k] = k ? inverse_chain(a, w, z, k) : acoshq(a[0]);
+        break;
+    case OP_ATANH: /* (1 - a^2) z' = a' */
+        u[k] = (k == 0) - product(a, a, k);
+        z[k] = k ? inverse_chain(a, u, z, k) : atanhq(a[0]);
+        break;
+    case OP_ERF: /* z' = 2 / sqrt(pi) exp(-a^2) a' */
+        u[k] = -product(a, a, k);
+        w[k] = k ? chain(u, w, k) : expq(u[0]);
+        z[k] = k ? M_2_SQRTPIq * chain(a, w, k) : erfq(a[0]);
+        break;
+    case OP_HYPOT: /* z^2 = a^2 + b^2 */
+        u[k] = product(a, a, k) + product(b, b, k);
+        z[k] = root(u, z, k);
+        break;
+    case OP_ATAN2: /* z' = (b / u) a' - (a / u) b', u = a^2 + b^2 */
+        u[k] = product(a, a, k) + product(b, b, k);
+        w[k] = quotient(b, u, w, k);
+        r[k] = quotient(a, u, r, k);
+        z[k] = k ? chain(a, w, k) - chain(b, r, k) : atan2q(a[0], b[0]);
         break;
     default: break; /* inputs are set by the caller */
     }

@@ -106,7 +106,7 @@ static bool make_reference(const scene *problem)
 int main(void)
 {
     printf("/* references.h - q then p of each scene at its t_end. Printed by bench/reference.c: do not edit. */\n"
-           "#ifndef REFERENCES_H\n#define REFERENCES_H\n");
+           "#ifndef REFERENCES_H\n#define REFERENCES_H\n/* clang-format off */\n");
     for (const scene *const *s = scenes; *s; s++)
         if (!make_reference(*s)) {
             fprintf(stderr, "%s: no reference\n", (*s)->name);

@@ -16,11 +16,11 @@ typedef struct {
 void report_head(FILE *csv, int argc, char *const argv[]);
 /* Opens DIR/work_precision.csv, making DIR, and writes its head; false where that fails, which is printed. */
 bool report_open(report *r, const char *dir, int argc, char *const argv[]);
-void report_scene(report *r, const scene *s);   /* a comment: name, title, unit of time */
-bool report_row(report *r, const run *row);     /* false: out of memory */
+void report_scene(report *r, const scene *s); /* a comment: name, title, unit of time */
+bool report_row(report *r, const run *row);   /* false: out of memory */
 /* A comment, also on stderr. */
 void report_remark(report *r, const char *format, ...) __attribute__((format(printf, 2, 3)));
-bool report_close(report *r);                   /* false: the file is not written, which is printed */
+bool report_close(report *r); /* false: the file is not written, which is printed */
 
 /* The fastest run of the scene with an error of at most bound among those chosen; NULL: there is none. */
 typedef double report_error(const run *row);

@@ -7,17 +7,17 @@
 
 typedef struct {
     report report;
-    double begin, end;      /* of the wall clock: when the sweeps began, and must be over */
-    double longest;         /* s: no measurement may take longer; 0 = only the budget ends it */
-    double enough;          /* a line ends below this error; 0 = at roundoff */
+    double begin, end;       /* of the wall clock: when the sweeps began, and must be over */
+    double longest;          /* s: no measurement may take longer; 0 = only the budget ends it */
+    double enough;           /* a line ends below this error; 0 = at roundoff */
     report_error *enough_of; /* which error; NULL = of the position */
-    double dearest;         /* a line ends at a run that takes this many times the time of a better one; 0 = never */
-    const char *only;       /* of the contenders' names; NULL = all */
-    long failed, skipped;   /* runs of the scene */
+    double dearest;          /* a line ends at a run that takes this many times the time of a better one; 0 = never */
+    const char *only;        /* of the contenders' names; NULL = all */
+    long failed, skipped;    /* runs of the scene */
 } sweep;
 
-/* Every contender that serves the scene, each with twice an equal share of the time that is left until `end`: the first get
- * most. false: the scene cannot be made, or no memory. */
+/* Every contender that serves the scene, each with twice an equal share of the time that is left until `end`: the first
+ * get most. false: the scene cannot be made, or no memory. */
 bool sweep_scene(sweep *b, const scene *s, const contenders *list, double end);
 
 /* When a part of the time from now until `end` is over. */

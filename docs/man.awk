@@ -107,18 +107,19 @@ in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() 
 /^\/\*/ { flush(); add_comment($0); in_comment = !/\*\//; if (!in_comment && !begun) begin(); next }
 
 # ---- Declarations -------------------------------------------------------------------------------------------------------
-/^    status\(/ {
+/^    ROW\(TVI_/ {
     match($0, /TVI_[A-Z]+/)
     code = substr($0, RSTART, RLENGTH)
     match($0, /".*"/)
     put(".TP\n.B " code "\n" text_line(substr($0, RSTART + 1, RLENGTH - 2)))
     next
 }
+/^    ROW\(/ { next }
 /^#define TVI_STATUS_LIST/ { flush(); next }
 /^#define jet_/ { # name(arguments) and the remark behind the definition
     signature = $2
     sub(/^#define /, "")
-    match($0, /^[a-z_]+\([a-z, ]*\)/)
+    match($0, /^[a-z_0-9]+\([a-z, ]*\)/)
     signature = substr($0, 1, RLENGTH)
     remark = index($0, "/*") ? substr($0, index($0, "/*")) : ""
     line[++lines] = sprintf("%-16s%s", signature, remark)
@@ -130,7 +131,7 @@ in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() 
 {
     sub(/^TVI_NODISCARD /, "")
     if (sub(/^static inline /, "")) { # its prototype alone
-        sub(/ *\{ */, "; ")
+        if (!sub(/ *\{ */, "; ")) $0 = $0 ";"
         line[++lines] = $0
         in_body = 1
         next

@@ -1,20 +1,22 @@
 /* jet.h - the arithmetic in which a user writes a force, a potential or any other function.
  *
  * A jet stands for a quantity that depends on the state. The user's function is called once, while its system is made:
- * every operation below records itself, and the recording is later run on numbers, on Taylor series and on dual numbers.
- * Therefore the function is straight-line in its jets: loops and branches on ordinary numbers are fine, a branch on the
- * value of a jet cannot be written.
+ * every operation below records itself, and the recording is later run on numbers, on Taylor series and on dual
+ * numbers. Therefore the function is straight-line in its jets: loops and branches on ordinary numbers are fine, a
+ * branch on the value of a jet cannot be written.
  *
  * Rules
  *   1. Every slot for a jet takes a jet or an ordinary number: jet_mul(2, x), jet_sub(x, 0.5). Operations on numbers
  *      alone are done at once and record nothing.
- *   2. A jet lives as long as the call that received it. Kept longer, or mixed with the jets of another recording, it makes
- *      a poison jet, and the system whose function returns one is refused with TVI_EINVAL. A jet kept after its system was
- *      freed must not be used at all, like any freed memory.
+ *   2. A jet lives as long as the call that received it. Kept longer, or mixed with the jets of another recording, it
+ *      makes a poison jet, and the system whose function returns one is refused with TVI_EINVAL. A jet kept after its
+ *      system was freed must not be used at all, like any freed memory.
  *   3. An operation is refused with TVI_EDOMAIN wherever its power series does not exist: sqrt at 0, asin at 1,
- *      pow(0, 1.5), log at 0, division by 0. That happens at once where the operand is a number, else at the step.
- *   4. C++ users may write operators, 0.5 * a * b - sin(a) / 2 and a += b, and the functions sqr, sqrt, exp, log, pow, sin
- *      and the others without the prefix; both spellings record the same.
+ *      pow(0, 1.5), log at 0, hypot at (0, 0), division by 0. That
+ *      happens at once where the operand is a number, else at the step.
+ *   4. C++ users may write operators, 0.5 * a * b - sin(a) / 2 and a += b, and the functions sqr, sqrt, exp, log, pow,
+ *      sin and the others without the prefix; both spellings record the same.
+ *   5. jet_pow(a, c) takes any a where c = 0, 1, 2, ...; a != 0 where c = -1, -2, ...; a > 0 otherwise.
  */
 #ifndef TVI_JET_H
 #define TVI_JET_H
@@ -31,16 +33,16 @@ extern "C" {
 #endif
 
 /* Every status of the library and its text, in one list. */
-#define TVI_STATUS_LIST(status)                                                                                        \
-    status(TVI_OK, "success")                                                                                          \
-    status(TVI_EINVAL, "invalid argument")                                                                             \
-    status(TVI_ENOMEM, "out of memory")                                                                                \
-    status(TVI_EDOMAIN, "a function was evaluated where its power series does not exist")                              \
-    status(TVI_ENOCONV, "the corrector did not converge: the step is too large")                                       \
-    status(TVI_ESINGULAR, "a matrix of the step is singular")                                                          \
-    status(TVI_ENONFINITE, "a value is not finite")                                                                    \
-    status(TVI_ESTOPPED, "stopped by the observer")                                                                    \
-    status(TVI_EUNSUPPORTED, "this system or method does not provide that")
+#define TVI_STATUS_LIST(ROW)                                                                                           \
+    ROW(TVI_OK, "success")                                                                                             \
+    ROW(TVI_EINVAL, "invalid argument")                                                                                \
+    ROW(TVI_ENOMEM, "out of memory")                                                                                   \
+    ROW(TVI_EDOMAIN, "a function was evaluated where its power series does not exist")                                 \
+    ROW(TVI_ENOCONV, "the corrector did not converge: the step is too large")                                          \
+    ROW(TVI_ESINGULAR, "a matrix of the step is singular")                                                             \
+    ROW(TVI_ENONFINITE, "a value is not finite")                                                                       \
+    ROW(TVI_ESTOPPED, "stopped by the observer")                                                                       \
+    ROW(TVI_EUNSUPPORTED, "this system or method does not provide that")
 
 #define TVI_STATUS_CODE(code, text) code,
 typedef enum { TVI_STATUS_LIST(TVI_STATUS_CODE) TVI_STATUS_COUNT } tvi_status;
@@ -49,10 +51,32 @@ typedef enum { TVI_STATUS_LIST(TVI_STATUS_CODE) TVI_STATUS_COUNT } tvi_status;
 struct jet_node;
 typedef struct jet jet;
 
-typedef enum {
-    JET_NEG, JET_SQR, JET_SQRT, JET_EXP, JET_LOG, JET_SIN, JET_COS, JET_TAN, JET_ASIN, JET_ACOS, JET_ATAN, JET_SINH,
-    JET_COSH, JET_TANH
-} jet_function;
+/* The functions of one jet: name and code. */
+#define JET_FUNCTION_LIST(ROW)                                                                                         \
+    ROW(sqr, JET_SQR)                                                                                                  \
+    ROW(sqrt, JET_SQRT)                                                                                                \
+    ROW(exp, JET_EXP)                                                                                                  \
+    ROW(log, JET_LOG)                                                                                                  \
+    ROW(sin, JET_SIN)                                                                                                  \
+    ROW(cos, JET_COS)                                                                                                  \
+    ROW(tan, JET_TAN)                                                                                                  \
+    ROW(asin, JET_ASIN)                                                                                                \
+    ROW(acos, JET_ACOS)                                                                                                \
+    ROW(atan, JET_ATAN)                                                                                                \
+    ROW(sinh, JET_SINH)                                                                                                \
+    ROW(cosh, JET_COSH)                                                                                                \
+    ROW(tanh, JET_TANH)                                                                                                \
+    ROW(asinh, JET_ASINH)                                                                                              \
+    ROW(acosh, JET_ACOSH)                                                                                              \
+    ROW(atanh, JET_ATANH)                                                                                              \
+    ROW(erf, JET_ERF)
+#define JET_FUNCTION2_LIST(ROW) /* and of two */                                                                       \
+    ROW(atan2, JET_ATAN2)                                                                                              \
+    ROW(hypot, JET_HYPOT)
+#define JET_FUNCTION_CODE(name, code) code,
+typedef enum { JET_NEG, JET_FUNCTION_LIST(JET_FUNCTION_CODE) JET_FUNCTION_COUNT } jet_function;
+typedef enum { JET_FUNCTION2_LIST(JET_FUNCTION_CODE) JET_FUNCTION2_COUNT } jet_function2;
+#undef JET_FUNCTION_CODE
 
 /* What the names below record through; users have no need to call these. */
 jet jet_record_add(jet a, jet b);
@@ -61,6 +85,7 @@ jet jet_record_mul(jet a, jet b);
 jet jet_record_div(jet a, jet b);
 jet jet_record_pow(jet a, double c);
 jet jet_record_function(jet_function f, jet a);
+jet jet_record_function2(jet_function2 f, jet a, jet b);
 
 /* A number (node NULL), or a node of a recording. Pass it by value; its members are the library's own. */
 #ifndef __cplusplus
@@ -70,12 +95,6 @@ struct jet {
 };
 #else
 }
-
-#define JET_FUNCTION_LIST(function)                                                                                    \
-    function(sqr, JET_SQR) function(sqrt, JET_SQRT) function(exp, JET_EXP) function(log, JET_LOG)                      \
-    function(sin, JET_SIN) function(cos, JET_COS) function(tan, JET_TAN)                                               \
-    function(asin, JET_ASIN) function(acos, JET_ACOS) function(atan, JET_ATAN)                                         \
-    function(sinh, JET_SINH) function(cosh, JET_COSH) function(tanh, JET_TANH)
 
 /* The operators and functions are friends that only an argument of type jet finds: sin(1.0) stays what it was. */
 struct jet {
@@ -99,6 +118,10 @@ struct jet {
 #define JET_DEFINE_FRIEND(name, function)                                                                              \
     friend inline jet name(jet a) { return jet_record_function(function, a); }
     JET_FUNCTION_LIST(JET_DEFINE_FRIEND)
+#undef JET_DEFINE_FRIEND
+#define JET_DEFINE_FRIEND(name, function)                                                                              \
+    friend inline jet name(jet a, jet b) { return jet_record_function2(function, a, b); }
+    JET_FUNCTION2_LIST(JET_DEFINE_FRIEND)
 #undef JET_DEFINE_FRIEND
 };
 
@@ -124,48 +147,61 @@ static inline jet jet_neg(jet a) { return -a; }
     static inline jet jet_##name(jet a) { return name(a); }
 JET_FUNCTION_LIST(JET_DEFINE)
 #undef JET_DEFINE
-#undef JET_FUNCTION_LIST
+#define JET_DEFINE(name, function)                                                                                     \
+    static inline jet jet_##name(jet a, jet b) { return jet_record_function2(function, a, b); }
+JET_FUNCTION2_LIST(JET_DEFINE)
+#undef JET_DEFINE
 
 #else
 
-/* Brace elision lets one initialiser be a jet or a number, and the argument is expanded once, so that nesting is free. */
+/* Brace elision lets one initialiser be a jet or a number, and the argument is expanded once, so that nesting is
+ * free. */
 struct jet_slot {
     jet jet;
 };
 #if defined(__clang__)
 #define JET_SLOT(x)                                                                                                    \
     _Pragma("clang diagnostic push") _Pragma("clang diagnostic ignored \"-Wmissing-field-initializers\"")              \
-    _Pragma("clang diagnostic ignored \"-Wmissing-braces\"")(((struct jet_slot){x}).jet) _Pragma("clang diagnostic pop")
+        _Pragma("clang diagnostic ignored \"-Wmissing-braces\"")(((struct jet_slot){x}).jet)                           \
+            _Pragma("clang diagnostic pop")
 #else
 /* The index, always 0, is an initialiser of its own after x: without it gcc takes the missing braces of a number in the
  * last slot for missing braces of the list in which the operation stands, as in jet z[] = {jet_add(x, 1)}. */
 #define JET_SLOT(x) ((&(struct jet_slot){x})[(int){0}].jet)
 #endif
 
-static inline jet jet_const(double value) { /* the number as a jet */
+/* The number as a jet. */
+static inline jet jet_const(double value)
+{
     jet constant = {value, (struct jet_node *)0};
     return constant;
 }
-#define jet_add(a, b) jet_record_add(JET_SLOT(a), JET_SLOT(b)) /* a + b */
-#define jet_sub(a, b) jet_record_sub(JET_SLOT(a), JET_SLOT(b)) /* a - b */
-#define jet_mul(a, b) jet_record_mul(JET_SLOT(a), JET_SLOT(b)) /* a b */
-#define jet_div(a, b) jet_record_div(JET_SLOT(a), JET_SLOT(b)) /* a / b,  b != 0 */
-#define jet_pow(a, c) jet_record_pow(JET_SLOT(a), (c))         /* a^c for a number c; any a where c = 0, 1, 2, ...;  */
-                                                               /* a != 0 where c = -1, -2, ...;  a > 0 otherwise     */
-#define jet_neg(a) jet_record_function(JET_NEG, JET_SLOT(a))   /* -a */
-#define jet_sqr(a) jet_record_function(JET_SQR, JET_SLOT(a))   /* a^2 */
-#define jet_sqrt(a) jet_record_function(JET_SQRT, JET_SLOT(a)) /* a > 0 */
-#define jet_exp(a) jet_record_function(JET_EXP, JET_SLOT(a))
-#define jet_log(a) jet_record_function(JET_LOG, JET_SLOT(a)) /* natural logarithm, a > 0 */
-#define jet_sin(a) jet_record_function(JET_SIN, JET_SLOT(a))
-#define jet_cos(a) jet_record_function(JET_COS, JET_SLOT(a))
-#define jet_tan(a) jet_record_function(JET_TAN, JET_SLOT(a))
-#define jet_asin(a) jet_record_function(JET_ASIN, JET_SLOT(a)) /* -1 < a < 1 */
-#define jet_acos(a) jet_record_function(JET_ACOS, JET_SLOT(a)) /* -1 < a < 1 */
-#define jet_atan(a) jet_record_function(JET_ATAN, JET_SLOT(a))
-#define jet_sinh(a) jet_record_function(JET_SINH, JET_SLOT(a))
-#define jet_cosh(a) jet_record_function(JET_COSH, JET_SLOT(a))
-#define jet_tanh(a) jet_record_function(JET_TANH, JET_SLOT(a))
+
+#define jet_add(a, b)   jet_record_add(JET_SLOT(a), JET_SLOT(b))   /* a + b */
+#define jet_sub(a, b)   jet_record_sub(JET_SLOT(a), JET_SLOT(b))   /* a - b */
+#define jet_mul(a, b)   jet_record_mul(JET_SLOT(a), JET_SLOT(b))   /* a b */
+#define jet_div(a, b)   jet_record_div(JET_SLOT(a), JET_SLOT(b))   /* a / b,  b != 0 */
+#define jet_pow(a, c)   jet_record_pow(JET_SLOT(a), (c))           /* a^c for a number c, see rule 5 */
+#define jet_neg(a)      jet_record_function(JET_NEG, JET_SLOT(a))  /* -a */
+#define jet_sqr(a)      jet_record_function(JET_SQR, JET_SLOT(a))  /* a^2 */
+#define jet_sqrt(a)     jet_record_function(JET_SQRT, JET_SLOT(a)) /* a > 0 */
+#define jet_exp(a)      jet_record_function(JET_EXP, JET_SLOT(a))
+#define jet_log(a)      jet_record_function(JET_LOG, JET_SLOT(a)) /* natural logarithm, a > 0 */
+#define jet_sin(a)      jet_record_function(JET_SIN, JET_SLOT(a))
+#define jet_cos(a)      jet_record_function(JET_COS, JET_SLOT(a))
+#define jet_tan(a)      jet_record_function(JET_TAN, JET_SLOT(a))
+#define jet_asin(a)     jet_record_function(JET_ASIN, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_acos(a)     jet_record_function(JET_ACOS, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_atan(a)     jet_record_function(JET_ATAN, JET_SLOT(a))
+#define jet_sinh(a)     jet_record_function(JET_SINH, JET_SLOT(a))
+#define jet_cosh(a)     jet_record_function(JET_COSH, JET_SLOT(a))
+#define jet_tanh(a)     jet_record_function(JET_TANH, JET_SLOT(a))
+#define jet_asinh(a)    jet_record_function(JET_ASINH, JET_SLOT(a))
+#define jet_acosh(a)    jet_record_function(JET_ACOSH, JET_SLOT(a)) /* a > 1 */
+#define jet_atanh(a)    jet_record_function(JET_ATANH, JET_SLOT(a)) /* -1 < a < 1 */
+#define jet_erf(a)      jet_record_function(JET_ERF, JET_SLOT(a))   /* 2/sqrt(pi) integral_0^a exp(-s^2) ds */
+#define jet_atan2(a, b) jet_record_function2(JET_ATAN2, JET_SLOT(a), JET_SLOT(b)) /* angle of (b, a), not both 0 */
+#define jet_hypot(a, b) jet_record_function2(JET_HYPOT, JET_SLOT(a), JET_SLOT(b)) /* sqrt(a^2 + b^2), not both 0 */
 
 #endif
 

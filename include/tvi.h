@@ -3,10 +3,11 @@
  *
  * Conventions
  *   1. The state is (t, q, p): q[n] are coordinates, p[n] their conjugate momenta, t the time; any consistent units.
- *   2. Order of arguments: object, step or time, inputs, then outputs; in-outs in the place of the state; a callback and
- *      its context last.
+ *   2. Order of arguments: object, step or time, inputs, then outputs; in-outs in the place of the state; a callback
+ *      and its context last.
  *   3. Every function that can fail returns a tvi_status and then leaves what its arguments point to as it was.
- *   4. A system is read-only once made and may be shared between threads; an integrator is used by one thread at a time.
+ *   4. A system is read-only once made and may be shared between threads; an integrator is used by one thread at a
+ *      time.
  *   5. The library prints nothing (but tvi_progress), never exits and has no global state. A step allocates nothing.
  * The mathematics and its notation are in docs/method.md.
  */
@@ -49,11 +50,12 @@ typedef jet tvi_lagrangian_fn(const jet q[], const jet v[], jet t, void *ctx);
 /* The Hamiltonian H at (q, p, t). */
 typedef jet tvi_hamiltonian_fn(const jet q[], const jet p[], jet t, void *ctx);
 
-/* Four ways to state a problem. Force and potential: M q'' = F(q, t) with M = diag(mass) > 0; mass[n] is copied, NULL stands
- * for all 1. The function is called once, during the call, with n coordinates. A Lagrangian or a Hamiltonian with a
- * constant diagonal mass and no other velocity in it is recognised, and costs what a potential costs. The system must
- * outlive its integrators; free it with tvi_system_free.
- *   TVI_EINVAL      n < 1 or above the maximum, NULL, a mass that is not positive, an output left unset, jets of two recordings mixed
+/* Four ways to state a problem. Force and potential: M q'' = F(q, t) with M = diag(mass) > 0; mass[n] is copied, NULL
+ * stands for all 1. The function is called once, during the call, with n coordinates. A Lagrangian or a Hamiltonian
+ * with a constant diagonal mass and no other velocity in it is recognised, and costs what a potential costs. The system
+ * must outlive its integrators; free it with tvi_system_free.
+ *   TVI_EINVAL      n < 1 or above the maximum, NULL, a mass that is not positive, an output left unset, jets of two
+ *                   recordings mixed
  *   TVI_ESINGULAR   a Lagrangian whose L_vv is singular everywhere
  *   TVI_EDOMAIN     an operation on numbers that has no value, such as the logarithm of -1
  *   TVI_ENONFINITE  a mass or a constant of the function that is not finite
@@ -63,16 +65,18 @@ TVI_NODISCARD tvi_status tvi_system_potential(tvi_system **out, int n, const dou
                                               void *ctx);
 TVI_NODISCARD tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx);
 TVI_NODISCARD tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx);
-void tvi_system_free(tvi_system *system);               /* NULL is allowed */
-int tvi_system_dimension(const tvi_system *system);     /* n */
+void tvi_system_free(tvi_system *system);           /* NULL is allowed */
+int tvi_system_dimension(const tvi_system *system); /* n */
 
-/* The energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. TVI_EUNSUPPORTED for a system made
- * from a force, which has no V; TVI_EDOMAIN and TVI_ENONFINITE where H has no value. May allocate (TVI_ENOMEM). */
+/* The energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. TVI_EUNSUPPORTED for a system
+ * made from a force, which has no V; TVI_EDOMAIN and TVI_ENONFINITE where H has no value. May allocate (TVI_ENOMEM). */
 TVI_NODISCARD tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H);
 /* The Legendre transforms p = L_v(q, v, t) and v = H_p(q, p, t), [n] each; p = M v where the mass is constant. The
  * direction that the system does not state is solved for: TVI_ESINGULAR, TVI_ENOCONV. May allocate (TVI_ENOMEM). */
-TVI_NODISCARD tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[]);
-TVI_NODISCARD tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[]);
+TVI_NODISCARD tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[],
+                                      double p[]);
+TVI_NODISCARD tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[],
+                                      double v[]);
 
 /* ---- Methods: a generating function + where the curve is expanded + a node rule ---------------------------------- */
 
@@ -80,7 +84,12 @@ typedef enum { TVI_TYPE1, TVI_TYPE2, TVI_TYPE3, TVI_POINCARE, TVI_TAYLOR, TVI_ST
 typedef enum { TVI_AT_START, TVI_AT_MIDPOINT, TVI_AT_END, TVI_AT_BOTH_ENDS, TVI_AT_NODES } tvi_expansion;
 typedef enum { TVI_NODES_ON_CURVE, TVI_NODES_TRUNCATED } tvi_nodes;
 typedef enum {
-    TVI_QUADRATURE_AUTO, TVI_GAUSS, TVI_LOBATTO, TVI_TRAPEZOID, TVI_RECTANGLE_START, TVI_RECTANGLE_END
+    TVI_QUADRATURE_AUTO,
+    TVI_GAUSS,
+    TVI_LOBATTO,
+    TVI_TRAPEZOID,
+    TVI_RECTANGLE_START,
+    TVI_RECTANGLE_END
 } tvi_quadrature;
 enum { TVI_PREDICT_ONLY = -1 };
 enum { TVI_MAX_DEGREE = 100 }; /* of the Taylor curve */
@@ -102,26 +111,27 @@ typedef struct {
     int max_passes;        /* 0 = the library's bound */
 } tvi_options;
 
-/* What a user who does not choose should get: symmetric, on-curve, the fastest at equal error over the scenes of the bench
- * (docs/choosing.md): "galerkin" of order 16, which serves every system. */
+/* What a user who does not choose should get: symmetric, on-curve, the fastest at equal error over the scenes of the
+ * bench (docs/choosing.md): "galerkin" of order 16, which serves every system. */
 tvi_options tvi_options_default(void);
-/* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left", "svhd",
- * "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and III at the start),
- * "poincare"; "galerkin" (type I with free values at Gauss nodes, for any system); and "taylor", "stormer-verlet".
- * TVI_EINVAL: no such name, or an order that the method cannot have. */
+/* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left",
+ * "svhd", "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and
+ * III at the start), "poincare"; "galerkin" (type I with free values at Gauss nodes, for any system); and "taylor",
+ * "stormer-verlet". TVI_EINVAL: no such name, or an order that the method cannot have. */
 TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
 /* Whether the options make a method for the system. On refusal *why (where why is not NULL) is static text that names
  * what does not fit: TVI_EINVAL for a value out of range, TVI_EUNSUPPORTED for a combination that makes no method. */
 TVI_NODISCARD tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why);
 
-/* ---- Integrators -------------------------------------------------------------------------------------------------- */
+/* ---- Integrators ------------------------------------------------------------------------------------------------- */
 
 typedef struct tvi_integrator tvi_integrator;
 
 /* NULL options: tvi_options_default. Fails as tvi_options_check does, and with TVI_ENOMEM; *out is then NULL. */
-TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options);
-void tvi_integrator_free(tvi_integrator *integrator);                               /* NULL is allowed */
-const tvi_options *tvi_integrator_options(const tvi_integrator *integrator);        /* as resolved: degree, points */
+TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
+                                               const tvi_options *options);
+void tvi_integrator_free(tvi_integrator *integrator);                        /* NULL is allowed */
+const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* as resolved: degree, points */
 
 /* One step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
  *   TVI_EINVAL      NULL, h = 0 or not finite
@@ -138,13 +148,14 @@ void tvi_integrator_reset(tvi_integrator *integrator);
 typedef int tvi_observer(long step, double t, const double q[], const double p[], void *ctx);
 /* steps steps of size h. The state is that of the last successful step, whatever the status; the observer may be NULL.
  * TVI_ESTOPPED: the observer stopped it; TVI_EINVAL: steps < 0; otherwise the status of the step that failed. */
-TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, long steps, double *t, double q[], double p[],
-                                       tvi_observer *observer, void *ctx);
+TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, long steps, double *t, double q[],
+                                       double p[], tvi_observer *observer, void *ctx);
 
 /* The state at t0 + theta h, 0 <= theta <= 1, of the last step, on the step's own curve; at theta = 0 and 1 it is the
- * state before and after the step. Between them its order is the curve's, not the method's: the error that one step adds
- * is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(N+1)) in both (O(h^2) for N = 0), the Galerkin
- * curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system, Stormer-Verlet O(h^3), as measured by the tests.
+ * state before and after the step. Between them its order is the curve's, not the method's: the error that one step
+ * adds is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(N+1)) in both (O(h^2) for N = 0), the
+ * Galerkin curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system, Stormer-Verlet O(h^3), as measured by
+ * the tests.
  * TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1]; TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 
@@ -172,8 +183,8 @@ typedef int tvi_event_observer(int which, double t, const double q[], const doub
 /* tvi_integrate with events[count]: on_event is told of them in the order of time, before the observer is told of the
  * step that they are in. They are the sign changes of g along the step's curve (tvi_dense), between the ends of 8 equal
  * parts of it, and where |g| has a least value between them, there. To become 0 is to change sign, so that an event at
- * the end of a step is told once, with that step; to leave 0 is not, so that a run that starts on an event, to roundoff,
- * does not meet it. The time is found to roundoff of g. Either observer may be NULL; both are given ctx.
+ * the end of a step is told once, with that step; to leave 0 is not, so that a run that starts on an event, to
+ * roundoff, does not meet it. The time is found to roundoff of g. Either observer may be NULL; both are given ctx.
  *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
  *                  event is no step: from it the run goes on as from any new state.
  *   TVI_EDOMAIN, TVI_ENONFINITE   also where g has no value: t, q, p are then those at the end of the step
@@ -183,9 +194,9 @@ TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double
                                               double p[], tvi_observer *observer, tvi_event_observer *on_event,
                                               void *ctx);
 
-/* Steps of size h until the last of times[count] is reached or passed. The observer is called at each of the times, with
- * 1..count as its step. They go the way of h, none before *t. The state is that after the last step, not that at the
- * last time; where the observer stopped the run (TVI_ESTOPPED), after the step that holds that time.
+/* Steps of size h until the last of times[count] is reached or passed. The observer is called at each of the times,
+ * with 1..count as its step. They go the way of h, none before *t. The state is that after the last step, not that at
+ * the last time; where the observer stopped the run (TVI_ESTOPPED), after the step that holds that time.
  *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order;  TVI_ENOMEM;  else as tvi_integrate */
 TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, const double times[], int count,
                                           double *t, double q[], double p[], tvi_observer *observer, void *ctx);
@@ -197,7 +208,7 @@ typedef struct {
     long steps;             /* of the whole run: there the bar is full */
     tvi_observer *observer; /* NULL: none */
     void *ctx;
-    long shown;             /* the library's own */
+    long shown; /* the library's own */
 } tvi_progress_bar;
 int tvi_progress(long step, double t, const double q[], const double p[], void *ctx);
 
@@ -213,34 +224,34 @@ typedef struct {
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 
-/* ---- The tangent map -------------------------------------------------------------------------------------------------- */
+/* ---- The tangent map --------------------------------------------------------------------------------------------- */
 
-/* A step, bit for bit what tvi_step makes, that also moves tangent vectors: D <- M D with M the Jacobian of the step, exact
- * to roundoff (docs/method.md section 10). D is [2n][columns] row-major, rows (dq, dp); the identity gives M. Each column
- * costs a step of a system of 2n degrees of freedom, and is treated alone: it carries no sums and no guesses from one step
- * to the next, and scaling it by a power of two scales its result. With a tolerance or a fixed number of passes M may differ
- * from the Jacobian by what the passes have left to do.
+/* A step, bit for bit what tvi_step makes, that also moves tangent vectors: D <- M D with M the Jacobian of the step,
+ * exact to roundoff (docs/method.md section 10). D is [2n][columns] row-major, rows (dq, dp); the identity gives M.
+ * Each column costs a step of a system of 2n degrees of freedom, and is treated alone: it carries no sums and no
+ * guesses from one step to the next, and scaling it by a power of two scales its result. With a tolerance or a fixed
+ * number of passes M may differ from the Jacobian by what the passes have left to do.
  * The first call, and the first with more columns than before, allocate (TVI_ENOMEM); later ones allocate nothing. Of
  * tvi_stats only the bytes count what the columns take, without their recording of the lifted system.
  *   TVI_EINVAL      as tvi_step, and D NULL, columns < 1
  *   TVI_ENONFINITE  as tvi_step, and D that is not finite, before or after
  *   others          as tvi_step; t, q, p and D are then as they were */
-TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, double *t, double q[], double p[], double D[],
-                                          int columns);
+TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, double *t, double q[], double p[],
+                                          double D[], int columns);
 
-/* ---- Saved states ---------------------------------------------------------------------------------------------------- */
+/* ---- Saved states ------------------------------------------------------------------------------------------------ */
 
-/* All that an integrator holds between steps, as bytes to keep: a run that goes on from them in another integrator, of the same
- * system and options, is bit for bit the run that was not interrupted, its counts included. They serve the version of the
- * library, the machine and the instruction set that wrote them (docs/roundoff.md).
+/* All that an integrator holds between steps, as bytes to keep: a run that goes on from them in another integrator, of
+ * the same system and options, is bit for bit the run that was not interrupted, its counts included. They serve the
+ * version of the library, the machine and the instruction set that wrote them (docs/roundoff.md).
  * Save: *size is the size of the buffer, and then the number of bytes written; a buffer of NULL asks for that number.
  *   TVI_EINVAL      NULL, a buffer that is too small
  * Load: tvi_dense has no last step until the next one is made.
  *   TVI_EINVAL      NULL, and bytes that are damaged, of another size, or of another version, method or system */
 TVI_NODISCARD tvi_status tvi_state_save(const tvi_integrator *integrator, void *buffer, size_t *size);
 TVI_NODISCARD tvi_status tvi_state_load(tvi_integrator *integrator, const void *buffer, size_t size);
-/* The t, q[n] and p[n] that the last successful step returned, from which the run goes on; also after a load. TVI_EINVAL
- * before a step and after a reset. */
+/* The t, q[n] and p[n] that the last successful step returned, from which the run goes on; also after a load.
+ * TVI_EINVAL before a step and after a reset. */
 TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
 
 #ifdef __cplusplus

@@ -69,20 +69,14 @@ static int lanes_for(int points)
     return points <= lanes ? lanes : MAX_LANES;
 }
 
-#ifdef JET_ISA_X86
-extern const jet_sweeps jet_sweeps_avx2, jet_sweeps_avx512; /* ad/isa.c */
-#endif
-
 /* Those of the instruction set that the system's tapes run with. */
-static const galerkin_loops *loops_for(const jet_sweeps *sweeps)
-{
+static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &galerkin_loops_base,
 #ifdef JET_ISA_X86
-    if (sweeps == &jet_sweeps_avx512) return &galerkin_loops_avx512;
-    if (sweeps == &jet_sweeps_avx2) return &galerkin_loops_avx2;
+    [jet_isa_avx2] = &galerkin_loops_avx2,
+    [jet_isa_avx512] = &galerkin_loops_avx512,
 #endif
-    (void)sweeps;
-    return &galerkin_loops_base;
-}
+};
 
 static size_t unknowns_size(const galerkin *w)
 {
@@ -93,7 +87,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 {
     galerkin *taken = tvi_arena_take(arena, sizeof *taken);
     galerkin w = {.options = options, .n = system->n, .points = options->degree};
-    w.field = (galerkin_field){.system = system, .points = w.points, .loops = loops_for(system->field_values->sweeps)};
+    w.field =
+        (galerkin_field){.system = system, .points = w.points, .loops = loops_of[system->field_values->sweeps->isa]};
     w.field.form = system->form == TVI_LAGRANGIAN ? &galerkin_form_lagrangian : &galerkin_form_plain;
     galerkin_nodes *nodes = &w.field.nodes;
     nodes->unknowns = system->inputs;

@@ -6,11 +6,11 @@
 
 #include <stddef.h>
 
-#define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + w))
-#define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + w))
+#define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + here))
+#define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + here))
 
 /* In halves, which wait less for each other. */
-INLINE double sum_of(const double x[], size_t count)
+JET_INLINE double sum_of(const double x[], size_t count)
 {
     double sum[8];
     for (size_t i = 0; i < count; i++) sum[i] = x[i];
@@ -48,8 +48,8 @@ enum { CHAINS = 4 };
         sum += sum_of((const double *)&squares, sizeof squares / sizeof(double));                                      \
     }
 
-INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
-                         int lanes)
+JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
+                             int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
     const int unknowns = nodes->unknowns;

@@ -14,7 +14,7 @@ static inline double larger(double a, double b) { return a > b ? a : b; }
 #define SCALE(V, S) JET_AT(V, x, 0) *= JET_OF(V, scale, 0);
 
 /* x <- x / size(x), with what multiplied it. count numbers, one every `apart`. */
-INLINE void set_scale(int count, size_t apart, double *x, double *scale, int lanes)
+JET_INLINE void set_scale(int count, size_t apart, double *x, double *scale, int lanes)
 {
     const size_t stride = (size_t)lanes;
     double size[TVI_GALERKIN_MAX_LANES] = {0};
@@ -24,7 +24,7 @@ INLINE void set_scale(int count, size_t apart, double *x, double *scale, int lan
     for (int i = 0; i < count; i++, x += apart) JET_BLOCKS(lanes, SCALE, );
 }
 
-INLINE void exchange(int columns, double *x, double *y, size_t stride)
+JET_INLINE void exchange(int columns, double *x, double *y, size_t stride)
 {
     for (int k = 0; k < columns; k++, x += stride, y += stride) {
         const double kept = *x;
@@ -34,7 +34,7 @@ INLINE void exchange(int columns, double *x, double *y, size_t stride)
 }
 
 /* The row of the largest element on or below the diagonal of column j comes to row j. */
-INLINE void pivot_column(lanes_factor *f, int j, int lanes)
+JET_INLINE void pivot_column(lanes_factor *f, int j, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     const double *column = f->lu + (size_t)j * stride;
@@ -59,7 +59,7 @@ INLINE void pivot_column(lanes_factor *f, int j, int lanes)
     }
 
 /* R A C with rows, then columns, of size 1; then L and U in its place, with 1 / U_jj in the diagonal. */
-INLINE double factor_lanes(lanes_factor *f, int lanes)
+JET_INLINE double factor_lanes(lanes_factor *f, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     double *const a = f->lu, least = 1;
@@ -106,7 +106,7 @@ static double factor(lanes_factor *f)
         JET_AT(V, velocity, i) += sum * JET_OF(V, f->column_scale, i);                                                 \
     }
 
-INLINE void correct_lanes(const lanes_factor *f, const double *P, const double *p, double *velocity, int lanes)
+JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const double *p, double *velocity, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     double *const x = f->x;
@@ -140,7 +140,7 @@ static void correct(const lanes_factor *f, const double *P, const double *p, dou
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
-INLINE void linearise_lanes(const lanes_model *m, const double *Q, const double *velocity, double *out, int lanes)
+JET_INLINE void linearise_lanes(const lanes_model *m, const double *Q, const double *velocity, double *out, int lanes)
 {
     const size_t stride = (size_t)lanes;
     for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );

@@ -4,8 +4,8 @@
 #define TVI_SRC_LANES_H
 
 #include "galerkin.h"
+#include "vector.h"
 
-#define INLINE static inline __attribute__((always_inline))
 #define FOR_LANES(lanes, call)                                                                                         \
     switch (lanes) {                                                                                                   \
     case 1: call(1); break;                                                                                            \

@@ -3,13 +3,13 @@
 #ifndef TVI_SRC_LINEAR_SMALL_H
 #define TVI_SRC_LINEAR_SMALL_H
 
+#include "vector.h"
+
 #include <math.h>
 
 /* The n up to which whole steps are 1.2 to 1.5 times faster with this (bench: pendulum, Kepler, Henon-Heiles, double
  * pendulum); 1.1 to 1.2 at n = 6 (FPU), which is left to LAPACK. */
 enum { LINEAR_SMALL = 4 };
-
-#define LINEAR_INLINE static inline __attribute__((always_inline))
 
 /* call(n) with n known to the compiler where it can be. */
 #define LINEAR_BY_SIZE(n, call)                                                                                        \
@@ -20,7 +20,7 @@ enum { LINEAR_SMALL = 4 };
     default: call(n);                                                                                                  \
     }
 
-LINEAR_INLINE void linear_swap(double *x, double *y)
+JET_INLINE void linear_swap(double *x, double *y)
 {
     const double kept = *x;
     *x = *y;
@@ -28,7 +28,7 @@ LINEAR_INLINE void linear_swap(double *x, double *y)
 }
 
 /* P L U in place of a, partial pivoting; a pivot that is 0 is left so. */
-LINEAR_INLINE void linear_small_factor(int n, double a[], int pivot[])
+JET_INLINE void linear_small_factor(int n, double a[], int pivot[])
 {
     for (int j = 0; j < n; j++) {
         int largest = j;
@@ -45,7 +45,7 @@ LINEAR_INLINE void linear_small_factor(int n, double a[], int pivot[])
 }
 
 /* x <- A^-1 x. */
-LINEAR_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], double x[])
+JET_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) linear_swap(&x[i], &x[pivot[i] - 1]);
     for (int j = 0; j < n; j++)
@@ -57,7 +57,7 @@ LINEAR_INLINE void linear_small_solve(int n, const double lu[], const int pivot[
 }
 
 /* x <- A^-T x. */
-LINEAR_INLINE void linear_small_solve_transposed(int n, const double lu[], const int pivot[], double x[])
+JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < i; j++) x[i] -= lu[j + i * n] * x[j];

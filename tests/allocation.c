@@ -55,10 +55,7 @@ static void *made(void *block)
 
 void *__wrap_malloc(size_t size) { return fails(size) ? NULL : made(__real_malloc(size)); }
 
-void *__wrap_calloc(size_t count, size_t size)
-{
-    return fails(count * size) ? NULL : made(__real_calloc(count, size));
-}
+void *__wrap_calloc(size_t count, size_t size) { return fails(count * size) ? NULL : made(__real_calloc(count, size)); }
 
 void *__wrap_aligned_alloc(size_t alignment, size_t size)
 {

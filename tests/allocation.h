@@ -1,5 +1,6 @@
-/* allocation.h - the library's malloc, calloc, realloc, aligned_alloc and free under the test's control, by the linker's
- * --wrap: counts them, and makes the k-th allocation fail. Sees the objects of the test program, not shared libraries. */
+/* allocation.h - the library's malloc, calloc, realloc, aligned_alloc and free under the test's control, by the
+ * linker's --wrap: counts them, and makes the k-th allocation fail. Sees the objects of the test program, not shared
+ * libraries. */
 #ifndef TVI_TESTS_ALLOCATION_H
 #define TVI_TESTS_ALLOCATION_H
 
@@ -14,7 +15,7 @@ typedef enum {
 typedef struct {
     long calls; /* of malloc, calloc, realloc and aligned_alloc */
     long fails;
-    long live;  /* allocations minus frees */
+    long live;    /* allocations minus frees */
     size_t bytes; /* asked for, in all */
 } allocation_counts;
 

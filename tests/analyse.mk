@@ -6,7 +6,7 @@
 # for each instruction set that the machine has; of the others, the suites that run little twice.
 cov: need-check do-coverage
 do-coverage:
-	@$(MAKE) --no-print-directory -s run-cov BUILD=$(BUILD)/cov CFLAGS='-O1 -g --coverage'
+	@$(MAKE) --no-print-directory -s run-cov BUILD=$(BUILD)/cov CFLAGS='-O1 --coverage'
 check-coverage: ; $(REPORT) "95 of 100 lines of ad and src are run by the tests" $(LOG) $(DO)
 run-cov:
 	rm -rf $(BUILD)

@@ -49,6 +49,11 @@ static void call_through()
     expect_number("sin, asin", jet_sin(jet_asin(0.5)), 0.5);
     expect_number("cos, acos", jet_cos(jet_acos(0.5)), 0.5);
     expect_number("tan, atan", jet_tan(jet_atan(2)), 2);
+    expect_number("sinh, asinh", jet_sinh(jet_asinh(2)), 2);
+    expect_number("cosh, acosh", jet_cosh(jet_acosh(2)), 2);
+    expect_number("tanh, atanh", jet_tanh(jet_atanh(0.5)), 0.5);
+    expect_number("erf", jet_erf(0.5), std::erf(0.5));
+    expect_number("hypot, atan2", jet_mul(jet_hypot(3, 4.0), jet_sin(jet_atan2(3, jet(4)))), 3);
     expect_number("sinh, cosh, tanh", jet_div(jet_sinh(2), jet_cosh(2)), jet_tanh(2).number);
 }
 
@@ -82,6 +87,7 @@ static void in_operators(const jet q[], jet t, jet F[], void *)
     jet sum = sqr(x) - 1;
     sum += sqrt(2 + x), sum -= exp(x), sum *= log(x + 3.0), sum /= 2;
     sum += sin(x) * cos(x) / (1 + tan(x) * tan(x)) + asin(x) - acos(x) + atan(x);
+    sum += hypot(x, 2) * atan2(1, x) - erf(x) + asinh(x) * acosh(x + 3) * atanh(x / 9);
     F[0] = -sum + sinh(x) * cosh(x) - tanh(x) * pow(2 + x, -1.5);
 }
 
@@ -92,6 +98,8 @@ static void in_names(const jet q[], jet t, jet F[], void *)
     sum = jet_div(jet_mul(jet_sub(jet_add(sum, jet_sqrt(jet_add(2, x))), jet_exp(x)), jet_log(jet_add(x, 3.0))), 2);
     const jet slope = jet_div(jet_mul(jet_sin(x), jet_cos(x)), jet_add(1, jet_mul(jet_tan(x), jet_tan(x))));
     sum = jet_add(sum, jet_add(jet_sub(jet_add(slope, jet_asin(x)), jet_acos(x)), jet_atan(x)));
+    const jet area = jet_mul(jet_mul(jet_asinh(x), jet_acosh(jet_add(x, 3))), jet_atanh(jet_div(x, 9)));
+    sum = jet_add(jet_add(sum, jet_sub(jet_mul(jet_hypot(x, 2), jet_atan2(1, x)), jet_erf(x))), area);
     F[0] = jet_sub(jet_add(jet_neg(sum), jet_mul(jet_sinh(x), jet_cosh(x))),
                    jet_mul(jet_tanh(x), jet_pow(jet_add(2, x), -1.5)));
 }
@@ -115,7 +123,7 @@ static void operators_on_jets()
     expect("operators record what names record", std::fabs(names - operators) < 1e-14 && std::fabs(names - 0.5) > 0.1);
 }
 
-/* ---- Systems ------------------------------------------------------------------------------------------------------ */
+/* ---- Systems ----------------------------------------------------------------------------------------------------- */
 
 struct pendulum {
     double gravity;

@@ -65,8 +65,8 @@ extern const double good_step; /* which every method can make for every problem 
 
 tvi_potential_fn harmonic; /* |q|^2/2, n = 2 */
 
-/* With V = log q_0 + q_1^4 and n = 2: L = |v|^2/2 + (q_0 - 1) v_0 v_1 - V and H = |p|^2/2 + (q_0 - 1) p_0 p_1 + V, which are
- * regular but at q_0 = 0 and 2. */
+/* With V = log q_0 + q_1^4 and n = 2: L = |v|^2/2 + (q_0 - 1) v_0 v_1 - V and H = |p|^2/2 + (q_0 - 1) p_0 p_1 + V,
+ * which are regular but at q_0 = 0 and 2. */
 tvi_lagrangian_fn mixed_lagrangian;
 tvi_hamiltonian_fn mixed_hamiltonian;
 

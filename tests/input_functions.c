@@ -1,5 +1,5 @@
-/* input_functions.c - functions that make no system: numbers that have no value, jets that are kept or mixed, outputs that
- * are not set. The contracts are those of jet.h and tvi.h. */
+/* input_functions.c - functions that make no system: numbers that have no value, jets that are kept or mixed, outputs
+ * that are not set. The contracts are those of jet.h and tvi.h. */
 #include "input.h"
 
 #include <limits.h>
@@ -16,76 +16,89 @@ typedef struct {
 } function_case;
 
 /* name, value as a function of the jet x, status of the system whose function returns it */
-#define NO_VALUE_LIST(entry)                                                                                           \
-    entry(nan_constant, jet_const(NAN), TVI_ENONFINITE)                                                                \
-    entry(infinite_constant, jet_const(-INFINITY), TVI_ENONFINITE)                                                     \
-    entry(nan_term, jet_add(x, NAN), TVI_ENONFINITE)                                                                   \
-    entry(nan_factor, jet_mul(x, NAN), TVI_ENONFINITE)                                                                 \
-    entry(infinite_factor, jet_mul(INFINITY, x), TVI_ENONFINITE)                                                       \
-    entry(infinite_divisor, jet_div(x, INFINITY), TVI_ENONFINITE)                                                      \
-    entry(nan_exponent, jet_pow(x, NAN), TVI_ENONFINITE)                                                               \
-    entry(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                     \
-    entry(nan_exponent_of_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                     \
-    entry(overflow_of_product, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                  \
-    entry(overflow_of_factor, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                       \
-    entry(overflow_of_number, jet_add(DBL_MAX, DBL_MAX), TVI_ENONFINITE)                                               \
-    entry(overflow_of_exp, jet_exp(1000), TVI_ENONFINITE)                                                              \
-    entry(overflow_of_pow, jet_pow(10, 400), TVI_ENONFINITE)                                                           \
-    entry(log_of_negative, jet_log(-1), TVI_EDOMAIN)                                                                   \
-    entry(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                        \
-    entry(sqrt_of_negative, jet_sqrt(-1), TVI_EDOMAIN)                                                                 \
-    entry(sqrt_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                      \
-    entry(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                       \
-    entry(asin_of_minus_two, jet_asin(-2), TVI_EDOMAIN)                                                                \
-    entry(acos_of_minus_one, jet_acos(-1), TVI_EDOMAIN)                                                                \
-    entry(acos_of_two, jet_acos(2), TVI_EDOMAIN)                                                                       \
-    entry(fraction_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                              \
-    entry(fraction_of_negative, jet_pow(-1, 0.5), TVI_EDOMAIN)                                                         \
-    entry(inverse_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                                \
-    entry(number_by_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                  \
-    entry(zero_by_zero, jet_div(0, 0), TVI_EDOMAIN)                                                                    \
-    entry(jet_by_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                     \
-    entry(jet_by_minus_zero, jet_div(x, -0.0), TVI_EDOMAIN)
+#define NO_VALUE_LIST(ROW)                                                                                             \
+    ROW(nan_constant, jet_const(NAN), TVI_ENONFINITE)                                                                  \
+    ROW(infinite_constant, jet_const(-INFINITY), TVI_ENONFINITE)                                                       \
+    ROW(nan_term, jet_add(x, NAN), TVI_ENONFINITE)                                                                     \
+    ROW(nan_factor, jet_mul(x, NAN), TVI_ENONFINITE)                                                                   \
+    ROW(infinite_factor, jet_mul(INFINITY, x), TVI_ENONFINITE)                                                         \
+    ROW(infinite_divisor, jet_div(x, INFINITY), TVI_ENONFINITE)                                                        \
+    ROW(nan_exponent, jet_pow(x, NAN), TVI_ENONFINITE)                                                                 \
+    ROW(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                       \
+    ROW(nan_exponent_of_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                       \
+    ROW(overflow_of_product, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                    \
+    ROW(overflow_of_factor, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                         \
+    ROW(overflow_of_number, jet_add(DBL_MAX, DBL_MAX), TVI_ENONFINITE)                                                 \
+    ROW(overflow_of_exp, jet_exp(1000), TVI_ENONFINITE)                                                                \
+    ROW(overflow_of_pow, jet_pow(10, 400), TVI_ENONFINITE)                                                             \
+    ROW(log_of_negative, jet_log(-1), TVI_EDOMAIN)                                                                     \
+    ROW(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                          \
+    ROW(sqrt_of_negative, jet_sqrt(-1), TVI_EDOMAIN)                                                                   \
+    ROW(sqrt_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                        \
+    ROW(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                         \
+    ROW(asin_of_minus_two, jet_asin(-2), TVI_EDOMAIN)                                                                  \
+    ROW(acos_of_minus_one, jet_acos(-1), TVI_EDOMAIN)                                                                  \
+    ROW(acos_of_two, jet_acos(2), TVI_EDOMAIN)                                                                         \
+    ROW(acosh_of_one, jet_acosh(1), TVI_EDOMAIN)                                                                       \
+    ROW(atanh_of_one, jet_atanh(1), TVI_EDOMAIN)                                                                       \
+    ROW(angle_of_zero, jet_atan2(0, 0), TVI_EDOMAIN)                                                                   \
+    ROW(hypot_of_zero, jet_hypot(0, 0), TVI_EDOMAIN)                                                                   \
+    ROW(hypot_with_nan, jet_hypot(x, NAN), TVI_ENONFINITE)                                                             \
+    ROW(overflow_of_hypot, jet_hypot(DBL_MAX, DBL_MAX), TVI_ENONFINITE)                                                \
+    ROW(fraction_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                                \
+    ROW(fraction_of_negative, jet_pow(-1, 0.5), TVI_EDOMAIN)                                                           \
+    ROW(inverse_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                                  \
+    ROW(number_by_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                    \
+    ROW(zero_by_zero, jet_div(0, 0), TVI_EDOMAIN)                                                                      \
+    ROW(jet_by_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                       \
+    ROW(jet_by_minus_zero, jet_div(x, -0.0), TVI_EDOMAIN)
 
 /* Operations on a jet `other` that poisons whatever it enters, even where its value would not matter. */
-#define POISONED_LIST(entry)                                                                                           \
-    entry(other_itself, other)                                                                                         \
-    entry(other_plus, jet_add(other, x))                                                                               \
-    entry(plus_other, jet_add(x, other))                                                                               \
-    entry(plus_other_number, jet_add(1, other))                                                                        \
-    entry(other_minus, jet_sub(other, x))                                                                              \
-    entry(other_minus_itself, jet_sub(other, other))                                                                   \
-    entry(other_times, jet_mul(other, x))                                                                              \
-    entry(times_other, jet_mul(x, other))                                                                              \
-    entry(zero_times_other, jet_mul(0, other))                                                                         \
-    entry(other_times_zero, jet_mul(other, 0))                                                                         \
-    entry(other_over, jet_div(other, x))                                                                               \
-    entry(over_other, jet_div(x, other))                                                                               \
-    entry(zero_over_other, jet_div(0, other))                                                                          \
-    entry(other_over_itself, jet_div(other, other))                                                                    \
-    entry(other_to_the_0, jet_pow(other, 0))                                                                           \
-    entry(other_to_the_1, jet_pow(other, 1))                                                                           \
-    entry(other_to_the_5, jet_pow(other, 5))                                                                           \
-    entry(other_to_the_half, jet_pow(other, 0.5))                                                                      \
-    entry(other_inverse, jet_pow(other, -1))                                                                           \
-    entry(other_to_the_1_5, jet_pow(other, 1.5))                                                                       \
-    entry(sum_with_other, jet_sum((const jet[]){x, other, x}, 3))                                                      \
-    entry(dot_with_other, jet_dot((const jet[]){x, x}, (const jet[]){x, other}, 2))                                    \
-    entry(dot_zero_other, jet_dot((const jet[]){x, other}, (const jet[]){x, jet_const(0)}, 2))                         \
-    entry(neg_other, jet_neg(other))                                                                                   \
-    entry(sqr_other, jet_sqr(other))                                                                                   \
-    entry(sqrt_other, jet_sqrt(other))                                                                                 \
-    entry(exp_other, jet_exp(other))                                                                                   \
-    entry(log_other, jet_log(other))                                                                                   \
-    entry(sin_other, jet_sin(other))                                                                                   \
-    entry(cos_other, jet_cos(other))                                                                                   \
-    entry(tan_other, jet_tan(other))                                                                                   \
-    entry(asin_other, jet_asin(other))                                                                                 \
-    entry(acos_other, jet_acos(other))                                                                                 \
-    entry(atan_other, jet_atan(other))                                                                                 \
-    entry(sinh_other, jet_sinh(other))                                                                                 \
-    entry(cosh_other, jet_cosh(other))                                                                                 \
-    entry(tanh_other, jet_tanh(other))
+#define POISONED_LIST(ROW)                                                                                             \
+    ROW(other_itself, other)                                                                                           \
+    ROW(other_plus, jet_add(other, x))                                                                                 \
+    ROW(plus_other, jet_add(x, other))                                                                                 \
+    ROW(plus_other_number, jet_add(1, other))                                                                          \
+    ROW(other_minus, jet_sub(other, x))                                                                                \
+    ROW(other_minus_itself, jet_sub(other, other))                                                                     \
+    ROW(other_times, jet_mul(other, x))                                                                                \
+    ROW(times_other, jet_mul(x, other))                                                                                \
+    ROW(zero_times_other, jet_mul(0, other))                                                                           \
+    ROW(other_times_zero, jet_mul(other, 0))                                                                           \
+    ROW(other_over, jet_div(other, x))                                                                                 \
+    ROW(over_other, jet_div(x, other))                                                                                 \
+    ROW(zero_over_other, jet_div(0, other))                                                                            \
+    ROW(other_over_itself, jet_div(other, other))                                                                      \
+    ROW(other_to_the_0, jet_pow(other, 0))                                                                             \
+    ROW(other_to_the_1, jet_pow(other, 1))                                                                             \
+    ROW(other_to_the_5, jet_pow(other, 5))                                                                             \
+    ROW(other_to_the_half, jet_pow(other, 0.5))                                                                        \
+    ROW(other_inverse, jet_pow(other, -1))                                                                             \
+    ROW(other_to_the_1_5, jet_pow(other, 1.5))                                                                         \
+    ROW(sum_with_other, jet_sum((const jet[]){x, other, x}, 3))                                                        \
+    ROW(dot_with_other, jet_dot((const jet[]){x, x}, (const jet[]){x, other}, 2))                                      \
+    ROW(dot_zero_other, jet_dot((const jet[]){x, other}, (const jet[]){x, jet_const(0)}, 2))                           \
+    ROW(neg_other, jet_neg(other))                                                                                     \
+    ROW(sqr_other, jet_sqr(other))                                                                                     \
+    ROW(sqrt_other, jet_sqrt(other))                                                                                   \
+    ROW(exp_other, jet_exp(other))                                                                                     \
+    ROW(log_other, jet_log(other))                                                                                     \
+    ROW(sin_other, jet_sin(other))                                                                                     \
+    ROW(cos_other, jet_cos(other))                                                                                     \
+    ROW(tan_other, jet_tan(other))                                                                                     \
+    ROW(asin_other, jet_asin(other))                                                                                   \
+    ROW(acos_other, jet_acos(other))                                                                                   \
+    ROW(atan_other, jet_atan(other))                                                                                   \
+    ROW(sinh_other, jet_sinh(other))                                                                                   \
+    ROW(cosh_other, jet_cosh(other))                                                                                   \
+    ROW(tanh_other, jet_tanh(other))                                                                                   \
+    ROW(asinh_other, jet_asinh(other))                                                                                 \
+    ROW(acosh_other, jet_acosh(other))                                                                                 \
+    ROW(atanh_other, jet_atanh(other))                                                                                 \
+    ROW(erf_other, jet_erf(other))                                                                                     \
+    ROW(angle_of_other, jet_atan2(other, x))                                                                           \
+    ROW(angle_to_other, jet_atan2(2, other))                                                                           \
+    ROW(hypot_with_other, jet_hypot(x, other))
 
 #define MAKE(name, value)                                                                                              \
     static jet name(jet x, jet other)                                                                                  \
@@ -94,8 +107,8 @@ typedef struct {
         return value;                                                                                                  \
     }
 #define MAKE_OF_THREE(name, value, status) MAKE(name, value)
-#define ROW(name, value) {#name, name, TVI_OK}, /* the status is that of `other` */
-#define ROW_OF_THREE(name, value, status) {#name, name, status},
+#define ROW(name, value)                   {#name, name, TVI_OK}, /* the status is that of `other` */
+#define ROW_OF_THREE(name, value, status)  {#name, name, status},
 NO_VALUE_LIST(MAKE_OF_THREE)
 POISONED_LIST(MAKE)
 static const function_case no_value[] = {NO_VALUE_LIST(ROW_OF_THREE)};
@@ -187,7 +200,8 @@ static state ten_steps(const tvi_system *system)
     return s;
 }
 
-/* A jet kept beyond its call is refused in every operation, and the closed recording that it belongs to is as it was. */
+/* A jet kept beyond its call is refused in every operation, and the closed recording that it belongs to is as it
+ * was. */
 START_TEST(kept_jets)
 {
     jet kept;
@@ -242,8 +256,8 @@ static void expect_nesting(const char *what, nesting nest, tvi_status outer, tvi
 /* Operations on an outer jet whose result is a number, which may pass from one recording to another. */
 static bool makes_number(make_jet *make)
 {
-    static make_jet *const numbers[] = {other_minus_itself, zero_times_other, other_times_zero, zero_over_other,
-                                        other_to_the_0, dot_zero_other};
+    static make_jet *const numbers[] = {other_minus_itself, zero_times_other, other_times_zero,
+                                        zero_over_other,    other_to_the_0,   dot_zero_other};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
         if (make == numbers[i]) return true;
     return false;

@@ -1,5 +1,5 @@
-/* input_options.c - options that make no method: each has its status and its reason, whoever asks. The contracts are those
- * of tvi.h. */
+/* input_options.c - options that make no method: each has its status and its reason, whoever asks. The contracts are
+ * those of tvi.h. */
 #include "input.h"
 
 #include <limits.h>
@@ -37,11 +37,11 @@ typedef struct {
     tvi_status status;
 } options_case;
 
-#define START .method = TVI_TYPE1, .expansion = TVI_AT_START
+#define START    .method = TVI_TYPE1, .expansion = TVI_AT_START
 #define MIDPOINT .method = TVI_TYPE1, .expansion = TVI_AT_MIDPOINT
-#define NODES .method = TVI_TYPE1, .expansion = TVI_AT_NODES
-#define TAYLOR .method = TVI_TAYLOR, .expansion = TVI_AT_START
-#define VERLET .method = TVI_STORMER_VERLET, .expansion = TVI_AT_START
+#define NODES    .method = TVI_TYPE1, .expansion = TVI_AT_NODES
+#define TAYLOR   .method = TVI_TAYLOR, .expansion = TVI_AT_START
+#define VERLET   .method = TVI_STORMER_VERLET, .expansion = TVI_AT_START
 
 static const options_case options_cases[] = {
     {"sound", {MIDPOINT, .order = 4}, TVI_OK},
@@ -95,13 +95,17 @@ static const options_case options_cases[] = {
     {"max_passes negative", {MIDPOINT, .order = 4, .max_passes = -1}, TVI_EINVAL},
     {"Taylor at the midpoint", {.method = TVI_TAYLOR, .expansion = TVI_AT_MIDPOINT, .order = 4}, TVI_EUNSUPPORTED},
     {"Taylor with truncated nodes", {TAYLOR, .nodes = TVI_NODES_TRUNCATED, .order = 4}, TVI_EUNSUPPORTED},
-    {"Verlet at the midpoint", {.method = TVI_STORMER_VERLET, .expansion = TVI_AT_MIDPOINT, .order = 2}, TVI_EUNSUPPORTED},
+    {"Verlet at the midpoint",
+     {.method = TVI_STORMER_VERLET, .expansion = TVI_AT_MIDPOINT, .order = 2},
+     TVI_EUNSUPPORTED},
     {"Taylor at the end", {.method = TVI_TAYLOR, .expansion = TVI_AT_END, .order = 4}, TVI_EUNSUPPORTED},
     {"type II at the midpoint", {.method = TVI_TYPE2, .expansion = TVI_AT_MIDPOINT, .order = 4}, TVI_EUNSUPPORTED},
     {"type III at both ends", {.method = TVI_TYPE3, .expansion = TVI_AT_BOTH_ENDS, .order = 4}, TVI_EUNSUPPORTED},
     {"Poincare at the start", {.method = TVI_POINCARE, .order = 4}, TVI_EUNSUPPORTED},
     {"the adjoint of a symmetric method", {MIDPOINT, .order = 4, .compose_adjoint = true}, TVI_OK},
-    {"odd order of a composition", {START, .nodes = TVI_NODES_TRUNCATED, .order = 5, .compose_adjoint = true}, TVI_EINVAL},
+    {"odd order of a composition",
+     {START, .nodes = TVI_NODES_TRUNCATED, .order = 5, .compose_adjoint = true},
+     TVI_EINVAL},
     {"even order of a composition", {START, .nodes = TVI_NODES_TRUNCATED, .order = 4, .compose_adjoint = true}, TVI_OK},
     {"lowest order at the nodes", {NODES, .order = 2}, TVI_OK},
     {"highest order at the nodes", {NODES, .order = 2 * TVI_MAX_NODES}, TVI_OK},
@@ -166,7 +170,8 @@ START_TEST(options_by_name)
 }
 END_TEST
 
-/* Every combination, at every order up to 8, is a method for the system or is refused for a reason; some are methods. */
+/* Every combination, at every order up to 8, is a method for the system or is refused for a reason; some are
+ * methods. */
 START_TEST(options_combined)
 {
     int made = 0;
@@ -176,9 +181,12 @@ START_TEST(options_combined)
             for (int rule = TVI_QUADRATURE_AUTO; rule <= TVI_RECTANGLE_END; rule++)
                 for (int order = 1; order <= 8; order++)
                     for (int adjoint = 0; adjoint <= 1; adjoint++) {
-                        const tvi_options options = {.method = (tvi_method)_i, .expansion = (tvi_expansion)expansion,
-                                                     .nodes = (tvi_nodes)nodes, .quadrature = (tvi_quadrature)rule,
-                                                     .order = order, .compose_adjoint = adjoint};
+                        const tvi_options options = {.method = (tvi_method)_i,
+                                                     .expansion = (tvi_expansion)expansion,
+                                                     .nodes = (tvi_nodes)nodes,
+                                                     .quadrature = (tvi_quadrature)rule,
+                                                     .order = order,
+                                                     .compose_adjoint = adjoint};
                         made += check_options("combination", system, &options) == TVI_OK;
                     }
     ck_assert_int_gt(made, 0);
@@ -186,8 +194,8 @@ START_TEST(options_combined)
 }
 END_TEST
 
-/* Type I needs velocities that the momenta give, types II and III and Poincare a Hamiltonian, Stormer-Verlet a sum of a part of q
- * and one of p; Taylor and the Galerkin curve need nothing. */
+/* Type I needs velocities that the momenta give, types II and III and Poincare a Hamiltonian, Stormer-Verlet a sum of a
+ * part of q and one of p; Taylor and the Galerkin curve need nothing. */
 static bool serves(const method *m, form of)
 {
     const tvi_options options = options_of(m);

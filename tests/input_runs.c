@@ -238,8 +238,8 @@ START_TEST(counts_of_explicit_methods)
 }
 END_TEST
 
-/* Exactly k passes: k residuals, each a force value at each node and an expansion of each curve. Away from the start the
- * predictor is one more expansion. */
+/* Exactly k passes: k residuals, each a force value at each node and an expansion of each curve. Away from the start
+ * the predictor is one more expansion. */
 START_TEST(counts_of_fixed_passes)
 {
     static const struct {

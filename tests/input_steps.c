@@ -57,7 +57,8 @@ typedef struct {
     tvi_status status;
 } bad_step;
 
-#define SOUND {0.5, 0.25}, {0.5, 0.5}
+#define SOUND                                                                                                          \
+    {0.5, 0.25}, { 0.5, 0.5 }
 
 static const bad_step bad_steps[] = {
     {"h = 0", 0, {0, SOUND}, TVI_EINVAL},
@@ -175,12 +176,9 @@ static const struct {
     tvi_potential_fn *potential;
     state s;
 } no_force[] = {
-    {"sqrt of negative", root, {0, {-1, 0.5}, {0, 0}}},
-    {"sqrt of zero", root, {0, {-1, 1}, {0, 0}}},
-    {"division by zero", quotient, {0, {0, 1}, {0, 0}}},
-    {"asin of one", arc, {0, {1, 1}, {0, 0}}},
-    {"asin beyond one", arc, {0, {-2, 1}, {0, 0}}},
-    {"log of a negative time", late, {-1, {1, 1}, {0, 0}}},
+    {"sqrt of negative", root, {0, {-1, 0.5}, {0, 0}}},  {"sqrt of zero", root, {0, {-1, 1}, {0, 0}}},
+    {"division by zero", quotient, {0, {0, 1}, {0, 0}}}, {"asin of one", arc, {0, {1, 1}, {0, 0}}},
+    {"asin beyond one", arc, {0, {-2, 1}, {0, 0}}},      {"log of a negative time", late, {-1, {1, 1}, {0, 0}}},
 };
 
 tvi_status step_once(tvi_integrator *integrator, double h, state *s)
@@ -282,7 +280,8 @@ START_TEST(extreme_states)
             s.p[j] = j % 2 ? q : p;
         }
         const tvi_status status = step_once(integrator, h, &s);
-        ck_assert_msg(status == TVI_OK || status == TVI_EINVAL || is_step_failure(status), "%s: %d", x.name, (int)status);
+        ck_assert_msg(status == TVI_OK || status == TVI_EINVAL || is_step_failure(status), "%s: %d", x.name,
+                      (int)status);
     }
     tvi_integrator_free(integrator);
     close_pair(&x);
@@ -358,8 +357,8 @@ static void plain_run(const pair *x, bool resets, state s[LONG_RUN + 1])
     tvi_integrator_free(integrator);
 }
 
-/* A run that tries h, and a state that is NaN, after some steps; the status of h. Where h fails, the steps that follow are
- * bit for bit those of the plain run. */
+/* A run that tries h, and a state that is NaN, after some steps; the status of h. Where h fails, the steps that follow
+ * are bit for bit those of the plain run. */
 static tvi_status failing_run(const pair *x, int before, double h, const state plain[LONG_RUN + 1])
 {
     tvi_integrator *integrator = create_integrator(x->system, x->m);

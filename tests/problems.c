@@ -32,7 +32,8 @@ static void henon_heiles_force(long double t, const long double q[], long double
 
 enum { CHAIN = 3 };
 static const double spring_k = 4, spring_a = 1.5, spring_b = 2, drive = 0.75, drive_frequency = 1.7;
-static const double chain_mass[CHAIN] = {1, 2.5, 0.4}, chain_q0[CHAIN] = {0.3, -0.2, 0.4}, chain_p0[CHAIN] = {0.5, 1, -0.25};
+static const double chain_mass[CHAIN] = {1, 2.5, 0.4}, chain_q0[CHAIN] = {0.3, -0.2, 0.4},
+                    chain_p0[CHAIN] = {0.5, 1, -0.25};
 
 /* F_i = T(d_{i+1}) - T(d_i) + A cos(w t) on the first, T(d) = k d + a d^2 + b d^3, d_i = q_i - q_{i-1}, walls at 0. */
 static void chain_record(const jet q[], jet t, jet force[], void *ctx)
@@ -78,7 +79,12 @@ void chain_hessian(const long double q[], long double H[])
 }
 
 static const scene scene_chain = {
-    .name = "chain", .title = "Driven chain", .n = CHAIN, .mass = chain_mass, .q = chain_q0, .p = chain_p0,
+    .name = "chain",
+    .title = "Driven chain",
+    .n = CHAIN,
+    .mass = chain_mass,
+    .q = chain_q0,
+    .p = chain_p0,
 };
 
 /* ---- Problems and their states ----------------------------------------------------------------------------------- */
@@ -134,8 +140,7 @@ void runner_close(runner *run)
 
 void runner_steps(const runner *run, double h, long steps, test_state *state)
 {
-    const tvi_status status =
-        tvi_integrate(run->integrator, h, steps, &state->t, state->q, state->p, NULL, NULL);
+    const tvi_status status = tvi_integrate(run->integrator, h, steps, &state->t, state->q, state->p, NULL, NULL);
     ck_assert_msg(status == TVI_OK, "%s, h = %g, t = %g: %s", run->problem->scene->name, h, state->t,
                   tvi_status_string(status));
 }

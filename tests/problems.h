@@ -1,5 +1,5 @@
-/* problems.h - what the suites run on: the bench's scenes and a driven chain, each with its force once more by hand, and
- * the runs, norms and reference solutions that the suites share. Letters as in docs/method.md. */
+/* problems.h - what the suites run on: the bench's scenes and a driven chain, each with its force once more by hand,
+ * and the runs, norms and reference solutions that the suites share. Letters as in docs/method.md. */
 #ifndef TESTS_PROBLEMS_H
 #define TESTS_PROBLEMS_H
 
@@ -18,9 +18,10 @@ typedef struct {
     double t0, t_end;      /* of a short run */
 } test_problem;
 
-/* The chain: n = 3, masses 1, 2.5, 0.4, springs k d^2/2 + a d^3/3 + b d^4/4 with k = 4 between the walls and the masses,
- * a force A cos(w t) on the first mass with w = 1.7, recorded as a force, from t0 = 0.3. */
-extern const test_problem problem_pendulum, problem_kepler, problem_henon_heiles, problem_chain, problem_solar, problem_fpu;
+/* The chain: n = 3, masses 1, 2.5, 0.4, springs k d^2/2 + a d^3/3 + b d^4/4 with k = 4 between the walls and the
+ * masses, a force A cos(w t) on the first mass with w = 1.7, recorded as a force, from t0 = 0.3. */
+extern const test_problem problem_pendulum, problem_kepler, problem_henon_heiles, problem_chain, problem_solar,
+    problem_fpu;
 
 /* Second derivatives of the chain's potential, [3][3]. */
 void chain_hessian(const long double q[], long double H[]);
@@ -60,8 +61,8 @@ void runner_steps(const runner *run, double h, long steps, test_state *state);
 /* The state at problem->t_end from problem_start in `steps` steps. */
 test_state problem_run(const test_problem *problem, const tvi_options *options, long steps);
 
-/* The state at t_end to about 3e-17, from `start` or, where it is NULL, problem_start: Stormer-Verlet in long double on the
- * plain force, extrapolated in h^2. */
+/* The state at t_end to about 3e-17, from `start` or, where it is NULL, problem_start: Stormer-Verlet in long double on
+ * the plain force, extrapolated in h^2. */
 exact_state problem_exact(const test_problem *problem, const test_state *start, double t_end);
 /* What a relative change by DBL_EPSILON makes of the state, here and at problem->t_end: no run can be better. */
 two_errors problem_roundoff(const test_problem *problem);

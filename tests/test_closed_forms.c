@@ -124,7 +124,9 @@ START_TEST(method_is_its_closed_form)
     const test_problem *problem = form_problems[_i / FORMS];
     if (forms[form].chain_only && problem != &problem_chain) return;
     const double h = 0.0625;
-    const tvi_options options = {.method = forms[form].method, .nodes = forms[form].nodes, .degree = forms[form].degree,
+    const tvi_options options = {.method = forms[form].method,
+                                 .nodes = forms[form].nodes,
+                                 .degree = forms[form].degree,
                                  .quadrature = forms[form].quadrature};
     runner run = runner_open(problem, &options);
     test_state state = problem_start(problem), zero = {0};
@@ -193,7 +195,8 @@ static double derivative(const expansion *e, int k, int i, int j)
  * 2 dQ_4/dQ_1 = dQ_3/dQ_0 and 3 dQ_3/dQ_1 = dQ_2/dQ_0. */
 START_TEST(jacobians_share_columns)
 {
-    static const test_problem *const problems[] = {&problem_kepler, &problem_henon_heiles, &problem_chain, &problem_fpu};
+    static const test_problem *const problems[] = {&problem_kepler, &problem_henon_heiles, &problem_chain,
+                                                   &problem_fpu};
     expansion e = expand(problems[_i]);
     const int n = e.curve.n;
     double largest = 0;
@@ -236,8 +239,11 @@ START_TEST(energies_are_those_of_section_9)
         const test_problem *problem;
         double H0, relative;
     } rows[] = {
-        {&problem_pendulum, 9.8, 1e-15},     {&problem_kepler, -0.68, 1e-15},  {&problem_henon_heiles, 1.0 / 12, 1e-15},
-        {&problem_fpu, 2.00120008, 1e-15}, {&problem_solar, -3.21545318320816e-8, 1e-13},
+        {&problem_pendulum, 9.8, 1e-15},
+        {&problem_kepler, -0.68, 1e-15},
+        {&problem_henon_heiles, 1.0 / 12, 1e-15},
+        {&problem_fpu, 2.00120008, 1e-15},
+        {&problem_solar, -3.21545318320816e-8, 1e-13},
     };
     tvi_system *system = problem_system(rows[_i].problem);
     const test_state start = problem_start(rows[_i].problem);

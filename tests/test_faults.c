@@ -30,14 +30,19 @@ static int every_function(jet x, jet y[])
     y[count++] = jet_log(jet_add(2, x));
     y[count++] = jet_asin(jet_mul(0.5, x));
     y[count++] = jet_acos(jet_mul(0.25, x));
-    static const jet_function everywhere[] = {JET_EXP, JET_SIN, JET_COS, JET_TAN, JET_ATAN, JET_SINH, JET_COSH, JET_TANH};
+    y[count++] = jet_acosh(jet_add(2, x));
+    y[count++] = jet_atanh(jet_mul(0.25, x));
+    y[count++] = jet_atan2(x, jet_add(2, x));
+    y[count++] = jet_hypot(2, x);
+    static const jet_function everywhere[] = {JET_EXP,  JET_SIN,  JET_COS,  JET_TAN,   JET_ATAN,
+                                              JET_SINH, JET_COSH, JET_TANH, JET_ASINH, JET_ERF};
     for (size_t i = 0; i < sizeof everywhere / sizeof *everywhere; i++)
         y[count++] = jet_record_function(everywhere[i], jet_mul(0.5, x));
     return count;
 }
 
-/* The sum over all functions f of f(q_i) f(q_j) / 1000, and TERMS products that are all different; with a context, less:
- * the sum of f(q_0) / 1000 and |q|^2/2, for steps that shall not take long. */
+/* The sum over all functions f of f(q_i) f(q_j) / 1000, and TERMS products that are all different; with a context,
+ * less: the sum of f(q_0) / 1000 and |q|^2/2, for steps that shall not take long. */
 static jet everything(const jet q[], jet t, void *ctx)
 {
     jet y[N][32], term[TERMS];
@@ -45,7 +50,8 @@ static jet everything(const jet q[], jet t, void *ctx)
     for (int i = 0; i < N; i++) count = every_function(q[i], y[i]);
     if (ctx) return jet_add(jet_mul(1e-3, jet_sum(y[0], count)), jet_mul(0.5, jet_dot(q, q, N)));
     for (int i = 0; i < TERMS; i++)
-        term[i] = jet_mul(jet_mul(1e-3, q[i % N]), jet_add(i + 1, jet_mul(q[(i + 1) % N], jet_sin(jet_mul(1e-3 * i, t)))));
+        term[i] =
+            jet_mul(jet_mul(1e-3, q[i % N]), jet_add(i + 1, jet_mul(q[(i + 1) % N], jet_sin(jet_mul(1e-3 * i, t)))));
     const jet dots = jet_add(jet_dot(y[0], y[1], count), jet_dot(y[1], y[2], count));
     return jet_add(jet_mul(1e-3, dots), jet_sum(term, TERMS));
 }
@@ -384,8 +390,8 @@ static int observe(long step, double t, const double q[], const double p[], void
     return step == STEPS - 1;
 }
 
-/* 1,000 steps back and forth one by one with dense output, as many by tvi_integrate, and steps that fail. False where one
- * had not the status that it should have. */
+/* 1,000 steps back and forth one by one with dense output, as many by tvi_integrate, and steps that fail. False where
+ * one had not the status that it should have. */
 static bool make_steps(tvi_integrator *integrator)
 {
     double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, q_dense[N], p_dense[N], D[4 * N * N] = {1};
@@ -400,7 +406,8 @@ static bool make_steps(tvi_integrator *integrator)
         if (i % 50 == 0) good = good && tvi_step_tangent(integrator, 1e200, &t, q, p, D, 2 * N) != TVI_OK;
     }
     long seen = 0;
-    good = good && tvi_integrate(integrator, 1e-4, STEPS, &t, q, p, observe, &seen) == TVI_ESTOPPED && seen == STEPS - 1;
+    good =
+        good && tvi_integrate(integrator, 1e-4, STEPS, &t, q, p, observe, &seen) == TVI_ESTOPPED && seen == STEPS - 1;
     double far[N] = {-5, -5, -5};
     return good && tvi_step(integrator, 0.01, &t, far, p) == TVI_EDOMAIN;
 }
@@ -423,8 +430,8 @@ START_TEST(steps_allocate_nothing)
 }
 END_TEST
 
-/* Control: the hooks see the allocations of this program. Check's own are among them, so nothing is asserted in between;
- * the blocks are volatile, so that no compiler leaves them out. */
+/* Control: the hooks see the allocations of this program. Check's own are among them, so nothing is asserted in
+ * between; the blocks are volatile, so that no compiler leaves them out. */
 START_TEST(hooks_count)
 {
     void *volatile blocks[4];
@@ -460,6 +467,7 @@ Suite *suite_faults(void)
     Suite *suite = suite_create("faults");
     tcase_add_test(add_case(suite, "hooks"), hooks_count);
     TCase *systems = add_case(suite, "systems");
+    tcase_set_timeout(systems, 60);
     tcase_add_loop_test(systems, events_without_memory, 0, 2);
     tcase_add_loop_test(systems, systems_without_memory, 0, 2 * STATEMENTS);
     tcase_add_loop_test(systems, questions_without_memory, 0, 2 * STATEMENTS);

@@ -1,5 +1,5 @@
-/* test_input.c - bad input, by name: each has its status, and what the arguments point to stays as it was. The contracts
- * are those of jet.h and tvi.h. */
+/* test_input.c - bad input, by name: each has its status, and what the arguments point to stays as it was. The
+ * contracts are those of jet.h and tvi.h. */
 #include "input.h"
 #include "suites.h"
 
@@ -11,11 +11,11 @@
 /* ---- Shared ------------------------------------------------------------------------------------------------------ */
 
 const method methods[] = {
-    {"tvi", 1},        {"tvi", 4},   {"tvi", 7},      {"start", 2},         {"start", 6},     {"start", 12},
-    {"end", 4},        {"end", 8},   {"midpoint", 2}, {"midpoint", 12},     {"both-ends", 4}, {"both-ends", 8},
-    {"htvi-right", 3}, {"right", 6}, {"htvi-left", 3}, {"left", 6},         {"svhd", 2},      {"symmetric-tvi", 4},
-    {"poincare", 2},   {"poincare", 8}, {"taylor", 1}, {"taylor", 8},       {"galerkin", 2},  {"galerkin", 16},
-    {"stormer-verlet", 2},
+    {"tvi", 1},       {"tvi", 4},       {"tvi", 7},           {"start", 2},     {"start", 6},
+    {"start", 12},    {"end", 4},       {"end", 8},           {"midpoint", 2},  {"midpoint", 12},
+    {"both-ends", 4}, {"both-ends", 8}, {"htvi-right", 3},    {"right", 6},     {"htvi-left", 3},
+    {"left", 6},      {"svhd", 2},      {"symmetric-tvi", 4}, {"poincare", 2},  {"poincare", 8},
+    {"taylor", 1},    {"taylor", 8},    {"galerkin", 2},      {"galerkin", 16}, {"stormer-verlet", 2},
 };
 const int method_count = sizeof methods / sizeof *methods;
 
@@ -96,7 +96,8 @@ jet mixed_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 
 /* ---- Systems ----------------------------------------------------------------------------------------------------- */
 
-static tvi_status state_system(tvi_system **out, statement by, int n, const double mass[], const functions *f, void *ctx)
+static tvi_status state_system(tvi_system **out, statement by, int n, const double mass[], const functions *f,
+                               void *ctx)
 {
     switch (by) {
     case FORCE: return tvi_system_force(out, n, mass, f->force, ctx);
@@ -303,7 +304,8 @@ START_TEST(legendre_of_masses)
 }
 END_TEST
 
-/* At q_0 = 2 L_vv and H_pp are singular, and at q_0 = 0 V has no value; L = 2 sqrt(1 + v^2) has momenta below 2 only. */
+/* At q_0 = 2 L_vv and H_pp are singular, and at q_0 = 0 V has no value; L = 2 sqrt(1 + v^2) has momenta below 2
+ * only. */
 START_TEST(legendre_without_value)
 {
     const statement by = _i ? HAMILTONIAN : LAGRANGIAN;

@@ -1,5 +1,5 @@
-/* test_linear.c - dense factors: small systems, which are solved without LAPACK, against LAPACK, and the residuals of all, also
- * of those that are the lanes of one. */
+/* test_linear.c - dense factors: small systems, which are solved without LAPACK, against LAPACK, and the residuals of
+ * all, also of those that are the lanes of one. */
 #include "galerkin.h"
 #include "linear.h"
 #include "suites.h"
@@ -38,7 +38,8 @@ static void fill(int n, int number, double A[])
 {
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
-            A[i * n + j] = cos(1 + i * 3.7 + j * 1.3 + number * 0.9 + i * j) * ldexp(1, 9 * i - 7 * j) * (i + j ? 1 : 1e-9);
+            A[i * n + j] =
+                cos(1 + i * 3.7 + j * 1.3 + number * 0.9 + i * j) * ldexp(1, 9 * i - 7 * j) * (i + j ? 1 : 1e-9);
 }
 
 /* LAPACK's own solution of A x = b or A^T x = b; its matrices are column-major. */
@@ -136,7 +137,8 @@ static const lagrangian_loops *loops_at(int i)
 {
 #ifdef __x86_64__
     if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &lagrangian_loops_avx2;
-    if (i == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl"))
+    if (i == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl"))
         return &lagrangian_loops_avx512;
 #endif
     return i == 0 ? &lagrangian_loops_base : NULL;
@@ -149,8 +151,13 @@ typedef struct {
 
 static lanes_factor lanes_factor_in(lanes_room *room, int n, int lanes)
 {
-    return (lanes_factor){.n = n, .lanes = lanes, .lu = room->lu, .row_scale = room->row_scale,
-                          .column_scale = room->column_scale, .pivot = room->pivot, .x = room->x};
+    return (lanes_factor){.n = n,
+                          .lanes = lanes,
+                          .lu = room->lu,
+                          .row_scale = room->row_scale,
+                          .column_scale = room->column_scale,
+                          .pivot = room->pivot,
+                          .x = room->x};
 }
 
 static void put_lane(const lanes_factor *f, int lane, const double A[])

@@ -1,11 +1,13 @@
-/* test_order.c - the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3 and 4). */
+/* test_order.c - the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3 and
+ * 4). */
 #include "problems.h"
 #include "suites.h"
 
 #include <math.h>
 #include <stdio.h>
 
-static const test_problem *const order_problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain};
+static const test_problem *const order_problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles,
+                                                     &problem_chain};
 enum { ORDER_PROBLEMS = sizeof order_problems / sizeof *order_problems };
 
 /* ---- The slope of the error -------------------------------------------------------------------------------------- */
@@ -94,9 +96,9 @@ static void check_slope(const char *what, const char *of, long steps, slope s, d
 static void check_order(const test_problem *problem, const tvi_options *options, int least, int most)
 {
     char what[160];
-    snprintf(what, sizeof what, "%s, method %d, expansion %d, nodes %d, N = %d, quadrature %d with %d", problem->scene->name,
-             (int)options->method, (int)options->expansion, (int)options->nodes, options->degree, (int)options->quadrature,
-             options->quadrature_points);
+    snprintf(what, sizeof what, "%s, method %d, expansion %d, nodes %d, N = %d, quadrature %d with %d",
+             problem->scene->name, (int)options->method, (int)options->expansion, (int)options->nodes, options->degree,
+             (int)options->quadrature, options->quadrature_points);
     const order_fit fit = fit_order(problem, options);
     check_slope(what, "q", fit.steps, fit.q, least - 0.3, most + 0.3);
     check_slope(what, "p", fit.steps, fit.p, least - 0.3, most + 0.3);
@@ -112,20 +114,22 @@ static void check_promise(const test_problem *problem, const tvi_options *option
 
 /* ---- Section 3: type I, every node rule and degree --------------------------------------------------------------- */
 
-/* On-curve 2N; truncated at the start or the end N, to N + 1 for odd N; truncated at the midpoint N, N + 1 for odd N. */
+/* On-curve 2N; truncated at the start or the end N, to N + 1 for odd N; truncated at the midpoint N, N + 1 for odd
+ * N. */
 static const struct {
     tvi_expansion expansion;
     tvi_nodes nodes;
     int slope, odd_least, odd_most; /* order slope N, for odd N plus odd_least to odd_most */
 } order_rule[] = {
-    {TVI_AT_START, TVI_NODES_ON_CURVE, 2, 0, 0},
-    {TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 2, 0, 0},
-    {TVI_AT_START, TVI_NODES_TRUNCATED, 1, 0, 1},
-    {TVI_AT_MIDPOINT, TVI_NODES_TRUNCATED, 1, 1, 1},
-    {TVI_AT_END, TVI_NODES_ON_CURVE, 2, 0, 0},
-    {TVI_AT_END, TVI_NODES_TRUNCATED, 1, 0, 1},
+    {TVI_AT_START, TVI_NODES_ON_CURVE, 2, 0, 0},  {TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 2, 0, 0},
+    {TVI_AT_START, TVI_NODES_TRUNCATED, 1, 0, 1}, {TVI_AT_MIDPOINT, TVI_NODES_TRUNCATED, 1, 1, 1},
+    {TVI_AT_END, TVI_NODES_ON_CURVE, 2, 0, 0},    {TVI_AT_END, TVI_NODES_TRUNCATED, 1, 0, 1},
 };
-enum { ORDER_RULES = sizeof order_rule / sizeof *order_rule, DEGREES = 6, TYPE1_ORDERS = ORDER_PROBLEMS * ORDER_RULES * DEGREES };
+enum {
+    ORDER_RULES = sizeof order_rule / sizeof *order_rule,
+    DEGREES = 6,
+    TYPE1_ORDERS = ORDER_PROBLEMS * ORDER_RULES * DEGREES
+};
 
 START_TEST(type1_has_its_order)
 {
@@ -168,13 +172,20 @@ static const struct {
     tvi_quadrature quadrature;
     int points, order;
 } quadrature_rows[] = {
-    {TVI_AT_START, 3, TVI_GAUSS, 1, 2},          {TVI_AT_START, 3, TVI_GAUSS, 2, 4},
-    {TVI_AT_START, 3, TVI_GAUSS, 3, 6},          {TVI_AT_START, 4, TVI_LOBATTO, 3, 4},
-    {TVI_AT_START, 4, TVI_LOBATTO, 4, 6},        {TVI_AT_START, 4, TVI_LOBATTO, 6, 8},
-    {TVI_AT_START, 3, TVI_TRAPEZOID, 2, 2},      {TVI_AT_START, 2, TVI_RECTANGLE_START, 1, 1},
-    {TVI_AT_START, 3, TVI_RECTANGLE_END, 1, 1},  {TVI_AT_MIDPOINT, 4, TVI_GAUSS, 2, 4},
-    {TVI_AT_MIDPOINT, 4, TVI_GAUSS, 3, 6},       {TVI_AT_MIDPOINT, 3, TVI_LOBATTO, 3, 4},
-    {TVI_AT_MIDPOINT, 4, TVI_LOBATTO, 5, 8},     {TVI_AT_MIDPOINT, 4, TVI_TRAPEZOID, 2, 2},
+    {TVI_AT_START, 3, TVI_GAUSS, 1, 2},
+    {TVI_AT_START, 3, TVI_GAUSS, 2, 4},
+    {TVI_AT_START, 3, TVI_GAUSS, 3, 6},
+    {TVI_AT_START, 4, TVI_LOBATTO, 3, 4},
+    {TVI_AT_START, 4, TVI_LOBATTO, 4, 6},
+    {TVI_AT_START, 4, TVI_LOBATTO, 6, 8},
+    {TVI_AT_START, 3, TVI_TRAPEZOID, 2, 2},
+    {TVI_AT_START, 2, TVI_RECTANGLE_START, 1, 1},
+    {TVI_AT_START, 3, TVI_RECTANGLE_END, 1, 1},
+    {TVI_AT_MIDPOINT, 4, TVI_GAUSS, 2, 4},
+    {TVI_AT_MIDPOINT, 4, TVI_GAUSS, 3, 6},
+    {TVI_AT_MIDPOINT, 3, TVI_LOBATTO, 3, 4},
+    {TVI_AT_MIDPOINT, 4, TVI_LOBATTO, 5, 8},
+    {TVI_AT_MIDPOINT, 4, TVI_TRAPEZOID, 2, 2},
     {TVI_AT_MIDPOINT, 3, TVI_RECTANGLE_END, 1, 1},
 };
 enum { QUADRATURE_ROWS = sizeof quadrature_rows / sizeof *quadrature_rows };
@@ -183,7 +194,8 @@ START_TEST(quadrature_limits_the_order)
 {
     const int row = _i % QUADRATURE_ROWS;
     const test_problem *problem = _i / QUADRATURE_ROWS ? &problem_chain : &problem_henon_heiles;
-    tvi_options options = options_type1(quadrature_rows[row].expansion, TVI_NODES_ON_CURVE, quadrature_rows[row].degree);
+    tvi_options options =
+        options_type1(quadrature_rows[row].expansion, TVI_NODES_ON_CURVE, quadrature_rows[row].degree);
     options.quadrature = quadrature_rows[row].quadrature;
     options.quadrature_points = quadrature_rows[row].points;
     check_promise(problem, &options, quadrature_rows[row].order);

@@ -1,5 +1,5 @@
-/* test_quad.c - the library's type I and Taylor steps against the same methods from their definition in quadruple precision
- * (bench/quad.h). gcc only. */
+/* test_quad.c - the library's type I and Taylor steps against the same methods from their definition in quadruple
+ * precision (bench/quad.h). gcc only. */
 #include "problems.h"
 #include "quad.h"
 #include "suites.h"
@@ -12,7 +12,8 @@ typedef struct {
     quad t, q[N_MAX], p[N_MAX];
 } quad_state;
 
-static const test_problem *const problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain};
+static const test_problem *const problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles,
+                                               &problem_chain};
 enum { PROBLEMS = sizeof problems / sizeof *problems };
 
 static quad_system *quad_problem(const test_problem *problem)
@@ -89,9 +90,14 @@ static const struct {
     int points;
     double b[4], c[4]; /* see quad_rule */
 } rules[] = {
-    {TVI_GAUSS, 1, {0}, {0}},      {TVI_GAUSS, 3, {0}, {0}},           {TVI_GAUSS, 6, {0}, {0}},
-    {TVI_TRAPEZOID, 2, {1, 1}, {0, 1}}, {TVI_RECTANGLE_START, 1, {1}, {0}}, {TVI_RECTANGLE_END, 1, {1}, {1}},
-    {TVI_LOBATTO, 3, {1, 4, 1}, {0, 0.5, 1}}, {TVI_LOBATTO, 4, {1, 5, 5, 1}, {0, -1, 1, 1}},
+    {TVI_GAUSS, 1, {0}, {0}},
+    {TVI_GAUSS, 3, {0}, {0}},
+    {TVI_GAUSS, 6, {0}, {0}},
+    {TVI_TRAPEZOID, 2, {1, 1}, {0, 1}},
+    {TVI_RECTANGLE_START, 1, {1}, {0}},
+    {TVI_RECTANGLE_END, 1, {1}, {1}},
+    {TVI_LOBATTO, 3, {1, 4, 1}, {0, 0.5, 1}},
+    {TVI_LOBATTO, 4, {1, 5, 5, 1}, {0, -1, 1, 1}},
 };
 enum { RULES = sizeof rules / sizeof *rules };
 
@@ -153,8 +159,8 @@ enum { HIGH = sizeof high / sizeof *high };
 
 static void check_error(const char *of, double error, double expected)
 {
-    ck_assert_msg(expected > 1e-14 && error < 1.5 * expected && error > expected / 1.5, "%s: error %.2e, not %.2e", of, error,
-                  expected);
+    ck_assert_msg(expected > 1e-14 && error < 1.5 * expected && error > expected / 1.5, "%s: error %.2e, not %.2e", of,
+                  error, expected);
 }
 
 static void compare_with_definition(const test_problem *problem, const tvi_options *options, const quad_method *method,
@@ -192,6 +198,44 @@ START_TEST(error_is_that_of_the_definition)
 }
 END_TEST
 
+/* ---- Every function, in a Taylor step of degree 12 --------------------------------------------------------------- */
+
+enum { FUNCTIONS = JET_FUNCTION_COUNT + JET_FUNCTION2_COUNT };
+
+/* Function number *ctx of 0.5 + q / 5, for acosh of 1.5 + q / 5, and of 1 + t. */
+static void one_function(const jet q[], jet t, jet F[], void *ctx)
+{
+    const int which = *(const int *)ctx;
+    const jet x = jet_add(which == JET_ACOSH ? 1.5 : 0.5, jet_div(q[0], 5));
+    F[0] = which < JET_FUNCTION_COUNT
+               ? jet_record_function((jet_function)which, x)
+               : jet_record_function2((jet_function2)(which - JET_FUNCTION_COUNT), x, jet_add(1, t));
+}
+
+START_TEST(functions_agree)
+{
+    int which = _i;
+    const double h = 0.5;
+    double t = 0.125, q = 0.25, p = 0.75;
+    quad at = t, Q = q, P = p;
+    tvi_system *system;
+    tvi_integrator *integrator;
+    tvi_options options;
+    ck_assert_int_eq(tvi_system_force(&system, 1, NULL, one_function, &which), TVI_OK);
+    ck_assert_int_eq(tvi_options_named("taylor", 11, &options), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    ck_assert_int_eq(tvi_step(integrator, h, &t, &q, &p), TVI_OK);
+    quad_system *exact = quad_system_force(1, NULL, one_function, &which);
+    ck_assert_ptr_nonnull(exact);
+    quad_taylor(exact, tvi_integrator_options(integrator)->degree, h, 1, &at, &Q, &P);
+    ck_assert_double_lt((double)fabsq(q - Q), 1e-15);
+    ck_assert_double_lt((double)fabsq(p - P), 1e-15);
+    quad_system_free(exact);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 static void add_case(Suite *suite, const char *name, const TTest *test, int count)
 {
     TCase *tcase = tcase_create(name);
@@ -203,6 +247,7 @@ static void add_case(Suite *suite, const char *name, const TTest *test, int coun
 Suite *suite_quad(void)
 {
     Suite *suite = suite_create("quad");
+    add_case(suite, "functions", functions_agree, FUNCTIONS);
     add_case(suite, "references", references_agree, PROBLEMS);
     add_case(suite, "definition", step_is_that_of_the_definition, 6 * PROBLEMS * RULES);
     add_case(suite, "high degrees", error_is_that_of_the_definition, 4 * HIGH);

@@ -8,7 +8,8 @@
 #include <stdio.h>
 #include <string.h>
 
-static const test_problem *const step_problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain};
+static const test_problem *const step_problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles,
+                                                    &problem_chain};
 enum { STEP_PROBLEMS = sizeof step_problems / sizeof *step_problems };
 
 static bool same_bits(const test_state *a, const test_state *b) { return memcmp(a, b, sizeof *a) == 0; }
@@ -44,28 +45,31 @@ START_TEST(few_passes_converge)
     tvi_stats stats;
     (void)run_from_start(pass_rows[_i].problem, &options, pass_rows[_i].h, steps, &stats);
     const double passes = (double)stats.passes / (double)steps;
-    printf("%s, midpoint, N = 6, h = %g: %.2f passes a step\n", pass_rows[_i].problem->scene->name, pass_rows[_i].h, passes);
+    printf("%s, midpoint, N = 6, h = %g: %.2f passes a step\n", pass_rows[_i].problem->scene->name, pass_rows[_i].h,
+           passes);
     ck_assert_double_le(passes, pass_rows[_i].most);
     ck_assert_double_ge(passes, 1);
 }
 END_TEST
 
-/* Start: a pass has one expansion; midpoint: the predictor has one more. A pass has one force value at each node. Factors are
- * made once a step at least and once a pass at most: of the equations for the corrections, and at the midpoint of the
- * corrector's own. */
+/* Start: a pass has one expansion; midpoint: the predictor has one more. A pass has one force value at each node.
+ * Factors are made once a step at least and once a pass at most: of the equations for the corrections, and at the
+ * midpoint of the corrector's own. */
 START_TEST(work_is_counted)
 {
     const bool midpoint = _i % 2;
     const tvi_options options = on_curve(midpoint ? TVI_AT_MIDPOINT : TVI_AT_START, 4);
     runner run = runner_open(&problem_chain, &options);
     const tvi_stats *stats = tvi_integrator_stats(run.integrator);
-    ck_assert_int_eq(stats->steps + stats->passes + stats->expansions + stats->force_evaluations + stats->factorisations, 0);
+    ck_assert_int_eq(
+        stats->steps + stats->passes + stats->expansions + stats->force_evaluations + stats->factorisations, 0);
     ck_assert_uint_gt(stats->bytes, 3 * 5 * 6 * sizeof(double)); /* dC/dz at least */
     test_state x = problem_start(&problem_chain);
     runner_steps(&run, 0.05, 20, &x);
     ck_assert_int_eq(stats->steps, 20);
     ck_assert_int_eq(stats->expansions, stats->passes + (midpoint ? 20 : 0));
-    ck_assert_int_eq(stats->force_evaluations, stats->passes * tvi_integrator_options(run.integrator)->quadrature_points);
+    ck_assert_int_eq(stats->force_evaluations,
+                     stats->passes * tvi_integrator_options(run.integrator)->quadrature_points);
     ck_assert_int_le(stats->factorisations, stats->passes * (midpoint ? 2 : 1));
     ck_assert_int_ge(stats->factorisations, stats->steps * (midpoint ? 2 : 1));
     ck_assert_double_lt(stats->residual, 1e-7);
@@ -122,7 +126,8 @@ START_TEST(no_pass_is_taylor)
 {
     const test_problem *problem = step_problems[_i];
     for (int N = 2; N <= 9; N++) {
-        tvi_options options = on_curve(TVI_AT_START, N), midpoint = on_curve(TVI_AT_MIDPOINT, N), taylor = options_taylor(N);
+        tvi_options options = on_curve(TVI_AT_START, N), midpoint = on_curve(TVI_AT_MIDPOINT, N),
+                    taylor = options_taylor(N);
         options.passes = midpoint.passes = TVI_PREDICT_ONLY;
         tvi_stats stats;
         const test_state x = run_from_start(problem, &options, 0.05, 20, &stats);
@@ -203,10 +208,14 @@ END_TEST
 
 /* Steps that diverge are refused, and never returned as a state that has flown off. */
 static const large_step hopeless[] = {
-    {&problem_pendulum, TVI_AT_START, 6, 1.33117},     {&problem_pendulum, TVI_AT_START, 4, 1.5974},
-    {&problem_pendulum, TVI_AT_START, 4, 1.91688},     {&problem_chain, TVI_AT_START, 2, 2.76031},
-    {&problem_chain, TVI_AT_START, 3, 3.3},            {&problem_chain, TVI_AT_MIDPOINT, 3, 0.924421},
-    {&problem_kepler, TVI_AT_START, 7, 1.91688},       {&problem_henon_heiles, TVI_AT_START, 4, 3.97484},
+    {&problem_pendulum, TVI_AT_START, 6, 1.33117},
+    {&problem_pendulum, TVI_AT_START, 4, 1.5974},
+    {&problem_pendulum, TVI_AT_START, 4, 1.91688},
+    {&problem_chain, TVI_AT_START, 2, 2.76031},
+    {&problem_chain, TVI_AT_START, 3, 3.3},
+    {&problem_chain, TVI_AT_MIDPOINT, 3, 0.924421},
+    {&problem_kepler, TVI_AT_START, 7, 1.91688},
+    {&problem_henon_heiles, TVI_AT_START, 4, 3.97484},
     {&problem_henon_heiles, TVI_AT_START, 6, 3.31237},
 };
 enum { HOPELESS = sizeof hopeless / sizeof *hopeless };
@@ -288,7 +297,8 @@ enum { FOLLOWERS = sizeof followers / sizeof *followers };
 
 static runner open_follower(int i)
 {
-    const tvi_options options = {.method = followers[i % FOLLOWERS].method, .expansion = followers[i % FOLLOWERS].expansion,
+    const tvi_options options = {.method = followers[i % FOLLOWERS].method,
+                                 .expansion = followers[i % FOLLOWERS].expansion,
                                  .degree = followers[i % FOLLOWERS].degree};
     return runner_open(step_problems[i / FOLLOWERS], &options);
 }

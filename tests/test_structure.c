@@ -80,9 +80,9 @@ static const struct {
     int degree;
     double h, most; /* of the change after 10^4 steps */
 } kepler_rows[] = {
-    {TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 6, 0.0625, 5e-15}, {TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 8, 0.1875, 1e-14},
+    {TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 6, 0.0625, 5e-15},  {TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 8, 0.1875, 1e-14},
     {TVI_AT_MIDPOINT, TVI_NODES_TRUNCATED, 5, 0.0625, 1e-14}, {TVI_AT_START, TVI_NODES_ON_CURVE, 8, 0.0625, 5e-15},
-    {TVI_AT_START, TVI_NODES_ON_CURVE, 6, 0.125, 5e-14},     {TVI_AT_START, TVI_NODES_TRUNCATED, 6, 0.0625, 5e-14},
+    {TVI_AT_START, TVI_NODES_ON_CURVE, 6, 0.125, 5e-14},      {TVI_AT_START, TVI_NODES_TRUNCATED, 6, 0.0625, 5e-14},
 };
 enum { KEPLER_ROWS = sizeof kepler_rows / sizeof *kepler_rows };
 
@@ -139,8 +139,9 @@ static double return_error(int place, const tvi_options *options)
 static const struct {
     tvi_nodes nodes;
     int degree;
-} reversible[] = {{TVI_NODES_ON_CURVE, 1},  {TVI_NODES_ON_CURVE, 2},  {TVI_NODES_ON_CURVE, 3},  {TVI_NODES_ON_CURVE, 4},
-                  {TVI_NODES_ON_CURVE, 7},  {TVI_NODES_TRUNCATED, 2}, {TVI_NODES_TRUNCATED, 3}, {TVI_NODES_TRUNCATED, 4}};
+} reversible[] = {{TVI_NODES_ON_CURVE, 1},  {TVI_NODES_ON_CURVE, 2}, {TVI_NODES_ON_CURVE, 3},
+                  {TVI_NODES_ON_CURVE, 4},  {TVI_NODES_ON_CURVE, 7}, {TVI_NODES_TRUNCATED, 2},
+                  {TVI_NODES_TRUNCATED, 3}, {TVI_NODES_TRUNCATED, 4}};
 enum { REVERSIBLE = sizeof reversible / sizeof *reversible };
 
 START_TEST(midpoint_is_reversible)
@@ -164,13 +165,16 @@ START_TEST(start_is_not_reversible)
 }
 END_TEST
 
-/* The adjoint of the start is the end with the mirrored quadrature: the one with -h leads back from the other with h. */
+/* The adjoint of the start is the end with the mirrored quadrature: the one with -h leads back from the other with
+ * h. */
 START_TEST(end_is_the_adjoint_of_start)
 {
     static const struct {
         tvi_quadrature start, end;
-    } mirrored[] = {{TVI_QUADRATURE_AUTO, TVI_QUADRATURE_AUTO}, {TVI_RECTANGLE_START, TVI_RECTANGLE_END},
-                    {TVI_RECTANGLE_END, TVI_RECTANGLE_START}, {TVI_TRAPEZOID, TVI_TRAPEZOID}};
+    } mirrored[] = {{TVI_QUADRATURE_AUTO, TVI_QUADRATURE_AUTO},
+                    {TVI_RECTANGLE_START, TVI_RECTANGLE_END},
+                    {TVI_RECTANGLE_END, TVI_RECTANGLE_START},
+                    {TVI_TRAPEZOID, TVI_TRAPEZOID}};
     const int i = _i % PLACES, n = places[i].problem->scene->n;
     const tvi_nodes nodes = _i / PLACES ? TVI_NODES_TRUNCATED : TVI_NODES_ON_CURVE;
     for (int N = 1; N <= MOST_DEGREE; N++)
@@ -185,7 +189,8 @@ START_TEST(end_is_the_adjoint_of_start)
             const double moved = larger(state_difference(n, &x, &from));
             runner_steps(&back, -places[i].h, 1, &x);
             const double error = larger(state_difference(n, &x, &from));
-            ck_assert_msg(moved > 0.01 && error < 2e-15, "place %d, nodes %d, N = %d, row %d: %.1e", i, (int)nodes, N, row, error);
+            ck_assert_msg(moved > 0.01 && error < 2e-15, "place %d, nodes %d, N = %d, row %d: %.1e", i, (int)nodes, N,
+                          row, error);
             runner_close(&forward);
             runner_close(&back);
         }
@@ -248,7 +253,8 @@ START_TEST(energy_of_taylor_drifts)
 }
 END_TEST
 
-/* Section 6: with compensated sums the energy error of a converged run is a random walk of roundoff, and the time exact. */
+/* Section 6: with compensated sums the energy error of a converged run is a random walk of roundoff, and the time
+ * exact. */
 START_TEST(roundoff_does_not_drift)
 {
     const tvi_options options = options_type1(TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, 8);

@@ -1,23 +1,30 @@
-# tests.mk - make check: what is claimed of the library, a line for each claim. Included by the Makefile.
+# tests.mk - make check and make check-long: what is claimed of the library, a line for each claim. Included by the
+# Makefile.
 #
-# Everything is built once: test programs and logs in $(BUILD)/check, with the sanitizers below $(BUILD)/sanitize, with
-# -Werror below $(BUILD)/gcc and $(BUILD)/clang.
+# make check has what needs one build of everything, in $(BUILD)/check; make check-long what needs another one: with the
+# sanitizers below $(BUILD)/sanitize and $(BUILD)/threads, for coverage below $(BUILD)/cov, with -Werror below $(BUILD)/gcc.
+# The longest stand first, so that two jobs end together.
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
-CHECKS  := check-tests check-sanitizers check-coverage $(FOLDERS:%=check-%) check-base check-valgrind check-warnings-gcc \
-           check-warnings-clang check-headers check-install check-readme check-tables check-symbols \
-           check-instructions check-examples check-threads
-.PHONY: test-programs run-check $(CHECKS) $(CHECKS:check-%=do-%)
+CHECKS  := check-generating check-tests $(patsubst %,check-%,$(filter-out generating,$(FOLDERS))) check-valgrind \
+           check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
+           check-symbols check-names check-instructions check-examples
+LONG    := check-sanitizers check-coverage check-optimized check-base check-threads
+.PHONY: check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
 # what several checks need is built before they run side by side; where that fails, they say so
-check: need-check
+define checks
 	@echo "Building below $(BUILD), then checking"
-	@$(MAKE) --no-print-directory -s all man
+	@$(MAKE) --no-print-directory -s $(JOBS) all man
 	@$(MAKE) --no-print-directory -s -k $(JOBS) test-programs >/dev/null 2>&1 || true
-	@$(MAKE) --no-print-directory -k $(JOBS) run-check
+	@$(MAKE) --no-print-directory -k $(JOBS) run-$@
+endef
+check: need-check ; $(checks)
+check-long: need-check ; $(checks)
 
 run-check: $(CHECKS)
+run-check-long: $(LONG)
 
 REPORT = +@tests/report.sh
 LOG    = $(BUILD)/check/$@.log
@@ -85,7 +92,9 @@ do-base: $(addprefix $(BUILD)/check/,tvi events generating)
 
 # ---- Memory and undefined behaviour: the same programs, some of their suites -------------------------------------------
 
-SANITIZE   := -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
+# what a null pointer or an object too small leads to, the address sanitizer finds: these two are half of the compiling
+SANITIZE   := -O1 -g1 -fsanitize=address,undefined -fno-sanitize=null,object-size -fno-sanitize-recover=all \
+              -fno-omit-frame-pointer
 VALGRIND   := valgrind -q --error-exitcode=99 --leak-check=full --errors-for-leak-kinds=definite,indirect
 IN_ONE_GO  := CK_FORK=no tests/suites.sh
 
@@ -106,7 +115,7 @@ do-valgrind: $(addprefix $(BUILD)/check/,tvi ad)
 # two threads on one system, library and all
 check-threads:
 	$(REPORT) "two threads, ten thousand integrators, thread sanitizer" $(LOG) \
-	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads CFLAGS='-O1 -g -fsanitize=thread'
+	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads CFLAGS='-O1 -g1 -fsanitize=thread'
 do-threads: $(BUILD)/check/threads
 	TSAN_OPTIONS=halt_on_error=1 OPENBLAS_NUM_THREADS=1 $<
 $(BUILD)/check/threads: $(BUILD)/tests/threads/threads.o $(BUILD)/libtvi.a
@@ -134,18 +143,31 @@ fuzz-steps: need-check
 
 # ---- Warnings: all that is compiled --------------------------------------------------------------------------------------
 
+# Read by both compilers, compiled by neither: the objects named are not made. And by gcc as it optimizes, which knows more
+# of what may be uninitialized or out of bounds.
+
 BENCH_SOURCES := $(wildcard bench/*.c bench/*/*.c)
 NO_CLANG      := $(QUAD_OBJECTS) $(call objects_of,$(call quad_of,$(BENCH_SOURCES)) bench/reference.c)
 
 check-warnings-gcc:
 	$(REPORT) "no warnings from gcc" $(LOG) \
-	    $(MAKE) -s --no-print-directory do-warnings-gcc BUILD=$(BUILD)/gcc CC=gcc QUADCC='gcc -Werror' CFLAGS='-O2 -g -Werror'
-do-warnings-gcc: $(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES))
+	    $(MAKE) -s --no-print-directory do-warnings-gcc BUILD=$(BUILD)/read CC=gcc QUADCC='gcc -Werror' CFLAGS='-Werror -fsyntax-only'
+check-optimized:
+	$(REPORT) "no warnings from gcc that optimizes" $(LOG) \
+	    $(MAKE) -s --no-print-directory do-optimized BUILD=$(BUILD)/gcc CC=gcc QUADCC='gcc -Werror' CFLAGS='-O2 -Werror'
+do-warnings-gcc do-optimized: $(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES))
 
 check-warnings-clang:
 	$(REPORT) "no warnings from clang" $(LOG) \
-	    $(MAKE) -s --no-print-directory do-warnings-clang BUILD=$(BUILD)/clang CC=clang CFLAGS='-O1 -g -Werror'
+	    $(MAKE) -s --no-print-directory do-warnings-clang BUILD=$(BUILD)/read CC=clang CFLAGS='-Werror -fsyntax-only'
 do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
+
+# .clang-format, and its 120 columns in comments too, which it leaves as they are
+FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addprefix $(folder)/,*.[ch] *.cpp */*.[ch] */*.cpp */*/*.[ch]))))
+check-formatting: ; $(REPORT) "formatting" $(LOG) $(DO)
+do-formatting:
+	clang-format --dry-run -Werror $(FORMATTED)
+	! grep -nE '^.{121,}' $(FORMATTED)
 
 # ---- What users get ----------------------------------------------------------------------------------------------------
 
@@ -192,6 +214,11 @@ do-examples: all
 check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 	tests/symbols.sh $^ include/jet.h include/tvi.h
+
+# a program that links the static library may use every other name for its own
+check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(LOG) $(DO)
+do-names: $(BUILD)/libtvi.a
+	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps tests/instructions.txt

@@ -1,5 +1,5 @@
-/* composition.c - compositions of Stormer-Verlet and splittings: drifts q += a_i h v and kicks v += b_i h M^-1 F(q) take
- * turns. */
+/* composition.c - compositions of Stormer-Verlet and splittings: drifts q += a_i h v and kicks v += b_i h M^-1 F(q)
+ * take turns. */
 #include "forces.h"
 #include "solar_rows.h"
 #include "state.h"
@@ -84,7 +84,10 @@ typedef struct {
     _Alignas(64) double q[ROWS], v[ROWS], q_low[ROWS], v_low[ROWS], a[ROWS];
 } slots;
 
-static INLINE int coordinate_in(int slot, int n) { return n == ROWS ? 3 * (slot % ROW % 6) + slot / ROW : slot; }
+static INLINE int coordinate_in(int slot, int n)
+{
+    return n == ROWS ? 3 * (slot % ROW % 6) + slot / ROW : slot;
+}
 
 static INLINE void pack(int n, const state *x, slots *y)
 {
@@ -117,15 +120,13 @@ static INLINE void drift(int n, double weight, slots *y, force_fn *force)
 
 static INLINE void apply(bool is_drift, int n, double weight, slots *y, force_fn *force)
 {
-    if (is_drift)
-        drift(n, weight, y, force);
-    else
-        kick(n, weight, y);
+    if (is_drift) drift(n, weight, y, force);
+    else kick(n, weight, y);
 }
 
 /* The end of a step and the start of the next are one operation, unless an observer looks in between. */
-static INLINE tvi_status compose(int n, bool drift_first, force_fn *force, const splitting *m, const baseline_task *task,
-                                 double q[], double p[])
+static INLINE tvi_status compose(int n, bool drift_first, force_fn *force, const splitting *m,
+                                 const baseline_task *task, double q[], double p[])
 {
     const int s = m->stages;
     schedule plan;
@@ -154,14 +155,14 @@ static INLINE tvi_status compose(int n, bool drift_first, force_fn *force, const
 
 typedef tvi_status compose_fn(const splitting *m, const baseline_task *task, double q[], double p[]);
 
-#define COMPOSE(name, n, force) \
-    static tvi_status name##_kicks(const splitting *m, const baseline_task *task, double q[], double p[]) \
-    { \
-        return compose(n, false, force, m, task, q, p); \
-    } \
-    static tvi_status name##_drifts(const splitting *m, const baseline_task *task, double q[], double p[]) \
-    { \
-        return compose(n, true, force, m, task, q, p); \
+#define COMPOSE(name, n, force)                                                                                        \
+    static tvi_status name##_kicks(const splitting *m, const baseline_task *task, double q[], double p[])              \
+    {                                                                                                                  \
+        return compose(n, false, force, m, task, q, p);                                                                \
+    }                                                                                                                  \
+    static tvi_status name##_drifts(const splitting *m, const baseline_task *task, double q[], double p[])             \
+    {                                                                                                                  \
+        return compose(n, true, force, m, task, q, p);                                                                 \
     }
 COMPOSE(pendulum, 1, pendulum_1)
 COMPOSE(kepler, 2, kepler_1)

@@ -16,11 +16,11 @@ enum { FIRST_ORDER_MAX = 2 * BASELINE_N_MAX };
 typedef void slope_fn(const double *y, double *slope);
 
 /* One function for each force, so that n is known to the compiler. */
-#define SLOPE(name, n) \
-    static void name##_slope(const double *y, double *slope) \
-    { \
-        memcpy(slope, y + (n), (n) * sizeof *y); \
-        name##_1(y, slope + (n)); \
+#define SLOPE(name, n)                                                                                                 \
+    static void name##_slope(const double *y, double *slope)                                                           \
+    {                                                                                                                  \
+        memcpy(slope, y + (n), (n) * sizeof *y);                                                                       \
+        name##_1(y, slope + (n));                                                                                      \
     }
 FORCES_BY_HAND(SLOPE)
 
@@ -34,7 +34,7 @@ typedef struct {
 static inline first_order first_order_of(const baseline_task *task)
 {
 #define ROW(name, n) name##_slope,
-    static slope_fn *const slopes[FORCES] = {FORCES_BY_HAND(ROW)};
+    static slope_fn *const slopes[FORCES] = { FORCES_BY_HAND(ROW) };
 #undef ROW
     return (first_order){.task = task, .slope = slopes[force_of(task->scene)], .n = task->scene->n};
 }

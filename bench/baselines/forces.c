@@ -13,7 +13,7 @@ force_id force_of(const scene *s)
     return (force_id)id;
 }
 
-#define ACCELERATION(name, n) \
+#define ACCELERATION(name, n)                                                                                          \
     static void name##_acceleration(const double *q, double *a) { name##_1(q, a); }
 FORCES_BY_HAND(ACCELERATION)
 

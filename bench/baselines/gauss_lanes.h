@@ -1,17 +1,18 @@
 /* gauss_lanes.h - Gauss collocation with its nodes as LANES lanes of a vector: included once for each number of LANES.
  *
  * With the accelerations a_j of the nodes,
- *   Q_i = q0 + (h c_i v0 + sum_j h^2 (A^2)_ij a_j),  q1 = q0 + h v0 + h^2 sum b_j (1 - c_j) a_j,  v1 = v0 + h sum b_j a_j.
+ *   Q_i = q0 + (h c_i v0 + sum_j h^2 (A^2)_ij a_j),  q1 = q0 + h v0 + h^2 sum b_j (1 - c_j) a_j,  v1 = v0 + h sum b_j
+ *   a_j.
  * Arrays are [n][LANES], node by node; a lane without a node repeats the last one. */
 #include "force_kernels.h"
 
 #define NAME KERNEL
 
 typedef struct {
-    _Alignas(64) double node[LANES];                      /* h c_i */
-    double matrix[LANES][LANES];                          /* [j][i] h^2 (A^2)_ij */
-    double extrapolation[LANES][LANES];                   /* [j][i] l_j(1 + c_i) */
-    double high[2][LANES], low[2][LANES];                 /* h b_j, then h^2 b_j (1 - c_j), in two parts */
+    _Alignas(64) double node[LANES];      /* h c_i */
+    double matrix[LANES][LANES];          /* [j][i] h^2 (A^2)_ij */
+    double extrapolation[LANES][LANES];   /* [j][i] l_j(1 + c_i) */
+    double high[2][LANES], low[2][LANES]; /* h b_j, then h^2 b_j (1 - c_j), in two parts */
 } NAME(weights);
 
 static void NAME(split)(long double x, double *high, double *low)
@@ -24,7 +25,7 @@ static void NAME(scale_weights)(const gauss_tableau *t, double h, NAME(weights) 
 {
     const long double H = h;
     *w = (NAME(weights)){0};
-    FOR_LANES(l, LANES) {
+    FOR_EACH_LANE(l, LANES) {
         const int i = l < t->s ? l : t->s - 1;
         w->node[l] = (double)(H * t->node[i]);
         for (int j = 0; j < t->s; j++) {
@@ -48,10 +49,11 @@ static INLINE double NAME(row)(int s, const double (*restrict w)[LANES], const d
 }
 
 /* out = polynomial through a, at the nodes of the next step. */
-static INLINE void NAME(extrapolate)(int n, int s, const NAME(weights) *w, const double *restrict a, double *restrict out)
+static INLINE void NAME(extrapolate)(int n, int s, const NAME(weights) *w, const double *restrict a,
+                                     double *restrict out)
 {
     for (int k = 0; k < n; k++)
-        FOR_LANES(l, LANES) out[k * LANES + l] = NAME(row)(s, w->extrapolation, a + k * LANES, l);
+        FOR_EACH_LANE(l, LANES) out[k * LANES + l] = NAME(row)(s, w->extrapolation, a + k * LANES, l);
 }
 
 /* Q from a; returns how far it moved, summed over all, so that a NaN shows. */
@@ -60,13 +62,13 @@ static INLINE double NAME(place)(int n, int s, const NAME(weights) *w, const sta
 {
     double moved[LANES] = {0}, sum = 0;
     for (int k = 0; k < n; k++)
-        FOR_LANES(l, LANES) {
+        FOR_EACH_LANE(l, LANES) {
             const double offset = w->node[l] * x->v[k] + NAME(row)(s, w->matrix, a + k * LANES, l);
             const double now = x->q[k] + offset;
             moved[l] += fabs(now - Q[k * LANES + l]);
             Q[k * LANES + l] = now;
         }
-    FOR_LANES(l, LANES) sum += moved[l];
+    FOR_EACH_LANE(l, LANES) sum += moved[l];
     return sum;
 }
 
@@ -93,7 +95,8 @@ static INLINE void NAME(advance)(int n, int s, const NAME(weights) *w, double h,
 
 typedef void NAME(force)(const double *restrict q, double *restrict a);
 
-/* Fixed-point passes until Q moves no less than at the pass before, at roundoff. Returns their number, 0 = no convergence. */
+/* Fixed-point passes until Q moves no less than at the pass before, at roundoff. Returns their number, 0 = no
+ * convergence. */
 static INLINE int NAME(iterate)(int n, int s, NAME(force) *force, const NAME(weights) *w, const state *x,
                                 double *restrict a, double *restrict Q)
 {
@@ -109,8 +112,8 @@ static INLINE int NAME(iterate)(int n, int s, NAME(force) *force, const NAME(wei
     return 0;
 }
 
-static INLINE tvi_status NAME(gauss)(int n, int s, NAME(force) *force, const baseline_task *task, double q[], double p[],
-                                     baseline_counts *counts)
+static INLINE tvi_status NAME(gauss)(int n, int s, NAME(force) *force, const baseline_task *task, double q[],
+                                     double p[], baseline_counts *counts)
 {
     _Alignas(64) double a[BASELINE_N_MAX * LANES], Q[BASELINE_N_MAX * LANES], guess[BASELINE_N_MAX * LANES];
     NAME(weights) w;
@@ -118,7 +121,7 @@ static INLINE tvi_status NAME(gauss)(int n, int s, NAME(force) *force, const bas
     NAME(scale_weights)(gauss_tableau_of(s), task->h, &w);
     state_start(&x, task, q, p);
     for (int k = 0; k < n; k++)
-        FOR_LANES(l, LANES) Q[k * LANES + l] = x.q[k];
+        FOR_EACH_LANE(l, LANES) Q[k * LANES + l] = x.q[k];
     force(Q, guess);
     for (long step = 1; step <= task->steps; step++) {
         if (step > 1) NAME(extrapolate)(n, s, &w, a, guess);

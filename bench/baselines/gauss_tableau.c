@@ -15,7 +15,8 @@ static long double legendre(int s, long double x, long double *slope)
     return p;
 }
 
-/* The roots of P_s by Newton from cos(pi (i + 3/4) / (s + 1/2)), and the weights 2 / ((1 - x^2) P_s'(x)^2), on [0, 1]. */
+/* The roots of P_s by Newton from cos(pi (i + 3/4) / (s + 1/2)), and the weights 2 / ((1 - x^2) P_s'(x)^2), on [0,
+ * 1]. */
 static void set_nodes(gauss_tableau *t)
 {
     for (int i = 0; i < t->s; i++) {

@@ -43,8 +43,7 @@ static tvi_status own_steps(first_order *f, gsl_odeiv2_step *stepper, double y[]
     while (status == TVI_OK && t < t_end) {
         if (gsl_odeiv2_evolve_apply(evolve, control, stepper, &system, &t, t_end, &h, y) != GSL_SUCCESS)
             status = TVI_ENOCONV;
-        else if (!first_order_goes_on(f, t, y))
-            status = TVI_ESTOPPED;
+        else if (!first_order_goes_on(f, t, y)) status = TVI_ESTOPPED;
     }
     if (evolve) gsl_odeiv2_evolve_free(evolve);
     if (control) gsl_odeiv2_control_free(control);

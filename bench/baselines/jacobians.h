@@ -34,8 +34,8 @@ static INLINE void fpu_jacobian(const double *q, double *J)
     }
 }
 
-/* For each pair, with d = q_i - q_j and H = (1 - 3 d d^T / r^2) / r^3: d a_i / d q_i -= G m_j H, d a_i / d q_j += G m_j H,
- * and so with i and j exchanged. */
+/* For each pair, with d = q_i - q_j and H = (1 - 3 d d^T / r^2) / r^3: d a_i / d q_i -= G m_j H, d a_i / d q_j += G m_j
+ * H, and so with i and j exchanged. */
 static INLINE void solar_jacobian(const double *q, double *J)
 {
     for (int i = 0; i < 18 * 18; i++) J[i] = 0;

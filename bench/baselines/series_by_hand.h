@@ -1,5 +1,5 @@
-/* series_by_hand.h - the recurrences of the Taylor series of Kepler's problem and the Solar System, written by hand: with
- * coefficients scaled by the step, q_k = h^k q^(k)/k!, and a = -G m w d summed over the other bodies,
+/* series_by_hand.h - the recurrences of the Taylor series of Kepler's problem and the Solar System, written by hand:
+ * with coefficients scaled by the step, q_k = h^k q^(k)/k!, and a = -G m w d summed over the other bodies,
  *   s = d.d:  s_k = sum_{j=0}^k d_j.d_{k-j},    (w d)_k = sum_{j=0}^k w_j d_{k-j},
  *   w = s^(-3/2), s w' = -3/2 w s':  k s_0 w_k = sum_{j=1}^k (-3/2 j - (k-j)) s_j w_{k-j}. */
 #ifndef SERIES_BY_HAND_H
@@ -56,7 +56,8 @@ enum { BODIES = 6, PAIRS = 15, LANES = 16 };
 typedef double pair_lanes[LANES];
 
 typedef struct {
-    _Alignas(64) pair_lanes x[DEGREE_MAX + 1], y[DEGREE_MAX + 1], z[DEGREE_MAX + 1], s[DEGREE_MAX + 1], w[DEGREE_MAX + 1];
+    _Alignas(64) pair_lanes x[DEGREE_MAX + 1], y[DEGREE_MAX + 1], z[DEGREE_MAX + 1], s[DEGREE_MAX + 1],
+        w[DEGREE_MAX + 1];
     double q[DEGREE_MAX + 1][18], v[DEGREE_MAX + 1][18];
 } solar_series;
 
@@ -65,14 +66,14 @@ static INLINE void solar_square(int k, solar_series *c)
 {
     pair_lanes sum = {0};
     for (int j = 0; 2 * j < k; j++)
-        FOR_LANES(l, LANES)
+        FOR_EACH_LANE(l, LANES)
             sum[l] += c->x[j][l] * c->x[k - j][l] + c->y[j][l] * c->y[k - j][l] + c->z[j][l] * c->z[k - j][l];
-    FOR_LANES(l, LANES) sum[l] *= 2;
+    FOR_EACH_LANE(l, LANES) sum[l] *= 2;
     if (k % 2 == 0) {
         const double *x = c->x[k / 2], *y = c->y[k / 2], *z = c->z[k / 2];
-        FOR_LANES(l, LANES) sum[l] += x[l] * x[l] + y[l] * y[l] + z[l] * z[l];
+        FOR_EACH_LANE(l, LANES) sum[l] += x[l] * x[l] + y[l] * y[l] + z[l] * z[l];
     }
-    FOR_LANES(l, LANES) c->s[k][l] = sum[l];
+    FOR_EACH_LANE(l, LANES) c->s[k][l] = sum[l];
 }
 
 /* Coefficient k of s and w from those of d up to k. */
@@ -81,11 +82,12 @@ static INLINE void solar_power(int k, const power_weights *weights, solar_series
     pair_lanes sum = {0};
     solar_square(k, c);
     if (k == 0) {
-        FOR_LANES(l, LANES) c->w[0][l] = 1 / (c->s[0][l] * sqrt(c->s[0][l]));
+        FOR_EACH_LANE(l, LANES) c->w[0][l] = 1 / (c->s[0][l] * sqrt(c->s[0][l]));
         return;
     }
-    for (int j = 1; j <= k; j++) FOR_LANES(l, LANES) sum[l] += weights->of[k][j] * c->s[j][l] * c->w[k - j][l];
-    FOR_LANES(l, LANES) c->w[k][l] = sum[l] / c->s[0][l];
+    for (int j = 1; j <= k; j++)
+        FOR_EACH_LANE(l, LANES) sum[l] += weights->of[k][j] * c->s[j][l] * c->w[k - j][l];
+    FOR_EACH_LANE(l, LANES) c->w[k][l] = sum[l] / c->s[0][l];
 }
 
 static INLINE void solar_distances(int k, solar_series *c)
@@ -107,7 +109,7 @@ static INLINE void solar_acceleration(int k, const power_weights *weights, solar
     solar_distances(k, c);
     solar_power(k, weights, c);
     for (int j = 0; j <= k; j++)
-        FOR_LANES(l, LANES) {
+        FOR_EACH_LANE(l, LANES) {
             f[0][l] += c->w[j][l] * c->x[k - j][l];
             f[1][l] += c->w[j][l] * c->y[k - j][l];
             f[2][l] += c->w[j][l] * c->z[k - j][l];

@@ -1,5 +1,5 @@
-/* shooting.c - shooting-based variational integrators (ShVI) of orders 4 and 6: M. Leok and T. Shingel, General techniques
- * for constructing variational integrators, Front. Math. China 7 (2012), as the paper compares with.
+/* shooting.c - shooting-based variational integrators (ShVI) of orders 4 and 6: M. Leok and T. Shingel, General
+ * techniques for constructing variational integrators, Front. Math. China 7 (2012), as the paper compares with.
  *
  * A Runge-Kutta step Psi_t on (q, v) goes from each quadrature node to the next, from (q0, v) with v such that the last
  * node, c_m = 1, has q_m = q1, and so defines
@@ -7,9 +7,10 @@
  * The order is min(order of Psi, order of the quadrature):
  *   order 4: the classical Runge-Kutta method and Simpson's rule (2 steps of 4 stages);
  *   order 6: Luther's method of 7 stages and Lobatto's rule of 4 points (3 steps of 7 stages).
- * The discrete Legendre transforms p0 = -D1 Ld, p1 = D2 Ld come from the tangents X_i = dq_i/d(q0,v), Y_i = dv_i/d(q0,v),
- * carried through every stage with the force's Jacobian: exact derivatives of the discrete flow. As for any one-step
- * method (docs/method.md section 4, type I at the start), with [A B] = X_m and S = Ld as a function of (q0, v),
+ * The discrete Legendre transforms p0 = -D1 Ld, p1 = D2 Ld come from the tangents X_i = dq_i/d(q0,v), Y_i =
+ * dv_i/d(q0,v), carried through every stage with the force's Jacobian: exact derivatives of the discrete flow. As for
+ * any one-step method (docs/method.md section 4, type I at the start), with [A B] = X_m and S = Ld as a function of
+ * (q0, v),
  *   B^T p1 = S_v,   p0 = A^T p1 - S_q,   S_z = h sum_i b_i (X_i^T F(q_i) + Y_i^T M v_i).
  * Splitting off the free motion, B = h + B', dv_i/dv = 1 + Y', v_i = v + u_i, leaves nothing to cancel:
  *   p1 = M v + g,  B^T g = h sum_i b_i ((dq_i/dv)^T F_i + Y'^T M v_i + M u_i) - B'^T M v,
@@ -77,8 +78,8 @@ static void set_order_6(shooting_rule *r)
         {3 * (3 * z - 7) / 392, -8 * (7 - z) / 392, 48 * (7 - z) / 392, -3 * (21 - z) / 392},
         {-5 * (231 + 51 * z) / 1960, -40 * (7 + z) / 1960, -320 * z / 1960, 3 * (21 + 121 * z) / 1960,
          392 * (6 + z) / 1960},
-        {15 * (22 + 7 * z) / 180, 120.0 / 180, 40 * (7 * z - 5) / 180, -63 * (3 * z - 2) / 180, -14 * (49 + 9 * z) / 180,
-         70 * (7 - z) / 180},
+        {15 * (22 + 7 * z) / 180, 120.0 / 180, 40 * (7 * z - 5) / 180, -63 * (3 * z - 2) / 180,
+         -14 * (49 + 9 * z) / 180, 70 * (7 - z) / 180},
     };
     const double b[] = {9.0 / 180, 0, 64.0 / 180, 0, 49.0 / 180, 49.0 / 180, 9.0 / 180};
     set_runge_kutta(r, 7, a, b);
@@ -116,8 +117,8 @@ static INLINE void accumulate(int size, int count, const double *w, double scale
 }
 
 /* K_j = J ([1, t] + X + s Y + tau^2 sum_l a2_jl K_l), the tangent of stage j; s = c_j tau, t from the step's start. */
-static INLINE void stage_tangent(int n, const shooting_rule *r, int j, double tau, jacobian_fn *jacobian, const double *q,
-                                 const flow *f, stages *k)
+static INLINE void stage_tangent(int n, const shooting_rule *r, int j, double tau, jacobian_fn *jacobian,
+                                 const double *q, const flow *f, stages *k)
 {
     double J[BASELINE_N_MAX * BASELINE_N_MAX], Z[BASELINE_N_MAX * COLUMNS_MAX];
     const int size = 2 * n * n, columns = 2 * n;
@@ -188,7 +189,8 @@ static INLINE bool solve(int n, double *A, double *b)
     return true;
 }
 
-/* s_q, s_v += weight (dq/dz^T F + dv/dz^T M (v + u)) of one node, s_v without the part weight M v of the free motion. */
+/* s_q, s_v += weight (dq/dz^T F + dv/dz^T M (v + u)) of one node, s_v without the part weight M v of the free
+ * motion. */
 static INLINE void add_node(int n, double weight, const double *m, const double *v, const flow *f, const double *a,
                             double *s_q, double *s_v)
 {
@@ -231,8 +233,8 @@ typedef struct {
 } shot;
 
 /* From v: the curve, g and p1 - p0. false: B is singular. */
-static INLINE bool shoot(int n, const shooting_rule *r, double h, force_fn *force, jacobian_fn *jacobian, const double *m,
-                         const double *q0, shot *x)
+static INLINE bool shoot(int n, const shooting_rule *r, double h, force_fn *force, jacobian_fn *jacobian,
+                         const double *m, const double *q0, shot *x)
 {
     double q[BASELINE_N_MAX];
     x->f.t = 0;
@@ -247,8 +249,8 @@ static INLINE bool shoot(int n, const shooting_rule *r, double h, force_fn *forc
     return legendre(n, m, x->v, &x->f, x->dp, x->g);
 }
 
-/* Whether the next pass is the last: what it would leave, judged by the last two, is far below roundoff (anything nearer
- * would push the energy one way), or the passes no longer converge, at roundoff. */
+/* Whether the next pass is the last: what it would leave, judged by the last two, is far below roundoff (anything
+ * nearer would push the energy one way), or the passes no longer converge, at roundoff. */
 static INLINE bool settled(double before, double now, double size)
 {
     return (before < INFINITY && now * (now / before) <= NEGLIGIBLE * size) || (now >= before && now < ROUNDOFF * size);
@@ -305,11 +307,11 @@ static INLINE tvi_status integrate(int n, const shooting_rule *r, force_fn *forc
 typedef tvi_status shooting_fn(const shooting_rule *r, const baseline_task *task, double q[], double p[],
                                baseline_counts *counts);
 
-#define SHOOT(name, n) \
-    static tvi_status name##_shoot(const shooting_rule *r, const baseline_task *task, double q[], double p[], \
-                                   baseline_counts *counts) \
-    { \
-        return integrate(n, r, name##_1, name##_jacobian, task, q, p, counts); \
+#define SHOOT(name, n)                                                                                                 \
+    static tvi_status name##_shoot(const shooting_rule *r, const baseline_task *task, double q[], double p[],          \
+                                   baseline_counts *counts)                                                            \
+    {                                                                                                                  \
+        return integrate(n, r, name##_1, name##_jacobian, task, q, p, counts);                                         \
     }
 FORCES_BY_HAND(SHOOT)
 
@@ -320,10 +322,8 @@ static tvi_status run(const baseline *self, const baseline_task *task, double q[
 {
     shooting_rule rule;
     *counts = (baseline_counts){0};
-    if (self->order == 4)
-        set_order_4(&rule);
-    else
-        set_order_6(&rule);
+    if (self->order == 4) set_order_4(&rule);
+    else set_order_6(&rule);
     return functions[force_of(task->scene)](&rule, task, q, p, counts);
 }
 

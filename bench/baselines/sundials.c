@@ -31,8 +31,8 @@ static tvi_status watched(sundials *s, double t)
 
 /* ---- ERKStep ----------------------------------------------------------------------------------------------------- */
 
-/* Fehlberg's 13 stages, the default of order 8. Where the last node is 1, the ERKStep of Debian 12 (SUNDIALS 6.4.1) takes
- * the last stage's slope for that at the end of the step, which it is not, and the order falls below 7
+/* Fehlberg's 13 stages, the default of order 8. Where the last node is 1, the ERKStep of Debian 12 (SUNDIALS 6.4.1)
+ * takes the last stage's slope for that at the end of the step, which it is not, and the order falls below 7
  * (github.com/LLNL/sundials, issue 311). A node a little off 1 avoids it, and means nothing to a force without time. */
 static bool erkstep_set_table(void *memory)
 {
@@ -84,8 +84,7 @@ static bool cvode_set(void *memory, sundials *s, SUNNonlinearSolver solver)
     const double absolute = first_order_absolute(&s->f, N_VGetArrayPointer(s->y));
     return CVodeInit(memory, slope, 0, s->y) == 0 && CVodeSetUserData(memory, &s->f) == 0 &&
            CVodeSStolerances(memory, task->tolerance, absolute) == 0 && CVodeSetNonlinearSolver(memory, solver) == 0 &&
-           CVodeSetMaxNumSteps(memory, STEPS_MOST) == 0 &&
-           CVodeSetStopTime(memory, task->h * (double)task->steps) == 0;
+           CVodeSetMaxNumSteps(memory, STEPS_MOST) == 0 && CVodeSetStopTime(memory, task->h * (double)task->steps) == 0;
 }
 
 static tvi_status cvode_steps(void *memory, sundials *s)

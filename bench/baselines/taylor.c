@@ -93,6 +93,9 @@ static tvi_status run(const baseline *self, const baseline_task *task, double q[
     return state_end(&x, task, q, p);
 }
 
-#define BASELINE(order_) {.name = "taylor-by-hand", .order = order_, .serves = serves, .run = run}
-const baseline baselines_taylor[] = {BASELINE(4),  BASELINE(6),  BASELINE(8),  BASELINE(10), BASELINE(12),
+#define BASELINE(order_)                                                                                               \
+    {                                                                                                                  \
+        .name = "taylor-by-hand", .order = order_, .serves = serves, .run = run                                        \
+    }
+const baseline baselines_taylor[] = {BASELINE(4),  BASELINE(6),  BASELINE(8),  BASELINE(10),  BASELINE(12),
                                      BASELINE(16), BASELINE(20), BASELINE(24), {.name = NULL}};

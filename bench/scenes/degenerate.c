@@ -8,8 +8,8 @@ static jet hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 }
 
 static const double q0[] = {0.7}, p0[] = {0.4};
-static const double steps[] = {0.375, 0.25, 0.1875, 0.125, 0.09375, 0.0625, 0.046875, 0.03125, 0.015625, 0.0078125,
-                               1.0 / 256, 1.0 / 512, 0};
+static const double steps[] = {0.375,   0.25,     0.1875,    0.125,     0.09375,   0.0625, 0.046875,
+                               0.03125, 0.015625, 0.0078125, 1.0 / 256, 1.0 / 512, 0};
 
 /* Checked by tests/generating/test_references_quad.c. */
 static const double reference[] = {

@@ -9,8 +9,8 @@ static jet potential(const jet q[], jet t, void *ctx)
     return jet_add(jet_mul(0.5, jet_add(xx, yy)), jet_mul(q[1], jet_sub(xx, jet_div(yy, 3))));
 }
 
-static const double steps[] = {2, 1.5625, 1.25, 1, 0.78125, 0.625, 0.5, 0.390625, 0.3125, 0.25, 0.15625, 0.125, 0.078125,
-                               0.0625, 0.03125, 0.015625, 0.0078125, 1.0 / 256, 0};
+static const double steps[] = {2,       1.5625, 1.25,     1,      0.78125, 0.625,    0.5,       0.390625,  0.3125, 0.25,
+                               0.15625, 0.125,  0.078125, 0.0625, 0.03125, 0.015625, 0.0078125, 1.0 / 256, 0};
 
 /* H0 = 1/12: regular. */
 static const double q_12[] = {0.25, -0.25}, p_12[] = {0.25, 0};

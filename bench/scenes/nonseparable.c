@@ -8,8 +8,8 @@ static jet hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 }
 
 static const double q0[] = {0.3}, p0[] = {0.5};
-static const double steps[] = {0.5, 0.25, 0.125, 0.0625, 0.03125, 0.015625, 0.0078125, 1.0 / 256, 1.0 / 512, 1.0 / 1024,
-                               0};
+static const double steps[] = {0.5,       0.25,      0.125,     0.0625,     0.03125, 0.015625,
+                               0.0078125, 1.0 / 256, 1.0 / 512, 1.0 / 1024, 0};
 
 /* Checked by tests/generating/test_references_quad.c. */
 static const double reference[] = {

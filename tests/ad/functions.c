@@ -36,6 +36,12 @@ UNARY(atan)
 UNARY(sinh)
 UNARY(cosh)
 UNARY(tanh)
+UNARY(asinh)
+UNARY(acosh)
+UNARY(atanh)
+UNARY(erf)
+BINARY(atan2)
+BINARY(hypot)
 
 static void record_pow(double c, const jet x[], jet z[]) { z[0] = jet_pow(x[0], c); }
 
@@ -116,6 +122,16 @@ static void record_medley(double c, const jet x[], jet z[])
     z[1] = jet_div(jet_mul(wave, root), jet_sub(3, turn));
 }
 
+/* Distances and angles of two points in the plane, (x0, x1) and (x2, x3), in runs of two; and of numbers. */
+static void record_polar(double c, const jet x[], jet z[])
+{
+    (void)c;
+    z[0] = jet_add(jet_atan2(x[1], x[0]), jet_mul(2, jet_atan2(x[3], x[2])));
+    z[1] = jet_mul(jet_hypot(x[0], x[2]), jet_hypot(x[1], x[3]));
+    z[2] = jet_sub(jet_atan2(2, x[0]), jet_hypot(x[1], 3));
+    z[3] = jet_mul(jet_erf(x[1]), jet_asinh(jet_mul(x[0], x[3])));
+}
+
 /* The forces of gravity among six bodies of masses 1, 2, .. 6 in space: inputs and outputs [body][axis]. */
 static void record_gravity(double c, const jet x[], jet z[])
 {
@@ -135,8 +151,8 @@ static void record_gravity(double c, const jet x[], jet z[])
     }
 }
 
-/* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one more,
- * and with a product that something else needs, too. */
+/* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one
+ * more, and with a product that something else needs, too. */
 static void record_products(double c, const jet x[], jet z[])
 {
     (void)c;
@@ -147,7 +163,8 @@ static void record_products(double c, const jet x[], jet z[])
     z[1] = jet_mul(-2, jet_mul(x[0], x[1]));
     z[2] = jet_sub(jet_mul(x[0], x[3]), jet_mul(3, jet_mul(x[1], x[2])));
     z[3] = jet_sub(jet_mul(x[3], x[3]), jet_mul(x[4], x[1]));
-    z[4] = jet_sum((const jet[]){jet_mul(x[0], x[2]), jet_mul(x[1], x[3]), jet_mul(x[2], x[4]), jet_mul(x[3], x[5])}, 4);
+    z[4] =
+        jet_sum((const jet[]){jet_mul(x[0], x[2]), jet_mul(x[1], x[3]), jet_mul(x[2], x[4]), jet_mul(x[3], x[5])}, 4);
     z[5] = jet_sum(five, 5);
     z[6] = jet_add(1, jet_mul(x[5], x[5]));
     z[7] = jet_add(shared, jet_mul(x[3], x[4]));
@@ -202,6 +219,19 @@ const function operations[] = {
     {"cosh", record_cosh, 1, 1, 0, {-4}, 1e-14},
     {"tanh", record_tanh, 1, 1, 0, {0.6}, 1e-14},
     {"tanh", record_tanh, 1, 1, 0, {-2}, 1e-14},
+    {"asinh", record_asinh, 1, 1, 0, {0.3}, 1e-14},
+    {"asinh", record_asinh, 1, 1, 0, {-5}, 1e-14},
+    {"acosh", record_acosh, 1, 1, 0, {2.1}, 1e-14},
+    {"acosh", record_acosh, 1, 1, 0, {40}, 1e-14},
+    {"atanh", record_atanh, 1, 1, 0, {0.3}, 1e-14},
+    {"atanh", record_atanh, 1, 1, 0, {-0.5}, 1e-14},
+    {"erf", record_erf, 1, 1, 0, {0.6}, 1e-14},
+    {"erf", record_erf, 1, 1, 0, {-1.4}, 1e-14},
+    {"atan2", record_atan2, 2, 1, 0, {1.3, 2.1}, 1e-14},
+    {"atan2", record_atan2, 2, 1, 0, {2.1, -1.3}, 1e-14},
+    {"atan2", record_atan2, 2, 1, 0, {-2.3, -0.4}, 1e-14},
+    {"hypot", record_hypot, 2, 1, 0, {1.3, 2.1}, 1e-14},
+    {"hypot", record_hypot, 2, 1, 0, {-2.3, 0.4}, 1e-14},
 };
 
 const function compositions[] = {
@@ -210,9 +240,15 @@ const function compositions[] = {
     {"lattice", record_lattice, 4, 1, 0, {0.2, -0.3, 0.5, 0.1}, 1e-13},
     {"relativistic", record_relativistic, 2, 1, 0, {0.3, -0.8}, 1e-13},
     {"medley", record_medley, 3, 2, 0, {0.7, 0.9, 1.1}, 1e-13},
+    {"polar", record_polar, 4, 4, 0, {2.1, -1.3, 1.7, 2.2}, 1e-13},
     {"products", record_products, 6, 9, 0, {0.7, -0.9, 1.1, 0.4, -1.3, 0.8}, 1e-13},
-    {"gravity", record_gravity, 18, 18, 0,
-     {3, 0, 0, -3, 0, 0.5, 0, 3, 1, 0, -3, -1, 0.5, 0.2, 4, -0.3, 0.4, -4}, 1e-13},
+    {"gravity",
+     record_gravity,
+     18,
+     18,
+     0,
+     {3, 0, 0, -3, 0, 0.5, 0, 3, 1, 0, -3, -1, 0.5, 0.2, 4, -0.3, 0.4, -4},
+     1e-13},
 };
 
 const int operation_count = sizeof operations / sizeof operations[0];

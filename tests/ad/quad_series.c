@@ -44,6 +44,29 @@ QUAD(atan, catanq(x[0]))
 QUAD(sinh, csinhq(x[0]))
 QUAD(cosh, ccoshq(x[0]))
 QUAD(tanh, ctanhq(x[0]))
+QUAD(asinh, casinhq(x[0]))
+QUAD(acosh, cacoshq(x[0]))
+QUAD(atanh, catanhq(x[0]))
+
+static quad radius_of(quad a, quad b) { return csqrtq(a * a + b * b); }
+
+/* atan2(a, b), but on the cut a = 0, b < 0: the half of an angle is that of a right-angled triangle. */
+static quad angle_of(quad a, quad b) { return 2 * catanq(a / (radius_of(a, b) + b)); }
+
+/* 2 / sqrt(pi) sum_n (-1)^n z^(2n+1) / (n! (2n+1)), |z| < 3. */
+static quad erf_of(quad z)
+{
+    quad power = z, sum = 0;
+    for (int n = 0; n < 90; n++) {
+        sum += power / (2 * n + 1);
+        power *= -z * z / (n + 1);
+    }
+    return M_2_SQRTPIq * sum;
+}
+
+QUAD(erf, erf_of(x[0]))
+QUAD(atan2, angle_of(x[0], x[1]))
+QUAD(hypot, radius_of(x[0], x[1]))
 
 static void quad_kepler(double c, const quad x[], quad z[])
 {
@@ -87,6 +110,15 @@ static void quad_medley(double c, const quad x[], quad z[])
     z[1] = wave * root / (3 - turn);
 }
 
+static void quad_polar(double c, const quad x[], quad z[])
+{
+    (void)c;
+    z[0] = angle_of(x[1], x[0]) + 2 * angle_of(x[3], x[2]);
+    z[1] = radius_of(x[0], x[2]) * radius_of(x[1], x[3]);
+    z[2] = angle_of(2, x[0]) - radius_of(x[1], 3);
+    z[3] = erf_of(x[1]) * casinhq(x[0] * x[3]);
+}
+
 /* The force on body i: sum over the others of m_i m_j (x_j - x_i) / r^3. */
 static void quad_gravity(double c, const quad x[], quad z[])
 {
@@ -117,15 +149,20 @@ static void quad_products(double c, const quad x[], quad z[])
     z[8] = x[2] * x[5] / 2;
 }
 
-#define NAMED(name) {#name, quad_##name}
+#define NAMED(name)                                                                                                    \
+    {                                                                                                                  \
+#name, quad_##name                                                                                             \
+    }
 static const struct {
     const char *name;
     quad_fn *value;
 } quad_functions[] = {
-    NAMED(add), NAMED(sub), NAMED(neg), NAMED(linear), NAMED(sum), NAMED(dot), NAMED(mul), NAMED(div), NAMED(sqr),
-    NAMED(sqrt), NAMED(pow), NAMED(exp), NAMED(log), NAMED(sin), NAMED(cos), NAMED(tan), NAMED(asin), NAMED(acos),
-    NAMED(atan), NAMED(sinh), NAMED(cosh), NAMED(tanh), NAMED(kepler), NAMED(pendulums), NAMED(lattice),
-    NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
+    NAMED(add),       NAMED(sub),     NAMED(neg),          NAMED(linear), NAMED(sum),      NAMED(dot),
+    NAMED(mul),       NAMED(div),     NAMED(sqr),          NAMED(sqrt),   NAMED(pow),      NAMED(exp),
+    NAMED(log),       NAMED(sin),     NAMED(cos),          NAMED(tan),    NAMED(asin),     NAMED(acos),
+    NAMED(atan),      NAMED(sinh),    NAMED(cosh),         NAMED(tanh),   NAMED(asinh),    NAMED(acosh),
+    NAMED(atanh),     NAMED(erf),     NAMED(atan2),        NAMED(hypot),  NAMED(polar),    NAMED(kepler),
+    NAMED(pendulums), NAMED(lattice), NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
 };
 
 static quad_fn *find_function(const char *name)

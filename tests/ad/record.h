@@ -21,8 +21,8 @@ recording record_outputs(const function *f, jet_tape_kind kind);
 recording record_gradient(const function *f, int output, jet_tape_kind kind);
 /* The gradient of component i of that gradient. */
 recording record_second_gradient(const function *f, int output, int i, jet_tape_kind kind);
-/* The lift of the outputs of f, or of the gradient of its last one: value, then rate. The inputs of f and their directions
- * come in reverse, the last input of f first. */
+/* The lift of the outputs of f, or of the gradient of its last one: value, then rate. The inputs of f and their
+ * directions come in reverse, the last input of f first. */
 recording record_lift(const function *f, bool of_gradient, jet_tape_kind kind);
 /* Accepts the outputs of an open graph, closes and lowers it. */
 recording record_close(jet_graph *graph, int outputs, jet output[], jet_tape_kind kind);

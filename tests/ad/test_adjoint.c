@@ -25,8 +25,8 @@ static void check_transpose(const function *f, const recording *r)
             sum += term;
             size += fabs(term);
         }
-        ck_assert_msg(fabs(xbar[lane] - sum) <= 50 * f->bound * size, "%s: input %d, order %d: %.17g, not %.17g", f->name,
-                      lane / SHORT, lane % SHORT, xbar[lane], sum);
+        ck_assert_msg(fabs(xbar[lane] - sum) <= 50 * f->bound * size, "%s: input %d, order %d: %.17g, not %.17g",
+                      f->name, lane / SHORT, lane % SHORT, xbar[lane], sum);
     }
     free(dx);
     free(dz);

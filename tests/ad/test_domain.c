@@ -5,6 +5,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #define ABOVE_ONE (1 + DBL_EPSILON)
 #define BELOW_ONE (1 - DBL_EPSILON / 2)
@@ -14,33 +15,115 @@ static const struct {
     double c, a, b;
     bool exists;
 } places[] = {
-    {"add", 0, 0, 0, true},           {"mul", 0, 0, 0, true},           {"sqr", 0, 0, 0, true},
-    {"div", 0, 1, 0, false},          {"div", 0, 0, 0, false},          {"div", 0, 1, -0.0, false},
-    {"div", 0, 1, 1e-300, true},      {"div", 0, 1, -2, true},          {"div", 0, 0, 3, true},
-    {"sqrt", 0, 0, 0, false},         {"sqrt", 0, -0.0, 0, false},      {"sqrt", 0, -1, 0, false},
-    {"sqrt", 0, DBL_MIN, 0, true},    {"sqrt", 0, -DBL_MIN, 0, false},  {"sqrt", 0, 4, 0, true},
-    {"log", 0, 0, 0, false},          {"log", 0, -0.0, 0, false},       {"log", 0, -1, 0, false},
-    {"log", 0, DBL_MIN, 0, true},     {"log", 0, -DBL_MIN, 0, false},   {"log", 0, 2, 0, true},
-    {"asin", 0, 1, 0, false},         {"asin", 0, -1, 0, false},        {"asin", 0, BELOW_ONE, 0, true},
-    {"asin", 0, -BELOW_ONE, 0, true}, {"asin", 0, ABOVE_ONE, 0, false}, {"asin", 0, -ABOVE_ONE, 0, false},
-    {"asin", 0, 7, 0, false},         {"asin", 0, -7, 0, false},        {"asin", 0, 0, 0, true},
-    {"acos", 0, 1, 0, false},         {"acos", 0, -1, 0, false},        {"acos", 0, BELOW_ONE, 0, true},
-    {"acos", 0, -BELOW_ONE, 0, true}, {"acos", 0, ABOVE_ONE, 0, false}, {"acos", 0, -ABOVE_ONE, 0, false},
-    {"acos", 0, 7, 0, false},         {"acos", 0, -7, 0, false},        {"acos", 0, 0, 0, true},
-    {"atan", 0, 0, 0, true},          {"atan", 0, -1e9, 0, true},       {"tan", 0, 1.5707963267948966, 0, true},
-    {"exp", 0, -700, 0, true},        {"exp", 0, 700, 0, true},         {"tanh", 0, 1000, 0, true},
-    {"sinh", 0, 0, 0, true},          {"cosh", 0, 0, 0, true},          {"sin", 0, 0, 0, true},
-    {"cos", 0, 0, 0, true},           {"pow", 0, 0, 0, true},           {"pow", 1, 0, 0, true},
-    {"pow", 2, 0, 0, true},           {"pow", 9, 0, 0, true},           {"pow", 3, -2, 0, true},
-    {"pow", 2, -2, 0, true},          {"pow", 0, -2, 0, true},          {"pow", -1, 0, 0, false},
-    {"pow", -2, 0, 0, false},         {"pow", -9, 0, 0, false},         {"pow", -1, -2, 0, true},
-    {"pow", -2, -2, 0, true},         {"pow", -3, -2, 0, true},         {"pow", -9, -2, 0, true},
-    {"pow", 0.5, 0, 0, false},        {"pow", 0.5, -1, 0, false},       {"pow", 0.5, 3, 0, true},
-    {"pow", 1.5, 0, 0, false},        {"pow", 1.5, -1, 0, false},       {"pow", 1.5, DBL_MIN, 0, true},
-    {"pow", -1.5, 0, 0, false},       {"pow", -1.5, -1, 0, false},      {"pow", -1.5, 2, 0, true},
-    {"pow", 8.5, 0, 0, false},        {"pow", 8.5, -1, 0, false},       {"pow", 8.5, 1, 0, true},
-    {"pow", 0.3, 0, 0, false},        {"pow", 0.3, -1, 0, false},       {"pow", 0.3, 2, 0, true},
-    {"pow", -0.3, 0, 0, false},       {"pow", -0.3, -1, 0, false},      {"pow", -0.3, 2, 0, true},
+    {"add", 0, 0, 0, true},
+    {"mul", 0, 0, 0, true},
+    {"sqr", 0, 0, 0, true},
+    {"div", 0, 1, 0, false},
+    {"div", 0, 0, 0, false},
+    {"div", 0, 1, -0.0, false},
+    {"div", 0, 1, 1e-300, true},
+    {"div", 0, 1, -2, true},
+    {"div", 0, 0, 3, true},
+    {"sqrt", 0, 0, 0, false},
+    {"sqrt", 0, -0.0, 0, false},
+    {"sqrt", 0, -1, 0, false},
+    {"sqrt", 0, DBL_MIN, 0, true},
+    {"sqrt", 0, -DBL_MIN, 0, false},
+    {"sqrt", 0, 4, 0, true},
+    {"log", 0, 0, 0, false},
+    {"log", 0, -0.0, 0, false},
+    {"log", 0, -1, 0, false},
+    {"log", 0, DBL_MIN, 0, true},
+    {"log", 0, -DBL_MIN, 0, false},
+    {"log", 0, 2, 0, true},
+    {"asin", 0, 1, 0, false},
+    {"asin", 0, -1, 0, false},
+    {"asin", 0, BELOW_ONE, 0, true},
+    {"asin", 0, -BELOW_ONE, 0, true},
+    {"asin", 0, ABOVE_ONE, 0, false},
+    {"asin", 0, -ABOVE_ONE, 0, false},
+    {"asin", 0, 7, 0, false},
+    {"asin", 0, -7, 0, false},
+    {"asin", 0, 0, 0, true},
+    {"acos", 0, 1, 0, false},
+    {"acos", 0, -1, 0, false},
+    {"acos", 0, BELOW_ONE, 0, true},
+    {"acos", 0, -BELOW_ONE, 0, true},
+    {"acos", 0, ABOVE_ONE, 0, false},
+    {"acos", 0, -ABOVE_ONE, 0, false},
+    {"acos", 0, 7, 0, false},
+    {"acos", 0, -7, 0, false},
+    {"acos", 0, 0, 0, true},
+    {"atan", 0, 0, 0, true},
+    {"atan", 0, -1e9, 0, true},
+    {"tan", 0, 1.5707963267948966, 0, true},
+    {"exp", 0, -700, 0, true},
+    {"exp", 0, 700, 0, true},
+    {"tanh", 0, 1000, 0, true},
+    {"sinh", 0, 0, 0, true},
+    {"cosh", 0, 0, 0, true},
+    {"sin", 0, 0, 0, true},
+    {"cos", 0, 0, 0, true},
+    {"pow", 0, 0, 0, true},
+    {"pow", 1, 0, 0, true},
+    {"pow", 2, 0, 0, true},
+    {"pow", 9, 0, 0, true},
+    {"pow", 3, -2, 0, true},
+    {"pow", 2, -2, 0, true},
+    {"pow", 0, -2, 0, true},
+    {"pow", -1, 0, 0, false},
+    {"pow", -2, 0, 0, false},
+    {"pow", -9, 0, 0, false},
+    {"pow", -1, -2, 0, true},
+    {"pow", -2, -2, 0, true},
+    {"pow", -3, -2, 0, true},
+    {"pow", -9, -2, 0, true},
+    {"pow", 0.5, 0, 0, false},
+    {"pow", 0.5, -1, 0, false},
+    {"pow", 0.5, 3, 0, true},
+    {"pow", 1.5, 0, 0, false},
+    {"pow", 1.5, -1, 0, false},
+    {"pow", 1.5, DBL_MIN, 0, true},
+    {"pow", -1.5, 0, 0, false},
+    {"pow", -1.5, -1, 0, false},
+    {"pow", -1.5, 2, 0, true},
+    {"pow", 8.5, 0, 0, false},
+    {"pow", 8.5, -1, 0, false},
+    {"pow", 8.5, 1, 0, true},
+    {"pow", 0.3, 0, 0, false},
+    {"pow", 0.3, -1, 0, false},
+    {"pow", 0.3, 2, 0, true},
+    {"pow", -0.3, 0, 0, false},
+    {"pow", -0.3, -1, 0, false},
+    {"pow", -0.3, 2, 0, true},
+    {"asinh", 0, 0, 0, true},
+    {"asinh", 0, -1e9, 0, true},
+    {"erf", 0, 0, 0, true},
+    {"erf", 0, -30, 0, true},
+    {"acosh", 0, 1, 0, false},
+    {"acosh", 0, BELOW_ONE, 0, false},
+    {"acosh", 0, ABOVE_ONE, 0, true},
+    {"acosh", 0, 0, 0, false},
+    {"acosh", 0, -2, 0, false},
+    {"acosh", 0, 7, 0, true},
+    {"atanh", 0, 1, 0, false},
+    {"atanh", 0, -1, 0, false},
+    {"atanh", 0, BELOW_ONE, 0, true},
+    {"atanh", 0, -BELOW_ONE, 0, true},
+    {"atanh", 0, ABOVE_ONE, 0, false},
+    {"atanh", 0, -7, 0, false},
+    {"atan2", 0, 0, 0, false},
+    {"atan2", 0, -0.0, 0, false},
+    {"atan2", 0, 0, -0.0, false},
+    {"atan2", 0, 0, -1, true},
+    {"atan2", 0, 0, 1, true},
+    {"atan2", 0, -3, 0, true},
+    {"atan2", 0, 1e-300, 0, true},
+    {"hypot", 0, 0, 0, false},
+    {"hypot", 0, 0, -0.0, false},
+    {"hypot", 0, 0, -2, true},
+    {"hypot", 0, 2, 0, true},
+    {"hypot", 0, 1e300, 1e300, true},
 };
 
 enum { PLACES = sizeof places / sizeof places[0], LANES = 5 };
@@ -50,6 +133,9 @@ static function place_function(int i)
     const char *name = places[i].name;
     return (function){name, operation_named(name), 2, 1, places[i].c, {places[i].a, places[i].b}, 0};
 }
+
+/* A number at which the operation exists, whatever the exponent. */
+static double inside(const char *name) { return strcmp(name, "acosh") == 0 ? 1.5 : 0.5; }
 
 START_TEST(sweeps_refuse)
 {
@@ -73,7 +159,7 @@ START_TEST(sweeps_refuse_any_lane)
     for (int bad = 0; bad < LANES; bad++) {
         double x[2 * LANES], z[LANES];
         for (int lane = 0; lane < LANES; lane++) {
-            x[lane] = lane == bad ? f.centre[0] : lane % 2 ? 0.5 : NAN;
+            x[lane] = lane == bad ? f.centre[0] : lane % 2 ? inside(f.name) : NAN;
             x[LANES + lane] = lane == bad ? f.centre[1] : 0.5;
         }
         ck_assert_int_eq(run_values(&r, LANES, x, z), places[_i].exists);

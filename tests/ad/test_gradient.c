@@ -35,6 +35,10 @@ TWICE(atan, 1 / (1 + a * a), -2 * a / ((1 + a * a) * (1 + a * a)))
 TWICE(sinh, cosh(a), sinh(a))
 TWICE(cosh, sinh(a), cosh(a))
 TWICE(tanh, 1 / (cosh(a) * cosh(a)), -2 * tanh(a) / (cosh(a) * cosh(a)))
+TWICE(asinh, 1 / sqrt(1 + a * a), -a / ((1 + a * a) * sqrt(1 + a * a)))
+TWICE(acosh, 1 / sqrt(a * a - 1), -a / ((a * a - 1) * sqrt(a * a - 1)))
+TWICE(atanh, 1 / (1 - a * a), 2 * a / ((1 - a * a) * (1 - a * a)))
+TWICE(erf, 2 / sqrt(acos(-1)) * exp(-a * a), -4 * a / sqrt(acos(-1)) * exp(-a * a))
 
 #define OF_TWO(name, da, db, daa, dab, dbb)                                                                            \
     static void d_##name(double c, double a, double b, double d[DERIVATIVES])                                          \
@@ -53,22 +57,31 @@ OF_TWO(mul, b, a, 0, 1, 0)
 OF_TWO(div, 1 / b, -a / (b * b), 0, -1 / (b * b), 2 * a / (b * b * b))
 OF_TWO(linear, 3, -0.25, 0, 0, 0)
 
+static double r2(double a, double b) { return a * a + b * b; }
+static double r3(double a, double b) { return r2(a, b) * sqrt(r2(a, b)); }
+
+OF_TWO(atan2, b / r2(a, b), -a / r2(a, b), -2 * a * b / (r2(a, b) * r2(a, b)),
+       (a - b) * (a + b) / (r2(a, b) * r2(a, b)), 2 * a * b / (r2(a, b) * r2(a, b)))
+OF_TWO(hypot, a / sqrt(r2(a, b)), b / sqrt(r2(a, b)), b *b / r3(a, b), -a *b / r3(a, b), a *a / r3(a, b))
+
 static const struct {
     const char *name;
     derivatives_fn *derivatives;
     double c, a, b;
 } analytic[] = {
-    {"add", d_add, 0, 0.7, -1.3}, {"sub", d_sub, 0, 0.7, -1.3},       {"mul", d_mul, 0, 0.7, -1.3},
-    {"div", d_div, 0, 0.7, -1.3}, {"linear", d_linear, 0, 0.7, -1.3}, {"neg", d_neg, 0, 0.7, 0},
-    {"sqr", d_sqr, 0, -0.7, 0},   {"sqrt", d_sqrt, 0, 0.7, 0},        {"pow", d_pow, 0, -0.7, 0},
-    {"pow", d_pow, 1, -0.7, 0},   {"pow", d_pow, 2, -0.7, 0},         {"pow", d_pow, 5, -0.7, 0},
-    {"pow", d_pow, -1, -0.7, 0},  {"pow", d_pow, -2, -0.7, 0},        {"pow", d_pow, 0.5, 0.7, 0},
-    {"pow", d_pow, 1.5, 0.7, 0},  {"pow", d_pow, -2.5, 0.7, 0},       {"pow", d_pow, 0.3, 0.7, 0},
-    {"exp", d_exp, 0, -0.7, 0},   {"log", d_log, 0, 0.7, 0},          {"sin", d_sin, 0, 0.7, 0},
-    {"cos", d_cos, 0, 0.7, 0},    {"tan", d_tan, 0, -0.7, 0},         {"asin", d_asin, 0, 0.7, 0},
-    {"acos", d_acos, 0, 0.7, 0},  {"atan", d_atan, 0, 0.7, 0},        {"sinh", d_sinh, 0, 0.7, 0},
-    {"cosh", d_cosh, 0, 0.7, 0},  {"tanh", d_tanh, 0, 0.7, 0},        {"tanh", d_tanh, 0, 15, 0},
-    {"tanh", d_tanh, 0, -300, 0}, {"asin", d_asin, 0, 0, 0},          {"sinh", d_sinh, 0, 0, 0},
+    {"add", d_add, 0, 0.7, -1.3},   {"sub", d_sub, 0, 0.7, -1.3},       {"mul", d_mul, 0, 0.7, -1.3},
+    {"div", d_div, 0, 0.7, -1.3},   {"linear", d_linear, 0, 0.7, -1.3}, {"neg", d_neg, 0, 0.7, 0},
+    {"sqr", d_sqr, 0, -0.7, 0},     {"sqrt", d_sqrt, 0, 0.7, 0},        {"pow", d_pow, 0, -0.7, 0},
+    {"pow", d_pow, 1, -0.7, 0},     {"pow", d_pow, 2, -0.7, 0},         {"pow", d_pow, 5, -0.7, 0},
+    {"pow", d_pow, -1, -0.7, 0},    {"pow", d_pow, -2, -0.7, 0},        {"pow", d_pow, 0.5, 0.7, 0},
+    {"pow", d_pow, 1.5, 0.7, 0},    {"pow", d_pow, -2.5, 0.7, 0},       {"pow", d_pow, 0.3, 0.7, 0},
+    {"exp", d_exp, 0, -0.7, 0},     {"log", d_log, 0, 0.7, 0},          {"sin", d_sin, 0, 0.7, 0},
+    {"cos", d_cos, 0, 0.7, 0},      {"tan", d_tan, 0, -0.7, 0},         {"asin", d_asin, 0, 0.7, 0},
+    {"acos", d_acos, 0, 0.7, 0},    {"atan", d_atan, 0, 0.7, 0},        {"sinh", d_sinh, 0, 0.7, 0},
+    {"cosh", d_cosh, 0, 0.7, 0},    {"tanh", d_tanh, 0, 0.7, 0},        {"tanh", d_tanh, 0, 15, 0},
+    {"tanh", d_tanh, 0, -300, 0},   {"asin", d_asin, 0, 0, 0},          {"sinh", d_sinh, 0, 0, 0},
+    {"asinh", d_asinh, 0, -0.7, 0}, {"acosh", d_acosh, 0, 1.7, 0},      {"atanh", d_atanh, 0, 0.7, 0},
+    {"erf", d_erf, 0, -0.7, 0},     {"atan2", d_atan2, 0, 0.7, -1.3},   {"hypot", d_hypot, 0, 0.7, -0.9},
 };
 
 /* A row of a matrix of derivatives by the recorded gradient. */
@@ -172,7 +185,8 @@ static void check_lift(const function *f, bool of_gradient)
 {
     static double direction[INPUTS_MAX * SHORT], in[2 * INPUTS_MAX * SHORT];
     recording lift = record_lift(f, of_gradient, JET_TAPE_SERIES);
-    recording r = of_gradient ? record_gradient(f, f->outputs - 1, JET_TAPE_SERIES) : record_outputs(f, JET_TAPE_SERIES);
+    recording r =
+        of_gradient ? record_gradient(f, f->outputs - 1, JET_TAPE_SERIES) : record_outputs(f, JET_TAPE_SERIES);
     const size_t size = (size_t)r.outputs * SHORT;
     double *out = numbers(2 * size), *z = numbers(size), *dz = numbers(size);
     dense_series(f, DEGREE, series);
@@ -224,19 +238,19 @@ END_TEST
 /* ---- What is recorded -------------------------------------------------------------------------------------------- */
 
 /* row(name, output of x and y, d/dx, d/dy, nodes added by the gradient): the derivatives are these very nodes. */
-#define RECORDED(row)                                                                                                  \
-    row(number, jet_const(3), jet_const(0), jet_const(0), 0)                                                           \
-    row(input, y, jet_const(0), jet_const(1), 0)                                                                       \
-    row(linear, jet_sub(jet_mul(2, x), jet_add(y, 5)), jet_const(2), jet_const(-1), 0)                                 \
-    row(cancelled, jet_sub(jet_sin(x), jet_sin(x)), jet_const(0), jet_const(0), 0)                                     \
-    row(product, jet_mul(x, y), y, x, 0)                                                                               \
-    row(square, jet_sqr(x), jet_mul(2, x), jet_const(0), 1)                                                            \
-    row(exponential, jet_exp(y), jet_const(0), jet_exp(y), 0)                                                          \
-    row(sine, jet_sin(x), jet_cos(x), jet_const(0), 0)                                                                 \
-    row(cosine, jet_cos(x), jet_neg(jet_sin(x)), jet_const(0), 1)                                                      \
-    row(logarithm, jet_log(x), jet_div(1, x), jet_const(0), 2)                                                         \
-    row(chain, jet_sin(jet_exp(x)), jet_mul(jet_exp(x), jet_cos(jet_exp(x))), jet_const(0), 1)                         \
-    row(fan, jet_mul(x, jet_sin(x)), jet_add(jet_sin(x), jet_mul(x, jet_cos(x))), jet_const(0), 2)
+#define RECORDED(ROW)                                                                                                  \
+    ROW(number, jet_const(3), jet_const(0), jet_const(0), 0)                                                           \
+    ROW(input, y, jet_const(0), jet_const(1), 0)                                                                       \
+    ROW(linear, jet_sub(jet_mul(2, x), jet_add(y, 5)), jet_const(2), jet_const(-1), 0)                                 \
+    ROW(cancelled, jet_sub(jet_sin(x), jet_sin(x)), jet_const(0), jet_const(0), 0)                                     \
+    ROW(product, jet_mul(x, y), y, x, 0)                                                                               \
+    ROW(square, jet_sqr(x), jet_mul(2, x), jet_const(0), 1)                                                            \
+    ROW(exponential, jet_exp(y), jet_const(0), jet_exp(y), 0)                                                          \
+    ROW(sine, jet_sin(x), jet_cos(x), jet_const(0), 0)                                                                 \
+    ROW(cosine, jet_cos(x), jet_neg(jet_sin(x)), jet_const(0), 1)                                                      \
+    ROW(logarithm, jet_log(x), jet_div(1, x), jet_const(0), 2)                                                         \
+    ROW(chain, jet_sin(jet_exp(x)), jet_mul(jet_exp(x), jet_cos(jet_exp(x))), jet_const(0), 1)                         \
+    ROW(fan, jet_mul(x, jet_sin(x)), jet_add(jet_sin(x), jet_mul(x, jet_cos(x))), jet_const(0), 2)
 
 #define BUILD(name, output, by_x, by_y, nodes)                                                                         \
     static void build_##name(jet x, jet y, jet out[3])                                                                 \

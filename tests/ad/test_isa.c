@@ -1,5 +1,5 @@
-/* test_isa.c - instruction sets: TVI_ISA asks for one, and all give the same to roundoff. A machine that lacks one runs the
- * widest that it has in its place. */
+/* test_isa.c - instruction sets: TVI_ISA asks for one, and all give the same to roundoff. A machine that lacks one runs
+ * the widest that it has in its place. */
 #include "record.h"
 #include "suites.h"
 
@@ -15,8 +15,8 @@ enum { SETS = sizeof sets / sizeof *sets };
 
 /* What f gives in each kind of sweep. */
 typedef struct {
-    double values[OUTPUTS_MAX * LANES], eight[OUTPUTS_MAX * EIGHT], series[OUTPUTS_MAX * SHORT], tangents[OUTPUTS_MAX * SHORT],
-        adjoints[INPUTS_MAX * SHORT];
+    double values[OUTPUTS_MAX * LANES], eight[OUTPUTS_MAX * EIGHT], series[OUTPUTS_MAX * SHORT],
+        tangents[OUTPUTS_MAX * SHORT], adjoints[INPUTS_MAX * SHORT];
 } results;
 
 static const jet_sweeps *run_with(const char *set, const function *f, results *r)
@@ -70,7 +70,8 @@ END_TEST
 static bool has_avx512(void)
 {
 #if defined(__x86_64__)
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl");
+    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+           __builtin_cpu_supports("avx512vl");
 #else
     return false;
 #endif
@@ -113,7 +114,8 @@ START_TEST(gravity_is_rounded_well)
 }
 END_TEST
 
-/* Base is another set than what a machine with wider vectors takes by itself; less than asked for is taken, never more. */
+/* Base is another set than what a machine with wider vectors takes by itself; less than asked for is taken, never
+ * more. */
 START_TEST(environment_chooses)
 {
     static results r;

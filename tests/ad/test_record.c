@@ -5,93 +5,92 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 #define COUNT(table) ((int)(sizeof table / sizeof table[0]))
 
 /* ---- What is the same -------------------------------------------------------------------------------------------- */
 
 /* row(name, one, other): both are the same node, or the same number, for jets x and y. */
-#define SAME(row)                                                                                                      \
-    row(difference_of_equals, jet_sub(x, x), jet_const(0))                                                             \
-    row(sum_of_equals, jet_add(x, x), jet_mul(2, x))                                                                   \
-    row(times_one, jet_mul(x, 1), x)                                                                                   \
-    row(one_times, jet_mul(1, x), x)                                                                                   \
-    row(times_zero, jet_mul(0, x), jet_const(0))                                                                       \
-    row(plus_zero, jet_add(x, 0), x)                                                                                   \
-    row(minus_zero, jet_sub(x, 0), x)                                                                                  \
-    row(zero_minus, jet_sub(0, x), jet_neg(x))                                                                         \
-    row(negated_twice, jet_neg(jet_neg(x)), x)                                                                         \
-    row(over_one, jet_div(x, 1), x)                                                                                    \
-    row(over_number, jet_div(x, 4), jet_mul(0.25, x))                                                                  \
-    row(zero_over, jet_div(0, x), jet_const(0))                                                                        \
-    row(scaled_twice, jet_mul(2, jet_mul(-3, x)), jet_mul(-6, x))                                                      \
-    row(scaled_back, jet_mul(0.5, jet_add(x, x)), x)                                                                   \
-    row(multiples_collect, jet_add(jet_mul(2, x), jet_mul(3, x)), jet_mul(5, x))                                       \
-    row(multiples_cancel, jet_sub(jet_mul(2, x), jet_add(x, x)), jet_const(0))                                         \
-    row(sums_cancel, jet_sub(jet_add(x, y), jet_add(x, y)), jet_const(0))                                              \
-    row(sum_again, jet_add(x, jet_mul(2, y)), jet_add(x, jet_mul(2, y)))                                               \
-    row(affine_again, jet_add(jet_mul(2, x), 3), jet_add(3, jet_mul(2, x)))                                            \
-    row(terms_cancel, jet_sum((const jet[]){x, y, jet_neg(x), jet_const(0)}, 4), y)                                    \
-    row(later_terms_cancel, jet_sum((const jet[]){x, y, jet_neg(y)}, 3), x)                                            \
-    row(later_terms_collect, jet_sum((const jet[]){x, y, x, y}, 4), jet_add(jet_mul(2, x), jet_mul(2, y)))             \
-    row(all_cancel, jet_sum((const jet[]){x, jet_const(3), jet_neg(x)}, 3), jet_const(3))                              \
-    row(functions_cancel, jet_sub(jet_exp(x), jet_exp(x)), jet_const(0))                                               \
-    row(product_again, jet_mul(x, y), jet_mul(x, y))                                                                   \
-    row(product_commutes, jet_mul(x, y), jet_mul(y, x))                                                                \
-    row(square_is_product, jet_sqr(x), jet_mul(x, x))                                                                  \
-    row(quotient_again, jet_div(x, y), jet_div(x, y))                                                                  \
-    row(power_zero, jet_pow(x, 0), jet_const(1))                                                                       \
-    row(power_one, jet_pow(x, 1), x)                                                                                   \
-    row(power_two, jet_pow(x, 2), jet_sqr(x))                                                                          \
-    row(power_three, jet_pow(x, 3), jet_mul(x, jet_sqr(x)))                                                            \
-    row(power_four, jet_pow(x, 4), jet_sqr(jet_sqr(x)))                                                                \
-    row(power_half, jet_pow(x, 0.5), jet_sqrt(x))                                                                      \
-    row(power_minus_one, jet_pow(x, -1), jet_div(1, x))                                                                \
-    row(power_again, jet_pow(x, -1.5), jet_pow(x, -1.5))                                                               \
-    row(sin_again, jet_sin(x), jet_sin(x))                                                                             \
-    row(tanh_again, jet_tanh(x), jet_tanh(x))                                                                          \
-    row(int_and_double, jet_mul(2, x), jet_mul(2.0, x))                                                                \
-    row(float_and_double, jet_mul(0.5f, x), jet_mul(0.5, x))                                                           \
-    row(constant_and_double, jet_mul(jet_const(2), x), jet_mul(2, x))                                                  \
-    row(empty_sum, jet_sum(&x, 0), jet_const(0))                                                                       \
-    row(negative_sum, jet_sum(&x, -1), jet_const(0))                                                                   \
-    row(empty_dot, jet_dot(&x, &y, 0), jet_const(0))                                                                   \
-    row(negative_dot, jet_dot(&x, &y, -3), jet_const(0))                                                               \
-    row(sum_of_one, jet_sum(&x, 1), x)                                                                                 \
-    row(dot_of_one, jet_dot(&x, &y, 1), jet_mul(x, y))                                                                 \
-    row(dot_with_numbers, jet_dot((const jet[]){x, jet_const(2)}, (const jet[]){jet_const(0), jet_const(4)}, 2),       \
+#define SAME(ROW)                                                                                                      \
+    ROW(difference_of_equals, jet_sub(x, x), jet_const(0))                                                             \
+    ROW(sum_of_equals, jet_add(x, x), jet_mul(2, x))                                                                   \
+    ROW(times_one, jet_mul(x, 1), x)                                                                                   \
+    ROW(one_times, jet_mul(1, x), x)                                                                                   \
+    ROW(times_zero, jet_mul(0, x), jet_const(0))                                                                       \
+    ROW(plus_zero, jet_add(x, 0), x)                                                                                   \
+    ROW(minus_zero, jet_sub(x, 0), x)                                                                                  \
+    ROW(zero_minus, jet_sub(0, x), jet_neg(x))                                                                         \
+    ROW(negated_twice, jet_neg(jet_neg(x)), x)                                                                         \
+    ROW(over_one, jet_div(x, 1), x)                                                                                    \
+    ROW(over_number, jet_div(x, 4), jet_mul(0.25, x))                                                                  \
+    ROW(zero_over, jet_div(0, x), jet_const(0))                                                                        \
+    ROW(scaled_twice, jet_mul(2, jet_mul(-3, x)), jet_mul(-6, x))                                                      \
+    ROW(scaled_back, jet_mul(0.5, jet_add(x, x)), x)                                                                   \
+    ROW(multiples_collect, jet_add(jet_mul(2, x), jet_mul(3, x)), jet_mul(5, x))                                       \
+    ROW(multiples_cancel, jet_sub(jet_mul(2, x), jet_add(x, x)), jet_const(0))                                         \
+    ROW(sums_cancel, jet_sub(jet_add(x, y), jet_add(x, y)), jet_const(0))                                              \
+    ROW(sum_again, jet_add(x, jet_mul(2, y)), jet_add(x, jet_mul(2, y)))                                               \
+    ROW(affine_again, jet_add(jet_mul(2, x), 3), jet_add(3, jet_mul(2, x)))                                            \
+    ROW(terms_cancel, jet_sum((const jet[]){x, y, jet_neg(x), jet_const(0)}, 4), y)                                    \
+    ROW(later_terms_cancel, jet_sum((const jet[]){x, y, jet_neg(y)}, 3), x)                                            \
+    ROW(later_terms_collect, jet_sum((const jet[]){x, y, x, y}, 4), jet_add(jet_mul(2, x), jet_mul(2, y)))             \
+    ROW(all_cancel, jet_sum((const jet[]){x, jet_const(3), jet_neg(x)}, 3), jet_const(3))                              \
+    ROW(functions_cancel, jet_sub(jet_exp(x), jet_exp(x)), jet_const(0))                                               \
+    ROW(product_again, jet_mul(x, y), jet_mul(x, y))                                                                   \
+    ROW(product_commutes, jet_mul(x, y), jet_mul(y, x))                                                                \
+    ROW(square_is_product, jet_sqr(x), jet_mul(x, x))                                                                  \
+    ROW(quotient_again, jet_div(x, y), jet_div(x, y))                                                                  \
+    ROW(power_zero, jet_pow(x, 0), jet_const(1))                                                                       \
+    ROW(power_one, jet_pow(x, 1), x)                                                                                   \
+    ROW(power_two, jet_pow(x, 2), jet_sqr(x))                                                                          \
+    ROW(power_three, jet_pow(x, 3), jet_mul(x, jet_sqr(x)))                                                            \
+    ROW(power_four, jet_pow(x, 4), jet_sqr(jet_sqr(x)))                                                                \
+    ROW(power_half, jet_pow(x, 0.5), jet_sqrt(x))                                                                      \
+    ROW(power_minus_one, jet_pow(x, -1), jet_div(1, x))                                                                \
+    ROW(power_again, jet_pow(x, -1.5), jet_pow(x, -1.5))                                                               \
+    ROW(sin_again, jet_sin(x), jet_sin(x))                                                                             \
+    ROW(tanh_again, jet_tanh(x), jet_tanh(x))                                                                          \
+    ROW(int_and_double, jet_mul(2, x), jet_mul(2.0, x))                                                                \
+    ROW(float_and_double, jet_mul(0.5f, x), jet_mul(0.5, x))                                                           \
+    ROW(constant_and_double, jet_mul(jet_const(2), x), jet_mul(2, x))                                                  \
+    ROW(empty_sum, jet_sum(&x, 0), jet_const(0))                                                                       \
+    ROW(negative_sum, jet_sum(&x, -1), jet_const(0))                                                                   \
+    ROW(empty_dot, jet_dot(&x, &y, 0), jet_const(0))                                                                   \
+    ROW(negative_dot, jet_dot(&x, &y, -3), jet_const(0))                                                               \
+    ROW(sum_of_one, jet_sum(&x, 1), x)                                                                                 \
+    ROW(dot_of_one, jet_dot(&x, &y, 1), jet_mul(x, y))                                                                 \
+    ROW(dot_with_numbers, jet_dot((const jet[]){x, jet_const(2)}, (const jet[]){jet_const(0), jet_const(4)}, 2),       \
         jet_const(8))                                                                                                  \
-    row(numbers_add, jet_add(2, 0.5), jet_const(2.5))                                                                  \
-    row(numbers_subtract, jet_sub(2, 0.5), jet_const(1.5))                                                             \
-    row(numbers_multiply, jet_mul(2, -3), jet_const(-6))                                                               \
-    row(numbers_divide, jet_div(3, 2), jet_const(1.5))                                                                 \
-    row(numbers_in_functions, jet_exp(jet_neg(jet_sqr(2))), jet_const(exp(-4)))                                        \
-    row(numbers_in_sums, jet_sum((const jet[]){jet_const(1), jet_const(2)}, 2), jet_const(3))                          \
-    row(number_to_power, jet_pow(3, 2), jet_const(9))                                                                  \
-    row(number_to_fraction, jet_pow(4, -1.5), jet_const(0.125))                                                        \
-    row(negative_to_power, jet_pow(-2, 3), jet_const(-8))                                                              \
-    row(zero_to_zero, jet_pow(0, 0), jet_const(1))
+    ROW(numbers_add, jet_add(2, 0.5), jet_const(2.5))                                                                  \
+    ROW(numbers_subtract, jet_sub(2, 0.5), jet_const(1.5))                                                             \
+    ROW(numbers_multiply, jet_mul(2, -3), jet_const(-6))                                                               \
+    ROW(numbers_divide, jet_div(3, 2), jet_const(1.5))                                                                 \
+    ROW(numbers_in_functions, jet_exp(jet_neg(jet_sqr(2))), jet_const(exp(-4)))                                        \
+    ROW(numbers_in_sums, jet_sum((const jet[]){jet_const(1), jet_const(2)}, 2), jet_const(3))                          \
+    ROW(number_to_power, jet_pow(3, 2), jet_const(9))                                                                  \
+    ROW(number_to_fraction, jet_pow(4, -1.5), jet_const(0.125))                                                        \
+    ROW(negative_to_power, jet_pow(-2, 3), jet_const(-8))                                                              \
+    ROW(zero_to_zero, jet_pow(0, 0), jet_const(1))
 
 /* row(name, one, other): these are not the same. */
-#define DIFFERENT(row)                                                                                                 \
-    row(inputs, x, y)                                                                                                  \
-    row(sum_and_difference, jet_add(x, y), jet_sub(x, y))                                                              \
-    row(coefficients, jet_mul(2, x), jet_mul(3, x))                                                                    \
-    row(scaled_nodes, jet_mul(2, x), jet_mul(2, y))                                                                    \
-    row(second_coefficients, jet_add(x, y), jet_add(x, jet_mul(2, y)))                                                 \
-    row(numbers_added, jet_add(x, 1), jet_add(x, 2))                                                                   \
-    row(lengths, jet_add(x, jet_mul(2, y)), jet_sum((const jet[]){x, jet_mul(2, y), jet_sin(x)}, 3))                   \
-    row(quotient_and_inverse, jet_div(x, y), jet_div(y, x))                                                            \
-    row(divisors, jet_div(x, y), jet_div(x, jet_sin(y)))                                                               \
-    row(dividends, jet_div(1, x), jet_div(2, x))                                                                       \
-    row(product_and_square, jet_mul(x, y), jet_mul(x, x))                                                              \
-    row(second_factors, jet_mul(x, y), jet_mul(x, jet_sin(y)))                                                         \
-    row(functions, jet_sin(x), jet_cos(x))                                                                             \
-    row(arguments, jet_exp(x), jet_exp(y))                                                                             \
-    row(inverses, jet_asin(x), jet_acos(x))                                                                            \
-    row(exponents, jet_pow(x, 1.5), jet_pow(x, 2.5))                                                                   \
-    row(not_zero, jet_mul(1e-300, x), jet_const(0))
+#define DIFFERENT(ROW)                                                                                                 \
+    ROW(inputs, x, y)                                                                                                  \
+    ROW(sum_and_difference, jet_add(x, y), jet_sub(x, y))                                                              \
+    ROW(coefficients, jet_mul(2, x), jet_mul(3, x))                                                                    \
+    ROW(scaled_nodes, jet_mul(2, x), jet_mul(2, y))                                                                    \
+    ROW(second_coefficients, jet_add(x, y), jet_add(x, jet_mul(2, y)))                                                 \
+    ROW(numbers_added, jet_add(x, 1), jet_add(x, 2))                                                                   \
+    ROW(lengths, jet_add(x, jet_mul(2, y)), jet_sum((const jet[]){x, jet_mul(2, y), jet_sin(x)}, 3))                   \
+    ROW(quotient_and_inverse, jet_div(x, y), jet_div(y, x))                                                            \
+    ROW(divisors, jet_div(x, y), jet_div(x, jet_sin(y)))                                                               \
+    ROW(dividends, jet_div(1, x), jet_div(2, x))                                                                       \
+    ROW(product_and_square, jet_mul(x, y), jet_mul(x, x))                                                              \
+    ROW(second_factors, jet_mul(x, y), jet_mul(x, jet_sin(y)))                                                         \
+    ROW(functions, jet_sin(x), jet_cos(x))                                                                             \
+    ROW(arguments, jet_exp(x), jet_exp(y))                                                                             \
+    ROW(inverses, jet_asin(x), jet_acos(x))                                                                            \
+    ROW(exponents, jet_pow(x, 1.5), jet_pow(x, 2.5))                                                                   \
+    ROW(not_zero, jet_mul(1e-300, x), jet_const(0))
 
 typedef void pair_fn(jet x, jet y, jet out[2]);
 
@@ -122,10 +121,8 @@ static bool build_equal(pair_fn *build, bool computed)
     jet_graph *graph = jet_graph_create(2);
     const jet x = jet_graph_input(graph, 0), y = jet_graph_input(graph, 1);
     jet pair[2];
-    if (computed)
-        build(jet_mul(x, y), jet_cosh(x), pair);
-    else
-        build(x, y, pair);
+    if (computed) build(jet_mul(x, y), jet_cosh(x), pair);
+    else build(x, y, pair);
     const bool result = equal(pair);
     ck_assert_int_eq(jet_graph_accept(graph, 2, pair), TVI_OK);
     jet_graph_free(graph);
@@ -146,17 +143,13 @@ START_TEST(different_is_kept)
 }
 END_TEST
 
-/* Seconds: work linear in the length stays far below, quadratic work (1e9 comparisons and more) far above. */
-static const double LINEAR_TIME = 2;
-
-static double seconds_since(clock_t start) { return (double)(clock() - start) / CLOCKS_PER_SEC; }
-
-/* What was recorded first is found again, and fast, after thousands of nodes that differ in their numbers alone. */
+/* What was recorded first is found again after thousands of nodes that differ in their numbers alone, and soon: in a
+ * table at most half full a search meets less than one other node on the average, and a node is looked for when it is
+ * recorded, again, and when the table grows. */
 START_TEST(sharing_survives_growth)
 {
     enum { MANY = 50000 };
     static jet first[MANY];
-    const clock_t start = clock();
     jet_graph *graph = jet_graph_create(1);
     const jet x = jet_graph_input(graph, 0);
     for (int i = 0; i < MANY; i++) first[i] = jet_pow(x, 0.25 + i);
@@ -164,7 +157,7 @@ START_TEST(sharing_survives_growth)
     for (int i = 0; i < MANY; i++) ck_assert_ptr_eq(jet_pow(x, 0.25 + i).node, first[i].node);
     ck_assert_int_eq(jet_graph_count(graph), 1 + MANY);
     for (int i = 0; i < MANY; i++) ck_assert_int_eq(jet_graph_node(graph, 1 + i)->index, 1 + i);
-    ck_assert_double_lt(seconds_since(start), LINEAR_TIME);
+    ck_assert_int_lt(jet_graph_collisions(graph), 2 * jet_graph_count(graph));
     jet_graph_free(graph);
 }
 END_TEST
@@ -189,29 +182,29 @@ END_TEST
 /* ---- Counts of nodes --------------------------------------------------------------------------------------------- */
 
 /* row(name, nodes, result): so many nodes are added to the two inputs, partners among them. */
-#define COUNTS(row)                                                                                                    \
-    row(of_numbers, 0, jet_sub(jet_tanh(jet_add(1, jet_exp(0.5))), jet_div(jet_pow(2, 0.5), jet_log(3))))              \
-    row(of_nothing, 0, jet_mul(0, x))                                                                                  \
-    row(of_addition, 1, jet_add(x, y))                                                                                 \
-    row(of_affine, 2, jet_add(jet_mul(2, x), 3))                                                                       \
-    row(of_long_sum, 1, jet_sum((const jet[]){x, y, x, y, jet_const(2)}, 5))                                           \
-    row(of_dot, 3, jet_dot((const jet[]){x, x}, (const jet[]){x, y}, 2))                                               \
-    row(of_equal_products, 2, jet_add(jet_mul(x, y), jet_mul(y, x)))                                                   \
-    row(of_reciprocal, 2, jet_div(1, x))                                                                               \
-    row(of_root, 1, jet_sqrt(x))                                                                                       \
-    row(of_power, 1, jet_pow(x, -1.5))                                                                                 \
-    row(of_eighth_power, 3, jet_pow(x, 8))                                                                             \
-    row(of_seventh_power, 4, jet_pow(x, 7))                                                                            \
-    row(of_exp, 1, jet_exp(x))                                                                                         \
-    row(of_log, 1, jet_log(x))                                                                                         \
-    row(of_sin, 2, jet_sin(x))                                                                                         \
-    row(of_sin_and_cos, 3, jet_mul(jet_sin(x), jet_cos(x)))                                                            \
-    row(of_sinh_and_cosh, 3, jet_mul(jet_cosh(x), jet_sinh(x)))                                                        \
-    row(of_tan, 3, jet_tan(x))                                                                                         \
-    row(of_tanh, 2, jet_tanh(x))                                                                                       \
-    row(of_atan, 3, jet_atan(x))                                                                                       \
-    row(of_asin, 5, jet_asin(x))                                                                                       \
-    row(of_asin_and_acos, 7, jet_mul(jet_asin(x), jet_acos(x)))
+#define COUNTS(ROW)                                                                                                    \
+    ROW(of_numbers, 0, jet_sub(jet_tanh(jet_add(1, jet_exp(0.5))), jet_div(jet_pow(2, 0.5), jet_log(3))))              \
+    ROW(of_nothing, 0, jet_mul(0, x))                                                                                  \
+    ROW(of_addition, 1, jet_add(x, y))                                                                                 \
+    ROW(of_affine, 2, jet_add(jet_mul(2, x), 3))                                                                       \
+    ROW(of_long_sum, 1, jet_sum((const jet[]){x, y, x, y, jet_const(2)}, 5))                                           \
+    ROW(of_dot, 3, jet_dot((const jet[]){x, x}, (const jet[]){x, y}, 2))                                               \
+    ROW(of_equal_products, 2, jet_add(jet_mul(x, y), jet_mul(y, x)))                                                   \
+    ROW(of_reciprocal, 2, jet_div(1, x))                                                                               \
+    ROW(of_root, 1, jet_sqrt(x))                                                                                       \
+    ROW(of_power, 1, jet_pow(x, -1.5))                                                                                 \
+    ROW(of_eighth_power, 3, jet_pow(x, 8))                                                                             \
+    ROW(of_seventh_power, 4, jet_pow(x, 7))                                                                            \
+    ROW(of_exp, 1, jet_exp(x))                                                                                         \
+    ROW(of_log, 1, jet_log(x))                                                                                         \
+    ROW(of_sin, 2, jet_sin(x))                                                                                         \
+    ROW(of_sin_and_cos, 3, jet_mul(jet_sin(x), jet_cos(x)))                                                            \
+    ROW(of_sinh_and_cosh, 3, jet_mul(jet_cosh(x), jet_sinh(x)))                                                        \
+    ROW(of_tan, 3, jet_tan(x))                                                                                         \
+    ROW(of_tanh, 2, jet_tanh(x))                                                                                       \
+    ROW(of_atan, 3, jet_atan(x))                                                                                       \
+    ROW(of_asin, 5, jet_asin(x))                                                                                       \
+    ROW(of_asin_and_acos, 7, jet_mul(jet_asin(x), jet_acos(x)))
 
 #define SINGLE(name, nodes, result)                                                                                    \
     static jet count_##name(jet x, jet y) { return (void)x, (void)y, result; }
@@ -374,7 +367,7 @@ END_TEST
 
 /* ---- Slots ------------------------------------------------------------------------------------------------------- */
 
-#define STEP(inner) jet_add(1, jet_mul(x[0], inner))
+#define STEP(inner)   jet_add(1, jet_mul(x[0], inner))
 #define STEP_5(inner) STEP(STEP(STEP(STEP(STEP(inner)))))
 
 /* 1 + x (1 + x (1 + ...)), nested 20 deep, written out by the preprocessor: it compiles at once, because no slot names
@@ -439,7 +432,7 @@ static void record_long(const jet in[], jet z[])
     z[1] = jet_dot(in, in, LONG);
 }
 
-START_TEST(long_sums_are_fast)
+START_TEST(long_sums_are_right)
 {
     jet_graph *graph = jet_graph_create(LONG);
     jet *in = malloc(LONG * sizeof *in), z[2];
@@ -451,10 +444,9 @@ START_TEST(long_sums_are_fast)
         sum += x[i];
         squares += x[i] * x[i];
     }
-    const clock_t start = clock();
     record_long(in, z);
     recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
-    ck_assert_double_lt(seconds_since(start), LINEAR_TIME);
+    ck_assert_int_lt(jet_graph_collisions(graph), 2 * jet_graph_count(graph));
     ck_assert_int_eq(jet_graph_count(graph), LONG + LONG + 2);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], sum);
@@ -502,7 +494,7 @@ Suite *record_suite(void)
     tcase_add_test(slots, nesting_is_free);
     tcase_add_test(slots, slots_take_numbers);
     TCase *sums = add_case(suite, "sums");
-    tcase_add_test(sums, long_sums_are_fast);
+    tcase_add_test(sums, long_sums_are_right);
     tcase_add_test(sums, sums_keep_their_order);
     return suite;
 }

@@ -5,7 +5,10 @@
 #include <stdlib.h>
 
 static Suite *(*const suites[])(void) = {
-    suite_forces, suite_orders, suite_structure, suite_galerkin,
+    suite_forces,
+    suite_orders,
+    suite_structure,
+    suite_galerkin,
 };
 
 int main(void)

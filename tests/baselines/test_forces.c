@@ -1,4 +1,5 @@
-/* test_forces.c - the forces by hand against plain ones in long double, the scenes' references, and the Gauss tableaus. */
+/* test_forces.c - the forces by hand against plain ones in long double, the scenes' references, and the Gauss
+ * tableaus. */
 #include "baselines.h"
 #include "baselines/forces.h"
 #include "baselines/gauss_tableau.h"
@@ -14,8 +15,8 @@
 typedef void kernel(const double *q, double *a);
 typedef void jacobian(const double *q, double *J);
 
-#define WRAP(name, n) \
-    static void name##_lanes(const double *q, double *a) { name##_8(q, a); } \
+#define WRAP(name, n)                                                                                                  \
+    static void name##_lanes(const double *q, double *a) { name##_8(q, a); }                                           \
     static void name##_derivative(const double *q, double *J) { name##_jacobian(q, J); }
 FORCES_BY_HAND(WRAP)
 #define LANES_ROW(name, n) name##_lanes,

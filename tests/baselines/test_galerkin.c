@@ -1,5 +1,5 @@
-/* test_galerkin.c - runs of the library's Galerkin curve against the baseline's Gauss collocation, which shares nothing with
- * it. */
+/* test_galerkin.c - runs of the library's Galerkin curve against the baseline's Gauss collocation, which shares nothing
+ * with it. */
 #include "baselines.h"
 
 #include <string.h>
@@ -11,8 +11,9 @@ static const struct {
     long steps;
     double most; /* what roundoff does to q in this run */
 } runs[] = {
-    {&scene_kepler, 4, 0.125, 800, 2e-11},  {&scene_kepler, 10, 0.25, 400, 2e-11}, {&scene_kepler, 16, 0.25, 1000, 5e-12},
-    {&scene_solar, 16, 400, 500, 3e-11},    {&scene_solar, 8, 100, 200, 3e-11},    {&scene_pendulum, 14, 0.25, 80, 1e-12},
+    {&scene_kepler, 4, 0.125, 800, 2e-11},  {&scene_kepler, 10, 0.25, 400, 2e-11},
+    {&scene_kepler, 16, 0.25, 1000, 5e-12}, {&scene_solar, 16, 400, 500, 3e-11},
+    {&scene_solar, 8, 100, 200, 3e-11},     {&scene_pendulum, 14, 0.25, 80, 1e-12},
     {&scene_fpu, 12, 0.03125, 320, 1e-11},
 };
 enum { RUNS = sizeof runs / sizeof *runs };

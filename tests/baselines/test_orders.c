@@ -7,9 +7,9 @@
 
 /* ---- The slope of the error -------------------------------------------------------------------------------------- */
 
-/* Runs of ever more steps until the error of q or p would be less than 50 times roundoff: the slopes between the last and
- * the last but three, where the method is furthest into its asymptotic range. An error is the larger of two times, so
- * that none is small by chance. */
+/* Runs of ever more steps until the error of q or p would be less than 50 times roundoff: the slopes between the last
+ * and the last but three, where the method is furthest into its asymptotic range. An error is the larger of two times,
+ * so that none is small by chance. */
 enum { TIMES = 2, STEPS_FIRST = 4, STEPS_MOST = 2000, BACK = 3 };
 static const double STEP_RATIO = 1.2, ROUNDOFFS = 50;
 
@@ -75,8 +75,9 @@ static void check_order(const baseline *b, const test_problem *problem)
                   problem->scene->name, slope.q, slope.p, last[0].error.q, last[0].error.p, last[0].steps);
 }
 
-/* Where double precision has room for the asymptotic range: for the highest orders only in the chain of two time scales,
- * for those of Runge and Kutta and of Taylor in two problems. The Taylor method above 10 has a test of its own. */
+/* Where double precision has room for the asymptotic range: for the highest orders only in the chain of two time
+ * scales, for those of Runge and Kutta and of Taylor in two problems. The Taylor method above 10 has a test of its
+ * own. */
 enum { PENDULUM = 1, KEPLER = 2, HENON_HEILES = 4, FPU = 8, SOLAR = 16, ALL = 31 };
 
 static int problems_of(const baseline *b)

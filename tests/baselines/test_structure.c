@@ -72,8 +72,7 @@ START_TEST(steps_are_symplectic)
     const double defect = symplectic_defect(b, s, large_steps[_i % LARGE_STEPS].h);
     if (is_one_of(b, symplectic))
         ck_assert_msg(defect < 2e-8, "%s %d, %s: defect %.1e", b->name, b->order, s->name, defect);
-    else
-        ck_assert_msg(defect > 1e-7, "%s %d, %s: defect only %.1e", b->name, b->order, s->name, defect);
+    else ck_assert_msg(defect > 1e-7, "%s %d, %s: defect only %.1e", b->name, b->order, s->name, defect);
 }
 END_TEST
 
@@ -87,12 +86,10 @@ START_TEST(symmetric_methods_go_back)
     if (b->adaptive || !(is_one_of(b, symmetric) || is_control(b) || strcmp(b->name, "shooting") == 0)) return;
     ck_assert_int_eq(run_from(b, s, 0.25, 10, q, p), TVI_OK);
     ck_assert_int_eq(run_from(b, s, -0.25, 10, q, p), TVI_OK);
-    const double away = fmax(fmax(fabs(q[0] - s->q[0]), fabs(q[1] - s->q[1])),
-                             fmax(fabs(p[0] - s->p[0] - 0.1), fabs(p[1] - s->p[1])));
-    if (is_one_of(b, symmetric))
-        ck_assert_msg(away < 1e-13, "%s %d: %.1e from the start", b->name, b->order, away);
-    else
-        ck_assert_msg(away > 1e-7, "%s %d: only %.1e from the start", b->name, b->order, away);
+    const double away =
+        fmax(fmax(fabs(q[0] - s->q[0]), fabs(q[1] - s->q[1])), fmax(fabs(p[0] - s->p[0] - 0.1), fabs(p[1] - s->p[1])));
+    if (is_one_of(b, symmetric)) ck_assert_msg(away < 1e-13, "%s %d: %.1e from the start", b->name, b->order, away);
+    else ck_assert_msg(away > 1e-7, "%s %d: only %.1e from the start", b->name, b->order, away);
 }
 END_TEST
 
@@ -121,10 +118,8 @@ START_TEST(angular_momentum_is_kept)
         change = fmax(change, fabs(after[k] - before[k]));
         size = fmax(size, fabs(before[k]));
     }
-    if (is_one_of(b, symplectic))
-        ck_assert_msg(change < 1e-13 * size, "%s %d: %.1e", b->name, b->order, change / size);
-    else
-        ck_assert_msg(change > 1e-10 * size, "%s %d: only %.1e", b->name, b->order, change / size);
+    if (is_one_of(b, symplectic)) ck_assert_msg(change < 1e-13 * size, "%s %d: %.1e", b->name, b->order, change / size);
+    else ck_assert_msg(change > 1e-10 * size, "%s %d: only %.1e", b->name, b->order, change / size);
 }
 END_TEST
 

@@ -4,10 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-static jet potential(const jet q[], jet, void *ctx)
-{
-    return *static_cast<double *>(ctx) * (1 - cos(q[0]));
-}
+static jet potential(const jet q[], jet, void *ctx) { return *static_cast<double *>(ctx) * (1 - cos(q[0])); }
 
 static tvi_status swing(const tvi_system *system, double *t, double q[], double p[], double energy[])
 {

@@ -41,19 +41,21 @@ enum { OPERATIONS = 24, POOL = 2 * N_MAX + 1 + OPERATIONS };
 
 static jet operation(bytes *b, const jet pool[], int count)
 {
-    const int op = below(b, 24);
+    enum { FUNCTIONS = JET_FUNCTION_COUNT, ALL = FUNCTIONS + JET_FUNCTION2_COUNT, OTHERS = 10 };
+    const int op = below(b, ALL + OTHERS);
     const jet x = pool[below(b, count)], y = pool[below(b, count)];
-    if (op < 14) return jet_record_function((jet_function)op, x);
-    switch (op) {
-    case 14: return jet_add(x, y);
-    case 15: return jet_sub(x, y);
-    case 16: return jet_div(x, y);
-    case 17: return jet_pow(x, number(b));
-    case 18: return jet_const(number(b));
-    case 19: return jet_sum(pool, count);
-    case 20: return jet_dot(pool, pool + count / 2, count / 2);
-    case 21: return jet_mul(number(b), x);
-    case 22: return jet_add(number(b), x);
+    if (op < FUNCTIONS) return jet_record_function((jet_function)op, x);
+    if (op < ALL) return jet_record_function2((jet_function2)(op - FUNCTIONS), x, y);
+    switch (op - ALL) {
+    case 0: return jet_add(x, y);
+    case 1: return jet_sub(x, y);
+    case 2: return jet_div(x, y);
+    case 3: return jet_pow(x, number(b));
+    case 4: return jet_const(number(b));
+    case 5: return jet_sum(pool, count);
+    case 6: return jet_dot(pool, pool + count / 2, count / 2);
+    case 7: return jet_mul(number(b), x);
+    case 8: return jet_add(number(b), x);
     default: return jet_mul(x, y);
     }
 }

@@ -1,5 +1,5 @@
-/* main.c - the generating functions, on systems of every form. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every
- * Check program. */
+/* main.c - the generating functions, on systems of every form. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in
+ * every Check program. */
 #include "generating.h"
 
 #include <stddef.h>

@@ -8,39 +8,100 @@
 #include <string.h>
 
 const model model_pendulum = {
-    .name = "pendulum", .n = 1, .with = WITH_ALL, .problem = &problem_pendulum, .t_end = 2, .h = 0.1, .steps = 100,
+    .name = "pendulum",
+    .n = 1,
+    .with = WITH_ALL,
+    .problem = &problem_pendulum,
+    .t_end = 2,
+    .h = 0.1,
+    .steps = 100,
 };
 const model model_kepler = {
-    .name = "kepler", .n = 2, .with = WITH_ALL, .problem = &problem_kepler, .t_end = 3, .h = 0.1, .steps = 100,
+    .name = "kepler",
+    .n = 2,
+    .with = WITH_ALL,
+    .problem = &problem_kepler,
+    .t_end = 3,
+    .h = 0.1,
+    .steps = 100,
 };
 const model model_chain = {
-    .name = "chain", .n = 3, .with = WITH_ALL, .problem = &problem_chain, .t0 = 0.3, .t_end = 2.3, .h = 0.05, .steps = 100,
+    .name = "chain",
+    .n = 3,
+    .with = WITH_ALL,
+    .problem = &problem_chain,
+    .t0 = 0.3,
+    .t_end = 2.3,
+    .h = 0.05,
+    .steps = 100,
 };
 const model model_double_pendulum = {
-    .name = "double pendulum", .n = 2, .with = WITH_TYPE1, .scene = &scene_double_pendulum, .t_end = 1.25, .h = 0.04, .steps = 60,
+    .name = "double pendulum",
+    .n = 2,
+    .with = WITH_TYPE1,
+    .scene = &scene_double_pendulum,
+    .t_end = 1.25,
+    .h = 0.04,
+    .steps = 60,
     .most_order = 6,
 };
 const model model_magnetic = {
-    .name = "magnetic", .n = 3, .with = WITH_TYPE1, .scene = &scene_magnetic, .t_end = 5, .h = 0.1, .steps = 40,
+    .name = "magnetic",
+    .n = 3,
+    .with = WITH_TYPE1,
+    .scene = &scene_magnetic,
+    .t_end = 5,
+    .h = 0.1,
+    .steps = 40,
 };
 const model model_nonseparable = {
-    .name = "nonseparable", .n = 1, .with = WITH_ALL, .scene = &scene_nonseparable, .t_end = 2, .h = 0.1, .steps = 100,
+    .name = "nonseparable",
+    .n = 1,
+    .with = WITH_ALL,
+    .scene = &scene_nonseparable,
+    .t_end = 2,
+    .h = 0.1,
+    .steps = 100,
 };
 const model model_vortices = {
-    .name = "vortices", .n = 4, .with = WITH_HAMILTON, .scene = &scene_vortices, .t_end = 0.625, .h = 0.01, .steps = 50,
+    .name = "vortices",
+    .n = 4,
+    .with = WITH_HAMILTON,
+    .scene = &scene_vortices,
+    .t_end = 0.625,
+    .h = 0.01,
+    .steps = 50,
     .most_order = 8,
 };
 const model model_degenerate = {
-    .name = "degenerate", .n = 1, .with = WITH_HAMILTON, .scene = &scene_degenerate, .t_end = 1.5, .h = 0.1, .steps = 20,
+    .name = "degenerate",
+    .n = 1,
+    .with = WITH_HAMILTON,
+    .scene = &scene_degenerate,
+    .t_end = 1.5,
+    .h = 0.1,
+    .steps = 20,
     .most_order = 8,
 };
 const model model_sheared_lagrangian = {
-    .name = "sheared Lagrangian", .n = CHAIN_N, .with = WITH_TYPE1, .lagrangian = sheared_lagrangian,
-    .t0 = 0.3, .t_end = 2.3, .h = 0.05, .steps = 100,
+    .name = "sheared Lagrangian",
+    .n = CHAIN_N,
+    .with = WITH_TYPE1,
+    .lagrangian = sheared_lagrangian,
+    .t0 = 0.3,
+    .t_end = 2.3,
+    .h = 0.05,
+    .steps = 100,
 };
 const model model_sheared_hamiltonian = {
-    .name = "sheared Hamiltonian", .n = CHAIN_N, .with = WITH_ALL, .hamiltonian = sheared_hamiltonian,
-    .t0 = 0.3, .t_end = 2.3, .h = 0.05, .steps = 100,
+    .name = "sheared Hamiltonian",
+    .n = CHAIN_N,
+    .with = WITH_ALL,
+    .hamiltonian = sheared_hamiltonian,
+    .t0 = 0.3,
+    .t_end = 2.3,
+    .h = 0.05,
+    .steps = 100,
 };
 
 const model *const models[MODELS] = {
@@ -141,7 +202,8 @@ model_path model_solution(const model *m)
     for (int i = 0; i < m->n; i++) moved.q[i] *= 1 + change, moved.p[i] *= 1 + change;
     (void)fine_run(m, moved, at, m->t_end);
     for (int k = 0; k < PARTS; k++) {
-        const two_errors moves = state_difference(m->n, &at[k], &path.at[k]), size = state_difference(m->n, &path.at[k], &zero);
+        const two_errors moves = state_difference(m->n, &at[k], &path.at[k]),
+                         size = state_difference(m->n, &path.at[k], &zero);
         path.roundoff.q = fmax(path.roundoff.q, DBL_EPSILON * fmax(size.q, moves.q / change));
         path.roundoff.p = fmax(path.roundoff.p, DBL_EPSILON * fmax(size.p, moves.p / change));
     }
@@ -151,7 +213,7 @@ model_path model_solution(const model *m)
 /* ---- Generating functions ---------------------------------------------------------------------------------------- */
 
 #define BOTH(method, expansion, symmetric)                                                                             \
-    {method, expansion, TVI_NODES_ON_CURVE, symmetric}, {method, expansion, TVI_NODES_TRUNCATED, symmetric}
+    {method, expansion, TVI_NODES_ON_CURVE, symmetric}, { method, expansion, TVI_NODES_TRUNCATED, symmetric }
 
 const kind kinds[ALL_KINDS] = {
     BOTH(TVI_TYPE1, TVI_AT_START, false),
@@ -204,14 +266,16 @@ const char *describe(const tvi_options *options)
 {
     static const char *const method[] = {"type I", "type II", "type III", "Poincare", "Taylor", "Stormer-Verlet"};
     static const char *const expansion[] = {"start", "midpoint", "end", "both ends", "nodes"};
-    static const char *const quadrature[] = {"auto", "Gauss", "Lobatto", "trapezoid", "rectangle start", "rectangle end"};
+    static const char *const quadrature[] = {"auto",      "Gauss",           "Lobatto",
+                                             "trapezoid", "rectangle start", "rectangle end"};
     enum { TEXTS = 8 };
     static char text[TEXTS][160];
     static int next;
     char *out = text[next++ % TEXTS];
-    snprintf(out, sizeof text[0], "%s, %s, %s, degree %d, %s %d%s", method[options->method], expansion[options->expansion],
-             options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve", options->degree, quadrature[options->quadrature],
-             options->quadrature_points, options->compose_adjoint ? ", composed" : "");
+    snprintf(out, sizeof text[0], "%s, %s, %s, degree %d, %s %d%s", method[options->method],
+             expansion[options->expansion], options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve",
+             options->degree, quadrature[options->quadrature], options->quadrature_points,
+             options->compose_adjoint ? ", composed" : "");
     return out;
 }
 

@@ -1,5 +1,5 @@
-/* models.h - what the suites run on: problems of every form with their exact ends, and every generating function. Letters
- * as in docs/method.md. */
+/* models.h - what the suites run on: problems of every form with their exact ends, and every generating function.
+ * Letters as in docs/method.md. */
 #ifndef TESTS_GENERATING_MODELS_H
 #define TESTS_GENERATING_MODELS_H
 
@@ -17,14 +17,14 @@ typedef struct model {
     const scene *scene;          /* a general scene, else NULL: */
     tvi_lagrangian_fn *lagrangian;
     tvi_hamiltonian_fn *hamiltonian; /* one of the two */
-    double t0, t_end;            /* of a short run; a scene's own end may be later */
-    double h;                    /* a step of usual size */
-    int steps;                   /* as many as roundoff does not grow much in */
-    int most_order;              /* whose slope settles before roundoff ends the line, where that is known; 0: any */
+    double t0, t_end;                /* of a short run; a scene's own end may be later */
+    double h;                        /* a step of usual size */
+    int steps;                       /* as many as roundoff does not grow much in */
+    int most_order; /* whose slope settles before roundoff ends the line, where that is known; 0: any */
 } model;
 
-/* sheared_*: the driven chain of problems.h in coordinates x, q = S x, after a change of gauge f(q, t) (statements.h): the
- * mass is no longer diagonal, velocities stand in the force, and time stands in every term. */
+/* sheared_*: the driven chain of problems.h in coordinates x, q = S x, after a change of gauge f(q, t) (statements.h):
+ * the mass is no longer diagonal, velocities stand in the force, and time stands in every term. */
 extern const model model_pendulum, model_kepler, model_chain, model_double_pendulum, model_magnetic, model_nonseparable,
     model_vortices, model_degenerate, model_sheared_lagrangian, model_sheared_hamiltonian;
 extern const model *const models[]; /* all of them */
@@ -36,8 +36,8 @@ test_state model_start(const model *m);
 /* Near the start, away from any symmetry. */
 test_state model_place(const model *m);
 
-/* The solution at t0 + k (t_end - t0)/PARTS, k = 1..PARTS, and what roundoff alone makes of the state there. By a fine run of
- * order 16, which is checked against the scene's reference or problem_exact at the end. */
+/* The solution at t0 + k (t_end - t0)/PARTS, k = 1..PARTS, and what roundoff alone makes of the state there. By a fine
+ * run of order 16, which is checked against the scene's reference or problem_exact at the end. */
 enum { PARTS = 2 };
 typedef struct {
     test_state at[PARTS];
@@ -76,7 +76,8 @@ const char *describe(const tvi_options *options);
 tvi_integrator *integrator_of(const tvi_system *system, const tvi_options *options);
 /* The test fails where a step does. */
 void go(tvi_integrator *integrator, double h, long steps, test_state *x);
-/* A step from x that continues no other, with its Jacobian M[2n][2n], rows and columns (q, p). The test fails where it does. */
+/* A step from x that continues no other, with its Jacobian M[2n][2n], rows and columns (q, p). The test fails where it
+ * does. */
 void go_tangent(int n, tvi_integrator *integrator, double h, test_state *x, double M[]);
 /* The largest element of M^T J M - J. */
 double symplectic_defect(int n, const double M[]);

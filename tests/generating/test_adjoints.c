@@ -1,5 +1,6 @@
-/* test_adjoints.c - the adjoint Phi*_h = (Phi_-h)^-1 of every method, with explicit time Phi*_{h,t} = (Phi_{-h,t+h})^-1, the
- * composition with it, and the symmetry of the methods that are their own adjoints (docs/method.md section 4). */
+/* test_adjoints.c - the adjoint Phi*_h = (Phi_-h)^-1 of every method, with explicit time Phi*_{h,t} =
+ * (Phi_{-h,t+h})^-1, the composition with it, and the symmetry of the methods that are their own adjoints
+ * (docs/method.md section 4). */
 #include "generating.h"
 #include "models.h"
 
@@ -55,7 +56,8 @@ START_TEST(adjoint_undoes_the_step_back)
             const tvi_options options = kind_options_with(k, degree, rules[rule].quadrature, rules[rule].points);
             const tvi_options adjoint = adjoint_of(&options);
             const double error = missed(m, &options, &adjoint);
-            ck_assert_msg(error < 1e-13, "%s, %s then %s: %.1e", m->name, describe(&options), describe(&adjoint), error);
+            ck_assert_msg(error < 1e-13, "%s, %s then %s: %.1e", m->name, describe(&options), describe(&adjoint),
+                          error);
         }
 }
 END_TEST

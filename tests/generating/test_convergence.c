@@ -1,5 +1,5 @@
-/* test_convergence.c - the passes end at roundoff, wherever they end (docs/method.md section 5): what they leave out does not
- * grow to more than roundoff, for else the method would not be the symplectic one. */
+/* test_convergence.c - the passes end at roundoff, wherever they end (docs/method.md section 5): what they leave out
+ * does not grow to more than roundoff, for else the method would not be the symplectic one. */
 #include "generating.h"
 #include "models.h"
 
@@ -34,10 +34,12 @@ START_TEST(passes_end_at_roundoff)
 }
 END_TEST
 
-/* Section 5, Kepler, h = 1/16, N = 4: type II at the start 1.1e-6, 6.8e-12, that is 6.2e-6 a pass; type III 1.4e-8 a pass. */
+/* Section 5, Kepler, h = 1/16, N = 4: type II at the start 1.1e-6, 6.8e-12, that is 6.2e-6 a pass; type III 1.4e-8 a
+ * pass. */
 START_TEST(passes_contract_as_measured)
 {
-    static const kind of[] = {{TVI_TYPE2, TVI_AT_START, TVI_NODES_ON_CURVE, false}, {TVI_TYPE3, TVI_AT_START, TVI_NODES_ON_CURVE, false}};
+    static const kind of[] = {{TVI_TYPE2, TVI_AT_START, TVI_NODES_ON_CURVE, false},
+                              {TVI_TYPE3, TVI_AT_START, TVI_NODES_ON_CURVE, false}};
     static const double most[] = {2 * 6.2e-6, 2 * 1.4e-8}, least[] = {6.2e-6 / 2, 0};
     double residual[2];
     for (int pass = 0; pass < 2; pass++) {

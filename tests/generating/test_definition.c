@@ -1,6 +1,6 @@
-/* test_definition.c - steps of the library against the same methods from their definition (docs/method.md sections 3 and 4):
- * the discrete action S(z) summed at the nodes, differentiated by differences, and the generating function's equations with
- * whole actions, no defects, solved in long double. Shares nothing with the library. */
+/* test_definition.c - steps of the library against the same methods from their definition (docs/method.md sections 3
+ * and 4): the discrete action S(z) summed at the nodes, differentiated by differences, and the generating function's
+ * equations with whole actions, no defects, solved in long double. Shares nothing with the library. */
 #include "generating.h"
 #include "models.h"
 
@@ -129,7 +129,8 @@ static void slopes(int K, const law *l, const series q[n], const series p[n], se
     dq[1] = scaled(K, 2, sum(K, p[1], scaled(K, -l->a, squares[0])));
     dp[0] = sum(K, scaled(K, 2 * l->a, product(K, q[0], dq[1])), scaled(K, -4, q[0]));
     dp[0] = sum(K, dp[0], sum(K, scaled(K, -2, product(K, q[0], q[1])), scaled(K, -0.5L, C)));
-    dp[1] = sum(K, scaled(K, l->a, product(K, dq[0], C)), scaled(K, 1.5L * l->b, product(K, q[1], product(K, dq[0], dq[0]))));
+    dp[1] = sum(K, scaled(K, l->a, product(K, dq[0], C)),
+                scaled(K, 1.5L * l->b, product(K, q[1], product(K, dq[0], dq[0]))));
     dp[1] = sum(K, dp[1], sum(K, scaled(K, -1, squares[0]), scaled(K, -3, product(K, q[1], squares[1]))));
 }
 
@@ -257,7 +258,8 @@ static void solve(int size, real A[COLUMNS_MAX][COLUMNS_MAX], real x[])
         for (int i = k + 1; i < size; i++)
             if (fabsl(A[i][k]) > fabsl(A[pivot][k])) pivot = i;
         for (int j = 0; j <= size; j++) { /* the right side too */
-            real *const one = j < size ? &A[k][j] : &x[k], *const other = j < size ? &A[pivot][j] : &x[pivot], kept = *one;
+            real *const one = j < size ? &A[k][j] : &x[k], *const other = j < size ? &A[pivot][j] : &x[pivot],
+                        kept = *one;
             *one = *other;
             *other = kept;
         }
@@ -315,8 +317,7 @@ static void close_type1(const real y[], real J[ROWS_MAX][COLUMNS_MAX], ends *e)
 static void close_type2(const real y[], real J[ROWS_MAX][COLUMNS_MAX], ends *e)
 {
     real X[Z];
-    for (int j = 0; j < Z; j++)
-        X[j] = pulled(J, TO_Q, y + TO_P, j) + pulled(J, TO_P, y + TO_Q, j) - J[ACTION][j];
+    for (int j = 0; j < Z; j++) X[j] = pulled(J, TO_Q, y + TO_P, j) + pulled(J, TO_P, y + TO_Q, j) - J[ACTION][j];
     solve_pair(J, FROM_Q, TO_P, X);
     for (int i = 0; i < n; i++) {
         e->q0[i] = y[FROM_Q + i], e->p0[i] = X[i];
@@ -391,7 +392,8 @@ static void definition_step(const method *m, const test_state *start, ends *e)
     real z[Z], q[n], p[n], J[ROWS_MAX][COLUMNS_MAX], A[COLUMNS_MAX][COLUMNS_MAX], r[Z];
     for (int i = 0; i < n; i++) q[i] = start->q[i], p[i] = start->p[i];
     const curve g = expand(m->l, m->t, q, p, false);
-    for (int i = 0; i < n; i++) q[i] = value(&g.q[i], TOP, m->centre * m->h), p[i] = value(&g.p[i], TOP, m->centre * m->h);
+    for (int i = 0; i < n; i++)
+        q[i] = value(&g.q[i], TOP, m->centre * m->h), p[i] = value(&g.p[i], TOP, m->centre * m->h);
     (void)hamiltonian(m->l, q, p, m->t + m->centre * m->h, r);
     for (int i = 0; i < n; i++) z[i] = q[i], z[n + i] = m->k->method == TVI_TYPE1 ? r[i] : p[i];
     for (int pass = 0; pass < PASSES; pass++) {
@@ -492,7 +494,7 @@ static void definition_step_both(const method *m, const test_state *start, ends 
 
 /* ---- The comparison ---------------------------------------------------------------------------------------------- */
 
-#define ROOT_3 1.7320508075688772935274463L
+#define ROOT_3  1.7320508075688772935274463L
 #define ROOT_15 3.8729833462074168851792654L
 static const rule rules[] = {
     {TVI_GAUSS, 2, {0.5L, 0.5L}, {(3 - ROOT_3) / 6, (3 + ROOT_3) / 6}},
@@ -502,7 +504,11 @@ static const rule rules[] = {
     {TVI_RECTANGLE_START, 1, {1}, {0}},
     {TVI_RECTANGLE_END, 1, {1}, {1}},
 };
-enum { RULES = sizeof rules / sizeof *rules, STATEMENTS = 3, SMALL_STEPS = 1 }; /* the first rule with a small step too */
+enum {
+    RULES = sizeof rules / sizeof *rules,
+    STATEMENTS = 3,
+    SMALL_STEPS = 1
+}; /* the first rule with a small step too */
 
 /* The separable problem, and the general one as a Lagrangian and as a Hamiltonian. */
 static tvi_system *stated(int statement)
@@ -520,7 +526,8 @@ static void check_step(const tvi_system *system, const method *m)
     const test_state start = {.t = 0.3, .q = {0.4, -0.3}, .p = {0.5, 0.2}};
     tvi_options options = kind_options_with(m->k, m->degree, m->nodes->quadrature, m->nodes->points);
     const char *why;
-    if (tvi_options_check(system, &options, &why) == TVI_EINVAL && m->degree == 0) return; /* the rectangle is of order 1 */
+    if (tvi_options_check(system, &options, &why) == TVI_EINVAL && m->degree == 0)
+        return; /* the rectangle is of order 1 */
     tvi_integrator *integrator = integrator_of(system, &options);
     test_state x = start;
     ends e;
@@ -535,15 +542,21 @@ static void check_step(const tvi_system *system, const method *m)
 
 START_TEST(step_is_that_of_the_definition)
 {
-    static const real centre[] = {[TVI_AT_START] = 0, [TVI_AT_MIDPOINT] = 0.5L, [TVI_AT_END] = 1, [TVI_AT_BOTH_ENDS] = 0};
+    static const real centre[] = {
+        [TVI_AT_START] = 0, [TVI_AT_MIDPOINT] = 0.5L, [TVI_AT_END] = 1, [TVI_AT_BOTH_ENDS] = 0};
     const kind *k = &kinds[_i % KINDS];
     const int statement = _i / KINDS;
     if (statement == 1 && k->method != TVI_TYPE1) return;
     tvi_system *system = stated(statement);
     for (int degree = kind_least_degree(k); degree < TOP; degree++)
         for (int which = 0; which < RULES + SMALL_STEPS; which++) {
-            const method m = {.l = statement == 0 ? &separable : &general, .k = k, .nodes = &rules[which % RULES], .degree = degree,
-                              .t = 0.3, .h = which < RULES ? 0.0625 : 0.0117, .centre = centre[k->expansion]};
+            const method m = {.l = statement == 0 ? &separable : &general,
+                              .k = k,
+                              .nodes = &rules[which % RULES],
+                              .degree = degree,
+                              .t = 0.3,
+                              .h = which < RULES ? 0.0625 : 0.0117,
+                              .centre = centre[k->expansion]};
             check_step(system, &m);
         }
     tvi_system_free(system);

@@ -1,7 +1,7 @@
-/* test_dense.c - dense output: the ends of the step, the order between them, continuity. With a curve of degree N the error of
- * one step's inner points is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(K+1)) in both (O(h^2) for K = 0):
- * the curve's own, whatever the order of the method. The Galerkin curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable
- * system. */
+/* test_dense.c - dense output: the ends of the step, the order between them, continuity. With a curve of degree N the
+ * error of one step's inner points is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(K+1)) in both
+ * (O(h^2) for K = 0): the curve's own, whatever the order of the method. The Galerkin curve O(h^(N+1)) in both, and
+ * O(h^(N+2)) in q of a separable system. */
 #include "generating.h"
 #include "models.h"
 
@@ -87,7 +87,8 @@ START_TEST(composition_has_the_output_of_its_halves)
     const tvi_options first = kind_options(k, 2), second = adjoint_of(&first);
     tvi_options composed = first;
     composed.compose_adjoint = true;
-    tvi_integrator *whole = integrator_of(system, &composed), *half[] = {integrator_of(system, &first), integrator_of(system, &second)};
+    tvi_integrator *whole = integrator_of(system, &composed),
+                   *half[] = {integrator_of(system, &first), integrator_of(system, &second)};
     test_state x = model_start(m), y = x, a = {0}, b = {0};
     go(whole, m->h, 1, &x);
     for (int i = 0; i < 2; i++) go(half[i], m->h / 2, 1, &y);
@@ -153,18 +154,21 @@ START_TEST(inner_points_have_the_order_of_the_curve)
     const tvi_options fine_options = kind_options(&midpoint, 8);
     tvi_system *system = model_system(m);
     tvi_integrator *fine = integrator_of(system, &fine_options);
-    const bool galerkin = _i % METHODS < TAYLOR && _i % METHODS % ALL_KINDS == GALERKIN; /* wanders before roundoff at 4 */
+    const bool galerkin =
+        _i % METHODS < TAYLOR && _i % METHODS % ALL_KINDS == GALERKIN; /* wanders before roundoff at 4 */
     const int most = _i % METHODS == VERLET ? 1 : galerkin ? DEGREES - 1 : DEGREES;
     for (int degree = 1; degree <= most; degree++) {
         tvi_options options;
         if (!method_options(_i % METHODS, degree, m, &options)) break;
         tvi_integrator *integrator = integrator_of(system, &options);
         const double part[] = {0.1, 0.25, 0.5, 1}, h = part[degree - 1] * m->h, ratio = 0.5;
-        const two_errors coarse = error_inside(m, integrator, fine, h), less = error_inside(m, integrator, fine, ratio * h);
+        const two_errors coarse = error_inside(m, integrator, fine, h),
+                         less = error_inside(m, integrator, fine, ratio * h);
         const two_errors expected = exponents(m, &options);
         const double q = log(less.q / coarse.q) / log(ratio), p = log(less.p / coarse.p) / log(ratio);
         ck_assert_msg(fabs(q - expected.q) < 0.45 && fabs(p - expected.p) < 0.45,
-                      "%s, %s: %.2f in q, %.2f in p (errors %.1e, %.1e)", m->name, describe(&options), q, p, less.q, less.p);
+                      "%s, %s: %.2f in q, %.2f in p (errors %.1e, %.1e)", m->name, describe(&options), q, p, less.q,
+                      less.p);
         tvi_integrator_free(integrator);
     }
     tvi_integrator_free(fine);

@@ -1,4 +1,5 @@
-/* test_forms.c - the closed forms of docs/method.md section 7: methods of the lowest degree written down with H_q and H_p. */
+/* test_forms.c - the closed forms of docs/method.md section 7: methods of the lowest degree written down with H_q and
+ * H_p. */
 #include "generating.h"
 #include "models.h"
 
@@ -94,7 +95,8 @@ static void right_with_end(const model *m, long double h, exact_state *x)
     *x = end;
 }
 
-/* Type III at the start with the rectangle there, separable: w - h^2 M^-1 F(w) = q0, p1 = p0 + h F(w), q1 = q0 + h M^-1 p1. */
+/* Type III at the start with the rectangle there, separable: w - h^2 M^-1 F(w) = q0, p1 = p0 + h F(w), q1 = q0 + h M^-1
+ * p1. */
 static void left_with_start(const model *m, long double h, exact_state *x)
 {
     exact_state end = *x;
@@ -200,9 +202,13 @@ enum { FORM_MODELS = sizeof form_models / sizeof *form_models, FORM_STEPS = 30 }
 
 static tvi_options form_options(int form)
 {
-    return (tvi_options){.method = forms[form].method, .expansion = forms[form].expansion, .nodes = forms[form].nodes,
-                         .degree = forms[form].method == TVI_POINCARE ? 0 : 1, .order = 2,
-                         .quadrature = forms[form].quadrature, .quadrature_points = forms[form].points};
+    return (tvi_options){.method = forms[form].method,
+                         .expansion = forms[form].expansion,
+                         .nodes = forms[form].nodes,
+                         .degree = forms[form].method == TVI_POINCARE ? 0 : 1,
+                         .order = 2,
+                         .quadrature = forms[form].quadrature,
+                         .quadrature_points = forms[form].points};
 }
 
 static double form_error(const model *m, const test_state *x, const exact_state *exact)
@@ -225,7 +231,8 @@ static void check_form(const model *m, const tvi_options *options, closed_form *
         go(integrator, h, 1, &x);
         step(m, h, &exact);
         const double error = form_error(m, &x, &exact);
-        ck_assert_msg(error < (count == 1 ? 1e-15 : 1e-14), "%s, %s, step %d: %.1e", m->name, describe(options), count, error);
+        ck_assert_msg(error < (count == 1 ? 1e-15 : 1e-14), "%s, %s, step %d: %.1e", m->name, describe(options), count,
+                      error);
     }
     tvi_integrator_free(integrator);
     tvi_system_free(system);
@@ -278,8 +285,8 @@ static int form_of(tvi_method method, tvi_expansion expansion, tvi_quadrature qu
     return found;
 }
 
-/* The rectangle at the start makes one method of types I and II, that at the end one of types I and III; but type II with the
- * rectangle at the end, and type III with that at the start, are other methods, and no symplectic Euler. */
+/* The rectangle at the start makes one method of types I and II, that at the end one of types I and III; but type II
+ * with the rectangle at the end, and type III with that at the start, are other methods, and no symplectic Euler. */
 START_TEST(types_agree_where_they_do)
 {
     const model *m = form_models[_i];

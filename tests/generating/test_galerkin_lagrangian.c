@@ -1,5 +1,5 @@
-/* test_galerkin_lagrangian.c - the Galerkin curve of Lagrangians (docs/method.md sections 4 and 5): against the Hamiltonian
- * form of the same system, its passes, and where it fails. */
+/* test_galerkin_lagrangian.c - the Galerkin curve of Lagrangians (docs/method.md sections 4 and 5): against the
+ * Hamiltonian form of the same system, its passes, and where it fails. */
 #include "generating.h"
 #include "models.h"
 
@@ -15,9 +15,10 @@ static tvi_system *lagrangian_system(int n, tvi_lagrangian_fn *lagrangian, void 
     return system;
 }
 
-/* ---- The Hamiltonian form of the same system ----------------------------------------------------------------------- */
+/* ---- The Hamiltonian form of the same system --------------------------------------------------------------------- */
 
-/* Bodies on a ring, each coupled to all: L = sum_i v_i^2/2 - (1 + i/8) q_i^2/2 + 2/(5 n) sum_{j < i} v_i v_j cos(q_i - q_j). */
+/* Bodies on a ring, each coupled to all: L = sum_i v_i^2/2 - (1 + i/8) q_i^2/2 + 2/(5 n) sum_{j < i} v_i v_j cos(q_i -
+ * q_j). */
 static jet coupled(const jet q[], const jet v[], jet t, void *ctx)
 {
     const int n = *(const int *)ctx;
@@ -71,7 +72,8 @@ START_TEST(hamiltonian_form_is_the_same)
     const model *m = twins[_i % TWINS].lagrangian;
     const bool has_twin = twins[_i % TWINS].hamiltonian.hamiltonian != NULL;
     const tvi_options options = galerkin(1 + _i / TWINS);
-    tvi_system *L = model_system(m), *H = model_system(has_twin ? &twins[_i % TWINS].hamiltonian : &model_sheared_hamiltonian);
+    tvi_system *L = model_system(m),
+               *H = model_system(has_twin ? &twins[_i % TWINS].hamiltonian : &model_sheared_hamiltonian);
     tvi_integrator *it = integrator_of(L, &options), *other = integrator_of(H, &options);
     test_state x = model_start(m);
     for (int step = 0; step < TWIN_STEPS; step++) {
@@ -150,7 +152,8 @@ START_TEST(energy_does_not_drift)
     ck_assert_msg(error < rows[row].most, "%s, %d nodes: %.1e", rows[row].m->name, options.degree, error);
     options.tolerance = rows[row].tolerance;
     const double biased = energy_after(rows[row].m, rows[row].h, &options);
-    ck_assert_msg(biased > 10 * rows[row].most, "%s, %d nodes: %.1e with a tolerance", rows[row].m->name, options.degree, biased);
+    ck_assert_msg(biased > 10 * rows[row].most, "%s, %d nodes: %.1e with a tolerance", rows[row].m->name,
+                  options.degree, biased);
 }
 END_TEST
 
@@ -278,7 +281,8 @@ START_TEST(nodes_without_a_value_fail)
         tvi_lagrangian_fn *lagrangian;
         double t, h;
         tvi_status status;
-    } rows[] = {{fading_mass, 0.5, 1, TVI_ESINGULAR}, {logarithmic_mass, 2, -4, TVI_EDOMAIN}, {fading_mass, 3, 1, TVI_OK}};
+    } rows[] = {
+        {fading_mass, 0.5, 1, TVI_ESINGULAR}, {logarithmic_mass, 2, -4, TVI_EDOMAIN}, {fading_mass, 3, 1, TVI_OK}};
     const tvi_options options = galerkin(1 + 2 * (_i / 3));
     tvi_system *system = lagrangian_system(1, rows[_i % 3].lagrangian, NULL);
     tvi_integrator *it = integrator_of(system, &options);

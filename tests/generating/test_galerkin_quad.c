@@ -10,7 +10,10 @@
 
 /* Problems of a force, then scenes of a Lagrangian or a Hamiltonian. */
 static const test_problem *const problems[] = {
-    &problem_pendulum, &problem_kepler, &problem_henon_heiles, &problem_chain,
+    &problem_pendulum,
+    &problem_kepler,
+    &problem_henon_heiles,
+    &problem_chain,
 };
 enum { PROBLEMS = sizeof problems / sizeof *problems, ROWS = PROBLEMS + EQUATIONS, STEPS = 3, PASSES = 150 };
 static const double steps[ROWS] = {0.25, 0.2, 0.5, 0.125, 0.0625, 0.25, 0.25, 0.03125, 0.125};
@@ -79,7 +82,8 @@ static void collocate(const quad_slopes *s, const quad_method *gauss, quad h, qu
 
 static quad_slopes open_slopes(int row)
 {
-    if (row >= PROBLEMS) return (quad_slopes){.n = equations[row - PROBLEMS].scene->n, .equations = &equations[row - PROBLEMS]};
+    if (row >= PROBLEMS)
+        return (quad_slopes){.n = equations[row - PROBLEMS].scene->n, .equations = &equations[row - PROBLEMS]};
     const test_problem *problem = problems[row];
     const scene *s = problem->scene;
     quad_system *system = problem->force ? quad_system_force(s->n, s->mass, problem->force, NULL)

@@ -1,5 +1,5 @@
-/* test_geometry.c - what every generating function keeps: the symplectic form, the momenta of symmetries, the energy without
- * trend (docs/method.md sections 3 to 6). Every property has a control that must fail it. */
+/* test_geometry.c - what every generating function keeps: the symplectic form, the momenta of symmetries, the energy
+ * without trend (docs/method.md sections 3 to 6). Every property has a control that must fail it. */
 #include "generating.h"
 #include "models.h"
 
@@ -75,7 +75,8 @@ START_TEST(others_are_not_symplectic)
     const int count = m == &model_degenerate ? 2 : 4; /* its H is linear in p: there a pass may solve the equations */
     for (int row = 0; row < count; row++) {
         const double defect = defect_of(m, rows[row].options);
-        ck_assert_msg(defect > rows[row].least, "%s, %s, row %d: defect %.1e", m->name, describe(rows[row].options), row, defect);
+        ck_assert_msg(defect > rows[row].least, "%s, %s, row %d: defect %.1e", m->name, describe(rows[row].options),
+                      row, defect);
     }
 }
 END_TEST
@@ -132,7 +133,8 @@ static const struct {
     const model *m;
     momentum_function *momentum;
     int steps; /* the charge is in ever stronger fields later */
-} momenta[] = {{&model_kepler, turning, 2000}, {&model_magnetic, turning, 250}, {&model_vortices, vorticity_centre, 2000}};
+} momenta[] = {
+    {&model_kepler, turning, 2000}, {&model_magnetic, turning, 250}, {&model_vortices, vorticity_centre, 2000}};
 enum { MOMENTUM_ROWS = sizeof momenta / sizeof *momenta, MANY_STEPS = 2000, FEW_STEPS = 50 };
 
 START_TEST(momenta_are_kept)
@@ -236,7 +238,8 @@ START_TEST(energy_of_taylor_drifts)
     const tvi_options symplectic = kind_options(&energy_rows[_i].k, energy_rows[_i].degree);
     const tvi_options options = {.method = TVI_TAYLOR, .order = order_of(energy_rows[_i].m, &symplectic)};
     const energy_error error = energy_over(energy_rows[_i].m, &options, energy_rows[_i].h, energy_rows[_i].steps);
-    ck_assert_msg(error.last > 3 * error.first, "%s: %.2e, then %.2e", energy_rows[_i].m->name, error.first, error.last);
+    ck_assert_msg(error.last > 3 * error.first, "%s: %.2e, then %.2e", energy_rows[_i].m->name, error.first,
+                  error.last);
 }
 END_TEST
 

@@ -1,4 +1,5 @@
-/* test_orders.c - the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3 and 4). */
+/* test_orders.c - the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3 and
+ * 4). */
 #include "generating.h"
 #include "models.h"
 
@@ -13,8 +14,8 @@ static void find_paths(void)
 
 /* ---- The slope of the error -------------------------------------------------------------------------------------- */
 
-/* Runs of ever more steps, until the slopes of q and of p have both settled (changed by less than `settled`, twice), or an
- * error is near roundoff. */
+/* Runs of ever more steps, until the slopes of q and of p have both settled (changed by less than `settled`, twice), or
+ * an error is near roundoff. */
 enum { STEPS_FIRST = 1, STEPS_MOST = 1500, TIMES_SETTLED = 2 };
 static const double STEP_RATIO = 1.35, LARGEST = 3e-2, ROUNDOFFS = 50;
 
@@ -49,10 +50,12 @@ static order_fit fit_order(int which, const tvi_options *options, double settled
     order_fit fit = {0}, before;
     int times = 0;
     two_errors error;
-    for (double count = STEPS_FIRST; count < STEPS_MOST && times < TIMES_SETTLED; count = fmax(count + 1, count * STEP_RATIO)) {
+    for (double count = STEPS_FIRST; count < STEPS_MOST && times < TIMES_SETTLED;
+         count = fmax(count + 1, count * STEP_RATIO)) {
         const long steps = lround(count);
         if (!error_after(which, integrator, steps, &error)) {
-            ck_assert_msg(fit.steps == 0, "%s, %s: no convergence in %ld steps", models[which]->name, describe(options), steps);
+            ck_assert_msg(fit.steps == 0, "%s, %s: no convergence in %ld steps", models[which]->name, describe(options),
+                          steps);
             continue;
         }
         if (larger(error) > LARGEST) continue;
@@ -74,7 +77,8 @@ static void check_order(int which, const tvi_options *options, double least, dou
     const order_fit fit = fit_order(which, options, most - least < 1 ? 0.03 : 0.1);
     ck_assert_msg(fit.slope.q > least && fit.slope.q < most && fit.slope.p > least && fit.slope.p < most,
                   "%s, %s: order %.2f in q and %.2f in p (errors %.1e, %.1e after %ld steps), not %.1f to %.1f",
-                  models[which]->name, describe(options), fit.slope.q, fit.slope.p, fit.error.q, fit.error.p, fit.steps, least, most);
+                  models[which]->name, describe(options), fit.slope.q, fit.slope.p, fit.error.q, fit.error.p, fit.steps,
+                  least, most);
 }
 
 /* The order that the library promises. */
@@ -89,8 +93,8 @@ static void check_promise(int which, const tvi_options *options, int order)
 
 /* ---- Every method and degree ------------------------------------------------------------------------------------- */
 
-/* On-curve 2N, Poincare 2K + 2; truncated N at the ends, at the midpoint the even number from N on, and at both ends the
- * one from r on. */
+/* On-curve 2N, Poincare 2K + 2; truncated N at the ends, at the midpoint the even number from N on, and at both ends
+ * the one from r on. */
 static int order_of(const kind *k, int degree)
 {
     if (k->nodes == TVI_NODES_ON_CURVE) return 2 * degree + (k->method == TVI_POINCARE ? 2 : 0);
@@ -149,7 +153,8 @@ enum { ROWS = sizeof rows / sizeof *rows, ROW_MODELS = 3 };
 
 START_TEST(quadrature_and_composition_have_their_orders)
 {
-    static const int chain = 2, double_pendulum = 3, nonseparable = 5, of[ROW_MODELS] = {chain, double_pendulum, nonseparable};
+    static const int chain = 2, double_pendulum = 3, nonseparable = 5,
+                     of[ROW_MODELS] = {chain, double_pendulum, nonseparable};
     const int row = _i % ROWS, which = of[_i / ROWS];
     if (!kind_serves(&rows[row].k, models[which])) return;
     tvi_options options = kind_options_with(&rows[row].k, rows[row].degree, rows[row].quadrature, rows[row].points);
@@ -203,8 +208,8 @@ START_TEST(errors_are_those_of_the_tables)
         test_state x = model_start(m);
         go(integrator, (m->t_end - m->t0) / (double)steps, steps, &x);
         const double error = larger(state_difference(m->n, &x, &paths[measured[_i].which].at[PARTS - 1]));
-        ck_assert_msg(error < 1.5 * expected && error > expected / 1.5, "%s, %s, %ld steps: error %.2e, not %.1e", m->name,
-                      describe(&options), steps, error, expected);
+        ck_assert_msg(error < 1.5 * expected && error > expected / 1.5, "%s, %s, %ld steps: error %.2e, not %.1e",
+                      m->name, describe(&options), steps, error, expected);
         tvi_integrator_free(integrator);
     }
     tvi_system_free(system);

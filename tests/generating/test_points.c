@@ -16,8 +16,10 @@ static void check_round_trip(const tvi_system *system, const char *name, double 
     ck_assert_int_eq(tvi_velocity(system, t, q, p, back), TVI_OK);
     ck_assert_int_eq(tvi_momentum(system, t, q, back, again), TVI_OK);
     for (int i = 0; i < n; i++) {
-        ck_assert_msg(fabs(back[i] - v[i]) < 4e-15 * fmax(1, fabs(v[i])), "%s: v %d is %.17g, not %.17g", name, i, back[i], v[i]);
-        ck_assert_msg(fabs(again[i] - p[i]) < 4e-15 * fmax(1, fabs(p[i])), "%s: p %d is %.17g, not %.17g", name, i, again[i], p[i]);
+        ck_assert_msg(fabs(back[i] - v[i]) < 4e-15 * fmax(1, fabs(v[i])), "%s: v %d is %.17g, not %.17g", name, i,
+                      back[i], v[i]);
+        ck_assert_msg(fabs(again[i] - p[i]) < 4e-15 * fmax(1, fabs(p[i])), "%s: p %d is %.17g, not %.17g", name, i,
+                      again[i], p[i]);
     }
 }
 
@@ -90,7 +92,8 @@ START_TEST(relativistic_mechanics)
     tvi_system *L, *H;
     ck_assert_int_eq(tvi_system_lagrangian(&L, 2, relativistic, NULL), TVI_OK);
     ck_assert_int_eq(tvi_system_hamiltonian(&H, 2, relativistic_energy, NULL), TVI_OK);
-    const double q[] = {0.5, -1}, v[] = {0.6 * speeds[_i], -0.8 * speeds[_i]}, gamma = 1 / sqrt(1 - speeds[_i] * speeds[_i]);
+    const double q[] = {0.5, -1}, v[] = {0.6 * speeds[_i], -0.8 * speeds[_i]},
+                 gamma = 1 / sqrt(1 - speeds[_i] * speeds[_i]);
     double p[2], back[2], energy[2];
     ck_assert_int_eq(tvi_momentum(L, 0, q, v, p), TVI_OK);
     ck_assert_int_eq(tvi_velocity(L, 0, q, p, back), TVI_OK);

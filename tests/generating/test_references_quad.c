@@ -1,5 +1,6 @@
 /* test_references_quad.c - where the general scenes are at their ends, from Hamilton's equations derived by hand, in
- * quadruple precision (gcc only): shares nothing with the library. A scene's reference that is not this is printed as it should be. */
+ * quadruple precision (gcc only): shares nothing with the library. A scene's reference that is not this is printed as
+ * it should be. */
 #include "equations_quad.h"
 #include "generating.h"
 
@@ -62,8 +63,9 @@ static void degenerate(const quad_point *x, quad_point *dx)
 }
 
 const quad_equations equations[EQUATIONS] = {
-    {&scene_double_pendulum, double_pendulum}, {&scene_magnetic, magnetic},     {&scene_nonseparable, nonseparable},
-    {&scene_vortices, vortices},               {&scene_degenerate, degenerate},
+    {&scene_double_pendulum, double_pendulum}, {&scene_magnetic, magnetic},
+    {&scene_nonseparable, nonseparable},       {&scene_vortices, vortices},
+    {&scene_degenerate, degenerate},
 };
 
 typedef void quad_field(const quad_point *x, quad_point *dx);

@@ -1,5 +1,5 @@
-/* test_serves.c - which system serves which method (docs/method.md section 4), what is refused and why, and where a Legendre
- * transform is singular. */
+/* test_serves.c - which system serves which method (docs/method.md section 4), what is refused and why, and where a
+ * Legendre transform is singular. */
 #include "generating.h"
 #include "models.h"
 #include "statements.h"
@@ -18,9 +18,9 @@ static const struct {
     const model *m;
     int is;
 } systems[] = {
-    {&model_kepler, SEPARABLE},           {&model_chain, SEPARABLE},   {&model_double_pendulum, LAGRANGIAN},
-    {&model_magnetic, LAGRANGIAN},        {&model_nonseparable, REGULAR}, {&model_sheared_hamiltonian, REGULAR},
-    {&model_degenerate, DEGENERATE},      {&model_vortices, DEGENERATE},
+    {&model_kepler, SEPARABLE},      {&model_chain, SEPARABLE},      {&model_double_pendulum, LAGRANGIAN},
+    {&model_magnetic, LAGRANGIAN},   {&model_nonseparable, REGULAR}, {&model_sheared_hamiltonian, REGULAR},
+    {&model_degenerate, DEGENERATE}, {&model_vortices, DEGENERATE},
 };
 enum { SYSTEMS = sizeof systems / sizeof *systems };
 
@@ -63,7 +63,8 @@ static void check_service(int which, const tvi_options *options)
         test_state x = model_start(m);
         go(integrator, m->h / 4, 1, &x);
     } else {
-        ck_assert_msg(created == TVI_EUNSUPPORTED, "%s, %s: %s", m->name, describe(options), tvi_status_string(created));
+        ck_assert_msg(created == TVI_EUNSUPPORTED, "%s, %s: %s", m->name, describe(options),
+                      tvi_status_string(created));
         ck_assert_ptr_null(integrator);
         ck_assert_ptr_nonnull(why);
         ck_assert_msg(strstr(why, table[row].word), "%s, %s: \"%s\"", m->name, describe(options), why);
@@ -111,7 +112,8 @@ static const struct {
     tvi_method method;
     tvi_expansion expansion;
     tvi_nodes nodes;
-    int order, degree; /* degree 4 gives order; the next even order needs the next degree but the truncated, that below */
+    int order,
+        degree; /* degree 4 gives order; the next even order needs the next degree but the truncated, that below */
 } names[] = {
     {"end", TVI_TYPE1, TVI_AT_END, TVI_NODES_ON_CURVE, 8, 4},
     {"symmetric-tvi", TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_TRUNCATED, 4, 3},

@@ -1,5 +1,6 @@
-/* test_statements.c - one problem stated as force, potential, Lagrangian and Hamiltonian: the same motion at the same cost; which
- * Lagrangians and Hamiltonians are recognised as separable; and a force with velocities, which only a Lagrangian states. */
+/* test_statements.c - one problem stated as force, potential, Lagrangian and Hamiltonian: the same motion at the same
+ * cost; which Lagrangians and Hamiltonians are recognised as separable; and a force with velocities, which only a
+ * Lagrangian states. */
 #include "generating.h"
 #include "models.h"
 #include "statements.h"
@@ -24,7 +25,8 @@ static tvi_system *stated(const model *m, int statement)
         status = tvi_system_force(&system, m->n, NULL, kepler_as_force, NULL);
         break;
     case POTENTIAL:
-        status = tvi_system_potential(&system, m->n, chain ? chain_masses : NULL, chain ? chain_as_potential : kepler_as_potential, NULL);
+        status = tvi_system_potential(&system, m->n, chain ? chain_masses : NULL,
+                                      chain ? chain_as_potential : kepler_as_potential, NULL);
         break;
     case LAGRANGIAN:
         status = tvi_system_lagrangian(&system, m->n, chain ? chain_as_lagrangian : kepler_as_lagrangian, NULL);
@@ -41,9 +43,12 @@ enum { STATED = sizeof stated_models / sizeof *stated_models, STATED_STEPS = 60,
 static tvi_options stated_options(int method)
 {
     static const kind of[] = {
-        {TVI_TYPE1, TVI_AT_START, TVI_NODES_TRUNCATED, false},  {TVI_TYPE1, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true},
-        {TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_ON_CURVE, true}, {TVI_TYPE2, TVI_AT_START, TVI_NODES_TRUNCATED, false},
-        {TVI_TYPE3, TVI_AT_END, TVI_NODES_ON_CURVE, false},      {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true},
+        {TVI_TYPE1, TVI_AT_START, TVI_NODES_TRUNCATED, false},
+        {TVI_TYPE1, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true},
+        {TVI_TYPE1, TVI_AT_BOTH_ENDS, TVI_NODES_ON_CURVE, true},
+        {TVI_TYPE2, TVI_AT_START, TVI_NODES_TRUNCATED, false},
+        {TVI_TYPE3, TVI_AT_END, TVI_NODES_ON_CURVE, false},
+        {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true},
     };
     return method < METHODS - 1 ? kind_options(&of[method], 4) : options_verlet();
 }
@@ -211,7 +216,7 @@ END_TEST
 
 /* ---- A force with velocities ------------------------------------------------------------------------------------- */
 
-_Static_assert(_Generic((tvi_force_fn *)0, void (*)(const jet *, jet, jet *, void *): 1, default: 0),
+_Static_assert(_Generic((tvi_force_fn *)0, void (*)(const jet *, jet, jet *, void *) : 1, default : 0),
                "a force is given positions and the time, no velocities");
 
 /* m v' = e v x B, B = (-x z, -y z, 1 + z^2) (bench/scenes/magnetic.c); y = (q, v). */

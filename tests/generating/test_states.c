@@ -195,8 +195,7 @@ START_TEST(other_methods_and_systems_are_refused)
     double stiffness = 3;
     tvi_system *system;
     ck_assert_int_eq(tvi_system_potential(&system, 1, &mass, spring, &stiffness), TVI_OK);
-    const tvi_options options = {
-        .expansion = TVI_AT_MIDPOINT, .degree = 3, .quadrature_points = 5, .tolerance = 1e-9};
+    const tvi_options options = {.expansion = TVI_AT_MIDPOINT, .degree = 3, .quadrature_points = 5, .tolerance = 1e-9};
     tvi_integrator *integrator = integrator_of(system, &options);
     const saved s = save(integrator);
     ck_assert_int_eq(load_into(&s, 2, 3, &options), TVI_OK);

@@ -1,5 +1,5 @@
-/* test_tangent_map.c - the derivative of a step (docs/method.md section 10): against differences of steps and closed forms,
- * its algebra, and what a step with it leaves alone. That it is symplectic is in test_geometry.c. */
+/* test_tangent_map.c - the derivative of a step (docs/method.md section 10): against differences of steps and closed
+ * forms, its algebra, and what a step with it leaves alone. That it is symplectic is in test_geometry.c. */
 #include "generating.h"
 #include "models.h"
 
@@ -108,8 +108,8 @@ static void check_differences(const model *m, const tvi_options *options)
     close_runs(&r);
 }
 
-/* Also with a quadrature that is too poor, and of the composition with the adjoint; and after one pass, or none, unless the
- * lift of a separable system has another predictor than the system. */
+/* Also with a quadrature that is too poor, and of the composition with the adjoint; and after one pass, or none, unless
+ * the lift of a separable system has another predictor than the system. */
 START_TEST(map_is_the_derivative_of_the_step)
 {
     const kind *k = &kinds[_i % ALL_KINDS];
@@ -187,11 +187,13 @@ static void oscillator_force(const jet q[], jet t, jet force[], void *ctx)
     force[0] = jet_mul(-oscillator_spring, q[0]);
 }
 
-/* The implicit midpoint rule on q' = p/m, p' = -k q, with c = h^2 k / (4 m): M = [1 - c, h/m; -h k, 1 - c] / (1 + c). */
+/* The implicit midpoint rule on q' = p/m, p' = -k q, with c = h^2 k / (4 m): M = [1 - c, h/m; -h k, 1 - c] / (1 +
+ * c). */
 START_TEST(midpoint_rule_on_the_oscillator)
 {
     const double h = 0.3, c = h * h * oscillator_spring / (4 * oscillator_mass);
-    const matrix exact = {(1 - c) / (1 + c), h / oscillator_mass / (1 + c), -h * oscillator_spring / (1 + c), (1 - c) / (1 + c)};
+    const matrix exact = {(1 - c) / (1 + c), h / oscillator_mass / (1 + c), -h * oscillator_spring / (1 + c),
+                          (1 - c) / (1 + c)};
     const tvi_options poincare = {.method = TVI_POINCARE, .expansion = TVI_AT_MIDPOINT, .order = 2};
     const tvi_options galerkin = {.method = TVI_TYPE1, .expansion = TVI_AT_NODES, .order = 2};
     tvi_system *system;
@@ -263,8 +265,8 @@ START_TEST(maps_multiply)
 }
 END_TEST
 
-/* A column's result is its own, whatever stands beside it; a power of two comes through exactly, very small and very large
- * columns too; and 0 stays 0. */
+/* A column's result is its own, whatever stands beside it; a power of two comes through exactly, very small and very
+ * large columns too; and 0 stays 0. */
 START_TEST(columns_are_alone)
 {
     const kind *k = &kinds[_i % ALL_KINDS];
@@ -286,7 +288,8 @@ START_TEST(columns_are_alone)
     tangent_step(&r, m->h, &y, beside, COLUMNS);
     for (int i = 0; i < 2 * m->n; i++)
         for (int j = 0; j < COLUMNS; j++)
-            ck_assert_msg(beside[i * COLUMNS + j] == factor[j] * alone[i], "%s, %s: column %d", m->name, describe(&options), j);
+            ck_assert_msg(beside[i * COLUMNS + j] == factor[j] * alone[i], "%s, %s: column %d", m->name,
+                          describe(&options), j);
     close_runs(&r);
 }
 END_TEST
@@ -314,7 +317,8 @@ START_TEST(steps_are_alone)
 }
 END_TEST
 
-/* The angular momentum L is the same after the step: its gradient there, times M, is its gradient before. Row vectors. */
+/* The angular momentum L is the same after the step: its gradient there, times M, is its gradient before. Row
+ * vectors. */
 static double gradient_change(const model *m, const tvi_options *options)
 {
     runs r = open_runs(m, options);
@@ -322,7 +326,8 @@ static double gradient_change(const model *m, const tvi_options *options)
     test_state to = from;
     matrix M;
     go_tangent(2, r.integrator, m->h, &to, M);
-    const double before[] = {from.p[1], -from.p[0], -from.q[1], from.q[0]}, after[] = {to.p[1], -to.p[0], -to.q[1], to.q[0]};
+    const double before[] = {from.p[1], -from.p[0], -from.q[1], from.q[0]},
+                 after[] = {to.p[1], -to.p[0], -to.q[1], to.q[0]};
     double largest = 0;
     for (int column = 0; column < 4; column++) {
         double sum = -before[column];

@@ -1,0 +1,204 @@
+/* graph.c - the graph of one recording: its nodes, found again by a hash table, and jets that stand for none. */
+#include "graph.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { CHUNK = 128 };
+
+struct jet_graph {
+    bool open;
+    bool out_of_memory; /* some operation was lost: no output is accepted any more */
+    int inputs, count, capacity;
+    struct jet_node **nodes; /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
+    int slots;               /* of the hash table, a power of two > 2 count */
+    struct jet_node **table;
+    long collisions; /* other nodes met where one was looked for in the table */
+};
+
+/* ---- Poison: an operation that could not be recorded, and the reason --------------------------------------------- */
+
+#define POISON(code, text) {.graph = NULL, .op = OP_CONST, .index = code},
+static const struct jet_node poison_nodes[TVI_STATUS_COUNT] = {TVI_STATUS_LIST(POISON)};
+
+jet jet_poison(tvi_status reason) { return jet_of_node((struct jet_node *)&poison_nodes[reason]); }
+
+bool jet_is_poison(jet x) { return x.node && !x.node->graph; }
+
+jet jet_unset(void) { return jet_poison(TVI_EINVAL); }
+
+tvi_status jet_graph_of(int count, const jet x[], jet_graph **graph)
+{
+    *graph = NULL;
+    for (int i = 0; i < count; i++) {
+        if (jet_is_poison(x[i])) return (tvi_status)x[i].node->index; /* NOLINT(clang-analyzer-core.NullDereference) */
+        if (!x[i].node) {
+            if (!isfinite(x[i].number)) return TVI_ENONFINITE;
+            continue;
+        }
+        if (*graph && x[i].node->graph != *graph) return TVI_EINVAL;
+        *graph = x[i].node->graph;
+        if (!(*graph)->open) return TVI_EINVAL;
+    }
+    return TVI_OK;
+}
+
+/* ---- The graph --------------------------------------------------------------------------------------------------- */
+
+struct jet_node *jet_graph_node(const jet_graph *graph, int index)
+{
+    return &graph->nodes[index / CHUNK][index % CHUNK];
+}
+
+int jet_graph_inputs(const jet_graph *graph) { return graph->inputs; }
+int jet_graph_count(const jet_graph *graph) { return graph->count; }
+jet jet_graph_input(const jet_graph *graph, int i) { return jet_of_node(jet_graph_node(graph, i)); }
+long jet_graph_collisions(const jet_graph *graph) { return graph->collisions; }
+void jet_graph_close(jet_graph *graph) { graph->open = false; }
+void jet_graph_lose(jet_graph *graph) { graph->out_of_memory = true; }
+
+static uint64_t mix(uint64_t hash, uint64_t word)
+{
+    hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+    return hash ^ (hash >> 29);
+}
+
+static uint64_t bits(double value)
+{
+    uint64_t word;
+    memcpy(&word, &value, sizeof word);
+    return word;
+}
+
+/* What it is computed from; the partner follows from that. */
+static uint64_t node_hash(const struct jet_node *node)
+{
+    uint64_t hash = mix((uint64_t)node->op, bits(node->number));
+    if (node->op == OP_INPUT) hash = mix(hash, (uint64_t)node->index);
+    if (node->a) hash = mix(hash, (uint64_t)node->a->index);
+    if (node->b) hash = mix(hash, (uint64_t)node->b->index);
+    for (int i = 0; i < node->count; i++)
+        hash = mix(mix(hash, bits(node->terms[i].coefficient)), (uint64_t)node->terms[i].node->index);
+    return hash;
+}
+
+static bool same_node(const struct jet_node *x, const struct jet_node *y)
+{
+    if (x->op != y->op || bits(x->number) != bits(y->number) || x->count != y->count) return false;
+    if (x->op == OP_INPUT) return x->index == y->index;
+    if (x->a != y->a || x->b != y->b) return false;
+    for (int i = 0; i < x->count; i++)
+        if (x->terms[i].node != y->terms[i].node || bits(x->terms[i].coefficient) != bits(y->terms[i].coefficient))
+            return false;
+    return true;
+}
+
+/* Where the node is in the table, or the empty slot where it belongs. */
+static struct jet_node **table_slot(jet_graph *graph, const struct jet_node *node)
+{
+    const uint64_t mask = (uint64_t)graph->slots - 1;
+    uint64_t i = node_hash(node) & mask;
+    for (; graph->table[i] && !same_node(graph->table[i], node); i = (i + 1) & mask) graph->collisions++;
+    return &graph->table[i];
+}
+
+static bool grow_table(jet_graph *graph)
+{
+    const int slots = graph->slots ? 2 * graph->slots : 4 * CHUNK;
+    struct jet_node **table = calloc((size_t)slots, sizeof *table);
+    if (!table) return false;
+    free(graph->table);
+    graph->table = table;
+    graph->slots = slots;
+    for (int i = 0; i < graph->count; i++) {
+        struct jet_node *node = jet_graph_node(graph, i);
+        *table_slot(graph, node) = node;
+    }
+    return true;
+}
+
+static bool reserve(jet_graph *graph)
+{
+    if (graph->count == graph->capacity) {
+        struct jet_node **nodes = realloc(graph->nodes, (size_t)(graph->capacity / CHUNK + 1) * sizeof *nodes);
+        if (!nodes) return false;
+        graph->nodes = nodes;
+        nodes[graph->capacity / CHUNK] = calloc(CHUNK, sizeof **nodes);
+        if (!nodes[graph->capacity / CHUNK]) return false;
+        graph->capacity += CHUNK;
+    }
+    return graph->slots > 2 * graph->count + 2 || grow_table(graph);
+}
+
+struct jet_node *jet_graph_record(jet_graph *graph, struct jet_node wanted, bool *is_new)
+{
+    *is_new = false;
+    if (!reserve(graph)) {
+        free(wanted.terms);
+        jet_graph_lose(graph);
+        return NULL;
+    }
+    wanted.graph = graph;
+    wanted.index = graph->count;
+    struct jet_node **slot = table_slot(graph, &wanted);
+    if (*slot) {
+        free(wanted.terms);
+        return *slot;
+    }
+    *is_new = true;
+    *slot = jet_graph_node(graph, graph->count++);
+    **slot = wanted;
+    return *slot;
+}
+
+jet jet_graph_record_jet(jet_graph *graph, struct jet_node wanted)
+{
+    bool is_new;
+    struct jet_node *node = jet_graph_record(graph, wanted, &is_new);
+    return node ? jet_of_node(node) : jet_poison(TVI_ENOMEM);
+}
+
+jet_graph *jet_graph_create(int inputs)
+{
+    jet_graph *graph = calloc(1, sizeof *graph);
+    if (!graph) return NULL;
+    graph->open = true;
+    for (int i = 0; i < inputs; i++) (void)jet_graph_record_jet(graph, (struct jet_node){.op = OP_INPUT});
+    graph->inputs = inputs;
+    if (graph->out_of_memory) {
+        jet_graph_free(graph);
+        return NULL;
+    }
+    return graph;
+}
+
+void jet_graph_free(jet_graph *graph)
+{
+    if (!graph) return;
+    for (int i = 0; i < graph->count; i++) free(jet_graph_node(graph, i)->terms);
+    for (int i = 0; i < graph->capacity / CHUNK; i++) free(graph->nodes[i]);
+    free(graph->nodes);
+    free(graph->table);
+    free(graph);
+}
+
+jet jet_graph_constant(jet_graph *graph, double value)
+{
+    return jet_graph_record_jet(graph, (struct jet_node){.op = OP_CONST, .number = value});
+}
+
+tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[])
+{
+    for (int i = 0; i < outputs; i++) {
+        if (!output[i].node && !isfinite(output[i].number)) return TVI_ENONFINITE;
+        if (!output[i].node) output[i] = jet_graph_constant(graph, output[i].number);
+        if (graph->out_of_memory) return TVI_ENOMEM;
+        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): no node means out of memory, above */
+        if (jet_is_poison(output[i])) return (tvi_status)output[i].node->index;
+        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): no node means out of memory, above */
+        if (output[i].node->graph != graph) return TVI_EINVAL;
+    }
+    return TVI_OK;
+}

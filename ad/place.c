@@ -1,0 +1,284 @@
+/* place.c - drops what no output needs, orders the rest by levels, and gives equal operations adjacent slots. */
+#include "place.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static int max(int a, int b) { return a > b ? a : b; }
+
+/* ---- What is needed ---------------------------------------------------------------------------------------------- */
+
+/* Marks all that the outputs depend on; partners may have been recorded after the nodes that need them, so repeat until
+ * nothing new is found. */
+static void mark_needed(lowering *low, int inputs, int outputs, const jet output[])
+{
+    for (int i = 0; i < inputs; i++) low->needed[i] = true;
+    for (int i = 0; i < outputs; i++) low->needed[output[i].node->index] = true;
+    bool again;
+    do {
+        again = false;
+        for (int i = low->count - 1; i >= 0; i--) {
+            if (!low->needed[i]) continue;
+            const struct jet_node *z = jet_graph_node(low->graph, i);
+            if (z->a) low->needed[z->a->index] = true;
+            if (z->b) low->needed[z->b->index] = true;
+            for (int term = 0; term < z->count; term++) low->needed[z->terms[term].node->index] = true;
+            if (!keeps_partner(low, z) || low->needed[z->w->index]) continue;
+            low->needed[z->w->index] = true;
+            again = again || z->w->index > i;
+        }
+    } while (again);
+}
+
+static void count_uses(lowering *low, int outputs, const jet output[])
+{
+    for (int i = 0; i < outputs; i++) low->uses[output[i].node->index]++;
+    for (int i = 0; i < low->count; i++) {
+        if (!low->needed[i]) continue;
+        const struct jet_node *z = jet_graph_node(low->graph, i);
+        if (z->a) low->uses[z->a->index]++;
+        if (z->b) low->uses[z->b->index]++;
+        if (keeps_partner(low, z)) low->uses[z->w->index]++;
+        for (int term = 0; term < z->count; term++) low->uses[z->terms[term].node->index]++;
+    }
+}
+
+static bool is_product(const struct jet_node *z) { return z->op == OP_MUL || z->op == OP_SQR; }
+
+/* The operation of a node's run. A sum of products that nothing else needs is one operation. */
+static jet_op operation(const lowering *low, const struct jet_node *z)
+{
+    if (is_product(z)) return z->op == OP_SQR ? OP_SQUARES : OP_PRODUCTS;
+    if (z->op != OP_LINEAR || z->number != 0 || z->count > JET_TERMS_MAX) return z->op;
+    jet_op op = OP_SQUARES;
+    for (int term = 0; term < z->count; term++) {
+        const struct jet_node *product = z->terms[term].node;
+        if (!is_product(product) || low->uses[product->index] != 1) return z->op;
+        if (product->op == OP_MUL) op = OP_PRODUCTS;
+    }
+    return op;
+}
+
+/* The operand of a pair that is read at the order being computed; NULL: none. */
+static const struct jet_node *operand_of(const lowering *low, const place *z, int pair, int which)
+{
+    const struct jet_node *read = term_of(z, pair).node;
+    if (which == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
+    return reads_partner(low, read) ? read->w : read->b;
+}
+
+/* The operations of the needed nodes; the products that become part of a sum are no longer needed. */
+static void choose_operations(lowering *low, int outputs, const jet output[])
+{
+    count_uses(low, outputs, output);
+    for (int i = 0; i < low->count; i++) {
+        if (!low->needed[i]) continue;
+        place *z = &low->places[i];
+        z->node = jet_graph_node(low->graph, i);
+        z->op = operation(low, z->node);
+        z->turn = z->slot = -1;
+        z->operand = low->operands + low->pairs;
+        if (is_sum_of_products(z->op)) z->pairs = z->node->op == OP_LINEAR ? z->node->count : 1;
+        else z->pairs = jet_rules[z->op] ? 1 : 0;
+        low->pairs += z->pairs;
+        if (z->op == z->node->op || z->node->op != OP_LINEAR) continue;
+        for (int term = 0; term < z->node->count; term++) low->needed[z->node->terms[term].node->index] = false;
+    }
+    memset(low->uses, 0, (size_t)low->count * sizeof *low->uses);
+}
+
+/* ---- The order --------------------------------------------------------------------------------------------------- */
+
+static int level_of(const lowering *low, const struct jet_node *node)
+{
+    return node ? low->places[node->index].level : 0;
+}
+
+static void find_levels(lowering *low)
+{
+    for (int i = 0; i < low->count; i++) {
+        if (!low->needed[i]) continue;
+        place *z = &low->places[i];
+        for (int pair = 0; pair < z->pairs; pair++)
+            for (int which = 0; which < 2; which++)
+                z->level = max(z->level, level_of(low, operand_of(low, z, pair, which)) + 1);
+        if (z->pairs == 0)
+            for (int term = 0; term < z->node->count; term++)
+                z->level = max(z->level, level_of(low, z->node->terms[term].node) + 1);
+        low->levels[low->needed_count++] = z;
+    }
+}
+
+static int by_level(const void *first, const void *second)
+{
+    const place *x = *(place *const *)first, *y = *(place *const *)second;
+    return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
+}
+
+static void claim(const lowering *low, const struct jet_node *node, int turn)
+{
+    if (node && low->places[node->index].turn < 0) low->places[node->index].turn = turn;
+}
+
+/* Of operations on two operands: how often one of these was read before at the level. Of others: that of the first such
+ * reader, or the place among the terms of the first sum that reads it. As where x, y and z of the distances of many
+ * pairs are squared and summed, and each is multiplied by one function of the pair: the x come first, then the y, and
+ * each turn reads adjacent slots. */
+static void find_turns(lowering *low, place *level[], int count)
+{
+    for (int i = 0; i < count; i++) {
+        place *z = level[i];
+        for (int pair = 0; pair < z->pairs; pair++) {
+            const struct jet_node *a = operand_of(low, z, pair, 0), *b = operand_of(low, z, pair, 1);
+            if (b) z->turn = max(z->turn, max(low->uses[a->index]++, low->uses[b->index]++));
+            if (!b && z->pairs == 1) continue;
+            claim(low, a, z->pairs > 1 ? pair : z->turn);
+            claim(low, b, z->pairs > 1 ? pair : z->turn);
+        }
+    }
+    for (int i = 0; i < count; i++)
+        for (int pair = 0; pair < level[i]->pairs; pair++)
+            for (int which = 0; which < 2; which++) {
+                const struct jet_node *read = operand_of(low, level[i], pair, which);
+                if (read) low->uses[read->index] = 0;
+            }
+}
+
+static int compare(double a, double b) { return (a > b) - (a < b); }
+
+static int compare_coefficients(const place *x, const place *y)
+{
+    for (int pair = 0; pair < x->pairs; pair++) {
+        const int order = compare(term_of(x, pair).coefficient, term_of(y, pair).coefficient);
+        if (order) return order;
+    }
+    return 0;
+}
+
+/* Whether two nodes of a level can be members of one run. */
+static int by_group(const place *x, const place *y)
+{
+    if (x->op != y->op) return (int)x->op - (int)y->op;
+    if (x->pairs == 0) return x->node->count - y->node->count; /* sums of equally many terms stand together */
+    if (x->pairs != y->pairs) return x->pairs - y->pairs;
+    return jet_rules[x->node->op] ? compare(x->node->number, y->node->number) : compare_coefficients(x, y);
+}
+
+/* Within a level by group and turn, and within that by the slots of the operands, so that adjacent results have
+ * adjacent operands: by a first, or by b first. */
+static int by_first_operand(const void *first, const void *second)
+{
+    const place *x = *(place *const *)first, *y = *(place *const *)second;
+    const int group = by_group(x, y);
+    if (group) return group;
+    if (x->level > 0 && x->turn != y->turn) return x->turn - y->turn;
+    if (x->pairs == 0) return x->node->index - y->node->index;
+    const int *of_x = x->operand[0], *of_y = y->operand[0];
+    if (of_x[0] != of_y[0]) return of_x[0] - of_y[0];
+    return of_x[1] != of_y[1] ? of_x[1] - of_y[1] : x->node->index - y->node->index;
+}
+
+static int by_second_operand(const void *first, const void *second)
+{
+    const place *x = *(place *const *)first, *y = *(place *const *)second;
+    const int difference = x->operand[0][1] - y->operand[0][1];
+    return difference ? difference : by_first_operand(first, second);
+}
+
+static void emit(lowering *low, place *z)
+{
+    z->slot = low->slots;
+    low->sorted[low->slots++] = z;
+}
+
+static bool is_contiguous(const lowering *low, place *const group[], int count, int pair, int which)
+{
+    if (!operand_of(low, group[0], pair, which)) return true;
+    for (int i = 1; i < count; i++)
+        if (group[i]->operand[pair][which] != group[0]->operand[pair][which] + i) return false;
+    return true;
+}
+
+static bool is_contiguous_in_turns(const lowering *low, place *const group[], int count)
+{
+    for (int begin = 0, end = 0; begin < count; begin = end) {
+        while (end < count && group[end]->turn == group[begin]->turn) end++;
+        for (int pair = 0; pair < group[0]->pairs; pair++)
+            for (int which = 0; which < 2; which++)
+                if (!is_contiguous(low, group + begin, end - begin, pair, which)) return false;
+    }
+    return true;
+}
+
+/* Copies an operand that the members read at scattered slots to adjacent ones, so that they run as one. */
+static void gather(lowering *low, place *group[], int count, int pair, int which)
+{
+    if (is_contiguous(low, group, count, pair, which)) return;
+    for (int i = 0; i < count; i++) {
+        place *copy = &low->places[low->count + low->copies++];
+        *copy = (place){.op = OP_LINEAR, .level = group[i]->level, .operand = low->operands + low->pairs++};
+        copy->operand[0][0] = group[i]->operand[pair][which];
+        emit(low, copy);
+        group[i]->operand[pair][which] = copy->slot;
+    }
+}
+
+/* The operands of a group: turn by turn where that will do, else sorted by the one that is then contiguous, the others
+ * gathered. */
+static void gather_operands(lowering *low, place *group[], int count)
+{
+    if (is_contiguous_in_turns(low, group, count)) return;
+    if (!is_contiguous(low, group, count, 0, 0) && !is_contiguous(low, group, count, 0, 1))
+        qsort(group, (size_t)count, sizeof *group, by_second_operand);
+    for (int pair = 0; pair < group[0]->pairs; pair++)
+        for (int which = 0; which < 2; which++) gather(low, group, count, pair, which);
+}
+
+static int group_end(place *const level[], int begin, int end)
+{
+    int last = begin + 1;
+    while (last < end && by_group(level[begin], level[last]) == 0) last++;
+    return last;
+}
+
+/* Slots of a level: sums and copies first, then the other operations group by group. */
+static void emit_level(lowering *low, place *level[], int count)
+{
+    for (int i = 0; i < count; i++)
+        for (int pair = 0; pair < level[i]->pairs; pair++)
+            for (int which = 0; which < 2; which++)
+                level[i]->operand[pair][which] = slot_of(low, operand_of(low, level[i], pair, which));
+    qsort(level, (size_t)count, sizeof *level, by_first_operand);
+    for (int i = 0; i < count; i++)
+        if (level[i]->pairs == 0) emit(low, level[i]);
+    for (int begin = 0, end = 0; begin < count; begin = end) {
+        end = group_end(level, begin, count);
+        if (level[begin]->pairs > 0) gather_operands(low, level + begin, end - begin);
+    }
+    for (int i = 0; i < count; i++)
+        if (level[i]->pairs > 0) emit(low, level[i]);
+}
+
+static void for_levels(lowering *low, void (*function)(lowering *low, place *level[], int count))
+{
+    for (int begin = 0, end = 0; begin < low->needed_count; begin = end) {
+        while (end < low->needed_count && low->levels[end]->level == low->levels[begin]->level) end++;
+        function(low, low->levels + begin, end - begin);
+    }
+}
+
+/* Level by level, since the order within one depends on the slots of those below. */
+static void assign_slots(lowering *low)
+{
+    qsort(low->levels, (size_t)low->needed_count, sizeof *low->levels, by_level);
+    for_levels(low, find_turns);
+    for_levels(low, emit_level);
+}
+
+void jet_place_nodes(lowering *low, int inputs, int outputs, const jet output[])
+{
+    mark_needed(low, inputs, outputs, output);
+    choose_operations(low, outputs, output);
+    find_levels(low);
+    assign_slots(low);
+}

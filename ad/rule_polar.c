@@ -1,0 +1,113 @@
+/* Polar coordinates of (b, a): z = sqrt(a^2 + b^2), and the angle z = atan2(a, b). Neither exists at (0, 0). */
+#include "rule.h"
+
+#include <math.h>
+
+/* The values of z = function(a, b). */
+#define POLAR_VALUE(function)                                                                                          \
+    static bool function##_value(double c, int width, const double *a, const double *b, double *restrict z)            \
+    {                                                                                                                  \
+        (void)c;                                                                                                       \
+        int outside = 0;                                                                                               \
+        for (int i = 0; i < width; i++) {                                                                              \
+            outside |= a[i] == 0 && b[i] == 0;                                                                         \
+            z[i] = function(a[i], b[i]);                                                                               \
+        }                                                                                                              \
+        return !outside;                                                                                               \
+    }
+
+/* ---- z = sqrt(a^2 + b^2), whose value neither overflows nor underflows ------------------------------------------- */
+
+POLAR_VALUE(hypot)
+
+/* z^2 = a^2 + b^2  =>  z_0 z_k = a_0 a_k + b_0 b_k + (1/2) sum_{j=1}^{k-1} (a_j a_{k-j} + b_j b_{k-j} - z_j z_{k-j}).
+ * O(N^2). */
+#define HYPOT_SERIES(V, S)                                                                                             \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM(V, sum, 1, k - 1,                                                                                      \
+                S(V, a, j) * S(V, a, k - j) + S(V, b, j) * S(V, b, k - j) - S(V, z, j) * S(V, z, k - j));              \
+        JET_AT(V, z, k) = (S(V, a, 0) * S(V, a, k) + S(V, b, 0) * S(V, b, k) + 0.5 * sum) / S(V, z, 0);                \
+    }
+
+/* z_0 dz_k = sum_{j=0}^{k} (a_j da_{k-j} + b_j db_{k-j}) - sum_{j=1}^{k} z_j dz_{k-j}. */
+#define HYPOT_TANGENT(V, S)                                                                                            \
+    {                                                                                                                  \
+        V sum = S(V, a, 0) * JET_D_OF(V, da, k) + S(V, b, 0) * JET_D_OF(V, db, k);                                     \
+        JET_SUM(V, sum, 1, k,                                                                                          \
+                S(V, a, j) * JET_D_OF(V, da, k - j) + S(V, b, j) * JET_D_OF(V, db, k - j) -                            \
+                    S(V, z, j) * JET_D_OF(V, dz, k - j));                                                              \
+        JET_D_AT(V, dz, k) = sum / S(V, z, 0);                                                                         \
+    }
+
+/* With u = zbar_k / z_0:  abar_{k-j} += u a_j,  bbar_{k-j} += u b_j (j = 0..k),  zbar_{k-j} -= u z_j (j = 1..k). */
+#define HYPOT_ADJOINT(V, S)                                                                                            \
+    {                                                                                                                  \
+        const V u = S(V, zbar, k) / S(V, z, 0);                                                                        \
+        JET_EACH(0, k, JET_AT(V, abar, k - j) += u * S(V, a, j));                                                      \
+        JET_EACH(0, k, JET_AT(V, bbar, k - j) += u * S(V, b, j));                                                      \
+        JET_EACH(1, k, JET_AT(V, zbar, k - j) -= u * S(V, z, j));                                                      \
+    }
+
+JET_FRAMES(hypot, HYPOT)
+
+/* dz/da = a / z,  dz/db = b / z. */
+static jet hypot_pull(struct jet_node *z, jet zbar, int which)
+{
+    return jet_mul(zbar, jet_div(jet_of_node(which == 0 ? z->a : z->b), jet_of_node(z)));
+}
+
+JET_RULE(hypot, 2, W_NONE)
+
+/* ---- z = atan2(a, b), w = a^2 + b^2 ------------------------------------------------------------------------------ */
+
+POLAR_VALUE(atan2)
+
+/* w z' = b a' - a b', whose sum_j j (a_j b_{k-j} - b_j a_{k-j}) is sum_j (2j - k) a_j b_{k-j}:
+ * k w_0 z_k = sum_{j=0}^{k} (2j - k) a_j b_{k-j} - sum_{j=1}^{k-1} j z_j w_{k-j}.   O(N^2). */
+#define ATAN2_SERIES(V, S)                                                                                             \
+    {                                                                                                                  \
+        V sum = (double)-k * S(V, a, 0) * S(V, b, k);                                                                  \
+        JET_SUM(V, sum, 1, k, (double)(2 * j - k) * S(V, a, j) * S(V, b, k - j));                                      \
+        JET_SUM(V, sum, 1, k - 1, (double)-j * S(V, z, j) * S(V, w, k - j));                                           \
+        JET_AT(V, z, k) = sum / ((double)k * S(V, w, 0));                                                              \
+    }
+
+/* k w_0 dz_k = sum_{j=0}^{k} (2j - k) (b_{k-j} da_j - a_{k-j} db_j) - sum_{j=1}^{k} j z_j dw_{k-j}
+ *            - sum_{j=1}^{k-1} j w_{k-j} dz_j;   w_0 dz_0 = b_0 da_0 - a_0 db_0. */
+#define ATAN2_TANGENT(V, S)                                                                                            \
+    {                                                                                                                  \
+        const double order = k > 0 ? k : 1, first = k > 0 ? -k : 1;                                                    \
+        V sum = first * (S(V, b, k) * JET_D_OF(V, da, 0) - S(V, a, k) * JET_D_OF(V, db, 0));                           \
+        JET_SUM(V, sum, 1, k,                                                                                          \
+                (double)(2 * j - k) * (S(V, b, k - j) * JET_D_OF(V, da, j) - S(V, a, k - j) * JET_D_OF(V, db, j)));    \
+        JET_SUM(V, sum, 1, k, (double)-j *S(V, z, j) * JET_D_OF(V, dw, k - j));                                        \
+        JET_SUM(V, sum, 1, k - 1, (double)-j * S(V, w, k - j) * JET_D_OF(V, dz, j));                                   \
+        JET_D_AT(V, dz, k) = sum / (order * S(V, w, 0));                                                               \
+    }
+
+/* With u = zbar_k / (k w_0):  abar_j += u (2j - k) b_{k-j},  bbar_j -= u (2j - k) a_{k-j} (j = 0..k),
+ * wbar_{k-j} -= u j z_j (j = 1..k),  zbar_j -= u j w_{k-j} (j = 1..k-1).
+ * At k = 0, with u = zbar_0 / w_0:  abar_0 += u b_0,  bbar_0 -= u a_0. */
+#define ATAN2_ADJOINT(V, S)                                                                                            \
+    {                                                                                                                  \
+        const double order = k > 0 ? k : 1, first = k > 0 ? -k : 1;                                                    \
+        const V u = S(V, zbar, k) / (order * S(V, w, 0));                                                              \
+        JET_AT(V, abar, 0) += first * u * S(V, b, k);                                                                  \
+        JET_AT(V, bbar, 0) -= first * u * S(V, a, k);                                                                  \
+        JET_EACH(1, k, JET_AT(V, abar, j) += (double)(2 * j - k) * u * S(V, b, k - j));                                \
+        JET_EACH(1, k, JET_AT(V, bbar, j) -= (double)(2 * j - k) * u * S(V, a, k - j));                                \
+        JET_EACH(1, k, JET_AT(V, wbar, k - j) -= (double)j * u * S(V, z, j));                                          \
+        JET_EACH(1, k - 1, JET_AT(V, zbar, j) -= (double)j * u * S(V, w, k - j));                                      \
+    }
+
+JET_FRAMES(atan2, ATAN2)
+
+/* dz/da = b / w,  dz/db = -a / w. */
+static jet atan2_pull(struct jet_node *z, jet zbar, int which)
+{
+    const jet quotient = jet_div(zbar, jet_of_node(z->w));
+    return which == 0 ? jet_mul(quotient, jet_of_node(z->b)) : jet_neg(jet_mul(quotient, jet_of_node(z->a)));
+}
+
+JET_RULE(atan2, 2, W_LOWER)
