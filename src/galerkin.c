@@ -42,15 +42,15 @@ typedef struct {
     int n, points;
     galerkin_field field;
     double *from_one; /* [j][lanes] extrapolation from a step of size h / ratio to one that begins after `part` of it */
-    double ratio, part; /* ratio 0: none yet */
-    double *led;        /* [unknowns][lanes] what it leads to */
-    double *from_two;   /* [2][j][i] the same from the two steps before, all of one size */
-    double *c;          /* [lanes] */
-    double *factor;     /* [lanes][SUMS] */
-    double *sum;        /* [unknowns][SUMS] */
+    double ratio, part;         /* ratio 0: none yet */
+    double *led;                /* [unknowns][lanes] what it leads to */
+    double *from_two;           /* [2][j][i] the same from the two steps before, all of one size */
+    double *c;                  /* [lanes] */
+    double *factor;             /* [lanes][SUMS] */
+    double *sum;                /* [unknowns][SUMS] */
     double *before, *displaced; /* [rows][lanes] scratch of the roundoff that is measured */
-    double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
-    double *low;               /* [unknowns] low-order parts of the start */
+    double *drift, *drift_low;  /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
+    double *low;                /* [unknowns] low-order parts of the start */
     galerkin_dense dense;
     double *rise;       /* [2n] what multiplies the integrals of the impulses in q and p */
     double *none, *one; /* [unknowns + lanes] 0 and 1 */
@@ -609,7 +609,8 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 /* q, p [n][places] = start + what is added to it at the places theta: the polynomial of degree m - 1 through what
  * drives the unknowns, integrated by tables of galerkin_dense.h, [lanes][places]. */
 static void integrate_impulses(const galerkin *w, int places, const double theta[], const double *once,
-                             const double *twice, const double q_start[], const double p_start[], double *q, double *p)
+                               const double *twice, const double q_start[], const double p_start[], double *q,
+                               double *p)
 {
     const bool separable = galerkin_is_second_order(&w->field);
     const int n = w->n, lanes = w->field.nodes.lanes;

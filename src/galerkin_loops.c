@@ -78,14 +78,14 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
         ROWS(V, row_before, matrix + (steps - 1) * lanes * lanes);                                                     \
         for (int u = 0; u < unknowns; u++) {                                                                           \
             V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, impulses[0] + u * lanes)                                                              \
-            if (steps > 1) ADD_PRODUCT(sums, row_before, impulses[1] + u * lanes)                                        \
+            ADD_PRODUCT(sums, row, impulses[0] + u * lanes)                                                            \
+            if (steps > 1) ADD_PRODUCT(sums, row_before, impulses[1] + u * lanes)                                      \
             VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                             \
         }                                                                                                              \
     }
 
-INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[],
-                          int lanes)
+JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
+                              const double *const impulses[], int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
     const int unknowns = nodes->unknowns;
@@ -105,15 +105,15 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
     {                                                                                                                  \
         V total = {0}, lost = {0};                                                                                     \
         for (int j = 0; j < lanes; j++) {                                                                              \
-            const V term = *(const V *)(factor + j * SUMS + w) * impulse[j];                                           \
+            const V term = *(const V *)(factor + j * SUMS + here) * impulse[j];                                        \
             const V next = total + term, added = next - total;                                                         \
             lost += (total - (next - added)) + (term - added);                                                         \
             total = next;                                                                                              \
         }                                                                                                              \
-        *(V *)(sum + u * SUMS + w) = total + lost;                                                                     \
+        *(V *)(sum + u * SUMS + here) = total + lost;                                                                  \
     }
 
-INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *factor, double *sum, int lanes)
+JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *factor, double *sum, int lanes)
 {
     for (int u = 0; u < nodes->unknowns; u++) {
         const double *impulse = nodes->impulse + u * lanes;
@@ -141,15 +141,14 @@ static void set_drift(int count, const double *scale, const double *p, const dou
 #define BASE(V, S)                                                                                                     \
     VECTOR(V, nodes->base, u) = (low[u] + OF_VECTOR(V, c, 0) * drift_low[u]) + OF_VECTOR(V, c, 0) * drift[u];
 
-INLINE void set_base_lanes(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
-                           const double *drift_low, int lanes)
+JET_INLINE void set_base_lanes(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
+                               const double *drift_low, int lanes)
 {
     for (int u = 0; u < nodes->unknowns; u++) JET_BLOCKS(lanes, BASE, );
 }
 
 static void set_base(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
-                     const double *drift_low)
-{
+                     const double *drift_low){
 #define CALL(lanes) set_base_lanes(nodes, c, low, drift, drift_low, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
@@ -157,18 +156,18 @@ static void set_base(const galerkin_nodes *nodes, const double *c, const double 
 
 #define PLACE(V, S)                                                                                                    \
     {                                                                                                                  \
-        const V theta = *(const V *)(p->theta + w);                                                                    \
+        const V theta = *(const V *)(p->theta + here);                                                                 \
         V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
-        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + w);                                 \
+        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + here);                              \
         for (int u = 0; u < count; u++) {                                                                              \
             V sums[CHAINS] = {0};                                                                                      \
             ADD_PRODUCT(sums, row, impulses + (size_t)u * (size_t)lanes)                                               \
-            *(V *)(out + u * places + w) = start[u] + (theta * drift[u] + scale[u] * TOTAL(sums));                     \
+            *(V *)(out + u * places + here) = start[u] + (theta * drift[u] + scale[u] * TOTAL(sums));                  \
         }                                                                                                              \
     }
 
-INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
-                        int lanes, int places)
+JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
+                            int lanes, int places)
 {
     const double *start = p->start, *drift = p->drift, *scale = p->scale;
     const int count = p->count;
@@ -178,11 +177,11 @@ INLINE void place_lanes(const galerkin_places *p, const double *table, const dou
 static void place(const galerkin_places *p, const double *table, const double *impulses, double *out)
 {
 #define CALL(lanes)                                                                                                    \
-    p->places == TVI_SAMPLES ? place_lanes(p, table, impulses, out, lanes, TVI_SAMPLES)                                  \
+    p->places == TVI_SAMPLES ? place_lanes(p, table, impulses, out, lanes, TVI_SAMPLES)                                \
                              : place_lanes(p, table, impulses, out, lanes, p->places)
     FOR_LANES(p->lanes, CALL)
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,     predict, integrate, set_drift,
-                                                      set_base, place,   &JET_FOR_ISA(lagrangian_loops)};
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {
+    move, predict, integrate, set_drift, set_base, place, &JET_FOR_ISA(lagrangian_loops)};

@@ -119,8 +119,7 @@ START_TEST(lone_entries_are_scaled)
         }
         ck_assert_int_eq(tvi_factor_compute(&x.factor), TVI_OK);
         tvi_factor_solve(&x.factor, solution);
-        for (int i = 0; i < n; i++)
-            ck_assert_double_eq_tol(solution[i] * (i == 0 ? tiny : 1), 1, 40 * n * DBL_EPSILON);
+        for (int i = 0; i < n; i++) ck_assert_double_eq_tol(solution[i] * (i == 0 ? tiny : 1), 1, 40 * n * DBL_EPSILON);
     }
     free(x.memory);
 }
