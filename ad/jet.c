@@ -232,7 +232,7 @@ jet jet_record_function(jet_function f, jet a)
         [JET_ATAN] = OP_ATAN,   [JET_SINH] = OP_SINH,   [JET_COSH] = OP_COSH,   [JET_TANH] = OP_TANH,
         [JET_ASINH] = OP_ASINH, [JET_ACOSH] = OP_ACOSH, [JET_ATANH] = OP_ATANH, [JET_ERF] = OP_ERF,
     };
-    if ((unsigned)f >= sizeof ops / sizeof *ops) return poison(TVI_EINVAL);
+    if ((unsigned)f >= sizeof ops / sizeof *ops) return jet_poison(TVI_EINVAL);
     if (f == JET_NEG) return jet_mul(-1, a);
     if (f == JET_SQR) return jet_mul(a, a);
     return jet_record_op(ops[f], a, jet_const(0));
