@@ -48,8 +48,8 @@ typedef struct {
 jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind);
 void jet_tape_free(jet_tape *tape);
 
-/* Sets the constants of a block, once, before the first sweep. Inputs are 0; what a sweep computes is no number until it
- * has done so, so that nothing can be read unseen that was not evaluated. */
+/* Sets the constants of a block, once, before the first sweep. Inputs are 0; what a sweep computes is no number until
+ * it has done so, so that nothing can be read unseen that was not evaluated. */
 void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
 
 /* The sweeps, compiled for one instruction set. */
