@@ -53,9 +53,10 @@ TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, d
  * in `momentum`, on_q = tau L_q and on_v = L_v - p. Also for nodes that lie on no single curve. */
 TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve);
 
-/* Roundoff of q and p at the ends of the step, [n] each: what that of the field at the nodes of the gradient last
- * formed makes of them over the step h, and that of p itself. Returns how many values of the field it cost. */
-int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double p[], double of_q[],
-                        double of_p[]);
+/* Roundoff of q and p at the ends of a step of size h from (q, p), [n] each: what that of the field at the nodes of the
+ * gradient last formed makes of them, and that of p itself; 0 where the motion is larger than q and p. Returns how many
+ * values of the field it cost. */
+int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
+                        double of_q[], double of_p[]);
 
 #endif

@@ -362,7 +362,8 @@ static void residual_roundoff(void *self, double r[])
     work *w = self;
     const int n = w->n;
     double *of_u = r + 2 * n;
-    w->stats->force_evaluations += tvi_action_roundoff(&w->a.action, &w->a.curve, w->tau, w->origin->p, r, of_u);
+    w->stats->force_evaluations +=
+        tvi_action_roundoff(&w->a.action, &w->a.curve, w->tau, w->origin->q, w->origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
     for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
 }

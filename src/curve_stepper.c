@@ -341,7 +341,8 @@ static void residual_roundoff(void *self, double r[])
     work *w = self;
     const tvi_closure *c = &w->closure;
     const double h = (c->span.to - c->span.from) * c->curve.tau;
-    w->stats->force_evaluations += tvi_action_roundoff(&w->action, &c->curve, h, w->origin->p, r, r + c->n);
+    w->stats->force_evaluations +=
+        tvi_action_roundoff(&w->action, &c->curve, h, w->origin->q, w->origin->p, r, r + c->n);
     for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
 }
 

@@ -42,6 +42,7 @@ static void sample(tvi_roundoff *roundoff, const tvi_system *system, const jet_t
 int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, const jet_tape *tape, double *x, int lanes)
 {
     const int samples = (LEAST_SAMPLES + lanes - 1) / lanes;
+    roundoff->random = 1;
     memcpy(roundoff->inputs, x, (size_t)system->inputs * (size_t)lanes * sizeof *x);
     memset(roundoff->change, 0, (size_t)outputs_of(system) * sizeof *roundoff->change);
     for (int i = 0; i < samples; i++) sample(roundoff, system, tape, x, lanes);

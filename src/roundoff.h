@@ -14,7 +14,7 @@ typedef struct {
     double *change;  /* [outputs of the field] the result */
     double *inputs;  /* [inputs][lanes] as they were */
     double *outputs; /* [outputs][lanes] where the inputs have moved */
-    unsigned random; /* state of a fixed pseudo-random sequence */
+    unsigned random; /* state of a pseudo-random sequence, the same for each question: no step depends on others */
 } tvi_roundoff;
 
 /* lanes: of the blocks that are asked about. */
@@ -26,7 +26,7 @@ void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_syste
  * field in each lane that cost. Where the field has no value so near, nothing is known, and the change is 0. */
 int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, const jet_tape *tape, double *x, int lanes);
 
-/* The next sign of the sequence, times size. */
+/* The next sign of the sequence, times size; after tvi_roundoff_of_field. */
 double tvi_roundoff_sign(tvi_roundoff *roundoff, double size);
 
 #endif
