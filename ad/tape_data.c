@@ -55,7 +55,8 @@ uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
 
 /* The fields of a run in their order; a run has gaps between them. One that is left out is a missing initialiser. */
 #define RUN_FIELDS(field)                                                                                              \
-    field(op) field(count) field(z) field(a) field(b) field(c) field(has_numbers) field(first) field(terms) field(term)
+    field(op) field(count) field(z) field(a) field(b) field(w) field(c) field(has_numbers) field(first) field(terms)   \
+        field(term)
 #define VALUE(field) run->field,
 #define HASH(field)  so_far = jet_hash(so_far, &copy.field, sizeof copy.field);
 
