@@ -9,6 +9,7 @@
 # make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
+# make tails      its table of tvi_stats.tail: right and wrong steps
 # make performance   the tables and the picture of docs/performance.md, a minute and a half; make performance-docs puts them there
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md

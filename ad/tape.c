@@ -2,7 +2,6 @@
 #include "place.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 static void add_term(jet_tape *tape, double coefficient, int slot, int second)
 {
@@ -155,24 +154,4 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
     if (allocated) return tape;
     jet_tape_free(tape);
     return NULL;
-}
-
-void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
-{
-    memset(x, 0, (size_t)orders * (size_t)tape->slots * (size_t)lanes * sizeof *x);
-    for (int i = 0; i < tape->constants; i++)
-        for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
-}
-
-void jet_tape_free(jet_tape *tape)
-{
-    if (!tape) return;
-    free(tape->run);
-    free(tape->constant);
-    free(tape->base);
-    free(tape->term_slot);
-    free(tape->term_second);
-    free(tape->term_coefficient);
-    free(tape->output);
-    free(tape);
 }

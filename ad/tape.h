@@ -11,6 +11,8 @@
 
 #include "graph.h"
 
+#include <stdint.h>
+
 typedef enum {
     JET_TAPE_VALUES, /* order 0 only: what serves recurrences alone is left out */
     JET_TAPE_SERIES
@@ -51,7 +53,17 @@ typedef struct {
 jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind);
 void jet_tape_free(jet_tape *tape);
 
-/* Sets the constants of a block and zeroes the rest: once, before the first sweep. */
+/* FNV-1a of so many bytes, after what was hashed before. Each step is a bijection of the hash, so that one changed byte
+ * always shows. */
+static const uint64_t JET_HASH_OF_NOTHING = UINT64_C(0xcbf29ce484222325);
+uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes);
+
+/* Of all that the sweeps read: tapes of equal hashes compute the same from the same inputs, bit for bit on one
+ * instruction set. Tells a missing tape, NULL, from any other. */
+uint64_t jet_tape_hash(uint64_t so_far, const jet_tape *tape);
+
+/* Sets the constants of a block, once, before the first sweep. Inputs are 0; what a sweep computes is no number until
+ * it has done so, so that nothing can be read unseen that was not evaluated. */
 void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
 
 /* The sweeps, compiled for one instruction set. */

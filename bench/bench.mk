@@ -18,6 +18,14 @@ choose: need-library
 	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/choose
 	$(BUILD)/bench/choose $(BUILD)/bench/choosing $(BUDGET)
 
+# the table of tails of docs/choosing.md
+tails: need-library
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/tails
+	@mkdir -p $(BUILD)/bench/choosing
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/tails $(BUILD)/bench/choosing
+	@cat $(BUILD)/bench/choosing/tails.md
+.PHONY: tails
+
 # the tables and the picture of docs/order-doubling.md
 order-doubling: need-bench
 	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/order_doubling
@@ -62,6 +70,9 @@ $(BUILD)/bench/longrun: $(BUILD)/bench/longrun.o $(BUILD)/bench/experiments/expe
 $(BUILD)/bench/sweep $(BUILD)/bench/choose $(BUILD)/bench/order_doubling $(BUILD)/bench/chaos $(BUILD)/bench/longrun: $(SWEEP_OBJECTS) \
                                                                                                $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+
+$(BUILD)/bench/tails: $(BUILD)/bench/tails.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
 
 # what callgrind runs
 $(BUILD)/bench/steps: $(BUILD)/bench/steps.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a

@@ -10,6 +10,7 @@
  * serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 where p has degree q_degree - 1. */
 #include "action.h"
 #include "quadrature.h"
+#include "sizes.h"
 
 #include <float.h>
 #include <math.h>
@@ -51,6 +52,7 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     double **const panels[] = {&action->momentum, &action->force, &action->on_q, &action->on_v, &action->on_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
     action->correction = tvi_arena_doubles(arena, n);
+    tvi_roundoff_take(&action->roundoff, arena, system, options->quadrature_points);
 }
 
 /* The error of the quadrature for s^r on the span; exactly 0 below its order. */
@@ -171,6 +173,23 @@ static void subtract(const tvi_action *action, int n, const double *other, doubl
 }
 
 enum { NEWTON_STEPS = 50 };
+/* Corrections of the momenta that no longer shrink are roundoff: below this part of the largest momentum, or below this
+ * many units of what the roundoff of H_p and v makes of them. */
+static const double STALLED = 1e-13;
+
+/* Whether corrections as large as `largest` are roundoff, by that of the H_p that was last evaluated. */
+static bool is_roundoff(tvi_action *action, const tvi_curve *curve, double largest)
+{
+    const int n = curve->n, points = action->points;
+    tvi_roundoff *roundoff = &action->roundoff;
+    (void)tvi_roundoff_of_field(roundoff, curve->system, curve->system->field_values, action->x, points);
+    for (int i = 0; i < n; i++) {
+        const double of_v = DBL_EPSILON * tvi_largest(points, action->on_v + i * points, 1);
+        action->correction[i] = tvi_roundoff_sign(roundoff, roundoff->change[n + i] + of_v);
+    }
+    tvi_factor_solve(&curve->slope, action->correction);
+    return largest <= TVI_ROUNDOFF_UNITS * tvi_largest(n, action->correction, 1);
+}
 
 /* Momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by a Newton method with H_pp at the centre. v
  * is in action->on_v; the momenta are left in the second input. */
@@ -178,9 +197,9 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
 {
     const jet_tape *tape = curve->system->field_values;
     const int n = curve->n, points = action->points;
-    double *p = action->x + n * points, before = INFINITY, size = DBL_MIN;
+    double *p = action->x + n * points, before = INFINITY;
     memcpy(p, action->momentum, (size_t)(n * points) * sizeof *p);
-    for (int i = 0; i < n * points; i++) size = fmax(size, fabs(p[i]));
+    const double size = tvi_largest(n * points, p, 1);
     tvi_status status = tvi_curve_factor_slope(curve);
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         status = run_field(action, curve);
@@ -192,11 +211,13 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
             tvi_factor_solve(&curve->slope, action->correction);
             for (int i = 0; i < n; i++) {
                 p[i * points + node] += action->correction[i];
-                largest = fmax(largest, fabs(action->correction[i]) / size);
+                largest = fmax(largest, fabs(action->correction[i]));
             }
         }
         if (!isfinite(largest)) return TVI_ENONFINITE;
-        if (largest <= DBL_EPSILON || (largest >= before && largest <= 1e-13)) return run_field(action, curve);
+        if (largest <= DBL_EPSILON * size) return run_field(action, curve);
+        if (largest >= before && (largest <= STALLED * size || is_roundoff(action, curve, largest)))
+            return run_field(action, curve);
         before = largest;
     }
     return status == TVI_OK ? TVI_ENOCONV : status;
@@ -289,6 +310,23 @@ static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
             action->on_v[place] = -action->momentum[place];
         }
     return TVI_OK;
+}
+
+int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double p[], double of_q[],
+                        double of_p[])
+{
+    const tvi_system *system = curve->system;
+    const double *change = action->roundoff.change;
+    const int n = curve->n;
+    const int runs = tvi_roundoff_of_field(&action->roundoff, system, system->field_values, action->x, action->points);
+    for (int i = 0; i < n; i++) {
+        const double of_force = fabs(h) * change[i], of_second = system->form == TVI_SEPARABLE ? 0 : change[n + i];
+        of_q[i] = system->form == TVI_HAMILTONIAN ? fabs(h) * of_second : 0;
+        of_p[i] = of_force + DBL_EPSILON * fabs(p[i]);
+        if (system->form == TVI_LAGRANGIAN) of_p[i] += of_second;
+        if (system->form == TVI_SEPARABLE) of_q[i] = fabs(h) / system->mass[i] * of_force;
+    }
+    return runs * action->points;
 }
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */

@@ -5,6 +5,7 @@
 #define TVI_SRC_ACTION_H
 
 #include "curve.h"
+#include "roundoff.h"
 
 /* Where the step's ends lie in the scaled time of a curve, and tau as a multiple of h. */
 typedef struct {
@@ -35,6 +36,7 @@ typedef struct {
     double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
     double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
     double *correction;         /* [n] */
+    tvi_roundoff roundoff;      /* of the field at the nodes */
 } tvi_action;
 
 /* Degrees of the curve that the action uses; everything in the options is resolved. */
@@ -50,5 +52,10 @@ TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, d
 /* The Lagrangian at the nodes: from the positions and the time in action->x, velocities in on_v and the curve's momenta
  * in `momentum`, on_q = tau L_q and on_v = L_v - p. Also for nodes that lie on no single curve. */
 TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve);
+
+/* Roundoff of q and p at the ends of the step, [n] each: what that of the field at the nodes of the gradient last
+ * formed makes of them over the step h, and that of p itself. Returns how many values of the field it cost. */
+int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double p[], double of_q[],
+                        double of_p[]);
 
 #endif

@@ -1,9 +1,18 @@
 /* arena.h - all memory of an integrator, in one piece. The layout is walked twice: first to measure (base NULL), then
- * to hand out. */
+ * to hand out. With the address sanitizer, a gap that nobody may touch follows each piece. */
 #ifndef TVI_SRC_ARENA_H
 #define TVI_SRC_ARENA_H
 
 #include <stddef.h>
+#include <string.h>
+
+#if defined(__SANITIZE_ADDRESS__)
+#define ARENA_HAS_GAPS
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ARENA_HAS_GAPS
+#endif
+#endif
 
 /* What one step leaves to the next stands apart, in one region of its own: the history. All zeros are the history of no
  * step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. */
@@ -14,28 +23,50 @@ typedef struct {
 
 enum { ARENA_ALIGNMENT = 64 };
 
-static inline size_t tvi_arena_round(size_t bytes)
+#ifdef ARENA_HAS_GAPS
+#include <sanitizer/asan_interface.h>
+enum { ARENA_GAP = ARENA_ALIGNMENT };
+#define ARENA_UNCHECKED __attribute__((no_sanitize_address))
+#else
+enum { ARENA_GAP = 0 };
+#define ASAN_POISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))
+#define ARENA_UNCHECKED
+#endif
+
+/* The piece of so many bytes at region + used; NULL where there is no region. */
+static inline void *tvi_arena_cut(char *region, size_t *used, size_t bytes)
 {
-    return (bytes + ARENA_ALIGNMENT - 1) / ARENA_ALIGNMENT * ARENA_ALIGNMENT;
+    const size_t room = (bytes + ARENA_ALIGNMENT - 1) / ARENA_ALIGNMENT * ARENA_ALIGNMENT + ARENA_GAP;
+    char *piece = region ? region + *used : NULL;
+    if (piece) ASAN_POISON_MEMORY_REGION(piece + bytes, room - bytes);
+    *used += room;
+    return piece;
 }
 
 static inline void *tvi_arena_take(tvi_arena *arena, size_t bytes)
 {
-    void *piece = arena->base ? arena->base + arena->used : NULL;
-    arena->used += tvi_arena_round(bytes);
-    return piece;
+    return tvi_arena_cut(arena->base, &arena->used, bytes);
 }
 
 static inline void *tvi_arena_history(tvi_arena *arena, size_t bytes)
 {
-    void *piece = arena->history ? arena->history + arena->remembered : NULL;
-    arena->remembered += tvi_arena_round(bytes);
-    return piece;
+    return tvi_arena_cut(arena->history, &arena->remembered, bytes);
 }
 
 static inline double *tvi_arena_doubles(tvi_arena *arena, size_t count)
 {
     return tvi_arena_take(arena, count * sizeof(double));
+}
+
+/* to = from, or zeros where that is NULL: a whole history, which has gaps that memcpy must not touch. */
+ARENA_UNCHECKED static inline void tvi_arena_copy(char *to, const char *from, size_t bytes)
+{
+#ifdef ARENA_HAS_GAPS
+    for (size_t i = 0; i < bytes; i++) ((volatile char *)to)[i] = from ? from[i] : 0;
+#else
+    if (from) memcpy(to, from, bytes);
+    else memset(to, 0, bytes);
+#endif
 }
 
 #endif

@@ -34,7 +34,7 @@ tvi_status tvi_between_state(tvi_between *between, double part)
     memcpy(between->q, is_end ? steps->q : steps->q_start, bytes);
     memcpy(between->p, is_end ? steps->p : steps->p_start, bytes);
     if (!is_end && part != 0) {
-        memcpy(between->partial->history, steps->before, steps->remembered);
+        tvi_arena_copy(between->partial->history, steps->before, steps->remembered);
         const tvi_status status = tvi_step(between->partial, part, &between->t, between->q, between->p);
         if (status != TVI_OK) return status;
     }

@@ -356,6 +356,17 @@ static bool jacobian(void *self, double matrix[])
     return true;
 }
 
+/* What the field at the nodes makes of (a(1), b(-1), kappa p_a(0)). */
+static void residual_roundoff(void *self, double r[])
+{
+    work *w = self;
+    const int n = w->n;
+    double *of_u = r + 2 * n;
+    w->stats->force_evaluations += tvi_action_roundoff(&w->a.action, &w->a.curve, w->tau, w->origin->p, r, of_u);
+    memcpy(r + n, r, (size_t)n * sizeof *r);
+    for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
+}
+
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 /* The curve a from (q0, p0), and its end as the data of b. */
@@ -404,7 +415,12 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
 {
     work *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *dq;
-    const tvi_equations equations = {w, residual, set_scale, jacobian, NULL, true};
+    const tvi_equations equations = {.self = w,
+                                     .residual = residual,
+                                     .scale = set_scale,
+                                     .jacobian = jacobian,
+                                     .roundoff = residual_roundoff,
+                                     .is_rough = true};
     w->origin = origin;
     w->stats = stats;
     w->tau = h;
@@ -415,7 +431,8 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     increments(w, dq, dp);
     memcpy(w->dq, dq, bytes);
     memcpy(w->dp, dp, bytes);
-    stats->tail = tvi_curve_tail(&w->a.curve, w->degree);
+    stats->tail = fmax(tvi_curve_tail(&w->a.curve, w->degree, w->degree - 1),
+                       tvi_curve_tail(&w->b.curve, w->degree, w->degree - 1));
     return TVI_OK;
 }
 

@@ -2,6 +2,7 @@
 #include "method.h"
 #include "stepper.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct {
@@ -52,11 +53,13 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     const int n = c->n;
     tvi_status status = c->stepper[0]->step(c->work[0], h / 2, origin, c->half_q, c->half_p, stats);
     if (status != TVI_OK) return status;
+    const double first_tail = stats->tail;
     add(n, origin->q, origin->q_low, c->half_q, c->q, c->q_low);
     add(n, origin->p, origin->p_low, c->half_p, c->p, c->p_low);
     tvi_origin middle = {origin->t, origin->t_low, c->q, c->q_low, c->p, c->p_low};
     middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2);
     status = c->stepper[1]->step(c->work[1], h / 2, &middle, dq, dp, stats);
+    stats->tail = fmax(stats->tail, first_tail);
     for (int i = 0; i < n; i++) {
         dq[i] += c->half_q[i];
         dp[i] += c->half_p[i];

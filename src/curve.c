@@ -10,6 +10,7 @@
  * each with the field evaluated as a power series along the curve, one order after the other. */
 #include "curve.h"
 #include "sizes.h"
+#include "tail.h"
 
 #include <math.h>
 #include <string.h>
@@ -182,16 +183,18 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
 
+static double momentum(const tvi_curve *curve, int k, int i)
+{
+    switch (curve->system->form) {
+    case TVI_SEPARABLE: return k < curve->top ? (k + 1) * tvi_curve_input(curve, k + 1)[i] / curve->kappa[i] : 0;
+    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve->n + i);
+    default: return (tvi_curve_input(curve, k) + curve->n)[i];
+    }
+}
+
 void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
 {
-    const int n = curve->n;
-    for (int i = 0; i < n; i++) switch (curve->system->form) {
-        case TVI_SEPARABLE:
-            out[i] = k < curve->top ? (k + 1) * tvi_curve_input(curve, k + 1)[i] / curve->kappa[i] : 0;
-            break;
-        case TVI_LAGRANGIAN: out[i] = tvi_curve_field(curve, k, n + i); break;
-        case TVI_HAMILTONIAN: out[i] = (tvi_curve_input(curve, k) + curve->n)[i]; break;
-        }
+    for (int i = 0; i < curve->n; i++) out[i] = momentum(curve, k, i);
 }
 
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
@@ -219,8 +222,30 @@ int tvi_curve_order_below(const tvi_curve *curve, double part)
     return k;
 }
 
-double tvi_curve_tail(const tvi_curve *curve, int degree)
+/* p = |P_0| + sum k |P_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
+static tvi_tail_part tail_part(const tvi_curve *curve, int q_degree, int p_degree, int i)
 {
-    const double q = tvi_largest(curve->n, tvi_curve_input(curve, 0), 1);
-    return q > 0 ? tvi_largest(curve->n, tvi_curve_input(curve, degree), 1) / q : 0;
+    tvi_tail_part part = {.momentum = fabs(momentum(curve, 0, i)), .place = fabs(tvi_curve_Q(curve, 0)[i])};
+    for (int k = 1; k <= p_degree; k++) part.momentum += part.last_p = k * fabs(momentum(curve, k, i));
+    for (int k = 1; k <= q_degree; k++) part.movement += part.last_q = k * fabs(tvi_curve_Q(curve, k)[i]);
+    if (curve->system->form == TVI_SEPARABLE) part.last_q = 0;
+    return part;
+}
+
+double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree)
+{
+    const bool has_masses = curve->system->form == TVI_SEPARABLE;
+    tvi_tail_survey survey = {0, 0, 0};
+    if (p_degree < 2) return 0;
+    for (int i = 0; i < curve->n; i++) {
+        const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
+        tvi_tail_look(&survey, &part, has_masses);
+    }
+    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    double tail = 0;
+    for (int i = 0; i < curve->n; i++) {
+        const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
+        tail = fmax(tail, tvi_tail_of(&part, has_masses, survey.largest));
+    }
+    return tail;
 }

@@ -114,10 +114,11 @@ void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combin
 void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[]);
 /* The first order k with max_i |Q_k| <= part max_i |Q_0|, or top: where products are good to about that part. */
 int tvi_curve_order_below(const tvi_curve *curve, double part);
-/* Products: out[n] = K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre. */
-void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[]);
+/* Products: out[n] += factor K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre, of a curve with top >= 2: one of
+ * lower degree has never evaluated its force. */
+void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[]);
 
-/* |Q_degree| / |Q_0|: the size of the curve's last term a unit of scaled time from the centre. */
-double tvi_curve_tail(const tvi_curve *curve, int degree);
+/* tvi_stats.tail, for P and Q to these degrees: see tail.h. 0 where p' has one term only. */
+double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree);
 
 #endif

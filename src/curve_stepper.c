@@ -295,8 +295,8 @@ static double momentum_unit(const tvi_closure *c)
     return largest > 0 ? largest : 1;
 }
 
-/* The unknowns of the closing are momenta, or u / kappa. A body whose curve has none is measured by the others, and where
- * none has any, as at rest with degree 1, by their positions. */
+/* The unknowns of the closing are momenta, or u / kappa. A body whose curve has none is measured by the others, and
+ * where none has any, as at rest with degree 1, by their positions. */
 static tvi_status close_by_products(work *w)
 {
     tvi_closure *c = &w->closure;
@@ -335,6 +335,16 @@ static bool jacobian(void *self, double matrix[])
     return true;
 }
 
+/* What the field at the nodes makes of (q-, kappa p-). */
+static void residual_roundoff(void *self, double r[])
+{
+    work *w = self;
+    const tvi_closure *c = &w->closure;
+    const double h = (c->span.to - c->span.from) * c->curve.tau;
+    w->stats->force_evaluations += tvi_action_roundoff(&w->action, &c->curve, h, w->origin->p, r, r + c->n);
+    for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
+}
+
 static void correct_by_product(void *self, double correction[])
 {
     work *w = self;
@@ -348,14 +358,17 @@ static tvi_status correct(work *w)
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    /* types II and III, and the end, gain by much the most in the first pass */
-    const bool is_rough = w->options->method == TVI_TYPE2 || w->options->method == TVI_TYPE3 || w->closure.span.to == 0;
+    /* types II and III, and the end, gain by much the most in the first pass; degree 0, which leaves all to the
+     * corrections, moves q and p in turns, each as little as the other was wrong */
+    const bool is_rough = w->options->method == TVI_TYPE2 || w->options->method == TVI_TYPE3 ||
+                          w->closure.span.to == 0 || w->q_degree == 0;
     const bool products = tvi_curve_has_products(&w->closure.curve);
     const tvi_equations equations = {.self = w,
                                      .residual = residual,
                                      .scale = set_scale,
                                      .jacobian = is_identity || products ? NULL : jacobian,
                                      .solve = is_identity || !products ? NULL : correct_by_product,
+                                     .roundoff = residual_roundoff,
                                      .is_rough = is_rough};
     w->closure.iteration.has_guess = false;
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
@@ -400,7 +413,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     if (status == TVI_OK) status = w->close ? correct(w) : expand(w, w->z, centre(w));
     if (status != TVI_OK) return status;
     increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
-    stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree);
+    stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree, w->p_degree);
     return TVI_OK;
 }
 

@@ -8,9 +8,11 @@
 #include "galerkin_field.h"
 #include "quadrature.h"
 #include "stepper.h"
+#include "tail.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <string.h>
 
 enum { MAX_PASSES = 100, MAX_LANES = TVI_GALERKIN_MAX_LANES };
@@ -19,15 +21,19 @@ enum { MAX_PASSES = 100, MAX_LANES = TVI_GALERKIN_MAX_LANES };
  * unknowns. */
 typedef struct {
     double moved, before; /* by the last pass, and the one before it; 0: none */
-    double slowest;  /* contraction of the last two passes that were above roundoff; of a Newton method, the last */
-    double expected; /* movement of the last pass, without its roundoff */
+    double contraction;   /* of the last pass that was above roundoff */
+    double slowest;       /* contraction of the last two such passes; of a Newton method, of the last */
+    double expected;      /* movement of the last pass, without its roundoff */
+    double roundoff;      /* what may be roundoff, as measured; 0: not yet */
+    bool is_stuck;        /* the passes shrink no more */
 } galerkin_progress;
 
 /* The last two steps. */
 typedef struct {
     double h, h_before; /* 0: none */
     double t;           /* where the last one began */
-    int turn;           /* where its drives are */
+    double slowest;     /* contraction of its passes, or of those before it; 0: not known */
+    int turn;           /* where its impulses are */
 } galerkin_history;
 
 typedef struct {
@@ -37,14 +43,14 @@ typedef struct {
     double *from_one;   /* [j][i] extrapolation from a step of size h / ratio, times field.ahead */
     double ratio;       /* 0: none yet */
     double *from_two;   /* [2][j][i] the same from the two steps before, all of one size */
-    double *c, *c_rest; /* [lanes] in two parts */
-    double *weight;     /* [lanes][SUMS] */
+    double *c;          /* [lanes] */
+    double *factor;     /* [lanes][SUMS] */
     double *sum;        /* [unknowns][SUMS] */
-    double h;           /* of the rates and the scales; 0: none yet */
-    double *rate;       /* [n] h / m */
-    double *drift;      /* [n] h M^-1 p0 */
+    double *before, *displaced; /* [rows][lanes] scratch of the roundoff that is measured */
+    double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
+    double *low;               /* [unknowns] low-order parts of the start */
     galerkin_history *last;
-    double *drives[2]; /* in the history: [unknowns][lanes] what drove the unknowns of the last two steps, in turns */
+    double *impulses[2]; /* in the history: [unknowns][lanes] of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
     long double unit[MAX_LANES]; /* 1 / prod_{k != j} (c_j - c_k) */
 } galerkin;
@@ -67,6 +73,11 @@ static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
 #endif
 };
 
+static size_t unknowns_size(const galerkin *w)
+{
+    return (size_t)w->field.nodes.unknowns * (size_t)w->field.nodes.lanes * sizeof(double);
+}
+
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     galerkin *taken = tvi_arena_take(arena, sizeof *taken);
@@ -79,19 +90,23 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     nodes->lanes = lanes_for(w.points);
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
     w.last = tvi_arena_history(arena, sizeof *w.last);
-    for (int i = 0; i < 2; i++) w.drives[i] = tvi_arena_history(arena, unknowns * lanes * sizeof(double));
+    for (int i = 0; i < 2; i++) w.impulses[i] = tvi_arena_history(arena, unknowns * lanes * sizeof(double));
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     w.field.matrix = tvi_arena_doubles(arena, lanes * lanes);
     w.from_one = tvi_arena_doubles(arena, lanes * lanes);
     w.from_two = tvi_arena_doubles(arena, 2 * lanes * lanes);
+    w.field.b = tvi_arena_doubles(arena, lanes);
     w.c = tvi_arena_doubles(arena, lanes);
-    w.c_rest = tvi_arena_doubles(arena, lanes);
-    w.weight = tvi_arena_doubles(arena, lanes * SUMS);
+    nodes->weight = tvi_arena_doubles(arena, lanes);
+    nodes->impulse = tvi_arena_doubles(arena, unknowns * lanes);
+    w.factor = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
-    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
+    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.drift, &w.drift_low, &w.low};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
     w.field.form->take(&w.field, arena);
+    w.before = tvi_arena_doubles(arena, (size_t)w.field.rows * lanes);
+    w.displaced = tvi_arena_doubles(arena, (size_t)w.field.rows * lanes);
     if (taken) *taken = w;
     return taken;
 }
@@ -116,57 +131,76 @@ static void integrate_lagrange(const galerkin *w, int j, long double s, long dou
     }
 }
 
-/* The first part is short. */
-static void split(long double x, double *part, double *rest)
-{
-    *part = (float)x;
-    *rest = (double)(x - *part);
-}
-
-/* The leading term a x^(m-1) of what drives an unknown, x in [-1/2, 1/2] about the middle of the step, makes of a
- * position at the ends a 2^-m / m by one integration, and a 2^-(m+1) / (m (m+1)) by two. */
+/* What drives an unknown is sum_k f_k P_k(x), x in [-1, 1], P_k Legendre's polynomials. Its power x^k, k = m - 1, has
+ * the factor 2^-k sum_j unit_j F_j, and that of P_k is 2^-k (2k)! / k!^2: this times sum_j unit_j F_j is f_k, the last
+ * term at the ends. */
 static long double tail_factor(const galerkin *w)
 {
-    const int m = w->points;
-    return galerkin_is_second_order(&w->field) ? ldexpl(1, -m - 1) / (m * (m + 1)) : ldexpl(1, -m) / m;
+    long double factor = 1;
+    for (int k = 1; k < w->points; k++) factor *= (long double)k / (2 * (2 * k - 1));
+    return factor;
 }
 
+static double on_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
+
+/* c and b are on the grid 2^-53, where differences are exact; c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1 hold
+ * as they stand. */
 static void set_nodes(galerkin *w)
 {
-    tvi_quadrature_nodes(TVI_GAUSS, w->points, w->exact_node, w->exact_weight);
-    for (int i = 0; i < w->points; i++) {
+    const int m = w->points;
+    double left = 1;
+    tvi_quadrature_nodes(TVI_GAUSS, m, w->exact_node, w->exact_weight);
+    for (int i = 0; i < m; i++) {
         w->exact_node[i] = (1 + w->exact_node[i]) / 2;
         w->exact_weight[i] /= 2;
-        const long double weight[] = {w->exact_weight[i], w->exact_weight[i] * (1 - w->exact_node[i])};
-        for (int kind = 0; kind < 2; kind++) {
-            split(weight[kind], &w->weight[i * SUMS + 2 * kind], &w->weight[i * SUMS + 2 * kind + 1]);
-        }
     }
-    for (int i = 0; i < w->field.nodes.lanes; i++)
-        split(w->exact_node[i < w->points ? i : w->points - 1], &w->c[i], &w->c_rest[i]);
-    for (int j = 0; j < w->points; j++) {
+    for (int i = 0; i < (m + 1) / 2; i++) {
+        w->c[i] = on_grid(w->exact_node[i], 53);
+        w->c[m - 1 - i] = 1 - w->c[i];
+        w->field.b[i] = w->field.b[m - 1 - i] = i < m - 1 - i ? on_grid(w->exact_weight[i], 53) : left;
+        left -= 2 * w->field.b[i];
+    }
+    if (m % 2 == 0) w->field.b[m / 2 - 1] = w->field.b[m / 2] = w->field.b[m / 2] + left / 2;
+    for (int i = m; i < w->field.nodes.lanes; i++) w->c[i] = w->c[m - 1];
+    for (int j = 0; j < m; j++) {
         w->unit[j] = 1;
-        for (int k = 0; k < w->points; k++)
+        for (int k = 0; k < m; k++)
             if (k != j) w->unit[j] /= w->exact_node[j] - w->exact_node[k];
-        w->weight[j * SUMS + SUM_TAIL] = (double)(w->unit[j] * tail_factor(w));
+        w->factor[j * SUMS + SUM_ONCE] = 1;
+        w->factor[j * SUMS + SUM_TWICE] = 1 - w->c[j];
+        w->factor[j * SUMS + SUM_TAIL] = (double)(w->unit[j] * tail_factor(w)) / w->field.b[j];
     }
 }
 
-/* a_ij = int_0^{c_i} l_j. The product a a is not the double integral, whose method is not symplectic. */
+/* Element (i, j), i >= j, of what multiplies impulses: (a a)_ij / b_j of a separable system, else a_ij / b_j, with
+ * a_ij = int_0^{c_i} l_j. The product a a is not the double integral, whose method is not symplectic. */
+static long double impulse_factor(const galerkin *w, long double a[][MAX_LANES], int i, int j)
+{
+    long double square = 0;
+    for (int k = 0; k < w->points; k++) square += a[i][k] * a[k][j];
+    return (galerkin_is_second_order(&w->field) ? square : a[i][j]) / w->exact_weight[j];
+}
+
+/* The elements nu_ij are on a grid, too, and those above the diagonal follow from the condition of symplecticity, which
+ * so holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, else nu_ij + nu_ji = 1; and that of symmetry,
+ * nu_ij = nu_{m-1-j, m-1-i}. */
 static void set_matrix(galerkin *w)
 {
     long double a[MAX_LANES][MAX_LANES], twice;
-    const int m = w->points;
+    const int m = w->points, lanes = w->field.nodes.lanes;
+    const bool separable = galerkin_is_second_order(&w->field);
+    double *matrix = w->field.matrix;
     for (int i = 0; i < m; i++)
         for (int j = 0; j < m; j++) integrate_lagrange(w, j, w->exact_node[i], &a[i][j], &twice);
-    for (int lane = 0; lane < w->field.nodes.lanes; lane++)
-        for (int j = 0; j < m; j++) {
-            const int i = lane < m ? lane : m - 1;
-            long double square = 0;
-            for (int k = 0; k < m; k++) square += a[i][k] * a[k][j];
-            w->field.matrix[j * w->field.nodes.lanes + lane] =
-                (double)(galerkin_is_second_order(&w->field) ? square : a[i][j]);
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j <= i; j++) {
+            const long double exact = impulse_factor(w, a, i, j) + impulse_factor(w, a, m - 1 - j, m - 1 - i);
+            const double nu = on_grid(exact / 2, 52);
+            matrix[j * lanes + i] = nu;
+            matrix[i * lanes + j] = separable ? nu - (w->c[i] - w->c[j]) : 1 - nu;
         }
+    for (int lane = m; lane < lanes; lane++)
+        for (int j = 0; j < m; j++) matrix[j * lanes + lane] = matrix[j * lanes + m - 1];
 }
 
 /* [k][i] of basis: polynomials of degree k, orthonormal on the first 2 m of 3 m points: the nodes of two steps, and of
@@ -190,6 +224,15 @@ static void set_basis(const galerkin *w, int degree, long double basis[][3 * MAX
     }
 }
 
+/* column[i] += factor (b_next / b_before) ahead[next][i]: what the impulse at node `before` of an earlier step makes of
+ * the one at node `next`, if the factor is that of the drives. */
+static void add_ahead(const galerkin *w, long double factor, int before, int next, double *column)
+{
+    const int lanes = w->field.nodes.lanes;
+    const double part = (double)(factor * w->exact_weight[next] / w->exact_weight[before]);
+    for (int i = 0; i < lanes; i++) column[i] += part * w->field.ahead[next * lanes + i];
+}
+
 /* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j). Of all degrees, 3m/2 was seen to save the most passes:
  * above it roundoff grows by more than truncation falls. */
 static void set_from_two(galerkin *w)
@@ -202,7 +245,7 @@ static void set_from_two(galerkin *w)
             long double factor = 0;
             for (int k = 0; k <= degree; k++) factor += basis[k][2 * m + next] * basis[k][point];
             double *column = w->from_two + (point / m * lanes + point % m) * lanes;
-            for (int i = 0; i < lanes; i++) column[i] += (double)factor * w->field.ahead[next * lanes + i];
+            add_ahead(w, factor, point % m, next, column);
         }
 }
 
@@ -218,16 +261,14 @@ static void prepare(void *work)
 /* What depends on the size of the step alone. */
 static void set_size(galerkin *w, double h)
 {
-    if (h == w->h) return;
-    w->h = h;
-    for (int u = 0; u < w->field.nodes.unknowns; u++) {
-        if (galerkin_is_second_order(&w->field)) {
-            w->rate[u] = h / w->field.system->mass[u];
-            w->field.nodes.scale[u] = h * w->rate[u];
-        } else {
-            w->field.nodes.scale[u] = u < w->n ? h : w->field.form->force_sign * h;
-        }
-    }
+    const galerkin_nodes *nodes = &w->field.nodes;
+    if (h == w->field.h) return;
+    w->field.h = h;
+    for (int i = 0; i < nodes->lanes; i++) nodes->weight[i] = h * w->field.b[i];
+    for (int u = 0; u < nodes->unknowns; u++)
+        nodes->scale[u] = galerkin_is_second_order(&w->field) ? h / w->field.system->mass[u]
+                          : u < w->n                          ? 1
+                                                              : w->field.form->force_sign;
 }
 
 /* From a step of size h / ratio to the next one: node i is at 1 + ratio c_i there. */
@@ -239,8 +280,8 @@ static void set_from_one(galerkin *w, double ratio)
     memset(w->from_one, 0, (size_t)lanes * (size_t)lanes * sizeof *w->from_one);
     for (int k = 0; k < w->points; k++)
         for (int j = 0; j < w->points; j++) {
-            const double factor = (double)lagrange(w, j, 1 + ratio * w->exact_node[k]);
-            for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] += factor * w->field.ahead[k * lanes + i];
+            const long double factor = lagrange(w, j, 1 + ratio * w->exact_node[k]);
+            add_ahead(w, ratio * factor, j, k, w->from_one + j * lanes);
         }
 }
 
@@ -249,22 +290,30 @@ static void set_times(galerkin *w, const tvi_origin *origin, double h)
 {
     double t[MAX_LANES];
     if (!w->field.system->uses_time) return;
-    for (int i = 0; i < w->field.nodes.lanes; i++) t[i] = origin->t + (origin->t_low + h * (w->c[i] + w->c_rest[i]));
+    for (int i = 0; i < w->field.nodes.lanes; i++) t[i] = origin->t + (origin->t_low + h * w->c[i]);
     tvi_system_set_time(w->field.system, w->field.inputs, w->field.nodes.lanes, t);
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
+static void set_base(const galerkin *w)
+{
+    w->field.loops->set_base(&w->field.nodes, w->c, w->low, w->drift, w->drift_low);
+}
+
 static void set_start(galerkin *w, const tvi_origin *origin)
 {
+    const galerkin_nodes *nodes = &w->field.nodes;
     const size_t bytes = (size_t)w->n * sizeof(double);
-    memcpy(w->field.nodes.start, origin->q, bytes);
-    if (!galerkin_is_second_order(&w->field)) {
-        memcpy(w->field.nodes.start + w->n, origin->p, bytes);
-        return;
+    memcpy(nodes->start, origin->q, bytes);
+    memcpy(w->low, origin->q_low, bytes);
+    if (galerkin_is_second_order(&w->field)) {
+        w->field.loops->set_drift(w->n, nodes->scale, origin->p, origin->p_low, w->drift, w->drift_low);
+    } else {
+        memcpy(nodes->start + w->n, origin->p, bytes);
+        memcpy(w->low + w->n, origin->p_low, bytes);
     }
-    for (int i = 0; i < w->n; i++) w->drift[i] = w->rate[i] * origin->p[i];
-    w->field.loops->set_base(&w->field.nodes, w->n, w->c, w->c_rest, w->drift);
+    set_base(w);
 }
 
 /* Whether this step begins where the last one ended, and its nodes, at 1 + ratio c_i, are near those of that one. */
@@ -272,19 +321,19 @@ static bool can_extrapolate(const galerkin *w, const tvi_origin *origin)
 {
     const galerkin_history *last = w->last;
     if (last->h == 0 || w->options->passes == TVI_PREDICT_ONLY) return false;
-    const double gap = origin->t - (last->t + last->h), ratio = w->h / last->h;
-    return fabs(gap) < 0.25 * fabs(w->h) && ratio >= -2 && ratio <= 1.5;
+    const double gap = origin->t - (last->t + last->h), ratio = w->field.h / last->h;
+    return fabs(gap) < 0.25 * fabs(w->field.h) && ratio >= -2 && ratio <= 1.5;
 }
 
 static void extrapolate(galerkin *w)
 {
     const galerkin_history *last = w->last;
-    const double *const drives[] = {w->drives[last->turn], w->drives[!last->turn]};
-    if (w->h == last->h && w->h == last->h_before) {
-        w->field.form->predict(&w->field, 2, w->from_two, drives);
+    const double *const impulses[] = {w->impulses[last->turn], w->impulses[!last->turn]};
+    if (w->field.h == last->h && w->field.h == last->h_before) {
+        w->field.form->predict(&w->field, 2, w->from_two, impulses);
     } else {
-        set_from_one(w, w->h / last->h);
-        w->field.form->predict(&w->field, 1, w->from_one, drives);
+        set_from_one(w, w->field.h / last->h);
+        w->field.form->predict(&w->field, 1, w->from_one, impulses);
     }
 }
 
@@ -310,58 +359,128 @@ static void set_sizes(galerkin *w)
 /* ---- The passes -------------------------------------------------------------------------------------------------- */
 
 /* Squares of relative movements: one after which there must be another pass, one that may be roundoff, one that is
- * none, and one that no sum of many steps shows. What a step leaves out is the same in the next one, where roundoff
- * changes its sign. */
+ * none, and one that no sum of many steps shows. What a step leaves out has the same sign in the next one, where
+ * roundoff changes its sign: it stays below the roundoff of N steps if it is that of one step / sqrt(N), here for more
+ * than 10^9 of them. The contraction of a Newton method is the better known, since it only falls. */
 static double square(double x) { return x * x; }
 #define FAR            square(1e-9)
 #define MAYBE_ROUNDOFF square(1e-12)
 #define ROUNDOFF       square(32 * DBL_EPSILON)
-#define NOTHING        square(DBL_EPSILON / 4096)
+#define NOTHING        square(0x1p-80)
+#define NEWTON_NOTHING square(0x1p-72)
+
+/* A movement is roundoff if unknowns that are displaced by this part of their size move as far. */
+static const double MOST_ROUNDOFF = 16 * DBL_EPSILON;
 
 static double larger(double a, double b) { return a > b ? a : b; }
 static double smaller(double a, double b) { return a < b ? a : b; }
 
-/* Whether what the next pass would move is nothing. */
+static bool contracts(const galerkin_progress *at) { return at->slowest > 0 && at->slowest < 0.25; }
+
+/* Whether what the next pass would move is nothing. Passes of a small step soon do no more than roundoff, which does not
+ * show how far they contract: then they do as those of an earlier step did. */
 static bool is_converged(galerkin_progress *at, double moved, double count, bool is_newton)
 {
     if (moved > ROUNDOFF * count || (is_newton && at->slowest == 0)) {
-        const double earlier = at->before > 0 && !is_newton ? at->moved / at->before : 0;
-        at->slowest = larger(moved / at->moved, earlier);
+        const double contraction = moved / at->moved;
+        at->slowest = is_newton ? contraction : larger(contraction, at->contraction);
+        at->contraction = contraction;
         at->expected = moved;
     } else {
         at->expected = at->slowest > 0 ? smaller(moved, at->slowest * at->expected) : moved;
     }
-    return at->slowest > 0 && at->slowest < 0.25 && at->slowest * at->expected <= NOTHING * count;
+    return contracts(at) && at->slowest * at->expected <= (is_newton ? NEWTON_NOTHING : NOTHING) * count;
 }
 
-/* Whether the passes may end here, or do no more than roundoff. Two passes, since in the equations of a Hamiltonian
- * those of Q may contract as little as those of P contract much, in turns. */
+/* Two passes, since in the equations of a Hamiltonian those of Q may contract as little as those of P contract much, in
+ * turns. */
+static bool shrinks_no_more(const galerkin_progress *at, double moved)
+{
+    return at->before > 0 && moved >= at->moved && moved >= at->before;
+}
+
+/* Whether the passes may end here, or do no more than roundoff. */
 static bool is_enough(const galerkin *w, galerkin_progress *at, double moved)
 {
     const double count = w->field.nodes.unknowns * w->field.nodes.lanes;
-    bool is_last = moved == 0;
-    if (at->before > 0 && moved >= at->moved && moved >= at->before) is_last |= moved <= MAYBE_ROUNDOFF * count;
+    bool is_last = moved == 0 || moved <= at->roundoff;
     if (w->options->tolerance > 0) is_last |= moved <= square(w->options->tolerance);
-    else if (at->moved > 0 && moved <= FAR * count) is_last |= is_converged(at, moved, count, w->field.form->is_newton);
+    else if (at->moved == 0) at->expected = moved;
+    else if (moved <= FAR * count) is_last |= is_converged(at, moved, count, w->field.form->is_newton);
+    if (!contracts(at)) is_last |= shrinks_no_more(at, moved) && moved <= MAYBE_ROUNDOFF * count;
+    at->is_stuck |= shrinks_no_more(at, moved);
     at->before = at->moved;
     at->moved = moved;
     return is_last;
+}
+
+static tvi_status pass(galerkin *w, double *moved, tvi_stats *stats)
+{
+    stats->force_evaluations += w->points;
+    const tvi_status status = galerkin_pass(&w->field, moved, stats);
+    if (status != TVI_OK) return status;
+    stats->passes++;
+    return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;
+}
+
+/* Moves the unknowns, and what the passes bring them back to, by some units of the roundoff that a pass leaves in them, up
+ * or down as the bits of a sequence have it. */
+static void displace(galerkin_nodes *nodes)
+{
+    uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
+    for (int u = 0; u < nodes->unknowns; u++)
+        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes; k++) {
+            const double size = MOST_ROUNDOFF * (fabs(nodes->start[u]) + fabs(nodes->x[k] - nodes->start[u]));
+            bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+            nodes->x[k] += bits >> 63 ? size : -size;
+            nodes->base[k] += bits >> 63 ? size : -size;
+        }
+}
+
+/* The square of the relative distance from x to nodes.x. */
+static double distance(const galerkin *w, const double *x)
+{
+    const galerkin_nodes *nodes = &w->field.nodes;
+    double sum = 0;
+    for (int u = 0; u < nodes->unknowns; u++)
+        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes; k++)
+            sum += square((nodes->x[k] - x[k]) * nodes->inverse_size[u]);
+    return sum;
+}
+
+/* The next pass, and what it makes of the roundoff in the unknowns that it begins with: a pass from displaced ones, whose
+ * difference from it is roundoff. Where the force is that at a position of size 1, for instance, the momenta of a small
+ * motion have no more digits than the force. The rounds of a pass may move the unknowns to and fro: here they have moved
+ * from where they were to where they are. */
+static tvi_status measure_roundoff(galerkin *w, double *moved, double *roundoff, tvi_stats *stats)
+{
+    const size_t bytes = (size_t)w->field.rows * (size_t)w->field.nodes.lanes * sizeof(double);
+    double *x = w->field.nodes.x;
+    memcpy(w->before, x, bytes);
+    displace(&w->field.nodes);
+    tvi_status status = pass(w, moved, stats);
+    memcpy(w->displaced, x, bytes);
+    memcpy(x, w->before, bytes);
+    set_base(w);
+    if (status == TVI_OK) status = pass(w, moved, stats);
+    *roundoff = distance(w, w->displaced);
+    *moved = distance(w, w->before);
+    return status;
 }
 
 static tvi_status iterate(galerkin *w, tvi_stats *stats)
 {
     const tvi_options *o = w->options;
     const int most = o->passes > 0 ? o->passes : o->max_passes > 0 ? o->max_passes : MAX_PASSES;
-    galerkin_progress at = {0};
-    for (int pass = 1; pass <= most; pass++) {
-        stats->force_evaluations += w->points;
+    galerkin_progress at = {.slowest = w->field.h == w->last->h ? w->last->slowest : 0};
+    for (int count = 1; count <= most; count++) {
         double moved;
-        const tvi_status status = galerkin_pass(&w->field, &moved, stats);
+        const bool suspects = at.is_stuck && at.roundoff == 0 && count++ < most;
+        const tvi_status status = suspects ? measure_roundoff(w, &moved, &at.roundoff, stats) : pass(w, &moved, stats);
         if (status != TVI_OK) return status;
-        stats->passes++;
-        if (!isfinite(moved)) return TVI_ENONFINITE;
-        if (o->passes > 0 ? pass == o->passes : is_enough(w, &at, moved)) {
+        if (o->passes > 0 ? count == o->passes : is_enough(w, &at, moved)) {
             stats->residual = sqrt(moved);
+            w->last->slowest = at.slowest;
             return TVI_OK;
         }
     }
@@ -378,36 +497,65 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, bool extrapolates
         set_times(w, origin, 0);
         stats->force_evaluations++;
         const tvi_status status = w->field.form->start(&w->field, origin);
-        if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
+        if (status != TVI_OK) return status;
         (void)field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
+        if (w->options->passes == TVI_PREDICT_ONLY) return TVI_OK;
     }
-    set_times(w, origin, w->h);
+    set_times(w, origin, w->field.h);
     set_sizes(w);
     return iterate(w, stats);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* Size of the last term of the positions' polynomials at the ends, relative to the positions. */
-static double tail(const galerkin *w)
+/* h times what drives an unknown at its first and its last node. */
+static double reach(const galerkin *w, int u)
 {
-    double last = 0, q = 0;
-    for (int u = 0; u < w->n; u++) {
-        last = larger(last, fabs(w->field.nodes.scale[u] * w->sum[u * SUMS + SUM_TAIL]));
-        q = larger(q, fabs(w->field.nodes.start[u]));
-    }
-    return q > 0 ? last / q : 0;
+    const double *impulse = w->field.nodes.impulse + u * w->field.nodes.lanes;
+    return (fabs(impulse[0]) + fabs(impulse[w->points - 1])) / w->field.b[0];
 }
 
-static void set_increments(const galerkin *w, const tvi_origin *origin, double dq[], double dp[])
+/* Of component i, in the step that moves p by dp. */
+static tvi_tail_part tail_part(const galerkin *w, const tvi_origin *origin, const double dp[], int i)
+{
+    const bool has_masses = galerkin_is_second_order(&w->field);
+    const int u = has_masses ? i : w->n + i; /* of p */
+    tvi_tail_part part = {.momentum = fabs(origin->p[i]) + (fabs(dp[i]) + reach(w, u)),
+                          .last_p = fabs(w->sum[u * SUMS + SUM_TAIL]),
+                          .last_q = has_masses ? 0 : fabs(w->sum[i * SUMS + SUM_TAIL]),
+                          .place = fabs(origin->q[i])};
+    part.movement = has_masses ? fabs(w->field.nodes.scale[i]) * part.momentum : reach(w, i);
+    return part;
+}
+
+/* tail.h */
+static double tail(const galerkin *w, const tvi_origin *origin, const double dp[])
+{
+    const bool has_masses = galerkin_is_second_order(&w->field);
+    tvi_tail_survey survey = {0, 0, 0};
+    if (w->points < 2) return 0;
+    for (int i = 0; i < w->n; i++) {
+        const tvi_tail_part part = tail_part(w, origin, dp, i);
+        tvi_tail_look(&survey, &part, has_masses);
+    }
+    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    double most = 0;
+    for (int i = 0; i < w->n; i++) {
+        const tvi_tail_part part = tail_part(w, origin, dp, i);
+        most = larger(most, tvi_tail_of(&part, has_masses, survey.largest));
+    }
+    return most;
+}
+
+static void set_increments(const galerkin *w, double dq[], double dp[])
 {
     for (int u = 0; u < w->field.nodes.unknowns; u++) {
-        const double *sum = w->sum + u * SUMS, once = sum[SUM_B] + sum[SUM_B_REST];
+        const double *sum = w->sum + u * SUMS;
         if (galerkin_is_second_order(&w->field)) {
-            dp[u] = w->h * once;
-            dq[u] = w->rate[u] * (origin->p[u] + (origin->p_low[u] + w->h * (sum[SUM_BC] + sum[SUM_BC_REST])));
+            dp[u] = sum[SUM_ONCE];
+            dq[u] = w->drift[u] + (w->drift_low[u] + w->field.nodes.scale[u] * sum[SUM_TWICE]);
         } else {
-            *(u < w->n ? &dq[u] : &dp[u - w->n]) = w->field.nodes.scale[u] * once;
+            *(u < w->n ? &dq[u] : &dp[u - w->n]) = w->field.nodes.scale[u] * sum[SUM_ONCE];
         }
     }
 }
@@ -422,10 +570,11 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     if (status != TVI_OK && extrapolates) status = solve(w, origin, false, stats);
     if (status != TVI_OK) return status;
     const int turn = !w->last->turn;
-    w->field.loops->integrate(&w->field.nodes, w->weight, w->field.slot, w->sum, w->drives[turn]);
-    *w->last = (galerkin_history){h, w->last->h, origin->t, turn};
-    set_increments(w, origin, dq, dp);
-    stats->tail = tail(w);
+    w->field.loops->integrate(&w->field.nodes, w->factor, w->sum);
+    memcpy(w->impulses[turn], w->field.nodes.impulse, unknowns_size(w));
+    *w->last = (galerkin_history){h, w->last->h, origin->t, w->last->slowest, turn};
+    set_increments(w, dq, dp);
+    stats->tail = tail(w, origin, dp);
     return TVI_OK;
 }
 
@@ -440,12 +589,12 @@ static void dense(void *work, double theta, double dq[], double dp[])
         long double once, twice;
         integrate_lagrange(w, j, theta, &once, &twice);
         for (int u = 0; u < w->field.nodes.unknowns; u++) {
-            const double drive = w->drives[w->last->turn][u * w->field.nodes.lanes + j];
+            const double mean = w->impulses[w->last->turn][u * w->field.nodes.lanes + j] / w->field.b[j];
             if (separable) {
-                dp[u] += w->h * (double)once * drive;
-                dq[u] += w->field.nodes.scale[u] * (double)twice * drive;
+                dp[u] += (double)once * mean;
+                dq[u] += w->field.nodes.scale[u] * (double)twice * mean;
             } else {
-                *(u < w->n ? &dq[u] : &dp[u - w->n]) += w->field.nodes.scale[u] * (double)once * drive;
+                *(u < w->n ? &dq[u] : &dp[u - w->n]) += w->field.nodes.scale[u] * (double)once * mean;
             }
         }
     }

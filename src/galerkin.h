@@ -9,32 +9,38 @@
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12 };
 
-/* The sums over the nodes: b_j and b_j (1 - c_j), each in two parts, of which the first is short. What a rounded weight
- * lacks is the same in every step, and the energy would drift by it; of two doubles the second would be lost when the
- * sums are added. They are as many as lanes of the widest vector; the last ones stay 0. */
-enum { SUM_B, SUM_B_REST, SUM_BC, SUM_BC_REST, SUM_TAIL, SUMS = 8 };
+/* The sums of the impulses over the nodes: with weight 1, with 1 - c_j, and of the curve's last term. They are as many
+ * as lanes of a vector; the last one stays 0. */
+enum { SUM_ONCE, SUM_TWICE, SUM_TAIL, SUMS = 4 };
 
-/* Unknown u of node i stands at x[u][i]. What drives it is F_j = drives[slot[u]][j]. */
+/* Unknown u of node i stands at x[u][i]. What drives it, F_j = drives[slot[u]][j], acts by its impulses
+ * L_j = weight_j F_j, which are rounded once and enter all sums alike: what these sums keep does not depend on how L_j
+ * was rounded. */
 typedef struct {
     int lanes, unknowns;
     double *x;
     double *start;        /* [unknowns] the unknowns at the start of the step */
     double *base;         /* [unknowns][lanes] what they rise by without F */
-    double *scale;        /* [unknowns] what multiplies the sums of F */
+    double *weight;       /* [lanes] h b_j */
+    double *impulse;      /* [unknowns][lanes] L of the last movement */
+    double *scale;        /* [unknowns] what multiplies the sums of L */
     double *inverse_size; /* [unknowns] */
 } galerkin_nodes;
 
 typedef struct {
-    /* x = start + (base + scale sum_j matrix_ji F_j). Returns the sum of the squares of (change of x) inverse_size, a
+    /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
-    /* The same with what drove the unknowns in earlier steps: drives[step][u][j], matrix [steps][j][i]. */
-    void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[]);
-    /* sum[u][k] = sum_j weight_jk F_j, F of nodes->x; last[u][j] = F_j. */
-    void (*integrate)(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum, double *last);
-    /* base_i = c_i drift, c in two parts, for the first `count` unknowns. */
-    void (*set_base)(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
-                     const double *drift);
+    /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
+    void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
+    /* sum[u][k] = sum_j factor_jk L_j of the last movement, compensated. */
+    void (*integrate)(const galerkin_nodes *nodes, const double *factor, double *sum);
+    /* drift + drift_low = scale (p + p_low) for the first `count` unknowns; exact where multiply-adds are fused. */
+    void (*set_drift)(int count, const double *scale, const double *p, const double *p_low, double *drift,
+                      double *drift_low);
+    /* base_i = low + c_i drift_low + c_i drift for all unknowns; c [lanes], the others [unknowns]. */
+    void (*set_base)(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
+                     const double *drift_low);
     const lagrangian_loops *lagrangian;
 } galerkin_loops;
 

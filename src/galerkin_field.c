@@ -6,6 +6,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
     const size_t slots = (size_t)field->system->field_values->slots;
+    field->rows = field->nodes.unknowns;
     field->inputs = field->nodes.x = tvi_arena_doubles(arena, (slots + unknowns) * lanes);
     field->copied = tvi_arena_take(arena, unknowns * sizeof(int));
     field->ahead = field->matrix;
@@ -40,9 +41,9 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     return galerkin_evaluate(field);
 }
 
-static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[])
+static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
 {
-    field->loops->predict(&field->nodes, steps, extrapolation, drives);
+    field->loops->predict(&field->nodes, steps, extrapolation, impulses);
 }
 
 const galerkin_form galerkin_form_plain = {-1, false, take, prepare, start, predict, NULL};

@@ -17,9 +17,12 @@ typedef struct {
     const galerkin_loops *loops;
     int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
+    int rows;       /* of nodes.x that a pass begins with */
+    double h;       /* of the nodes' weights and scales; 0: none yet */
+    double *b;      /* [lanes] */
     int *slot;      /* [unknowns] where in nodes.x what drives each unknown is */
     double *inputs; /* block of the field's tape, which has the time */
-    double *matrix; /* [j][i] a_ij, or (a a)_ij of a separable system */
+    double *matrix; /* [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
     double *ahead;  /* [j][i] what `predict` wants extrapolations multiplied by */
     int copies;
     int *copied; /* [copies] outputs of the tape that are inputs: they are copied behind its slots */
@@ -34,8 +37,8 @@ struct galerkin_form {
     void (*prepare)(galerkin_field *field);
     /* What drives the unknowns at the start of the step, for all nodes. */
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
-    /* The unknowns by what drove them in earlier steps: drives[step][u][j], extrapolation times ahead [steps][j][i]. */
-    void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[]);
+    /* The unknowns by the impulses of earlier steps: impulses[step][u][j], extrapolation times ahead [steps][j][i]. */
+    void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[]);
     /* See galerkin_pass; NULL: by galerkin_evaluate. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
 };

@@ -44,6 +44,7 @@ static galerkin_nodes half(const galerkin_field *field, int first)
     if (!nodes.x) return nodes;
     nodes.x += offset;
     nodes.base += offset;
+    nodes.impulse += offset;
     nodes.start += first;
     nodes.scale += first;
     nodes.inverse_size += first;
@@ -68,6 +69,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
     lagrangian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
     lagrangian w = {.loops = field->loops->lagrangian};
+    field->rows = 3 * n;
     field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
     field->inputs = w.values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
     w.second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
@@ -119,11 +121,10 @@ static void prepare(galerkin_field *field)
                              .second = w->second, .term = w->term, .end = w->end};
     for (int i = 0; i < lanes; i++) {
         const int node = i < field->points ? i : field->points - 1;
-        field->ahead[node * lanes + i] = 1;
+        field->ahead[node * lanes + i] = 1 / field->b[node];
     }
     for (int u = 0; u < field->nodes.unknowns; u++) {
         field->slot[u] = field->nodes.unknowns + u;
-        w->drives.scale[u] = 1;
     }
 }
 
@@ -172,10 +173,12 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     return TVI_OK;
 }
 
-static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const drives[])
+/* V and F are impulses divided by h b. */
+static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
 {
     lagrangian *w = field->own;
-    field->loops->predict(&w->drives, steps, extrapolation, drives);
+    for (int u = 0; u < field->nodes.unknowns; u++) w->drives.scale[u] = 1 / field->h;
+    field->loops->predict(&w->drives, steps, extrapolation, impulses);
     (void)field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
     w->moved = INFINITY;
 }

@@ -29,15 +29,16 @@ enum { CHAINS = 4 };
     for (int j = 0; j < lanes; j++) sum[j % CHAINS] += (row)[j] * (drive)[j];
 #define TOTAL(sum) ((sum[0] + sum[1]) + (sum[2] + sum[3]))
 
+#define WEIGH(V, S) VECTOR(V, impulse, 0) = OF_VECTOR(V, nodes->weight, 0) * OF_VECTOR(V, drive, 0);
+
 /* The lanes of a block for all unknowns. */
 #define MOVE(V, S)                                                                                                     \
     {                                                                                                                  \
         ROWS(V, row, matrix);                                                                                          \
         V squares = {0};                                                                                               \
         for (int u = 0; u < unknowns; u++) {                                                                           \
-            const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                            \
             V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, drive)                                                                              \
+            ADD_PRODUCT(sums, row, nodes->impulse + u * lanes)                                                         \
             const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                               \
             const V change = (place - VECTOR(V, x, u)) * inverse_size[u];                                              \
             squares += change * change;                                                                                \
@@ -52,6 +53,11 @@ JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, 
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
     const int unknowns = nodes->unknowns;
     double *x = nodes->x, sum = 0;
+    for (int u = 0; u < unknowns; u++) {
+        const double *drive = drives + (size_t)slot[u] * (size_t)lanes;
+        double *impulse = nodes->impulse + u * lanes;
+        JET_BLOCKS(lanes, WEIGH, );
+    }
     JET_BLOCKS(lanes, MOVE, );
     return sum;
 }
@@ -71,14 +77,14 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
         ROWS(V, row_before, matrix + (steps - 1) * lanes * lanes);                                                     \
         for (int u = 0; u < unknowns; u++) {                                                                           \
             V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, drives[0] + u * lanes)                                                              \
-            if (steps > 1) ADD_PRODUCT(sums, row_before, drives[1] + u * lanes)                                        \
+            ADD_PRODUCT(sums, row, impulses[0] + u * lanes)                                                            \
+            if (steps > 1) ADD_PRODUCT(sums, row_before, impulses[1] + u * lanes)                                      \
             VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                             \
         }                                                                                                              \
     }
 
 JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
-                              const double *const drives[], int lanes)
+                              const double *const impulses[], int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
     const int unknowns = nodes->unknowns;
@@ -86,50 +92,67 @@ JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const doub
     JET_BLOCKS(lanes, PREDICT, );
 }
 
-static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const drives[]){
+static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]){
 #define CALL(lanes)                                                                                                    \
-    steps == 2 ? predict_lanes(nodes, 2, matrix, drives, lanes) : predict_lanes(nodes, 1, matrix, drives, lanes)
+    steps == 2 ? predict_lanes(nodes, 2, matrix, impulses, lanes) : predict_lanes(nodes, 1, matrix, impulses, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
 }
 
+/* Two-sums: what each addition loses is collected. */
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
-        V total = {0};                                                                                                 \
-        for (int j = 0; j < lanes; j++) total += *(const V *)(weight + j * SUMS + here) * drive[j];                    \
-        *(V *)(sum + u * SUMS + here) = total;                                                                         \
+        V total = {0}, lost = {0};                                                                                     \
+        for (int j = 0; j < lanes; j++) {                                                                              \
+            const V term = *(const V *)(factor + j * SUMS + here) * impulse[j];                                        \
+            const V next = total + term, added = next - total;                                                         \
+            lost += (total - (next - added)) + (term - added);                                                         \
+            total = next;                                                                                              \
+        }                                                                                                              \
+        *(V *)(sum + u * SUMS + here) = total + lost;                                                                  \
     }
-#define COPY(V, S) VECTOR(V, last, u) = *(const V *)(drive + here);
 
-JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum,
-                                double *last, int lanes)
+JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *factor, double *sum, int lanes)
 {
     for (int u = 0; u < nodes->unknowns; u++) {
-        const double *drive = nodes->x + (size_t)slot[u] * (size_t)lanes;
-        JET_EIGHTS(SUMS, SUM, )
-        JET_BLOCKS(lanes, COPY, );
+        const double *impulse = nodes->impulse + u * lanes;
+        JET_BLOCKS(SUMS, SUM, );
     }
 }
 
-static void integrate(const galerkin_nodes *nodes, const double *weight, const int slot[], double *sum, double *last){
-#define CALL(lanes) integrate_lanes(nodes, weight, slot, sum, last, lanes)
+static void integrate(const galerkin_nodes *nodes, const double *factor, double *sum)
+{
+#define CALL(lanes) integrate_lanes(nodes, factor, sum, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
 }
 
-#define BASE(V, S) VECTOR(V, nodes->base, u) = OF_VECTOR(V, c, 0) * drift[u] + OF_VECTOR(V, c_rest, 0) * drift[u];
-
-JET_INLINE void set_base_lanes(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest,
-                               const double *drift, int lanes)
+/* The product less its rounded value is 0 but where multiply-adds are fused. */
+static void set_drift(int count, const double *scale, const double *p, const double *p_low, double *drift,
+                      double *drift_low)
 {
-    for (int u = 0; u < count; u++) JET_BLOCKS(lanes, BASE, );
+    for (int u = 0; u < count; u++) {
+        drift[u] = scale[u] * p[u];
+        drift_low[u] = (scale[u] * p[u] - drift[u]) + scale[u] * p_low[u];
+    }
 }
 
-static void set_base(const galerkin_nodes *nodes, int count, const double *c, const double *c_rest, const double *drift)
+#define BASE(V, S)                                                                                                     \
+    VECTOR(V, nodes->base, u) = (low[u] + OF_VECTOR(V, c, 0) * drift_low[u]) + OF_VECTOR(V, c, 0) * drift[u];
+
+JET_INLINE void set_base_lanes(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
+                               const double *drift_low, int lanes)
 {
-#define CALL(lanes) set_base_lanes(nodes, count, c, c_rest, drift, lanes)
+    for (int u = 0; u < nodes->unknowns; u++) JET_BLOCKS(lanes, BASE, );
+}
+
+static void set_base(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
+                     const double *drift_low)
+{
+#define CALL(lanes) set_base_lanes(nodes, c, low, drift, drift_low, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move, predict, integrate, set_base, &JET_FOR_ISA(lagrangian_loops)};
+const galerkin_loops JET_FOR_ISA(galerkin_loops) = {move,      predict,  integrate,
+                                                    set_drift, set_base, &JET_FOR_ISA(lagrangian_loops)};

@@ -19,7 +19,7 @@ void tvi_close_take(tvi_closure *closure, tvi_arena *arena)
         it->r = tvi_arena_doubles(arena, 2 * n);
         it->s = tvi_arena_doubles(arena, TVI_MOST_ITERATIONS * 2 * n);
         it->v = tvi_arena_doubles(arena, TVI_MOST_ITERATIONS * 2 * n);
-        it->scratch = tvi_arena_doubles(arena, 3 * n);
+        it->scratch = tvi_arena_doubles(arena, 2 * n);
         it->size = tvi_arena_doubles(arena, n);
         return;
     }
@@ -80,15 +80,15 @@ static void precondition_half(tvi_closure *c, const tvi_combination *combination
 {
     const int l = half == TVI_FIRST ? 0 : 1;
     const double w = lead(combination, half), next = l + 2 <= c->curve.top ? combination->weight[l + 2] : 0;
-    double *Kr = c->iteration.scratch;
-    tvi_curve_pull_force(&c->curve, r, Kr);
-    for (int i = 0; i < c->n; i++) x[i] = (r[i] - next / (w * (l + 1) * (l + 2)) * Kr[i]) / w;
+    memcpy(x, r, (size_t)c->n * sizeof *x);
+    if (next != 0) tvi_curve_add_force(&c->curve, -next / (w * (l + 1) * (l + 2)), r, x); /* else there may be no K */
+    for (int i = 0; i < c->n; i++) x[i] /= w;
 }
 
 /* r <- nearly A^-T r. */
 static void precondition(tvi_closure *c, const transposed *a, double r[])
 {
-    double *x = c->iteration.scratch + c->n;
+    double *x = c->iteration.scratch;
     precondition_half(c, a->first, a->second ? TVI_FIRST : a->half, r, x);
     if (a->second) precondition_half(c, a->second, TVI_SECOND, r + c->n, x + c->n);
     memcpy(r, x, (size_t)unknowns(c, a) * sizeof *r);

@@ -17,7 +17,7 @@ typedef struct {
     double *r;                          /* [2n] D - A^T x, all of it */
     double *s, *v;                      /* [TVI_MOST_ITERATIONS][2n] directions, and A^T times them */
     double square[TVI_MOST_ITERATIONS]; /* of v */
-    double *scratch;                    /* [3n] */
+    double *scratch;                    /* [2n] */
     double *size;                       /* [n] what the unknowns' errors are measured by */
     int last;                           /* the order of the curve to which products are made */
     bool has_guess;

@@ -123,14 +123,14 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
     if (!is_continued(it, *t, q, p)) {
         if (!isfinite(*t) || !tvi_all_finite(it->system->n, q) || !tvi_all_finite(it->system->n, p))
             return TVI_ENONFINITE;
-        memset(it->history, 0, it->remembered);
+        tvi_arena_copy(it->history, NULL, it->remembered);
     }
-    memcpy(it->before, it->history, it->remembered);
+    tvi_arena_copy(it->before, it->history, it->remembered);
     const tvi_origin origin = {*t, it->last->t_low, q, it->q_low, p, it->p_low};
     tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     if (status == TVI_OK && !increments_are_finite(it, h, *t, q, p)) status = TVI_ENONFINITE;
     if (status != TVI_OK) {
-        memcpy(it->history, it->before, it->remembered);
+        tvi_arena_copy(it->history, it->before, it->remembered);
         return status;
     }
     advance(it, h, t, q, p);

@@ -255,12 +255,12 @@ void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U
     pull_rows(curve, curve->dQ, seed_Q, out);
 }
 
-void tvi_curve_pull_force(tvi_curve *curve, const double x[], double out[])
+void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[])
 {
     const jet_tape *tape = curve->system->field_series;
     clear_adjoints(curve, 1);
     for (int i = 0; i < curve->n; i++)
         curve->bar[tape->output[i]] += curve->tau * curve->tau / curve->system->mass[i] * x[i];
     jet_sweep_adjoints(tape, curve->x, curve->bar, 0, 0);
-    memcpy(out, curve->bar, (size_t)curve->n * sizeof *out);
+    for (int i = 0; i < curve->n; i++) out[i] += factor * curve->bar[i];
 }

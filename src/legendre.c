@@ -1,5 +1,6 @@
 /* legendre.c - between velocities and momenta, at a point. */
 #include "legendre.h"
+#include "sizes.h"
 
 #include <float.h>
 #include <math.h>
@@ -16,6 +17,7 @@ void tvi_legendre_take(tvi_legendre *legendre, tvi_arena *arena, const tvi_syste
     legendre->moved = tvi_arena_doubles(arena, n);
     legendre->value = tvi_arena_doubles(arena, n);
     tvi_factor_take(&legendre->slope, arena, system->n);
+    tvi_roundoff_take(&legendre->roundoff, arena, system, 1);
 }
 
 void tvi_legendre_prepare(tvi_legendre *legendre)
@@ -96,6 +98,30 @@ static tvi_status find_correction(tvi_legendre *legendre, const double y[])
     return status;
 }
 
+/* Corrections that no longer shrink are roundoff: below this part of x, or below this many units of what the roundoff
+ * of y and f(x) makes of them. */
+static const double STALLED = 1e-12;
+
+/* Whether corrections as large as `largest` are roundoff. */
+static bool is_roundoff(tvi_legendre *legendre, const double y[], double largest)
+{
+    const tvi_system *system = legendre->system;
+    tvi_roundoff *roundoff = &legendre->roundoff;
+    (void)tvi_roundoff_of_field(roundoff, system, system->field_series, legendre->x, 1);
+    for (int i = 0; i < system->n; i++)
+        legendre->moved[i] = tvi_roundoff_sign(roundoff, roundoff->change[system->n + i] + DBL_EPSILON * fabs(y[i]));
+    tvi_factor_solve(&legendre->slope, legendre->moved);
+    return largest <= TVI_ROUNDOFF_UNITS * tvi_largest(system->n, legendre->moved, 1);
+}
+
+/* Whether this correction is the last. */
+static bool is_last(tvi_legendre *legendre, const double x[], const double y[], double before, double largest)
+{
+    const double size = tvi_largest(legendre->system->n, x, 1);
+    if (largest <= DBL_EPSILON * size) return true;
+    return largest >= before && (largest <= STALLED * size || is_roundoff(legendre, y, largest));
+}
+
 tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
 {
     const int n = legendre->system->n;
@@ -103,26 +129,20 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
         return TVI_OK;
     }
-    double before = INFINITY, reach = 0;
+    double before = INFINITY, reach = tvi_largest(n, y, 1);
     bool was_singular = false;
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
-    for (int i = 0; i < n && status == TVI_OK; i++) reach = fmax(reach, fmax(fabs(y[i]), fabs(legendre->value[i])));
+    if (status == TVI_OK) reach = fmax(reach, tvi_largest(n, legendre->value, 1));
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         status = find_correction(legendre, y);
-        if (status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0) {
-            was_singular = true;
-            status = TVI_OK;
-        }
-        if (status != TVI_OK) return status;
-        double size = 0, correction = 0;
-        for (int i = 0; i < n; i++) {
-            size = fmax(size, fabs(x[i]));
-            correction = fmax(correction, fabs(legendre->correction[i]));
-        }
-        const bool is_last = correction <= DBL_EPSILON * size || (correction >= before && correction <= 1e-12 * size);
-        before = correction;
-        status = move(legendre, t, q, y, is_last ? INFINITY : distance(legendre, y), x);
-        if (is_last && status == TVI_OK) return distance(legendre, y) <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
+        const bool is_singular = status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0;
+        if (status != TVI_OK && !is_singular) return status;
+        was_singular |= is_singular;
+        const double largest = tvi_largest(n, legendre->correction, 1);
+        const bool last = !is_singular && is_last(legendre, x, y, before, largest);
+        before = largest;
+        status = move(legendre, t, q, y, last ? INFINITY : distance(legendre, y), x);
+        if (last && status == TVI_OK) return distance(legendre, y) <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
     }
     return status == TVI_OK ? TVI_ENOCONV : status;
 }

@@ -3,6 +3,7 @@
 #define TVI_SRC_LEGENDRE_H
 
 #include "linear.h"
+#include "roundoff.h"
 #include "system.h"
 
 /* The transform that the system states, y = f(x): Lagrangian p = L_v(q, v), Hamiltonian v = H_p(q, p), separable p = M
@@ -13,6 +14,7 @@ typedef struct {
     double *dx;                         /* n directions */
     double *correction, *moved, *value; /* [n] scratch of the solution */
     tvi_factor slope;                   /* dy/dx: L_vv or H_pp */
+    tvi_roundoff roundoff;              /* of the field at the point */
 } tvi_legendre;
 
 void tvi_legendre_take(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system);

@@ -20,6 +20,10 @@ typedef struct {
     bool (*jacobian)(void *self, double matrix[]);
     /* Instead of a matrix, correction <- (dr/dx)^-1 correction, approximately; NULL: see jacobian. */
     void (*solve)(void *self, double correction[]);
+    /* How large the roundoff of each component of the residual last formed is at most, nearly: |what it is computed
+     * from| times a unit of roundoff, which the size of the unknowns need not tell. Asked where passes no longer
+     * contract. */
+    void (*roundoff)(void *self, double r[]);
     /* The first contraction tells little of the later ones: one more pass than seems needed, always. */
     bool is_rough;
 } tvi_equations;
@@ -31,10 +35,11 @@ typedef struct {
 } tvi_newton_history;
 
 typedef struct {
-    bool has_matrix;
+    bool has_matrix, is_fresh;      /* is_fresh: the matrix is one by differences */
     int size, group;                /* unknowns come in groups that share a unit */
     double *x, *correction, *scale; /* [size] */
-    double *trial, *difference;     /* [size] scratch of the difference Jacobian */
+    double *reach;              /* [size] the scale, and more where the roundoff of the corrections is that of more */
+    double *trial, *difference; /* [size] scratch */
     tvi_factor factor;
     tvi_newton_history *history;
 } tvi_newton;

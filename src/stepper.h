@@ -5,13 +5,20 @@
 #include "arena.h"
 #include "system.h"
 
-/* (x, low) <- x + (low + d), exact but for the rounding of low + d (two-sum). */
+/* a + b = sum + *rest, exactly (two-sum). */
+static inline double tvi_two_sum(double a, double b, double *rest)
+{
+    const double sum = a + b, part = sum - a;
+    *rest = (a - (sum - part)) + (b - part);
+    return sum;
+}
+
+/* (x, low) <- x + low + d: what is lost is of the size of low's roundoff. */
 static inline double tvi_add_compensated(double x, double *low, double d)
 {
-    const double small = *low + d;
-    const double sum = x + small;
-    const double part = sum - x;
-    *low = (x - (sum - part)) + (small - part);
+    double rest;
+    const double small = tvi_two_sum(*low, d, &rest), sum = tvi_two_sum(x, small, low);
+    *low += rest;
     return sum;
 }
 

@@ -8,8 +8,10 @@ Suite *suite_order(void);
 Suite *suite_closed_forms(void);
 Suite *suite_structure(void);
 Suite *suite_stepping(void);
+Suite *suite_tail(void);
 Suite *suite_products(void);
 Suite *suite_linear(void);
+Suite *suite_arena(void);
 Suite *suite_quad(void); /* gcc only: __float128 */
 Suite *suite_input(void);
 Suite *suite_faults(void);

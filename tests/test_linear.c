@@ -102,6 +102,29 @@ START_TEST(singular_matrices_are_refused)
 }
 END_TEST
 
+/* A column whose one entry is tiny, whichever row it stands in, is scaled and not taken for zero: the solution is
+ * (1/tiny, 1, 1, ...). */
+START_TEST(lone_entries_are_scaled)
+{
+    const int n = _i;
+    const double tiny = 0x1p-80;
+    open_factor x = open_of_size(n);
+    for (int lone = 0; lone < n; lone++) {
+        double solution[MOST];
+        for (int i = 0; i < n; i++) {
+            const int strong = i == lone ? 0 : i < lone ? i + 1 : i; /* the column of the row's largest entry */
+            for (int j = 1; j < n; j++) x.factor.lu[i * n + j] = j == strong ? n : 1;
+            x.factor.lu[i * n] = i == lone ? tiny : 0;
+            solution[i] = i == lone ? n : 2 * n - 2; /* the sum of the row times the solution */
+        }
+        ck_assert_int_eq(tvi_factor_compute(&x.factor), TVI_OK);
+        tvi_factor_solve(&x.factor, solution);
+        for (int i = 0; i < n; i++) ck_assert_double_eq_tol(solution[i] * (i == 0 ? tiny : 1), 1, 40 * n * DBL_EPSILON);
+    }
+    free(x.memory);
+}
+END_TEST
+
 /* ---- One matrix in each lane ------------------------------------------------------------------------------------- */
 
 enum { LANES = TVI_GALERKIN_MAX_LANES };
@@ -203,6 +226,7 @@ Suite *suite_linear(void)
     tcase_set_timeout(linear, 120);
     tcase_add_loop_test(linear, solutions_are_those_of_lapack, 1, MOST + 1);
     tcase_add_loop_test(linear, singular_matrices_are_refused, 1, MOST + 1);
+    tcase_add_loop_test(linear, lone_entries_are_scaled, 1, MOST + 1);
     tcase_add_loop_test(linear, lanes_are_solved_alone, 0, MOST * LANE_COUNTS);
     tcase_add_loop_test(linear, singular_lanes_are_seen, 0, MOST * LANE_COUNTS);
     suite_add_tcase(suite, linear);

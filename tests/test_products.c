@@ -109,12 +109,12 @@ START_TEST(force_products_are_those_of_the_second_coefficient)
     const int n = system->n;
     open_curve matrices = open_at(problem, system, TVI_JACOBIAN_MATRICES);
     open_curve products = open_at(problem, system, TVI_JACOBIAN_PRODUCTS);
-    double x[N_MAX], got[N_MAX], want[N_MAX] = {0};
+    double x[N_MAX], got[N_MAX] = {0}, want[N_MAX] = {0};
     for (int i = 0; i < n; i++) x[i] = wave(i);
     const double *dQ2 = matrices.curve.dQ + 2 * n * 2 * n;
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++) want[j] += 2 * dQ2[i * 2 * n + j] * x[i];
-    tvi_curve_pull_force(&products.curve, x, got);
+    tvi_curve_add_force(&products.curve, 1, x, got);
     check_close(n, got, want);
     free(matrices.memory);
     free(products.memory);

@@ -143,27 +143,6 @@ START_TEST(no_pass_is_taylor)
 }
 END_TEST
 
-/* tail = max |C_N| / max |q|; for Taylor of degree 2 C_2 = h^2/2 M^-1 F. */
-START_TEST(tail_is_the_last_term)
-{
-    const test_problem *problem = step_problems[_i];
-    const tvi_options options = options_taylor(2);
-    const test_state start = problem_start(problem);
-    const double h = 0.05;
-    long double q[N_MAX], F[N_MAX];
-    double last = 0, size = 0;
-    for (int i = 0; i < problem->scene->n; i++) q[i] = start.q[i];
-    problem->plain(start.t, q, F);
-    for (int i = 0; i < problem->scene->n; i++) {
-        last = fmax(last, fabs(h * h / 2 * (double)F[i] / problem_mass(problem, i)));
-        size = fmax(size, fabs(start.q[i]));
-    }
-    tvi_stats stats;
-    (void)run_from_start(problem, &options, h, 1, &stats);
-    ck_assert_double_eq_tol(stats.tail, last / size, 1e-14 * last / size);
-}
-END_TEST
-
 /* One pass cannot do, and a bound that suffices changes nothing. */
 START_TEST(bound_on_passes_is_honoured)
 {
@@ -425,7 +404,6 @@ Suite *suite_stepping(void)
     tcase_add_loop_test(tcase, number_of_passes_is_kept, 0, 2 * STEP_PROBLEMS);
     tcase_add_loop_test(tcase, tolerance_ends_the_passes, 0, 2 * STEP_PROBLEMS);
     tcase_add_loop_test(tcase, no_pass_is_taylor, 0, STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, tail_is_the_last_term, 0, STEP_PROBLEMS);
     tcase_add_loop_test(tcase, bound_on_passes_is_honoured, 0, 2);
     tcase_add_loop_test(tcase, fresh_jacobian_solves_large_steps, 0, REFRESHED);
     tcase_add_loop_test(tcase, hopeless_step_is_refused, 0, HOPELESS);

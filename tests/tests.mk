@@ -102,9 +102,9 @@ check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
 do-sanitizers: $(addprefix $(BUILD)/check/,tvi ad generating fuzz)
-	$(IN_ONE_GO) 'input,faults,stepping,closed forms' $(BUILD)/check/tvi
-	$(IN_ONE_GO) 'record,domain,tape,series,identity,gradient' $(BUILD)/check/ad
-	$(IN_ONE_GO) 'forms,serves,statements' $(BUILD)/check/generating
+	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/tvi
+	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
+	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
 	$(BUILD)/check/fuzz
 
 check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)

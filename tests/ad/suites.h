@@ -16,6 +16,7 @@ Suite *tangent_suite(void);
 Suite *adjoint_suite(void);
 Suite *isa_suite(void);
 Suite *gradient_suite(void);
+Suite *hash_suite(void);
 
 /* An empty case of the suite. */
 static inline TCase *add_case(Suite *suite, const char *name)

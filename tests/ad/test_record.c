@@ -260,6 +260,11 @@ END_TEST
     ROW(closed_divisor, jet_div(1, closed), TVI_EINVAL)                                                                \
     ROW(closed_sum, jet_sum(&closed, 1), TVI_EINVAL)                                                                   \
     ROW(closed_and_open, jet_add(x, closed), TVI_EINVAL)                                                               \
+    ROW(no_function, jet_record_function(JET_FUNCTION_COUNT, x), TVI_EINVAL)                                           \
+    ROW(no_function_of_a_number, jet_record_function(JET_FUNCTION_COUNT, jet_const(2)), TVI_EINVAL)                    \
+    ROW(no_function_by_far, jet_record_function((jet_function)1000000, x), TVI_EINVAL)                                 \
+    ROW(no_function_of_two, jet_record_function2(JET_FUNCTION2_COUNT, x, x), TVI_EINVAL)                               \
+    ROW(no_function_below, jet_record_function((jet_function)-1, x), TVI_EINVAL)                                       \
     ROW(not_finite, jet_const(INFINITY), TVI_ENONFINITE)                                                               \
     ROW(not_a_number, jet_const(NAN), TVI_ENONFINITE)                                                                  \
     ROW(not_finite_added, jet_add(x, INFINITY), TVI_ENONFINITE)                                                        \

@@ -112,9 +112,30 @@ START_TEST(outputs_may_be_anything)
 }
 END_TEST
 
+/* A product that is an output and part of a sum is not dissolved in the sum, whichever output it is. */
+START_TEST(products_that_are_outputs_stay)
+{
+    jet_graph *graph = jet_graph_create(3);
+    jet x[3];
+    for (int i = 0; i < 3; i++) x[i] = jet_graph_input(graph, i);
+    const jet product = jet_mul(x[0], x[1]), sum = jet_add(product, jet_mul(x[1], x[2]));
+    jet z[2];
+    z[_i] = product;
+    z[1 - _i] = sum;
+    const double in[] = {3, 5, 7};
+    double got[2];
+    recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
+    for (int i = 0; i < 2; i++) ck_assert_int_ge(r.tape->output[i], r.tape->inputs);
+    ck_assert(run_values(&r, 1, in, got));
+    ck_assert_double_eq(got[_i], 15);
+    ck_assert_double_eq(got[1 - _i], 50);
+    recording_free(&r);
+}
+END_TEST
+
 /* ---- Blocks ------------------------------------------------------------------------------------------------------ */
 
-/* Constants at order 0 of every lane, everything else zero; no sweep changes inputs and constants. */
+/* Constants at order 0 of every lane, zero at others and for inputs; what is computed is no number yet. */
 START_TEST(block_is_prepared)
 {
     enum { ORDERS_USED = 3, LANES = 4 };
@@ -124,12 +145,13 @@ START_TEST(block_is_prepared)
     ck_assert_int_eq(r.tape->constants, 2);
     const int size = ORDERS_USED * r.tape->slots * LANES;
     double *block = numbers((size_t)size);
-    for (int i = 0; i < size; i++) block[i] = NAN;
+    for (int i = 0; i < size; i++) block[i] = 7;
     jet_tape_prepare(r.tape, block, ORDERS_USED, LANES);
     for (int i = 0; i < size; i++) {
         const int constant = i / LANES - r.tape->inputs;
         const bool is_constant = constant >= 0 && constant < r.tape->constants;
-        ck_assert_double_eq(block[i], is_constant ? (constant == 0 ? 3 : -2) : 0);
+        if (i / LANES % r.tape->slots >= r.tape->inputs + r.tape->constants) ck_assert(isnan(block[i]));
+        else ck_assert_double_eq(block[i], is_constant ? (constant == 0 ? 3 : -2) : 0);
     }
     free(block);
     recording_free(&r);
@@ -413,6 +435,7 @@ Suite *tape_suite(void)
     tcase_add_loop_test(lowering, values_of_a_partner_are_alone, 0, COUNT(derivatives));
     tcase_add_test(lowering, what_is_not_needed_is_left_out);
     tcase_add_test(lowering, outputs_may_be_anything);
+    tcase_add_loop_test(lowering, products_that_are_outputs_stay, 0, 2);
     TCase *blocks = add_case(suite, "blocks");
     tcase_add_test(blocks, block_is_prepared);
     tcase_add_loop_test(blocks, sweeps_write_their_own_order, 0, functions);

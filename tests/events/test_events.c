@@ -448,6 +448,9 @@ START_TEST(bad_calls_are_refused)
         CALL(it, 0.1, 1, events, 2, NULL, q, p), CALL(it, 0.1, 1, events, 2, t, NULL, p),
         CALL(it, 0.1, 1, events, 2, t, q, NULL), CALL(it, 0.1, 1, mixed, 2, t, q, p),
         CALL(it, 0.1, 1, missing, 2, t, q, p),   CALL(it, 0.1, -1, NULL, 0, t, q, p),
+        CALL(it, 0, 0, events, 2, t, q, p),      CALL(it, INFINITY, 0, events, 2, t, q, p),
+        CALL(it, 0.1, 0, events, 2, NULL, q, p), CALL(it, 0.1, 0, events, 2, t, NULL, p),
+        CALL(it, 0.1, 0, events, 2, t, q, NULL), CALL(it, 0.1, 0, missing, 2, t, q, p),
     };
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
         ck_assert_msg(refused[i] == TVI_EINVAL, "call %zu", i);

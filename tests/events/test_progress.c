@@ -61,6 +61,7 @@ START_TEST(bar_on_a_terminal)
     ck_assert_int_ge(dup2(kept, STDERR_FILENO), 0);
     close(kept);
     ck_assert_int_eq(steps, 100);
+    ck_assert_ptr_nonnull(strstr(text, "]   1 %"));
     ck_assert_ptr_nonnull(strstr(text, "\r[#########################                         ]  50 %  t = 0.5"));
     ck_assert_ptr_nonnull(strstr(text, "\r[##################################################] 100 %"));
     ck_assert_int_eq(text[length - 1], '\n');

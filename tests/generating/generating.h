@@ -16,6 +16,7 @@ Suite *suite_dense(void);
 Suite *suite_convergence(void);
 Suite *suite_definition(void);
 Suite *suite_states(void);
+Suite *suite_fingerprints(void);
 Suite *suite_references(void); /* gcc only: __float128 */
 Suite *suite_galerkin(void);
 Suite *suite_galerkin_lagrangian(void);

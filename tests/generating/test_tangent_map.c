@@ -208,6 +208,26 @@ START_TEST(midpoint_rule_on_the_oscillator)
 }
 END_TEST
 
+/* Masses of which none is 1. */
+static jet heavy(const jet q[], const jet p[], jet t, void *ctx)
+{
+    static const double mass[] = {3, 0.4};
+    (void)t, (void)ctx;
+    jet kinetic[2];
+    for (int i = 0; i < 2; i++) kinetic[i] = jet_div(jet_sqr(p[i]), 2 * mass[i]);
+    return jet_add(jet_sum(kinetic, 2), jet_mul(jet_cosh(q[0]), jet_exp(q[1])));
+}
+
+START_TEST(masses_reach_the_lift)
+{
+    const model m = {.name = "heavy", .n = 2, .with = WITH_ALL, .hamiltonian = heavy, .h = 0.1};
+    const tvi_options options = _i < ALL_KINDS    ? kind_options(&kinds[_i], 3)
+                                : _i == ALL_KINDS ? options_taylor(5)
+                                                  : options_verlet();
+    check_differences(&m, &options);
+}
+END_TEST
+
 /* ---- Algebra ----------------------------------------------------------------------------------------------------- */
 
 static void tangent_step(const runs *r, double h, test_state *x, double D[], int columns)
@@ -461,6 +481,7 @@ Suite *suite_tangent_map(void)
     tcase_add_loop_test(tcase, map_of_other_methods, 0, MODELS);
     tcase_add_loop_test(tcase, verlet_on_the_chain, 0, 2);
     tcase_add_loop_test(tcase, midpoint_rule_on_the_oscillator, 0, 2);
+    tcase_add_loop_test(tcase, masses_reach_the_lift, 0, ALL_KINDS + 2);
     tcase_add_loop_test(tcase, maps_multiply, 0, MODELS * ALL_KINDS);
     tcase_add_loop_test(tcase, columns_are_alone, 0, MODELS * ALL_KINDS);
     tcase_add_loop_test(tcase, steps_are_alone, 0, MODELS * ALL_KINDS);

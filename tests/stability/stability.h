@@ -9,6 +9,7 @@
 Suite *suite_failing(void);
 Suite *suite_limits(void);
 Suite *suite_extremes(void);
+Suite *suite_lowest(void);
 
 extern const hard_case *const all_cases[]; /* those of the search, the chains, and the largest and smallest states */
 extern const hard_method all_methods[];    /* every named method at orders that it has */

@@ -1,0 +1,90 @@
+/* tape_data.c - what a tape owns, once it is laid out. */
+#include "tape.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct {
+    void *data;
+    size_t bytes; /* in use */
+} array;
+
+/* All arrays but that of the runs. They are freed and hashed by this list: one that is left out leaks. */
+enum { ARRAYS = 6 };
+static void list_arrays(const jet_tape *tape, array list[ARRAYS])
+{
+    const size_t terms = (size_t)tape->terms;
+    const array all[ARRAYS] = {
+        {tape->constant, (size_t)tape->constants * sizeof *tape->constant},
+        {tape->base, (size_t)tape->rows * sizeof *tape->base},
+        {tape->term_slot, terms * sizeof *tape->term_slot},
+        {tape->term_second, terms * sizeof *tape->term_second},
+        {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
+        {tape->output, (size_t)tape->outputs * sizeof *tape->output},
+    };
+    memcpy(list, all, sizeof all);
+}
+
+void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
+{
+    const size_t given = (size_t)(tape->inputs + tape->constants) * (size_t)lanes;
+    const size_t all = (size_t)tape->slots * (size_t)lanes;
+    for (size_t at = 0; at < (size_t)orders * all; at++) x[at] = at % all < given ? 0 : NAN;
+    for (int i = 0; i < tape->constants; i++)
+        for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
+}
+
+void jet_tape_free(jet_tape *tape)
+{
+    if (!tape) return;
+    array list[ARRAYS];
+    list_arrays(tape, list);
+    for (int i = 0; i < ARRAYS; i++) free(list[i].data);
+    free(tape->run);
+    free(tape);
+}
+
+uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
+{
+    const unsigned char *byte = data;
+    /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): the caller states the bytes */
+    for (size_t i = 0; i < bytes; i++) so_far = (so_far ^ byte[i]) * UINT64_C(0x100000001b3);
+    return so_far;
+}
+
+/* The fields of a run in their order; a run has gaps between them. One that is left out is a missing initialiser. */
+#define RUN_FIELDS(ROW)                                                                                                \
+    ROW(op)                                                                                                            \
+    ROW(count)                                                                                                         \
+    ROW(z)                                                                                                             \
+    ROW(a)                                                                                                             \
+    ROW(b)                                                                                                             \
+    ROW(w)                                                                                                             \
+    ROW(c)                                                                                                             \
+    ROW(has_numbers)                                                                                                   \
+    ROW(first)                                                                                                         \
+    ROW(terms)                                                                                                         \
+    ROW(term)
+#define VALUE(field) run->field,
+#define HASH(field)  so_far = jet_hash(so_far, &copy.field, sizeof copy.field);
+
+static uint64_t hash_run(uint64_t so_far, const jet_run *run)
+{
+    const jet_run copy = {RUN_FIELDS(VALUE)};
+    RUN_FIELDS(HASH)
+    return so_far;
+}
+
+uint64_t jet_tape_hash(uint64_t so_far, const jet_tape *tape)
+{
+    if (!tape) return jet_hash(so_far, "", 1);
+    const int counts[] = {tape->inputs, tape->constants, tape->slots,  tape->runs,
+                          tape->rows,   tape->terms,     tape->outputs};
+    so_far = jet_hash(so_far, counts, sizeof counts);
+    for (int i = 0; i < tape->runs; i++) so_far = hash_run(so_far, &tape->run[i]);
+    array list[ARRAYS];
+    list_arrays(tape, list);
+    for (int i = 0; i < ARRAYS; i++) so_far = jet_hash(so_far, list[i].data, list[i].bytes);
+    return so_far;
+}

@@ -1,0 +1,66 @@
+/* tail.h - what tvi_stats.tail is made of: how much of what drives a component is in the last term of its polynomial
+ * (docs/method.md section 3). A ratio of one component each, so that it depends neither on the units nor on where the
+ * origin is; the largest counts. */
+#ifndef TVI_SRC_TAIL_H
+#define TVI_SRC_TAIL_H
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
+/* Of one component, all over the step and without sign. */
+typedef struct {
+    double momentum; /* p and its change */
+    double movement; /* of q */
+    double last_p;   /* the last term of p', times what makes it a momentum */
+    double last_q;   /* that of q', where it is not p' that makes it: of a Hamiltonian or a Lagrangian */
+    double place;    /* q */
+} tvi_tail_part;
+
+/* A component that does less than a hundredth of what another one does is measured by the other one: as the end of a
+ * chain that a wave has not reached, whose first motion is always of the highest power of t, however small h is. That
+ * is the square of what components have in common: velocity, or momentum times velocity where there are no masses. */
+#define TVI_TAIL_LEAST 1e-4
+
+/* What is known when all components were looked at once: the largest ratio, the share of the component that has it, and
+ * the largest share. */
+typedef struct {
+    double ratio, share, largest;
+} tvi_tail_survey;
+
+static inline double tvi_tail_share(const tvi_tail_part *part, bool has_masses)
+{
+    return (has_masses ? part->movement : part->momentum) * part->movement;
+}
+
+/* Less the roundoff of a force, which is that of the positions that it is made of, relative to how far they move. */
+static inline double tvi_tail_ratio(const tvi_tail_part *part)
+{
+    const double roundoff = 32 * DBL_EPSILON;
+    double ratio = part->last_p > 0 ? part->last_p / part->momentum : 0;
+    if (part->last_q > ratio * part->movement) ratio = part->last_q / part->movement;
+    return ratio * part->movement > roundoff * part->place ? ratio - roundoff * part->place / part->movement : 0;
+}
+
+static inline void tvi_tail_look(tvi_tail_survey *survey, const tvi_tail_part *part, bool has_masses)
+{
+    const double share = tvi_tail_share(part, has_masses), ratio = tvi_tail_ratio(part);
+    if (share > survey->largest) survey->largest = share;
+    if (ratio <= survey->ratio) return;
+    survey->ratio = ratio;
+    survey->share = share;
+}
+
+/* Whether the largest ratio is the tail: a component that does little does not have it. */
+static inline bool tvi_tail_is_known(const tvi_tail_survey *survey)
+{
+    return survey->share >= TVI_TAIL_LEAST * survey->largest;
+}
+
+static inline double tvi_tail_of(const tvi_tail_part *part, bool has_masses, double largest)
+{
+    const double share = tvi_tail_share(part, has_masses), least = TVI_TAIL_LEAST * largest;
+    return tvi_tail_ratio(part) * (share < least ? share / least : 1);
+}
+
+#endif

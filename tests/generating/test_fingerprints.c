@@ -1,0 +1,189 @@
+/* test_fingerprints.c - a saved state serves the system and the options that it was saved with, and no others: pairs
+ * that differ in one thing. */
+#include "fingerprint.h"
+#include "generating.h"
+#include "models.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+enum { N = 4 };
+
+/* row(name, one, other): functions of the coordinates q and the time t. */
+#define PAIRS(row)                                                                                                     \
+    row(operand_of_product, jet_mul(q[0], q[1]), jet_mul(q[0], q[2])) row(operand_of_square, jet_pow(q[0], 4),         \
+                                                                          jet_pow(q[1], 4))                            \
+        row(operand_of_sum, jet_sin(jet_add(q[0], q[1])), jet_sin(jet_add(q[0], q[2]))) row(                           \
+            operand_of_sum_of_products, PRODUCTS(q[0], 2, q[3]),                                                       \
+            PRODUCTS(q[0], 2, q[1])) row(operand_of_function, jet_sin(q[0]), jet_sin(q[3]))                            \
+            row(operand_of_power, jet_pow(q[1], -1.5),                                                                 \
+                jet_pow(q[2], -1.5)) row(dividend, jet_div(q[0], q[1]),                                                \
+                                         jet_div(q[2], q[1])) row(divisor, jet_div(q[0], q[1]), jet_div(q[0], q[2]))   \
+                row(coefficient, jet_mul(2, jet_mul(q[0], q[1])),                                                      \
+                    jet_mul(3, jet_mul(q[0], q[1]))) row(coefficient_in_sum, jet_exp(jet_add(q[0], jet_mul(2, q[1]))), \
+                                                         jet_exp(jet_add(q[0], jet_mul(3, q[1]))))                     \
+                    row(coefficient_in_sum_of_products, PRODUCTS(q[0], 2, q[3]),                                       \
+                        PRODUCTS(q[0], 2.5, q[3])) row(sign, jet_mul(q[0], q[1]), jet_neg(jet_mul(q[0], q[1])))        \
+                        row(last_bit, jet_mul(0.25, jet_sqr(q[0])), jet_mul(0.25 + DBL_EPSILON / 4, jet_sqr(q[0])))    \
+                            row(number, jet_cos(jet_add(q[0], 1)), jet_cos(jet_add(q[0], 2)))                          \
+                                row(number_or_none, jet_cos(jet_add(q[0], 1)), jet_cos(jet_add(q[0], q[1])))           \
+                                    row(constant, jet_div(1, jet_sqr(q[0])), jet_div(2, jet_sqr(q[0])))                \
+                                        row(exponent, jet_pow(q[0], -1.5), jet_pow(q[0], -2.5))                        \
+                                            row(integer_exponent, jet_pow(q[0], 3), jet_pow(q[0], 4))                  \
+                                                row(function, jet_sinh(q[0]), jet_cosh(q[0]))                          \
+                                                    row(order_of_operands, jet_div(q[0], q[1]), jet_div(q[1], q[0]))   \
+                                                        row(order_of_forces, jet_mul(q[0], jet_sqr(q[1])),             \
+                                                            jet_mul(q[1], jet_sqr(q[0])))                              \
+                                                            row(use_of_time, jet_mul(q[0], jet_sin(q[1])),             \
+                                                                jet_mul(q[0], jet_sin(t)))                             \
+                                                                row(force_of_time, jet_mul(2, q[0]), jet_mul(t, q[0])) \
+                                                                    row(time_added, jet_sqr(q[0]),                     \
+                                                                        jet_sqr(jet_add(q[0], t)))                     \
+                                                                        row(one_term_more, jet_sqr(q[0]),              \
+                                                                            jet_add(jet_sqr(q[0]), jet_sqr(q[1])))
+#define PRODUCTS(a, c, b) jet_add(jet_mul(a, q[2]), jet_mul(c, jet_mul(q[1], b)))
+
+typedef jet function(const jet q[], jet t);
+#define FUNCTIONS(name, one, other)                                                                                    \
+    static jet name##_one(const jet q[], jet t) { return (void)q, (void)t, one; }                                      \
+    static jet name##_other(const jet q[], jet t) { return (void)q, (void)t, other; }
+PAIRS(FUNCTIONS)
+#define PAIR(name, one, other) {#name, {name##_one, name##_other}},
+static const struct {
+    const char *name;
+    function *of[2];
+} pairs[] = {PAIRS(PAIR)};
+enum { COUNT = sizeof pairs / sizeof *pairs };
+
+/* ---- The forms in which a function f becomes a system ------------------------------------------------------------ */
+
+static void force(const jet q[], jet t, jet F[], void *ctx)
+{
+    function *const *f = ctx;
+    for (int i = 0; i < N; i++) F[i] = i == 1 ? (*f)(q, t) : q[i];
+}
+
+static jet potential(const jet q[], jet t, void *ctx)
+{
+    function *const *f = ctx;
+    return (*f)(q, t);
+}
+
+/* sum (1 + q_0^2) x_i^2 / 2 + f is not separable, whatever stands for x. */
+static jet coupled(const jet q[], const jet x[], jet t, void *ctx)
+{
+    return jet_add(jet_mul(jet_add(1, jet_sqr(q[0])), jet_mul(0.5, jet_dot(x, x, N))), potential(q, t, ctx));
+}
+
+static jet separable(const jet q[], const jet p[], jet t, void *ctx)
+{
+    return jet_add(jet_mul(0.5, jet_dot(p, p, N)), potential(q, t, ctx));
+}
+
+enum { FORCE, POTENTIAL, SEPARABLE, HAMILTONIAN, LAGRANGIAN, FORMS };
+
+static tvi_system *system_of(int form, const double mass[], function *f)
+{
+    tvi_system *system = NULL;
+    const tvi_status status = form == FORCE         ? tvi_system_force(&system, N, mass, force, &f)
+                              : form == POTENTIAL   ? tvi_system_potential(&system, N, mass, potential, &f)
+                              : form == SEPARABLE   ? tvi_system_hamiltonian(&system, N, separable, &f)
+                              : form == HAMILTONIAN ? tvi_system_hamiltonian(&system, N, coupled, &f)
+                                                    : tvi_system_lagrangian(&system, N, coupled, &f);
+    ck_assert_int_eq(status, TVI_OK);
+    return system;
+}
+
+/* Whether the state of an integrator of one system is loaded into one of the other. Both are freed. */
+static tvi_status loads(tvi_system *one, tvi_system *other)
+{
+    tvi_integrator *from = integrator_of(one, NULL), *into = integrator_of(other, NULL);
+    size_t size;
+    ck_assert_int_eq(tvi_state_save(from, NULL, &size), TVI_OK);
+    unsigned char *bytes = malloc(size);
+    ck_assert_int_eq(tvi_state_save(from, bytes, &size), TVI_OK);
+    const tvi_status status = tvi_state_load(into, bytes, size);
+    free(bytes);
+    tvi_integrator_free(from);
+    tvi_integrator_free(into);
+    tvi_system_free(one);
+    tvi_system_free(other);
+    return status;
+}
+
+START_TEST(other_functions_are_refused)
+{
+    for (int form = 0; form < FORMS; form++)
+        for (int of = 0; of < 4; of++) {
+            function *one = pairs[_i].of[of / 2], *other = pairs[_i].of[of % 2];
+            const tvi_status expected = one == other ? TVI_OK : TVI_EINVAL;
+            const tvi_status status = loads(system_of(form, NULL, one), system_of(form, NULL, other));
+            ck_assert_msg(status == expected, "%s %d, form %d: %d", pairs[_i].name, of, form, status);
+        }
+}
+END_TEST
+
+START_TEST(other_masses_are_refused)
+{
+    const double mass[N] = {1, 2.5, 0.4, 3}, same[N] = {1, 2.5, 0.4, 3};
+    function *f = pairs[0].of[0];
+    ck_assert_int_eq(loads(system_of(POTENTIAL, mass, f), system_of(POTENTIAL, same, f)), TVI_OK);
+    for (int i = 0; i < N; i++) {
+        double other[N];
+        for (int j = 0; j < N; j++) other[j] = mass[j] * (i == j ? 1 + DBL_EPSILON : 1);
+        ck_assert_int_eq(loads(system_of(POTENTIAL, mass, f), system_of(POTENTIAL, other, f)), TVI_EINVAL);
+    }
+}
+END_TEST
+
+/* The same function of (q, x, t) as a Lagrangian and as a Hamiltonian. */
+START_TEST(other_forms_are_refused)
+{
+    function *f = pairs[_i].of[0];
+    ck_assert_int_eq(loads(system_of(HAMILTONIAN, NULL, f), system_of(LAGRANGIAN, NULL, f)), TVI_EINVAL);
+    ck_assert_int_eq(loads(system_of(HAMILTONIAN, NULL, f), system_of(SEPARABLE, NULL, f)), TVI_EINVAL);
+    ck_assert_int_eq(loads(system_of(LAGRANGIAN, NULL, f), system_of(POTENTIAL, NULL, f)), TVI_EINVAL);
+}
+END_TEST
+
+/* ---- Options ----------------------------------------------------------------------------------------------------- */
+
+#define EXPECT_SEEN(field, value)                                                                                      \
+    do {                                                                                                               \
+        tvi_options other = options;                                                                                   \
+        ck_assert(other.field != (value));                                                                             \
+        other.field = (value);                                                                                         \
+        ck_assert_msg(tvi_options_fingerprint(&other) != of_options, #field);                                          \
+    } while (0)
+
+START_TEST(every_option_is_seen)
+{
+    const tvi_options options = {.order = 4}, same = {.order = 4};
+    const uint64_t of_options = tvi_options_fingerprint(&options);
+    ck_assert(tvi_options_fingerprint(&same) == of_options);
+    EXPECT_SEEN(method, TVI_POINCARE);
+    EXPECT_SEEN(expansion, TVI_AT_END);
+    EXPECT_SEEN(nodes, TVI_NODES_TRUNCATED);
+    EXPECT_SEEN(order, 5);
+    EXPECT_SEEN(degree, 1);
+    EXPECT_SEEN(compose_adjoint, true);
+    EXPECT_SEEN(quadrature, TVI_GAUSS);
+    EXPECT_SEEN(quadrature_points, 1);
+    EXPECT_SEEN(tolerance, DBL_TRUE_MIN);
+    EXPECT_SEEN(passes, TVI_PREDICT_ONLY);
+    EXPECT_SEEN(max_passes, 1);
+}
+END_TEST
+
+Suite *suite_fingerprints(void)
+{
+    Suite *suite = suite_create("fingerprints");
+    TCase *tcase = tcase_create("fingerprints");
+    tcase_set_timeout(tcase, 120);
+    tcase_add_loop_test(tcase, other_functions_are_refused, 0, COUNT);
+    tcase_add_test(tcase, other_masses_are_refused);
+    tcase_add_loop_test(tcase, other_forms_are_refused, 0, COUNT);
+    tcase_add_test(tcase, every_option_is_seen);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}

@@ -1,0 +1,94 @@
+/* test_lowest.c - the lowest degree of every method, with many coordinates and a force that has a pole: nothing is read
+ * of a series that such a curve has not evaluated. */
+#include "stability.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { COORDINATES = 40, STEPS = 10, METHODS = TVI_STORMER_VERLET + 1, EXPANSIONS = TVI_AT_NODES + 1 };
+
+/* V = sum_i 1/q_i + q_i^1.5: coordinates that know nothing of each other, each with a pole at 0. */
+static jet poles(const jet q[], jet t, void *ctx)
+{
+    jet V = jet_const(0);
+    (void)t;
+    for (int i = 0; i < *(const int *)ctx; i++) V = jet_add(V, jet_add(jet_div(1, q[i]), jet_pow(q[i], 1.5)));
+    return V;
+}
+
+/* Row `i` of all combinations, at its lowest order; false: they make no method. */
+static bool lowest_options(int i, tvi_options *options)
+{
+    *options = (tvi_options){.method = (tvi_method)(i / EXPANSIONS / 4),
+                             .expansion = (tvi_expansion)(i / 4 % EXPANSIONS),
+                             .nodes = i % 2 ? TVI_NODES_TRUNCATED : TVI_NODES_ON_CURVE,
+                             .compose_adjoint = i / 2 % 2};
+    int one = 1;
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, poles, &one), TVI_OK);
+    bool is_method = false;
+    for (options->order = 1; !is_method && options->order <= 3; options->order += !is_method)
+        is_method = tvi_options_check(system, options, NULL) == TVI_OK;
+    tvi_system_free(system);
+    return is_method;
+}
+
+static void run(int n, const tvi_options *options, double q[], double p[])
+{
+    double t = 0;
+    tvi_system *system;
+    tvi_integrator *integrator;
+    for (int i = 0; i < n; i++) {
+        q[i] = 1 + 0.25 * (i % 3);
+        p[i] = 0.5 - 0.25 * (i % 5);
+    }
+    ck_assert_int_eq(tvi_system_potential(&system, n, NULL, poles, &n), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, options), TVI_OK);
+    const tvi_status status = tvi_integrate(integrator, 0.1, STEPS, &t, q, p, NULL, NULL);
+    ck_assert_msg(status == TVI_OK, "method %d at %d, nodes %d, n = %d: %s", (int)options->method,
+                  (int)options->expansion, (int)options->nodes, n, tvi_status_string(status));
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+
+/* Each coordinate moves as it does among fewer others, n = 1 ... 7, whose Jacobians are matrices. */
+START_TEST(lowest_degree_of_all_methods)
+{
+    tvi_options options;
+    double q[COORDINATES], p[COORDINATES], few_q[COORDINATES], few_p[COORDINATES];
+    if (!lowest_options(_i, &options)) return;
+    for (int n = COORDINATES; n >= 1; n -= n > 16 ? 8 : 1) {
+        run(n, &options, q, p);
+        for (int i = 0; i < n && n < COORDINATES; i++) {
+            ck_assert_msg(fabs(q[i] - few_q[i]) <= 4e-15, "row %d, n = %d: q[%d] %g", _i, n, i, q[i] - few_q[i]);
+            ck_assert_msg(fabs(p[i] - few_p[i]) <= 4e-15, "row %d, n = %d: p[%d] %g", _i, n, i, p[i] - few_p[i]);
+        }
+        memcpy(few_q, q, sizeof q);
+        memcpy(few_p, p, sizeof p);
+    }
+    ck_assert_double_gt(fabs(q[0] - 1), 0.01); /* it moved */
+}
+END_TEST
+
+/* The rows above are methods, the lowest of Stormer-Verlet and of the composed type II among them. */
+START_TEST(there_are_such_methods)
+{
+    int methods = 0;
+    for (int i = 0; i < METHODS * EXPANSIONS * 4; i++) {
+        tvi_options options;
+        methods += lowest_options(i, &options);
+    }
+    ck_assert_int_eq(methods, 38);
+}
+END_TEST
+
+Suite *suite_lowest(void)
+{
+    Suite *suite = suite_create("lowest");
+    TCase *tcase = tcase_create("lowest");
+    tcase_set_timeout(tcase, 120);
+    tcase_add_loop_test(tcase, lowest_degree_of_all_methods, 0, METHODS * EXPANSIONS * 4);
+    tcase_add_test(tcase, there_are_such_methods);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}

@@ -1,0 +1,98 @@
+/* test_arena.c - pieces of an arena: aligned, apart, as many bytes as were measured; with the address sanitizer,
+ * nothing but the pieces may be touched. */
+#include "arena.h"
+#include "suites.h"
+
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+enum { PIECES = 5 };
+static const size_t sizes[PIECES] = {1, 8, 64, 100, 12};
+
+typedef struct {
+    tvi_arena arena;
+    char *memory, *piece[PIECES], *history[PIECES];
+} open_arena;
+
+static void take_all(open_arena *x)
+{
+    for (int i = 0; i < PIECES; i++) {
+        x->piece[i] = tvi_arena_take(&x->arena, sizes[i]);
+        x->history[i] = tvi_arena_history(&x->arena, sizes[PIECES - 1 - i]);
+    }
+}
+
+static open_arena open_all(void)
+{
+    open_arena x = {.memory = NULL};
+    take_all(&x);
+    for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i]);
+    const size_t used = x.arena.used, remembered = x.arena.remembered;
+    x.memory = aligned_alloc(ARENA_ALIGNMENT, used + remembered);
+    ck_assert_ptr_nonnull(x.memory);
+    memset(x.memory, 0, used + remembered);
+    x.arena = (tvi_arena){.base = x.memory, .history = x.memory + used};
+    take_all(&x);
+    ck_assert(x.arena.used == used && x.arena.remembered == remembered);
+    return x;
+}
+
+static bool may_touch(const char *byte)
+{
+#ifdef ARENA_HAS_GAPS
+    return !__asan_address_is_poisoned(byte);
+#else
+    return byte != NULL;
+#endif
+}
+
+/* Each of its bytes may be touched, and none from its end to that of the gap. */
+static void check_piece(char *piece, size_t bytes, const char *next)
+{
+    ck_assert_uint_eq((uintptr_t)piece % ARENA_ALIGNMENT, 0);
+    ck_assert(piece + bytes + ARENA_GAP <= next);
+    for (size_t i = 0; i < bytes; i++) ck_assert(may_touch(piece + i));
+    for (const char *byte = piece + bytes; ARENA_GAP > 0 && byte < next; byte++) ck_assert(!may_touch(byte));
+}
+
+START_TEST(pieces_are_apart)
+{
+    open_arena x = open_all();
+    char *end = x.memory + x.arena.used;
+    for (int i = 0; i < PIECES; i++) {
+        const bool is_last = i + 1 == PIECES;
+        check_piece(x.piece[i], sizes[i], is_last ? end : x.piece[i + 1]);
+        check_piece(x.history[i], sizes[PIECES - 1 - i], is_last ? end + x.arena.remembered : x.history[i + 1]);
+    }
+    free(x.memory);
+}
+END_TEST
+
+/* A history is copied and cleared as a whole; what is beside it is not. */
+START_TEST(histories_are_copied)
+{
+    open_arena x = open_all();
+    char *copy = malloc(x.arena.remembered + 1);
+    memset(copy, 7, x.arena.remembered + 1);
+    for (int i = 0; i < PIECES; i++) memset(x.history[i], 1 + i, sizes[PIECES - 1 - i]);
+    tvi_arena_copy(copy, x.arena.history, x.arena.remembered);
+    tvi_arena_copy(x.arena.history, NULL, x.arena.remembered);
+    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 0);
+    tvi_arena_copy(x.arena.history, copy, x.arena.remembered);
+    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 1 + i);
+    ck_assert_int_eq(copy[x.arena.remembered], 7);
+    free(copy);
+    free(x.memory);
+}
+END_TEST
+
+Suite *suite_arena(void)
+{
+    Suite *suite = suite_create("arena");
+    TCase *tcase = tcase_create("arena");
+    tcase_add_test(tcase, pieces_are_apart);
+    tcase_add_test(tcase, histories_are_copied);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
