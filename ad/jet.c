@@ -232,7 +232,7 @@ jet jet_record_function(jet_function f, jet a)
         [JET_ATAN] = OP_ATAN,   [JET_SINH] = OP_SINH,   [JET_COSH] = OP_COSH,   [JET_TANH] = OP_TANH,
         [JET_ASINH] = OP_ASINH, [JET_ACOSH] = OP_ACOSH, [JET_ATANH] = OP_ATANH, [JET_ERF] = OP_ERF,
     };
-    if ((unsigned)f >= sizeof ops / sizeof *ops) return jet_poison(TVI_EINVAL);
+    if ((unsigned)f >= JET_FUNCTION_COUNT) return jet_poison(TVI_EINVAL);
     if (f == JET_NEG) return jet_mul(-1, a);
     if (f == JET_SQR) return jet_mul(a, a);
     return jet_record_op(ops[f], a, jet_const(0));
@@ -241,5 +241,6 @@ jet jet_record_function(jet_function f, jet a)
 jet jet_record_function2(jet_function2 f, jet a, jet b)
 {
     static const jet_op ops[JET_FUNCTION2_COUNT] = {[JET_ATAN2] = OP_ATAN2, [JET_HYPOT] = OP_HYPOT};
+    if ((unsigned)f >= JET_FUNCTION2_COUNT) return jet_poison(TVI_EINVAL);
     return jet_record_op(ops[f], a, b);
 }

@@ -1,9 +1,7 @@
 /* tape.c - graph -> tape: equal operations side by side become one run. */
 #include "place.h"
 
-#include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void add_term(jet_tape *tape, double coefficient, int slot, int second)
 {

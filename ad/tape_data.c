@@ -54,9 +54,18 @@ uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
 }
 
 /* The fields of a run in their order; a run has gaps between them. One that is left out is a missing initialiser. */
-#define RUN_FIELDS(field)                                                                                              \
-    field(op) field(count) field(z) field(a) field(b) field(w) field(c) field(has_numbers) field(first) field(terms)   \
-        field(term)
+#define RUN_FIELDS(ROW)                                                                                                \
+    ROW(op)                                                                                                            \
+    ROW(count)                                                                                                         \
+    ROW(z)                                                                                                             \
+    ROW(a)                                                                                                             \
+    ROW(b)                                                                                                             \
+    ROW(w)                                                                                                             \
+    ROW(c)                                                                                                             \
+    ROW(has_numbers)                                                                                                   \
+    ROW(first)                                                                                                         \
+    ROW(terms)                                                                                                         \
+    ROW(term)
 #define VALUE(field) run->field,
 #define HASH(field)  so_far = jet_hash(so_far, &copy.field, sizeof copy.field);
 

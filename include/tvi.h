@@ -217,10 +217,10 @@ int tvi_progress(long step, double t, const double q[], const double p[], void *
 typedef struct {
     long steps, passes, expansions, force_evaluations, factorisations;
     double residual; /* the last correction of the last step relative to the curve's size, 0 for explicit methods */
-    double
-        tail; /* of the last step: the last term of what drives a coordinate, relative to its momentum and what drives
-                        it; the largest of all coordinates. Above 0.1 the step is too large, below 0.01 it seldom is
-                        (docs/choosing.md). 0 where the force has one term only: degrees 1 and 2, one node, Stormer-Verlet */
+    /* Of the last step: the last term of what drives a coordinate, relative to its momentum and what drives it; the
+     * largest of all coordinates. Above 0.1 the step is too large, below 0.01 it seldom is (docs/choosing.md). 0 where
+     * the force has one term only: degrees 1 and 2, one node, Stormer-Verlet */
+    double tail;
     size_t bytes; /* of memory held by the integrator */
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);

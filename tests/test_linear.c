@@ -125,7 +125,7 @@ START_TEST(lone_entries_are_scaled)
 }
 END_TEST
 
-/* ---- One matrix in each lane -------------------------------------------------------------------------------------- */
+/* ---- One matrix in each lane ------------------------------------------------------------------------------------- */
 
 enum { LANES = TVI_GALERKIN_MAX_LANES };
 static const int lane_counts[] = {1, 2, 4, 8, LANES};

@@ -61,6 +61,7 @@ START_TEST(runs_are_hashed)
         EXPECT_SEEN(r.tape, run->z);
         EXPECT_SEEN(r.tape, run->a);
         EXPECT_SEEN(r.tape, run->b);
+        EXPECT_SEEN(r.tape, run->w);
         EXPECT_SEEN(r.tape, run->c);
         EXPECT_SEEN(r.tape, run->first);
         EXPECT_SEEN(r.tape, run->terms);

@@ -232,85 +232,66 @@ END_TEST
 /* ---- Refusals ---------------------------------------------------------------------------------------------------- */
 
 /* row(name, result, status): x is a jet of the graph, other of another, closed of a closed one. */
-#define REFUSALS(row)                                                                                                  \
-    row(nothing_wrong, jet_sin(x), TVI_OK) row(just_a_number, jet_const(3), TVI_OK) row(an_input, x, TVI_OK) row(      \
-        unset, jet_unset(),                                                                                            \
-        TVI_EINVAL) row(unset_used, jet_add(x, jet_unset()),                                                           \
-                        TVI_EINVAL) row(unset_alone, jet_exp(jet_unset()),                                             \
-                                        TVI_EINVAL) row(unset_to_power, jet_pow(jet_unset(), 0),                       \
-                                                        TVI_EINVAL) row(unset_times_zero, jet_mul(0, jet_unset()),     \
-                                                                        TVI_EINVAL) row(unset_in_sum,                  \
-                                                                                        jet_sum(                       \
-                                                                                            (const jet[]){             \
-                                                                                                x, jet_unset(), x},    \
-                                                                                            3),                        \
-                                                                                        TVI_EINVAL)                    \
-        row(unset_in_dot, jet_dot((const jet[]){x, jet_unset()}, (const jet[]){x, x}, 2), TVI_EINVAL) row(             \
-            unset_far_down,                                                                                            \
-            jet_sin(jet_mul(2, jet_sub(jet_unset(), x))), TVI_EINVAL) row(another, other,                              \
-                                                                          TVI_EINVAL) row(another_alone,               \
-                                                                                          jet_sin(other), TVI_EINVAL)  \
-            row(mixed_sum, jet_add(x, other), TVI_EINVAL) row(mixed_difference, jet_sub(other, x), TVI_EINVAL) row(    \
-                mixed_product, jet_mul(x, other), TVI_EINVAL) row(mixed_quotient, jet_div(other, x),                   \
-                                                                  TVI_EINVAL) row(mixed_dot, jet_dot(&x, &other, 1),   \
-                                                                                  TVI_EINVAL) row(mixed_far_down,      \
-                                                                                                  jet_exp(jet_mul(     \
-                                                                                                      x, jet_sin(      \
-                                                                                                             other))), \
-                                                                                                  TVI_EINVAL)          \
-                row(closed_alone, closed, TVI_EINVAL) row(closed_function, jet_sin(closed), TVI_EINVAL) row(           \
-                    closed_scaled, jet_mul(2, closed), TVI_EINVAL) row(closed_shared, jet_sqr(closed), TVI_EINVAL)     \
-                    row(closed_power,                                                                                  \
-                        jet_pow(closed, 1.5), TVI_EINVAL) row(closed_divisor, jet_div(1, closed),                      \
-                                                              TVI_EINVAL) row(closed_sum, jet_sum(&closed, 1),         \
-                                                                              TVI_EINVAL) row(closed_and_open,         \
-                                                                                              jet_add(x, closed),      \
-                                                                                              TVI_EINVAL)              \
-                        row(no_function, jet_record_function((jet_function)(JET_TANH + 1), x), TVI_EINVAL) row(        \
-                            no_function_of_a_number, jet_record_function((jet_function)(JET_TANH + 1), jet_const(2)),  \
-                            TVI_EINVAL)                                                                                \
-                            row(no_function_by_far, jet_record_function((jet_function)1000000, x), TVI_EINVAL) row(    \
-                                no_function_below, jet_record_function((jet_function)-1, x),                           \
-                                TVI_EINVAL) row(not_finite, jet_const(INFINITY), TVI_ENONFINITE)                       \
-                                row(not_a_number, jet_const(NAN), TVI_ENONFINITE) row(                                 \
-                                    not_finite_added, jet_add(x, INFINITY),                                            \
-                                    TVI_ENONFINITE) row(not_a_number_times, jet_mul(NAN, x), TVI_ENONFINITE)           \
-                                    row(not_a_number_in_function, jet_sqrt(NAN), TVI_ENONFINITE) row(                  \
-                                        over_infinity, jet_div(x, INFINITY),                                           \
-                                        TVI_ENONFINITE) row(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)   \
-                                        row(exponent_not_a_number, jet_pow(2, NAN), TVI_ENONFINITE) row(               \
-                                            exp_overflows, jet_exp(1000),                                              \
-                                            TVI_ENONFINITE) row(power_overflows, jet_pow(1e200, 2), TVI_ENONFINITE)    \
-                                            row(root_power_overflows, jet_pow(1e-200, -2.5), TVI_ENONFINITE) row(      \
-                                                product_overflows,                                                     \
-                                                jet_mul(1e200, 1e200), TVI_ENONFINITE) row(quotient_overflows,         \
-                                                                                           jet_div(1e200, 1e-200),     \
-                                                                                           TVI_ENONFINITE)             \
-                                                row(sum_overflows, jet_add(1.7e308, 1.7e308), TVI_ENONFINITE) row(     \
-                                                    added_overflows,                                                   \
-                                                    jet_sum(                                                           \
-                                                        (const jet[]){x, jet_const(1.7e308), jet_const(1.7e308)}, 3),  \
-                                                    TVI_ENONFINITE) row(coefficient_overflows,                         \
-                                                                        jet_mul(1e200, jet_mul(1e200, x)),             \
-                                                                        TVI_ENONFINITE)                                \
-                                                    row(overflow_used, jet_add(x, jet_exp(1000)),                      \
-                                                        TVI_ENONFINITE) row(root_of_zero, jet_sqrt(0), TVI_EDOMAIN)    \
-                                                        row(log_of_zero, jet_log(0),                                   \
-                                                            TVI_EDOMAIN) row(asin_of_one, jet_asin(1), TVI_EDOMAIN)    \
-                                                            row(power_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)           \
-                                                                row(reciprocal_of_zero, jet_pow(0, -1), TVI_EDOMAIN)   \
-                                                                    row(over_zero, jet_div(1, 0), TVI_EDOMAIN) row(    \
-                                                                        jet_over_zero, jet_div(x, 0), TVI_EDOMAIN)     \
-                                                                        row(domain_used,                               \
-                                                                            jet_sub(x, jet_mul(x, jet_log(-1))),       \
-                                                                            TVI_EDOMAIN)                               \
-                                                                            row(domain_times_zero,                     \
-                                                                                jet_mul(0, jet_log(-1)), TVI_EDOMAIN)  \
-                                                                                row(domain_in_sum,                     \
-                                                                                    jet_sum((const jet[]){jet_log(-1), \
-                                                                                                          jet_sqr(x)}, \
-                                                                                            2),                        \
-                                                                                    TVI_EDOMAIN)
+#define REFUSALS(ROW)                                                                                                  \
+    ROW(nothing_wrong, jet_sin(x), TVI_OK)                                                                             \
+    ROW(just_a_number, jet_const(3), TVI_OK)                                                                           \
+    ROW(an_input, x, TVI_OK)                                                                                           \
+    ROW(unset, jet_unset(), TVI_EINVAL)                                                                                \
+    ROW(unset_used, jet_add(x, jet_unset()), TVI_EINVAL)                                                               \
+    ROW(unset_alone, jet_exp(jet_unset()), TVI_EINVAL)                                                                 \
+    ROW(unset_to_power, jet_pow(jet_unset(), 0), TVI_EINVAL)                                                           \
+    ROW(unset_times_zero, jet_mul(0, jet_unset()), TVI_EINVAL)                                                         \
+    ROW(unset_in_sum, jet_sum((const jet[]){x, jet_unset(), x}, 3), TVI_EINVAL)                                        \
+    ROW(unset_in_dot, jet_dot((const jet[]){x, jet_unset()}, (const jet[]){x, x}, 2), TVI_EINVAL)                      \
+    ROW(unset_far_down, jet_sin(jet_mul(2, jet_sub(jet_unset(), x))), TVI_EINVAL)                                      \
+    ROW(another, other, TVI_EINVAL)                                                                                    \
+    ROW(another_alone, jet_sin(other), TVI_EINVAL)                                                                     \
+    ROW(mixed_sum, jet_add(x, other), TVI_EINVAL)                                                                      \
+    ROW(mixed_difference, jet_sub(other, x), TVI_EINVAL)                                                               \
+    ROW(mixed_product, jet_mul(x, other), TVI_EINVAL)                                                                  \
+    ROW(mixed_quotient, jet_div(other, x), TVI_EINVAL)                                                                 \
+    ROW(mixed_dot, jet_dot(&x, &other, 1), TVI_EINVAL)                                                                 \
+    ROW(mixed_far_down, jet_exp(jet_mul(x, jet_sin(other))), TVI_EINVAL)                                               \
+    ROW(closed_alone, closed, TVI_EINVAL)                                                                              \
+    ROW(closed_function, jet_sin(closed), TVI_EINVAL)                                                                  \
+    ROW(closed_scaled, jet_mul(2, closed), TVI_EINVAL)                                                                 \
+    ROW(closed_shared, jet_sqr(closed), TVI_EINVAL)                                                                    \
+    ROW(closed_power, jet_pow(closed, 1.5), TVI_EINVAL)                                                                \
+    ROW(closed_divisor, jet_div(1, closed), TVI_EINVAL)                                                                \
+    ROW(closed_sum, jet_sum(&closed, 1), TVI_EINVAL)                                                                   \
+    ROW(closed_and_open, jet_add(x, closed), TVI_EINVAL)                                                               \
+    ROW(no_function, jet_record_function(JET_FUNCTION_COUNT, x), TVI_EINVAL)                                           \
+    ROW(no_function_of_a_number, jet_record_function(JET_FUNCTION_COUNT, jet_const(2)), TVI_EINVAL)                    \
+    ROW(no_function_by_far, jet_record_function((jet_function)1000000, x), TVI_EINVAL)                                 \
+    ROW(no_function_of_two, jet_record_function2(JET_FUNCTION2_COUNT, x, x), TVI_EINVAL)                               \
+    ROW(no_function_below, jet_record_function((jet_function)-1, x), TVI_EINVAL)                                       \
+    ROW(not_finite, jet_const(INFINITY), TVI_ENONFINITE)                                                               \
+    ROW(not_a_number, jet_const(NAN), TVI_ENONFINITE)                                                                  \
+    ROW(not_finite_added, jet_add(x, INFINITY), TVI_ENONFINITE)                                                        \
+    ROW(not_a_number_times, jet_mul(NAN, x), TVI_ENONFINITE)                                                           \
+    ROW(not_a_number_in_function, jet_sqrt(NAN), TVI_ENONFINITE)                                                       \
+    ROW(over_infinity, jet_div(x, INFINITY), TVI_ENONFINITE)                                                           \
+    ROW(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                       \
+    ROW(exponent_not_a_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                        \
+    ROW(exp_overflows, jet_exp(1000), TVI_ENONFINITE)                                                                  \
+    ROW(power_overflows, jet_pow(1e200, 2), TVI_ENONFINITE)                                                            \
+    ROW(root_power_overflows, jet_pow(1e-200, -2.5), TVI_ENONFINITE)                                                   \
+    ROW(product_overflows, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                      \
+    ROW(quotient_overflows, jet_div(1e200, 1e-200), TVI_ENONFINITE)                                                    \
+    ROW(sum_overflows, jet_add(1.7e308, 1.7e308), TVI_ENONFINITE)                                                      \
+    ROW(added_overflows, jet_sum((const jet[]){x, jet_const(1.7e308), jet_const(1.7e308)}, 3), TVI_ENONFINITE)         \
+    ROW(coefficient_overflows, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                      \
+    ROW(overflow_used, jet_add(x, jet_exp(1000)), TVI_ENONFINITE)                                                      \
+    ROW(root_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                        \
+    ROW(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                          \
+    ROW(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                         \
+    ROW(power_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                                   \
+    ROW(reciprocal_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                               \
+    ROW(over_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                         \
+    ROW(jet_over_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                     \
+    ROW(domain_used, jet_sub(x, jet_mul(x, jet_log(-1))), TVI_EDOMAIN)                                                 \
+    ROW(domain_times_zero, jet_mul(0, jet_log(-1)), TVI_EDOMAIN)                                                       \
+    ROW(domain_in_sum, jet_sum((const jet[]){jet_log(-1), jet_sqr(x)}, 2), TVI_EDOMAIN)
 
 #define REFUSED(name, result, status)                                                                                  \
     static jet refuse_##name(jet x, jet other, jet closed) { return (void)x, (void)other, (void)closed, result; }
