@@ -266,15 +266,7 @@ static bool generated_step(quad_series *s, const tvi_options *options, quad h, q
 {
     const int n = s->of->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
     const quad from = options->expansion == TVI_AT_END ? -1 : options->expansion == TVI_AT_MIDPOINT ? (quad)-0.5 : 0;
-    task x = {.s = s,
-              .options = options,
-              .n = n,
-              .q_degree = N,
-              .p_degree = p_degree,
-              .a = size_of(n, q),
-              .t0 = t,
-              .h = h,
-              .from = from};
+    task x = {s, options, n, N, p_degree, size_of(n, q), t, h, from, .rule = {.points = 2}};
     quad z[DATA] = {0}, Q[COEFFICIENTS], P[COEFFICIENTS];
     x.rule = quad_method_gauss(TVI_AT_START, TVI_NODES_ON_CURVE, 1, options->quadrature_points);
     if (options->quadrature == TVI_TRAPEZOID)
