@@ -160,9 +160,9 @@ static bool falls_first(const double g[], int stride)
 /* Whether g has no root: one sign and no least value. Without branches, since most steps end here. */
 static bool is_quiet(const double g[])
 {
-    int found = falls_first(g, 1) | falls_first(g + TVI_SAMPLES, -1);
+    int found = (int)falls_first(g, 1) | (int)falls_first(g + TVI_SAMPLES, -1);
     for (int j = 1; j <= TVI_SAMPLES; j++) found |= !(g[j - 1] * g[j] > 0);
-    for (int j = 1; j < TVI_SAMPLES; j++) found |= is_dip(g + j);
+    for (int j = 1; j < TVI_SAMPLES; j++) found |= (int)is_dip(g + j);
     return !found;
 }
 
