@@ -35,19 +35,17 @@ typedef struct {
     const tvi_options *options;
     int n, points;
     galerkin_field field;
-    double *from_one; /* [j][lanes] extrapolation from a step of size h / ratio to one that begins after `part` of it */
-    double ratio, part; /* ratio 0: none yet */
-    double *led;        /* [unknowns][lanes] what it leads to */
-    double *from_two;   /* [2][j][i] the same from the two steps before, all of one size */
-    double *c, *c_rest; /* [lanes] in two parts */
-    double *weight;     /* [lanes][SUMS] */
-    double *sum;        /* [unknowns][SUMS] */
+    double *terms, *led; /* [unknowns][lanes] of a step's polynomial, and where it leads to at the nodes of another */
+    double *from_two;    /* [2][j][i] the same from the two steps before, all of one size */
+    double *c, *c_rest;  /* [lanes] in two parts */
+    double *weight;      /* [lanes][SUMS] */
+    double *sum;         /* [unknowns][SUMS] */
     galerkin_dense dense;
     double h;           /* of the rates and the scales; 0: none yet */
     double *rate;       /* [n] h / m */
     double *drift;      /* [n] h M^-1 p0 of a separable system, else 0 */
     double *rise;       /* [2n] what multiplies the integrals of the drives in q and p */
-    double *none, *one; /* [unknowns + lanes] 0 and 1 */
+    double *none, *one; /* [unknowns] 0 and 1 */
     galerkin_history *last;
     double *drives[2]; /* in the history: [unknowns][lanes] what drove the unknowns of the last two steps, in turns */
     long double exact_node[MAX_LANES], exact_weight[MAX_LANES];
@@ -92,9 +90,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     for (int i = 0; i < 2; i++) w.drives[i] = tvi_arena_history(arena, unknowns * lanes * sizeof(double));
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     w.field.matrix = tvi_arena_doubles(arena, lanes * lanes);
-    w.from_one = tvi_arena_doubles(arena, lanes * lanes);
-    w.none = tvi_arena_doubles(arena, unknowns + lanes);
-    w.one = tvi_arena_doubles(arena, unknowns + lanes);
+    w.terms = tvi_arena_doubles(arena, unknowns * lanes);
     w.led = tvi_arena_doubles(arena, unknowns * lanes);
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     w.from_two = tvi_arena_doubles(arena, 2 * lanes * lanes);
@@ -103,7 +99,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.weight = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
     galerkin_dense_take(&w.dense, arena, w.points, nodes->lanes, system->field_values->sweeps);
-    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift};
+    double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.rate, &w.drift, &w.none, &w.one};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
     w.field.form->take(&w.field, arena);
@@ -229,7 +225,7 @@ static void prepare(void *work)
     galerkin_dense_prepare(&w->dense, w->field.nodes.lanes, w->exact_node, w->exact_weight);
     w->field.form->prepare(&w->field);
     set_from_two(w);
-    for (int i = 0; i < w->field.nodes.unknowns + w->field.nodes.lanes; i++) w->one[i] = 1;
+    for (int u = 0; u < w->field.nodes.unknowns; u++) w->one[u] = 1;
 }
 
 /* What depends on the size of the step alone. */
@@ -249,20 +245,6 @@ static void set_size(galerkin *w, double h)
         w->rise[i] = w->field.nodes.scale[i];
         w->rise[w->n + i] = galerkin_is_second_order(&w->field) ? h : w->field.nodes.scale[w->n + i];
     }
-}
-
-/* From a step of size h / ratio to one that begins after a part of it: node i is at part + ratio c_i there. */
-static void set_from_one(galerkin *w, double ratio, double part)
-{
-    if (ratio == w->ratio && part == w->part) return;
-    w->ratio = ratio;
-    w->part = part;
-    const int lanes = w->field.nodes.lanes;
-    const galerkin_places of_nodes = {lanes, lanes, w->points, w->c, w->none, w->none, w->one};
-    double place[MAX_LANES], P[MAX_LANES * MAX_LANES] = {0};
-    for (int i = 0; i < lanes; i++) place[i] = part + ratio * (w->c[i] + w->c_rest[i]);
-    galerkin_dense_legendre(&w->dense, lanes, place, P);
-    w->field.loops->place(&of_nodes, P, w->dense.of_node, w->from_one);
 }
 
 /* The times of the nodes of a step of size h. */
@@ -299,6 +281,19 @@ static bool can_extrapolate(const galerkin *w, const tvi_origin *origin, double 
     return ratio <= 1.5 && (is_next ? ratio >= -2 : origin->t == last->t && ratio > 0);
 }
 
+/* What drove a step of size h / ratio leads to the nodes of one that begins after a part of it: node i is at part +
+ * ratio c_i there. */
+static void lead_on(galerkin *w, double ratio, double part, const double *drives)
+{
+    const int lanes = w->field.nodes.lanes;
+    const galerkin_places plain = {lanes, lanes, w->field.nodes.unknowns, w->c, w->none, w->none, w->one};
+    double place[MAX_LANES], P[MAX_LANES * MAX_LANES] = {0};
+    for (int i = 0; i < lanes; i++) place[i] = part + ratio * (w->c[i] + w->c_rest[i]);
+    galerkin_dense_legendre(&w->dense, lanes, place, P);
+    w->field.loops->place(&plain, w->dense.of_node, drives, w->terms);
+    w->field.loops->place(&plain, P, w->terms, w->led);
+}
+
 static void extrapolate(galerkin *w, double part)
 {
     const galerkin_history *last = w->last;
@@ -306,12 +301,8 @@ static void extrapolate(galerkin *w, double part)
     if (part == 1 && w->h == last->h && w->h == last->h_before) {
         w->field.form->predict(&w->field, 2, w->from_two, drives);
     } else {
-        const galerkin_nodes *nodes = &w->field.nodes;
-        const galerkin_places to = {nodes->lanes, nodes->lanes, nodes->unknowns, w->c, w->none, w->none, w->one};
-        const double *const led[] = {w->led};
-        set_from_one(w, w->h / last->h, part);
-        w->field.loops->place(&to, w->from_one, drives[0], w->led);
-        w->field.form->predict(&w->field, 1, w->field.ahead, led);
+        lead_on(w, w->h / last->h, part, drives[0]);
+        w->field.form->predict(&w->field, 1, w->field.ahead, (const double *const[]){w->led});
     }
 }
 

@@ -8,7 +8,7 @@ void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, in
     dense->points = points;
     dense->sweeps = sweeps;
     dense->shape = tvi_arena_doubles(arena, (size_t)points * (size_t)points);
-    dense->of_node = tvi_arena_doubles(arena, (size_t)points * (size_t)lanes);
+    dense->of_node = tvi_arena_doubles(arena, (size_t)lanes * (size_t)lanes);
     dense->once = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
     dense->twice = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }

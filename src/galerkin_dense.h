@@ -12,7 +12,7 @@ typedef struct {
     double *shape;                                    /* [k][j] l_j(s) = sum_k shape_kj P_k(2 s - 1) */
     long double inverse[TVI_GALERKIN_MAX_LANES + 2];  /* [k] 1 / k */
     long double integral[TVI_GALERKIN_MAX_LANES + 1]; /* [k] 1 / (4 k + 2) */
-    double *of_node;                                  /* [j][lanes] the same */
+    double *of_node;                                  /* [lanes][lanes] [j][k] the same */
     double *once, *twice;                             /* [lanes][TVI_SAMPLES] integrals to the sample places */
 } galerkin_dense;
 
