@@ -19,7 +19,7 @@ static void set_legendre(const galerkin_dense *dense, int top, long double s, lo
     const long double x = 2 * s - 1;
     P[0] = 1;
     P[1] = x;
-    for (int k = 1; k < top; k++) P[k + 1] = ((2 * k + 1) * x * P[k] - k * P[k - 1]) * dense->inverse[k + 1];
+    for (int k = 1; k < top; k++) P[k + 1] = dense->rise[k] * (x * P[k]) - dense->fall[k] * P[k - 1];
 }
 
 /* shape_kj = (2 k + 1) b_j P_k(2 c_j - 1), since the Gauss rule is exact for l_j P_k. */
@@ -37,8 +37,11 @@ static void set_shape(galerkin_dense *dense, int lanes, const long double node[]
 void galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[], const long double weight[])
 {
     double once[MAX_POINTS], twice[MAX_POINTS];
-    for (int k = 1; k < MAX_POINTS + 2; k++) dense->inverse[k] = 1 / (long double)k;
-    for (int k = 1; k < MAX_POINTS + 1; k++) dense->integral[k] = 1 / (long double)(4 * k + 2);
+    for (int k = 0; k <= MAX_POINTS; k++) {
+        dense->rise[k] = (2 * k + 1) / (k + 1.0L);
+        dense->fall[k] = k / (k + 1.0L);
+        dense->integral[k] = 1 / (4 * k + 2.0L);
+    }
     set_shape(dense, lanes, node, weight);
     for (int place = 0; place < TVI_SAMPLES; place++) {
         galerkin_dense_integrate(dense, tvi_sample_place[place], once, twice);
@@ -54,7 +57,7 @@ void galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const doubl
     for (int i = 0; i < lanes; i++) P[i] = 1;
     for (int i = 0; i < lanes && dense->points > 1; i++) P[lanes + i] = 2 * s[i] - 1;
     for (int k = 1; k < dense->points - 1; k++) {
-        const double rise = (2 * k + 1) / (k + 1.0), fall = k / (k + 1.0);
+        const double rise = (double)dense->rise[k], fall = (double)dense->fall[k];
         double *now = P + k * lanes;
         for (int i = 0; i < lanes; i++) now[lanes + i] = rise * P[lanes + i] * now[i] - fall * now[i - lanes];
     }

@@ -9,11 +9,12 @@
 typedef struct {
     int points;
     const jet_sweeps *sweeps;
-    double *shape;                                    /* [k][j] l_j(s) = sum_k shape_kj P_k(2 s - 1) */
-    long double inverse[TVI_GALERKIN_MAX_LANES + 2];  /* [k] 1 / k */
-    long double integral[TVI_GALERKIN_MAX_LANES + 1]; /* [k] 1 / (4 k + 2) */
-    double *of_node;                                  /* [lanes][lanes] [j][k] the same */
-    double *once, *twice;                             /* [lanes][TVI_SAMPLES] integrals to the sample places */
+    double *shape;        /* [k][j] l_j(s) = sum_k shape_kj P_k(2 s - 1) */
+    double *of_node;      /* [j][k] the same, [lanes][lanes] */
+    double *once, *twice; /* [lanes][TVI_SAMPLES] integrals to the sample places */
+    /* [k] (2k+1) / (k+1), k / (k+1), 1 / (4k+2) */
+    long double rise[TVI_GALERKIN_MAX_LANES + 1], fall[TVI_GALERKIN_MAX_LANES + 1];
+    long double integral[TVI_GALERKIN_MAX_LANES + 1];
 } galerkin_dense;
 
 void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps);

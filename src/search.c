@@ -229,7 +229,7 @@ static tvi_status leave_start(tvi_search *s, int which)
 /* g of all events at the samples. */
 static tvi_status run_samples(tvi_search *s)
 {
-    double nothing = 0; /* 0 g is 0 where g is finite */
+    double nothing[TVI_SAMPLES] = {0}, sum = 0; /* 0 g is 0 where g is finite */
     tvi_sample(s->it, s->samples);
     if (!jet_sweep_values(s->tape, s->samples, TVI_SAMPLES)) return TVI_EDOMAIN;
     for (int which = 0; which < s->count; which++) {
@@ -238,10 +238,11 @@ static tvi_status run_samples(tvi_search *s)
         g[0] = g[TVI_SAMPLES];
         for (int k = 0; k < TVI_SAMPLES; k++) {
             g[k + 1] = value[k];
-            nothing += 0 * value[k];
+            nothing[k] += 0 * value[k];
         }
     }
-    return nothing == 0 ? TVI_OK : TVI_ENONFINITE;
+    for (int k = 0; k < TVI_SAMPLES; k++) sum += nothing[k];
+    return sum == 0 ? TVI_OK : TVI_ENONFINITE;
 }
 
 /* Where one step leads on from the other, the end of that is the start of this one. */
