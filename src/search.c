@@ -30,7 +30,7 @@ tvi_status tvi_search_state(tvi_search *s, double theta, double x[])
 
 tvi_status tvi_search_value(tvi_search *s, int which, const double x[], double *g)
 {
-    return tvi_event_value(s->of[which].event, s->of[which].one, x, g);
+    return tvi_event_value(s->of[which].event, s->of[which].block, x, g);
 }
 
 static tvi_status on_curve(tvi_search *s, int which, double theta, double *g)
@@ -160,10 +160,12 @@ static bool falls_first(const double g[], int stride)
 /* Whether g has no root: one sign and no least value. Without branches, since most steps end here. */
 static bool is_quiet(const double g[])
 {
-    int found = falls_first(g, 1) | falls_first(g + TVI_SAMPLES, -1);
-    for (int j = 1; j <= TVI_SAMPLES; j++) found |= !(g[j - 1] * g[j] > 0);
-    for (int j = 1; j < TVI_SAMPLES; j++) found |= is_dip(g + j);
-    return !found;
+    double size[TVI_SAMPLES + 1];
+    long found = (long)falls_first(g, 1) | (long)falls_first(g + TVI_SAMPLES, -1);
+    for (int j = 0; j <= TVI_SAMPLES; j++) size[j] = fabs(g[j]);
+    for (int j = 0; j < TVI_SAMPLES; j++) found |= g[j] * g[j + 1] > 0 ? 0 : 1;
+    for (int j = 1; j < TVI_SAMPLES; j++) found |= (size[j] < size[j - 1] ? 1 : 0) & (size[j] <= size[j + 1] ? 1 : 0);
+    return found == 0;
 }
 
 /* A least |g| in the first or the last part: the sample next to the end tells one just inside from one that lies in the
@@ -224,17 +226,32 @@ static tvi_status leave_start(tvi_search *s, int which)
     return status;
 }
 
-/* g of all events at the samples. Where one step leads on from the other, its end is the start of this one. */
+/* g of all events at the samples. */
+static tvi_status run_samples(tvi_search *s)
+{
+    double nothing[TVI_SAMPLES] = {0}, sum = 0; /* 0 g is 0 where g is finite */
+    tvi_sample(s->it, s->samples);
+    if (!jet_sweep_values(s->tape, s->samples, TVI_SAMPLES)) return TVI_EDOMAIN;
+    for (int which = 0; which < s->count; which++) {
+        const double *value = s->samples + (size_t)s->tape->output[which] * TVI_SAMPLES;
+        double *g = s->of[which].g;
+        g[0] = g[TVI_SAMPLES];
+        for (int k = 0; k < TVI_SAMPLES; k++) {
+            g[k + 1] = value[k];
+            nothing[k] += 0 * value[k];
+        }
+    }
+    for (int k = 0; k < TVI_SAMPLES; k++) sum += nothing[k];
+    return sum == 0 ? TVI_OK : TVI_ENONFINITE;
+}
+
+/* Where one step leads on from the other, the end of that is the start of this one. */
 static tvi_status sample_events(tvi_search *s)
 {
     const bool continues = is_continued(s);
-    tvi_status status = TVI_OK;
-    tvi_sample(s->it, s->samples);
-    for (int which = 0; which < s->count && status == TVI_OK; which++) {
-        tvi_watch *w = &s->of[which];
-        w->g[0] = w->g[TVI_SAMPLES];
-        if (!continues) status = on_curve(s, which, 0, &w->g[0]);
-        if (status == TVI_OK) status = tvi_event_samples(w->event, w->many, s->samples, w->g + 1);
+    tvi_status status = run_samples(s);
+    for (int which = 0; which < s->count && status == TVI_OK && !continues; which++) {
+        status = on_curve(s, which, 0, &s->of[which].g[0]);
         if (status == TVI_OK && !s->has_started) status = leave_start(s, which);
     }
     return status;
@@ -249,36 +266,37 @@ tvi_status tvi_search_step(tvi_search *s)
     return status;
 }
 
-static tvi_status open_watch(tvi_watch *w, const tvi_event *event)
+/* The block of a tape, ready for its inputs. */
+static double *make_block(const jet_tape *tape, int lanes)
 {
-    const size_t slots = (size_t)event->tape->slots;
-    w->event = event;
-    w->one = malloc(slots * (1 + TVI_SAMPLES) * sizeof *w->one);
-    if (!w->one) return TVI_ENOMEM;
-    w->many = w->one + slots;
-    jet_tape_prepare(event->tape, w->one, 1, 1);
-    jet_tape_prepare(event->tape, w->many, 1, TVI_SAMPLES);
-    return TVI_OK;
+    double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
+    if (block) jet_tape_prepare(tape, block, 1, lanes);
+    return block;
 }
 
 tvi_status tvi_search_open(tvi_search *s, tvi_integrator *it, const tvi_event *const events[], int count)
 {
     const size_t some = (size_t)count;
-    tvi_status status = TVI_OK;
     *s = (tvi_search){.it = it, .count = count};
     s->of = calloc(some, sizeof *s->of);
     s->roots = calloc(some * MOST_ROOTS, sizeof *s->roots);
     s->state = calloc(2 * (size_t)it->system->n + 1, sizeof *s->state);
-    if (!s->of || !s->roots || !s->state) status = TVI_ENOMEM;
-    for (int which = 0; which < count && status == TVI_OK; which++) status = open_watch(&s->of[which], events[which]);
-    if (status == TVI_OK) s->samples = s->of[0].many;
-    return status;
+    if (!s->of || !s->roots || !s->state) return TVI_ENOMEM;
+    for (int which = 0; which < count; which++) {
+        s->of[which] = (tvi_watch){.event = events[which], .block = make_block(events[which]->tape, 1)};
+        if (!s->of[which].block) return TVI_ENOMEM;
+    }
+    const tvi_status status = tvi_event_join(&s->tape, events, count);
+    if (status == TVI_OK) s->samples = make_block(s->tape, TVI_SAMPLES);
+    return status == TVI_OK && !s->samples ? TVI_ENOMEM : status;
 }
 
 void tvi_search_close(tvi_search *s)
 {
-    for (int which = 0; s->of && which < s->count; which++) free(s->of[which].one);
+    for (int which = 0; s->of && which < s->count; which++) free(s->of[which].block);
     free(s->of);
+    free(s->samples);
+    jet_tape_free(s->tape);
     free(s->roots);
     free(s->state);
 }

@@ -16,7 +16,7 @@ typedef struct {
 
 typedef struct {
     const tvi_event *event;
-    double *one, *many;        /* blocks of its tape, for a state and for all samples */
+    double *block;             /* of its tape */
     double g[1 + TVI_SAMPLES]; /* at the start of the step, and the samples */
 } tvi_watch;
 
@@ -25,7 +25,8 @@ typedef struct {
     int count;
     tvi_watch *of;    /* [count] */
     bool has_started; /* a step has been searched */
-    double *samples;  /* [2n + 1][TVI_SAMPLES] of the last one: they are inputs of the first event's tape */
+    jet_tape *tape;   /* of all events, */
+    double *samples;  /* and its block: it begins with the inputs [2n + 1][TVI_SAMPLES] of the last step searched */
     double *state;    /* [2n + 1] */
     tvi_root *roots;  /* of the step at hand */
     int found;

@@ -5,6 +5,7 @@
 #include <check.h>
 
 Suite *suite_events(void);
+Suite *suite_search(void);
 Suite *suite_times(void);
 Suite *suite_progress(void);
 

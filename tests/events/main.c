@@ -5,7 +5,7 @@
 #include <stddef.h>
 #include <stdlib.h>
 
-static Suite *(*const suites[])(void) = {suite_events, suite_times, suite_progress};
+static Suite *(*const suites[])(void) = {suite_events, suite_search, suite_times, suite_progress};
 
 int main(void)
 {
