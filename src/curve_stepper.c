@@ -182,7 +182,8 @@ static double centre(const work *w)
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve
- * of degree 0 or 1 knows of a body that starts at rest is the corrections. */
+ * of degree 0 or 1 knows of a body that starts at rest is the corrections, which are momenta: in the unit of the unknown
+ * but for a Lagrangian. */
 static void set_scale(void *self, double scale[])
 {
     const work *w = self;
@@ -198,7 +199,8 @@ static void set_scale(void *self, double scale[])
             if (k > 0 || hamiltonian) scale[n + i] += fabs(second[i]);
         }
     }
-    for (int i = 0; curve->top <= 1 && i < n; i++) {
+    if (curve->top > 1 || c->system->form == TVI_LAGRANGIAN) return;
+    for (int i = 0; i < n; i++) {
         scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
         scale[n + i] += fabs(c->curve.kappa[i]) * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
     }
