@@ -71,10 +71,10 @@ static int lanes_for(int points)
 
 /* Those of the instruction set that the system's tapes run with. */
 static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &galerkin_loops_base,
+    [jet_isa_base] = &tvi_galerkin_loops_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &galerkin_loops_avx2,
-    [jet_isa_avx512] = &galerkin_loops_avx512,
+    [jet_isa_avx2] = &tvi_galerkin_loops_avx2,
+    [jet_isa_avx512] = &tvi_galerkin_loops_avx512,
 #endif
 };
 
@@ -89,7 +89,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     galerkin w = {.options = options, .n = system->n, .points = options->degree};
     w.field =
         (galerkin_field){.system = system, .points = w.points, .loops = loops_of[system->field_values->sweeps->isa]};
-    w.field.form = system->form == TVI_LAGRANGIAN ? &galerkin_form_lagrangian : &galerkin_form_plain;
+    w.field.form = system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian : &tvi_galerkin_form_plain;
     galerkin_nodes *nodes = &w.field.nodes;
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_for(w.points);
@@ -110,7 +110,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     nodes->impulse = tvi_arena_doubles(arena, unknowns * lanes);
     w.factor = tvi_arena_doubles(arena, lanes * SUMS);
     w.sum = tvi_arena_doubles(arena, unknowns * SUMS);
-    galerkin_dense_take(&w.dense, arena, w.points, nodes->lanes, system->field_values->sweeps);
+    tvi_galerkin_dense_take(&w.dense, arena, w.points, nodes->lanes, system->field_values->sweeps);
     double **const vectors[] = {&nodes->start, &nodes->scale, &nodes->inverse_size, &w.drift, &w.drift_low, &w.low};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, unknowns);
     w.field.slot = tvi_arena_take(arena, unknowns * sizeof(int));
@@ -264,7 +264,7 @@ static void prepare(void *work)
     galerkin *w = work;
     set_nodes(w);
     set_matrix(w);
-    galerkin_dense_prepare(&w->dense, w->field.nodes.lanes, w->exact_node);
+    tvi_galerkin_dense_prepare(&w->dense, w->field.nodes.lanes, w->exact_node);
     w->field.form->prepare(&w->field);
     set_from_two(w);
     for (int i = 0; i < w->field.nodes.unknowns + w->field.nodes.lanes; i++) w->one[i] = 1;
@@ -297,7 +297,7 @@ static void set_from_one(galerkin *w, double ratio, double part)
     const galerkin_places of_nodes = {lanes, lanes, w->points, w->c, w->none, w->none, w->one};
     double place[MAX_LANES] = {0}, P[MAX_LANES * MAX_LANES] = {0};
     for (int i = 0; i < lanes; i++) place[i] = part + ratio * w->c[i];
-    galerkin_dense_legendre(&w->dense, lanes, place, P);
+    tvi_galerkin_dense_legendre(&w->dense, lanes, place, P);
     w->field.loops->place(&of_nodes, P, w->dense.of_node, w->from_one);
     for (int j = 0; j < w->points; j++)
         for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] *= ratio * w->field.b[i];
@@ -625,7 +625,7 @@ static void dense(void *work, double theta, double dq[], double dp[])
 {
     const galerkin *w = work;
     double once[MAX_LANES] = {0}, twice[MAX_LANES] = {0};
-    galerkin_dense_integrate(&w->dense, theta, once, twice);
+    tvi_galerkin_dense_integrate(&w->dense, theta, once, twice);
     integrate_impulses(w, 1, &theta, once, twice, w->none, w->none, dq, dp);
 }
 

@@ -52,6 +52,6 @@ typedef struct {
     const lagrangian_loops *lagrangian;
 } galerkin_loops;
 
-extern const galerkin_loops galerkin_loops_base, galerkin_loops_avx2, galerkin_loops_avx512;
+extern const galerkin_loops tvi_galerkin_loops_base, tvi_galerkin_loops_avx2, tvi_galerkin_loops_avx512;
 
 #endif

@@ -3,7 +3,7 @@
 
 enum { MAX_POINTS = TVI_GALERKIN_MAX_LANES };
 
-void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps)
+void tvi_galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps)
 {
     dense->points = points;
     dense->sweeps = sweeps;
@@ -34,14 +34,14 @@ static void set_shape(galerkin_dense *dense, int lanes, const long double node[]
     }
 }
 
-void galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[])
+void tvi_galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[])
 {
     double once[MAX_POINTS], twice[MAX_POINTS];
     for (int k = 1; k < MAX_POINTS + 2; k++) dense->inverse[k] = 1 / (long double)k;
     for (int k = 1; k < MAX_POINTS + 1; k++) dense->integral[k] = 1 / (long double)(4 * k + 2);
     set_shape(dense, lanes, node);
     for (int place = 0; place < TVI_SAMPLES; place++) {
-        galerkin_dense_integrate(dense, tvi_sample_place[place], once, twice);
+        tvi_galerkin_dense_integrate(dense, tvi_sample_place[place], once, twice);
         for (int j = 0; j < dense->points; j++) {
             dense->once[j * TVI_SAMPLES + place] = once[j];
             dense->twice[j * TVI_SAMPLES + place] = twice[j];
@@ -49,7 +49,7 @@ void galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double 
     }
 }
 
-void galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const double s[], double *P)
+void tvi_galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const double s[], double *P)
 {
     for (int i = 0; i < lanes; i++) P[i] = 1;
     for (int i = 0; i < lanes && dense->points > 1; i++) P[lanes + i] = 2 * s[i] - 1;
@@ -62,7 +62,7 @@ void galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const doubl
 
 /* The integral of P_k(2 r - 1) is I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2); that of I_k in turn is
  * s^2 / 2, (I_{k+1} - I_{k-1}) / (4 k + 2). Where s is small these differences lose digits, which a double has not. */
-void galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[])
+void tvi_galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[])
 {
     const int m = dense->points;
     long double P[MAX_POINTS + 2], I[MAX_POINTS + 1];

@@ -16,12 +16,12 @@ typedef struct {
     double *once, *twice;                             /* [lanes][TVI_SAMPLES] integrals to the sample places */
 } galerkin_dense;
 
-void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps);
+void tvi_galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps);
 /* Gauss nodes of [0, 1]. */
-void galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[]);
+void tvi_galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[]);
 /* P[k][i] = P_k(2 s_i - 1), k < points, i < lanes. */
-void galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const double s[], double *P);
+void tvi_galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const double s[], double *P);
 /* once[j] = int_0^s l_j / b_j and twice[j] = int_0^s (s - r) l_j(r) / b_j dr. */
-void galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[]);
+void tvi_galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[]);
 
 #endif

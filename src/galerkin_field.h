@@ -44,7 +44,7 @@ struct galerkin_form {
 };
 
 /* A tape's inputs are the unknowns, and its outputs drive them; and a Lagrangian's. */
-extern const galerkin_form galerkin_form_plain, galerkin_form_lagrangian;
+extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian;
 
 /* Whether Q'' is driven, by the force, and not Q' and P'. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)

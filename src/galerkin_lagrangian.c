@@ -243,4 +243,4 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     return TVI_OK;
 }
 
-const galerkin_form galerkin_form_lagrangian = {1, true, take, prepare, start, predict, pass};
+const galerkin_form tvi_galerkin_form_lagrangian = {1, true, take, prepare, start, predict, pass};

@@ -183,5 +183,5 @@ static void place(const galerkin_places *p, const double *table, const double *i
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(galerkin_loops) = {
-    move, predict, integrate, set_drift, set_base, place, &JET_FOR_ISA(lagrangian_loops)};
+const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
+    move, predict, integrate, set_drift, set_base, place, &JET_FOR_ISA(tvi_lagrangian_loops)};

@@ -153,4 +153,4 @@ static void linearise(const lanes_model *m, const double *Q, const double *V, do
 #undef CALL
 }
 
-const lagrangian_loops JET_FOR_ISA(lagrangian_loops) = {factor, correct, linearise};
+const lagrangian_loops JET_FOR_ISA(tvi_lagrangian_loops) = {factor, correct, linearise};

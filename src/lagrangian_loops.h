@@ -41,6 +41,6 @@ typedef struct {
     void (*linearise)(const lanes_model *model, const double *Q, const double *V, double *out);
 } lagrangian_loops;
 
-extern const lagrangian_loops lagrangian_loops_base, lagrangian_loops_avx2, lagrangian_loops_avx512;
+extern const lagrangian_loops tvi_lagrangian_loops_base, tvi_lagrangian_loops_avx2, tvi_lagrangian_loops_avx512;
 
 #endif

@@ -135,12 +135,12 @@ enum { LANE_COUNTS = sizeof lane_counts / sizeof *lane_counts };
 static const lagrangian_loops *loops_at(int i)
 {
 #ifdef __x86_64__
-    if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &lagrangian_loops_avx2;
+    if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &tvi_lagrangian_loops_avx2;
     if (i == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl"))
-        return &lagrangian_loops_avx512;
+        return &tvi_lagrangian_loops_avx512;
 #endif
-    return i == 0 ? &lagrangian_loops_base : NULL;
+    return i == 0 ? &tvi_lagrangian_loops_base : NULL;
 }
 
 typedef struct {
