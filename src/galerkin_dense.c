@@ -13,13 +13,14 @@ void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, in
     dense->twice = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
-/* P_0 .. P_top of x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
+/* P_0 .. P_top of x = 2 s - 1, top >= 1, by P_{k+1} = x P_k + k/(k+1) (x P_k - P_{k-1}), which is exact
+ * at the ends. */
 static void set_legendre(const galerkin_dense *dense, int top, long double s, long double P[])
 {
     const long double x = 2 * s - 1;
     P[0] = 1;
     P[1] = x;
-    for (int k = 1; k < top; k++) P[k + 1] = dense->rise[k] * (x * P[k]) - dense->fall[k] * P[k - 1];
+    for (int k = 1; k < top; k++) P[k + 1] = x * P[k] + dense->part[k] * (x * P[k] - P[k - 1]);
 }
 
 /* shape_kj = (2 k + 1) b_j P_k(2 c_j - 1), since the Gauss rule is exact for l_j P_k. */
@@ -38,8 +39,7 @@ void galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double 
 {
     double once[MAX_POINTS], twice[MAX_POINTS];
     for (int k = 0; k <= MAX_POINTS; k++) {
-        dense->rise[k] = (2 * k + 1) / (k + 1.0L);
-        dense->fall[k] = k / (k + 1.0L);
+        dense->part[k] = k / (k + 1.0L);
         dense->integral[k] = 1 / (4 * k + 2.0L);
     }
     set_shape(dense, lanes, node, weight);
@@ -57,9 +57,12 @@ void galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const doubl
     for (int i = 0; i < lanes; i++) P[i] = 1;
     for (int i = 0; i < lanes && dense->points > 1; i++) P[lanes + i] = 2 * s[i] - 1;
     for (int k = 1; k < dense->points - 1; k++) {
-        const double rise = (double)dense->rise[k], fall = (double)dense->fall[k];
+        const double part = (double)dense->part[k];
         double *now = P + k * lanes;
-        for (int i = 0; i < lanes; i++) now[lanes + i] = rise * P[lanes + i] * now[i] - fall * now[i - lanes];
+        for (int i = 0; i < lanes; i++) {
+            const double up = P[lanes + i] * now[i];
+            now[lanes + i] = up + part * (up - now[i - lanes]);
+        }
     }
 }
 

@@ -12,9 +12,7 @@ typedef struct {
     double *shape;        /* [k][j] l_j(s) = sum_k shape_kj P_k(2 s - 1) */
     double *of_node;      /* [j][k] the same, [lanes][lanes] */
     double *once, *twice; /* [lanes][TVI_SAMPLES] integrals to the sample places */
-    /* [k] (2k+1) / (k+1), k / (k+1), 1 / (4k+2) */
-    long double rise[TVI_GALERKIN_MAX_LANES + 1], fall[TVI_GALERKIN_MAX_LANES + 1];
-    long double integral[TVI_GALERKIN_MAX_LANES + 1];
+    long double part[TVI_GALERKIN_MAX_LANES + 1], integral[TVI_GALERKIN_MAX_LANES + 1]; /* [k] k/(k+1), 1/(4k+2) */
 } galerkin_dense;
 
 void galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points, int lanes, const jet_sweeps *sweeps);
