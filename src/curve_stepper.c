@@ -182,8 +182,8 @@ static double centre(const work *w)
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve
- * of degree 0 or 1 knows of a body that starts at rest is the corrections, which are momenta: in the unit of the unknown
- * but for a Lagrangian. */
+ * of degree 0 or 1 knows of a body that starts at rest is the corrections, which are momenta: in the unit of the
+ * unknown but for a Lagrangian. */
 static void set_scale(void *self, double scale[])
 {
     const work *w = self;

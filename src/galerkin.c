@@ -401,8 +401,8 @@ static double smaller(double a, double b) { return a < b ? a : b; }
 
 static bool contracts(const galerkin_progress *at) { return at->slowest > 0 && at->slowest < 0.25; }
 
-/* Whether what the next pass would move is nothing. Passes of a small step soon do no more than roundoff, which does not
- * show how far they contract: then they do as those of an earlier step did. */
+/* Whether what the next pass would move is nothing. Passes of a small step soon do no more than roundoff, which does
+ * not show how far they contract: then they do as those of an earlier step did. */
 static bool is_converged(galerkin_progress *at, double moved, double count, bool is_newton)
 {
     if (moved > ROUNDOFF * count || (is_newton && at->slowest == 0)) {
@@ -447,8 +447,8 @@ static tvi_status pass(galerkin *w, double *moved, tvi_stats *stats)
     return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;
 }
 
-/* Moves the unknowns, and what the passes bring them back to, by some units of the roundoff that a pass leaves in them, up
- * or down as the bits of a sequence have it. */
+/* Moves the unknowns, and what the passes bring them back to, by some units of the roundoff that a pass leaves in them,
+ * up or down as the bits of a sequence have it. */
 static void displace(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
@@ -472,10 +472,10 @@ static double distance(const galerkin *w, const double *x)
     return sum;
 }
 
-/* The next pass, and what it makes of the roundoff in the unknowns that it begins with: a pass from displaced ones, whose
- * difference from it is roundoff. Where the force is that at a position of size 1, for instance, the momenta of a small
- * motion have no more digits than the force. The rounds of a pass may move the unknowns to and fro: here they have moved
- * from where they were to where they are. */
+/* The next pass, and what it makes of the roundoff in the unknowns that it begins with: a pass from displaced ones,
+ * whose difference from it is roundoff. Where the force is that at a position of size 1, for instance, the momenta of a
+ * small motion have no more digits than the force. The rounds of a pass may move the unknowns to and fro: here they
+ * have moved from where they were to where they are. */
 static tvi_status measure_roundoff(galerkin *w, double *moved, double *roundoff, tvi_stats *stats)
 {
     const size_t bytes = (size_t)w->field.rows * (size_t)w->field.nodes.lanes * sizeof(double);
