@@ -385,7 +385,7 @@ static void set_sizes(galerkin *w)
 /* Squares of relative movements: one after which there must be another pass, one that may be roundoff, one that is
  * none, and one that no sum of many steps shows. What a step leaves out has the same sign in the next one, where
  * roundoff changes its sign: it stays below the roundoff of N steps if it is that of one step / sqrt(N), here for more
- * than 10^9 of them. The contraction of a Newton method is the better known, since it only falls. */
+ * than 10^9 of them. A Newton method, whose passes cost more, does so for 2^16 times fewer. */
 static double square(double x) { return x * x; }
 #define FAR            square(1e-9)
 #define MAYBE_ROUNDOFF square(1e-12)

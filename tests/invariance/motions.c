@@ -341,5 +341,6 @@ bool is_known_limit(const setting *s, const tvi_options *options)
     if (is_lowest && options->method == TVI_POINCARE)
         return s->n >= 8 && !s->motion->hamiltonian && !s->motion->lagrangian;
     if (!is_lowest || strcmp(s->motion->name, "magnetic") != 0) return false;
-    return options->expansion == (options->method == TVI_TYPE2 ? TVI_AT_START : TVI_AT_END);
+    return (options->method == TVI_TYPE2 && options->expansion == TVI_AT_START) ||
+           (options->method == TVI_TYPE3 && options->expansion == TVI_AT_END);
 }
