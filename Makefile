@@ -44,10 +44,10 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := src/galerkin_loops.c src/lagrangian_loops.c
+SRC_LANES    := src/galerkin/loops.c src/galerkin/lagrangian_loops.c
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-SRC_OBJECTS  := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*.c)) \
+SRC_OBJECTS  := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
@@ -86,18 +86,18 @@ $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
 	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(BUILD)/ad/isa.o $(BUILD)/src/galerkin.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
+$(BUILD)/ad/isa.o $(BUILD)/src/galerkin/galerkin.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
 $(BUILD)/%.$(1).o: %.c
 	@mkdir -p $$(@D)
-	$$(CC) $$(BASE) -Iad $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+	$$(CC) $$(BASE) -Iad -Isrc $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
-	$(CC) $(BASE) -Iad $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(CC) $(BASE) -Iad -Isrc $(CFLAGS) -MMD -MP -c -o $@ $<
 
 $(BUILD)/libtvi.a: $(OBJECTS)
 	@rm -f $@
@@ -106,7 +106,7 @@ $(BUILD)/libtvi.a: $(OBJECTS)
 $(BUILD)/libtvi.so: $(OBJECTS)
 	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libtvi.so.$(SOVERSION) -o $@ $^ $(LIBS)
 
-include src/install.mk
+include src/packaging/install.mk
 
 # ---- The bench ---------------------------------------------------------------------------------------------------------
 
@@ -125,4 +125,4 @@ include bench/stability/stability.mk
 clean:
 	rm -rf build
 
--include $(wildcard $(BUILD)/*/*.d $(BUILD)/*/*/*.d)
+-include $(wildcard $(BUILD)/*/*.d $(BUILD)/*/*/*.d $(BUILD)/*/*/*/*.d)

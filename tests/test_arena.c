@@ -1,6 +1,6 @@
 /* test_arena.c - pieces of an arena: aligned, apart, as many bytes as were measured; with the address sanitizer,
  * nothing but the pieces may be touched. */
-#include "arena.h"
+#include "algebra/arena.h"
 #include "suites.h"
 
 #include <stdbool.h>

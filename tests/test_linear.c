@@ -1,7 +1,7 @@
 /* test_linear.c - dense factors: small systems, which are solved without LAPACK, against LAPACK, and the residuals of
  * all, also of those that are the lanes of one. */
-#include "galerkin.h"
-#include "linear.h"
+#include "galerkin/loops.h"
+#include "algebra/linear.h"
 #include "suites.h"
 
 #include <check.h>

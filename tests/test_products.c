@@ -1,6 +1,6 @@
 /* test_products.c - Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of many
  * bodies against those of few, which use matrices. */
-#include "curve.h"
+#include "generating/curve.h"
 #include "problems.h"
 #include "suites.h"
 

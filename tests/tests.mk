@@ -8,7 +8,7 @@
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-generating check-tests $(patsubst %,check-%,$(filter-out generating,$(FOLDERS))) check-valgrind \
            check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
-           check-symbols check-names check-instructions check-examples
+           check-symbols check-names check-floors check-instructions check-examples
 LONG    := check-sanitizers check-coverage check-optimized check-base check-threads
 .PHONY: check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
@@ -127,7 +127,7 @@ $(BUILD)/tests/threads/%.o: tests/threads/%.c
 
 # random programs led by coverage, with the sanitizers; SECONDS=n for longer. What fails is left in $(BUILD)/fuzz.
 FUZZ_SECONDS  = $(or $(SECONDS),60)
-FUZZ_SOURCES := $(wildcard ad/*.c src/*.c) $(filter-out %/main.c,$(wildcard tests/fuzz/*.c))
+FUZZ_SOURCES := $(wildcard ad/*.c src/*/*.c) $(filter-out %/main.c,$(wildcard tests/fuzz/*.c))
 fuzz: need-check
 	@mkdir -p $(BUILD)/fuzz/corpus
 	clang $(BASE) -Iad -Isrc -O1 -g -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all -o $(BUILD)/fuzz/fuzz \
@@ -219,6 +219,10 @@ do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(LOG) $(DO)
 do-names: $(BUILD)/libtvi.a
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
+
+check-floors: ; $(REPORT) "floors: no include goes up" $(LOG) $(DO)
+do-floors:
+	tests/floors.sh
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps tests/instructions.txt

@@ -1,6 +1,6 @@
 /* derivatives.c - the paper's figure of the cost of derivatives: the curve to its j-th coefficient, which makes all
  * lower ones too, and the Jacobians of them all with respect to the 2n numbers at the centre. */
-#include "curve.h"
+#include "generating/curve.h"
 #include "experiment.h"
 #include "run.h"
 

@@ -1,6 +1,6 @@
 #include "rounded.h"
 #include "baselines/gauss_tableau.h"
-#include "system.h"
+#include "system/system.h"
 
 #include <float.h>
 #include <math.h>

@@ -3,7 +3,7 @@
 #ifndef CURVES_H
 #define CURVES_H
 
-#include "action.h"
+#include "generating/action.h"
 
 typedef struct {
     void *memory;

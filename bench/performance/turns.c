@@ -1,7 +1,7 @@
 #include "turns.h"
 
 #include "run.h"
-#include "system.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>

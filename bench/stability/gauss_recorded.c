@@ -2,7 +2,7 @@
 #include "baselines/forces.h"
 #include "baselines/gauss_tableau.h"
 #include "baselines/state.h"
-#include "system.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* test_search.c - the search along the curve: that it looks at the states that the curve has, and finds what is there.
  */
 #include "events.h"
-#include "integrator.h"
+#include "run/integrator.h"
 #include "runs.h"
 
 #include <float.h>

@@ -2,7 +2,7 @@
  * (docs/method.md sections 4 to 6). What it shares with the generating functions is in the other suites. */
 #include "generating.h"
 #include "models.h"
-#include "quadrature.h"
+#include "algebra/quadrature.h"
 
 #include <float.h>
 #include <math.h>

@@ -4,7 +4,7 @@
 #include "generating.h"
 #include "models.h"
 #include "statements.h"
-#include "system.h"
+#include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,0 +1,144 @@
+/* linear.c - the only file that calls LAPACK; the smallest systems do without (linear_small.h). */
+#include "algebra/linear.h"
+#include "algebra/linear_small.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* LAPACK's own interface: Fortran, column-major; a character argument has a hidden length at the end. */
+void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
+void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
+void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
+             double *b, const int *ldb, int *info, size_t trans_length);
+
+static void small_factor(int n, double a[], int pivot[])
+{
+#define CALL(n) linear_small_factor(n, a, pivot)
+    LINEAR_BY_SIZE(n, CALL)
+#undef CALL
+}
+
+static void small_solve(int n, const double lu[], const int pivot[], double x[])
+{
+#define CALL(n) linear_small_solve(n, lu, pivot, x)
+    LINEAR_BY_SIZE(n, CALL)
+#undef CALL
+}
+
+static void small_solve_transposed(int n, const double lu[], const int pivot[], double x[])
+{
+#define CALL(n) linear_small_solve_transposed(n, lu, pivot, x)
+    LINEAR_BY_SIZE(n, CALL)
+#undef CALL
+}
+
+/* Below this size OpenBLAS factors with one thread, so that dgetrf gives the same bits for any number of threads; above
+ * it dgetf2 does. */
+enum { DGETRF_BELOW = 100 };
+
+void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n)
+{
+    factor->n = n;
+    factor->lu = tvi_arena_doubles(arena, (size_t)n * (size_t)n);
+    factor->row_scale = tvi_arena_doubles(arena, (size_t)n);
+    factor->column_scale = tvi_arena_doubles(arena, (size_t)n);
+    factor->pivot = tvi_arena_take(arena, (size_t)n * sizeof(int));
+}
+
+/* The power of two next to 1/size, so that scaling rounds nothing; 1 for 0. */
+static double inverse_power(double size)
+{
+    uint64_t bits;
+    if (size == 0 || !isfinite(size)) return 1;
+    memcpy(&bits, &size, sizeof bits);
+    const uint64_t exponent = bits >> 52; /* size = 1.f 2^(exponent - 1023), or subnormal */
+    if (exponent < 23 || exponent > 2040) return exponent < 23 ? 0x1p1000 : 0x1p-1018;
+    bits = (2045 - exponent) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+
+/* A <- R A C with rows, then columns, of size about 1: rows and columns may have different units. */
+static void equilibrate(tvi_factor *factor)
+{
+    const int n = factor->n;
+    for (int i = 0; i < n; i++) {
+        double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
+        for (int j = 0; j < n; j++)
+            if (fabs(row[j]) > size) size = fabs(row[j]);
+        factor->row_scale[i] = inverse_power(size);
+        for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
+    }
+    for (int j = 0; j < n; j++) {
+        double size = 0;
+        for (int i = 0; i < n; i++) {
+            const double entry = fabs(factor->lu[(size_t)i * (size_t)n + (size_t)j]);
+            if (entry > size) size = entry;
+        }
+        factor->column_scale[j] = inverse_power(size);
+        for (int i = 0; i < n; i++) factor->lu[(size_t)i * (size_t)n + (size_t)j] *= factor->column_scale[j];
+    }
+}
+
+tvi_status tvi_factor_compute(tvi_factor *factor)
+{
+    const int n = factor->n;
+    for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
+        if (!isfinite(factor->lu[i])) return TVI_ENONFINITE;
+    equilibrate(factor);
+    int info = 0;
+    if (n <= LINEAR_SMALL) small_factor(n, factor->lu, factor->pivot);
+    else (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
+    return info == 0 && tvi_factor_least_pivot(factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
+}
+
+double tvi_factor_least_pivot(const tvi_factor *factor)
+{
+    double least = INFINITY;
+    for (size_t i = 0; i < (size_t)factor->n; i++) {
+        const double pivot = fabs(factor->lu[i * (size_t)factor->n + i]);
+        if (pivot < least) least = pivot;
+    }
+    return least;
+}
+
+/* x <- scale x, component by component. */
+static void rescale(int n, const double scale[], double x[])
+{
+    for (int i = 0; i < n; i++) x[i] *= scale[i];
+}
+
+/* A row-major matrix is the transpose of a column-major one. */
+static void solve(const tvi_factor *factor, double x[])
+{
+    const int one = 1;
+    int info = 0;
+    if (factor->n <= LINEAR_SMALL) small_solve_transposed(factor->n, factor->lu, factor->pivot, x);
+    else dgetrs_("T", &factor->n, &one, factor->lu, &factor->n, factor->pivot, x, &factor->n, &info, 1);
+}
+
+static void solve_transposed(const tvi_factor *factor, double x[])
+{
+    const int one = 1;
+    int info = 0;
+    if (factor->n <= LINEAR_SMALL) small_solve(factor->n, factor->lu, factor->pivot, x);
+    else dgetrs_("N", &factor->n, &one, factor->lu, &factor->n, factor->pivot, x, &factor->n, &info, 1);
+}
+
+/* A^-1 = C (R A C)^-1 R. */
+void tvi_factor_solve(const tvi_factor *factor, double x[])
+{
+    rescale(factor->n, factor->row_scale, x);
+    solve(factor, x);
+    rescale(factor->n, factor->column_scale, x);
+}
+
+void tvi_factor_solve_transposed(const tvi_factor *factor, double x[])
+{
+    rescale(factor->n, factor->column_scale, x);
+    solve_transposed(factor, x);
+    rescale(factor->n, factor->row_scale, x);
+}

@@ -1,0 +1,118 @@
+/* quadrature.c - Gauss, Lobatto, trapezoid and rectangles, for any number of nodes. */
+#include "algebra/quadrature.h"
+
+#include <math.h>
+
+int tvi_quadrature_fixed_points(tvi_quadrature rule)
+{
+    switch (rule) {
+    case TVI_TRAPEZOID: return 2;
+    case TVI_RECTANGLE_START:
+    case TVI_RECTANGLE_END: return 1;
+    default: return 0;
+    }
+}
+
+int tvi_quadrature_least_points(tvi_quadrature rule)
+{
+    const int fixed = tvi_quadrature_fixed_points(rule);
+    return fixed ? fixed : rule == TVI_LOBATTO ? 2 : 1;
+}
+
+int tvi_quadrature_order(tvi_quadrature rule, int points)
+{
+    switch (rule) {
+    case TVI_LOBATTO: return 2 * points - 2;
+    case TVI_TRAPEZOID: return 2;
+    case TVI_RECTANGLE_START:
+    case TVI_RECTANGLE_END: return 1;
+    default: return 2 * points;
+    }
+}
+
+/* P_n(x) and P_{n-1}(x) by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
+static void legendre(int n, long double x, long double *P, long double *P_before)
+{
+    long double now = 1, before = 0;
+    for (int k = 0; k < n; k++) {
+        const long double next = ((2 * k + 1) * x * now - k * before) / (k + 1);
+        before = now;
+        now = next;
+    }
+    *P = now;
+    *P_before = before;
+}
+
+enum { NEWTON_STEPS = 60 }; /* never reached: it stops at roundoff */
+
+/* The root of P_n near x; (1 - x^2) P_n' = n (P_{n-1} - x P_n). Weight 2 / ((1 - x^2) P_n'^2). */
+static long double gauss_root(int n, long double x, long double *weight)
+{
+    long double P, before, slope = 1;
+    for (int step = 0; step < NEWTON_STEPS; step++) {
+        legendre(n, x, &P, &before);
+        slope = n * (before - x * P) / (1 - x * x);
+        const long double correction = P / slope;
+        x -= correction;
+        if (fabsl(correction) <= 1e-18L) break;
+    }
+    legendre(n, x, &P, &before);
+    slope = n * (before - x * P) / (1 - x * x);
+    *weight = 2 / ((1 - x * x) * slope * slope);
+    return x;
+}
+
+/* The root of P_n' near x, n = points - 1; (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n. Weight 2 / (n (n+1) P_n^2). */
+static long double lobatto_root(int n, long double x, long double *weight)
+{
+    long double P, before;
+    for (int step = 0; step < NEWTON_STEPS; step++) {
+        legendre(n, x, &P, &before);
+        const long double slope = n * (before - x * P) / (1 - x * x);
+        const long double curvature = (2 * x * slope - n * (n + 1) * P) / (1 - x * x);
+        const long double correction = slope / curvature;
+        x -= correction;
+        if (fabsl(correction) <= 1e-18L) break;
+    }
+    legendre(n, x, &P, &before);
+    *weight = 2 / (n * (n + 1) * P * P);
+    return x;
+}
+
+/* Half of the nodes by Newton's method, the others by symmetry. */
+static void symmetric_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
+{
+    const long double pi = 3.141592653589793238462643383279502884L;
+    for (int i = 0; i < (points + 1) / 2; i++) {
+        const int mirror = points - 1 - i;
+        long double x;
+        if (rule == TVI_LOBATTO && i == 0) {
+            x = -1;
+            weight[i] = 2 / ((long double)points * (points - 1));
+        } else if (i == mirror) {
+            x = 0;
+            if (rule == TVI_LOBATTO) (void)lobatto_root(points - 1, 0, &weight[i]);
+            else (void)gauss_root(points, 0, &weight[i]);
+        } else if (rule == TVI_LOBATTO) {
+            x = lobatto_root(points - 1, -cosl(pi * i / (points - 1)), &weight[i]);
+        } else {
+            x = gauss_root(points, -cosl(pi * (i + 0.75L) / (points + 0.5L)), &weight[i]);
+        }
+        node[i] = x;
+        node[mirror] = -x;
+        weight[mirror] = weight[i];
+    }
+}
+
+void tvi_quadrature_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
+{
+    switch (rule) {
+    case TVI_TRAPEZOID:
+        node[0] = -1, node[1] = 1;
+        weight[0] = weight[1] = 1;
+        break;
+    case TVI_RECTANGLE_START: node[0] = -1, weight[0] = 2; break;
+    case TVI_RECTANGLE_END: node[0] = 1, weight[0] = 2; break;
+    default: symmetric_nodes(rule, points, node, weight);
+    }
+}

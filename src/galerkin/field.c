@@ -1,0 +1,49 @@
+/* field.c - the field of a separable system and of a Hamiltonian: F, or (H_p, -H_q), whose sign is in the
+ * nodes' scale. The unknowns are the inputs of the tape. */
+#include "galerkin/field.h"
+
+static void take(galerkin_field *field, tvi_arena *arena)
+{
+    const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
+    const size_t slots = (size_t)field->system->field_values->slots;
+    field->rows = field->nodes.unknowns;
+    field->inputs = field->nodes.x = tvi_arena_doubles(arena, (slots + unknowns) * lanes);
+    field->copied = tvi_arena_take(arena, unknowns * sizeof(int));
+    field->ahead = field->matrix;
+}
+
+/* The outputs that drive the unknowns: F; or H_p, then H_q. */
+static int driving_slot(const tvi_system *system, int unknown)
+{
+    const int n = system->n, output = system->form == TVI_SEPARABLE ? unknown : unknown < n ? unknown + n : unknown - n;
+    return system->field_values->output[output];
+}
+
+/* An output may be an input: then moving one unknown would change what drives another. */
+static void prepare(galerkin_field *field)
+{
+    const jet_tape *tape = field->system->field_values;
+    jet_tape_prepare(tape, field->nodes.x, 1, field->nodes.lanes);
+    for (int u = 0; u < field->nodes.unknowns; u++) {
+        field->slot[u] = driving_slot(field->system, u);
+        if (field->slot[u] >= field->nodes.unknowns) continue;
+        field->copied[field->copies] = field->slot[u];
+        field->slot[u] = tape->slots + field->copies++;
+    }
+}
+
+static tvi_status start(galerkin_field *field, const tvi_origin *origin)
+{
+    const galerkin_nodes *nodes = &field->nodes;
+    (void)origin;
+    for (int u = 0; u < nodes->unknowns; u++)
+        for (int i = 0; i < nodes->lanes; i++) nodes->x[u * nodes->lanes + i] = nodes->start[u];
+    return galerkin_evaluate(field);
+}
+
+static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
+{
+    field->loops->predict(&field->nodes, steps, extrapolation, impulses);
+}
+
+const galerkin_form tvi_galerkin_form_plain = {-1, false, take, prepare, start, predict, NULL};

@@ -1,0 +1,246 @@
+/* lagrangian.c - the field of a Lagrangian L(q, v, t): V, with L_v(Q, V) = P, drives Q, and F = L_q(Q, V)
+ * drives P (docs/method.md sections 4 and 5).
+ *
+ * A pass evaluates the gradient (L_q, L_v) at the nodes, and its derivatives, too, where those at hand were taken too
+ * far away. Then it iterates, with the gradient to first order for what (Q, V) have moved since,
+ *
+ *     P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V. */
+#include "galerkin/field.h"
+#include "galerkin/lagrangian_loops.h"
+#include "system/legendre.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* The rows of nodes.x, n each: Q, P, V, F, and L_v behind F. */
+typedef struct {
+    const lagrangian_loops *loops;
+    tvi_legendre legendre;
+    galerkin_nodes positions, momenta; /* halves of the nodes */
+    galerkin_nodes drives;             /* V and F as unknowns, which begin at 0 */
+    double *values, *second;           /* blocks of the tapes of the field, and of it with its derivatives */
+    double *velocity;                  /* [n] at the start */
+    lanes_model model;                 /* of the gradient, about where it was evaluated */
+    lanes_term *term;                  /* [2 seconds] its terms, */
+    int *end;                          /* [2n] and rows */
+    lanes_factor mass;                 /* of L_vv */
+    double moved;                      /* by the last pass, as `move` says; infinite before the first one of a step */
+} lagrangian;
+
+enum { ITERATIONS = 3 };           /* of a pass: more save less than they cost, as measured */
+static const double SERVES = 1e-6; /* the square of a relative movement after which second derivatives serve again */
+
+static double *row(const galerkin_field *field, int i)
+{
+    return field->nodes.x + (size_t)i * (size_t)field->nodes.lanes;
+}
+
+static galerkin_nodes half(const galerkin_field *field, int first)
+{
+    galerkin_nodes nodes = field->nodes;
+    const size_t offset = (size_t)first * (size_t)nodes.lanes;
+    nodes.unknowns /= 2;
+    if (!nodes.x) return nodes;
+    nodes.x += offset;
+    nodes.base += offset;
+    nodes.impulse += offset;
+    nodes.start += first;
+    nodes.scale += first;
+    nodes.inverse_size += first;
+    return nodes;
+}
+
+static void take_factor(lanes_factor *factor, tvi_arena *arena, int n, int lanes)
+{
+    const size_t numbers = (size_t)n * (size_t)lanes;
+    *factor = (lanes_factor){.n = n, .lanes = lanes};
+    factor->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
+    factor->row_scale = tvi_arena_doubles(arena, numbers);
+    factor->column_scale = tvi_arena_doubles(arena, numbers);
+    factor->pivot = tvi_arena_take(arena, numbers * sizeof(int));
+    factor->x = tvi_arena_doubles(arena, numbers);
+}
+
+static void take(galerkin_field *field, tvi_arena *arena)
+{
+    const tvi_system *system = field->system;
+    const int n = system->n, unknowns = 2 * n;
+    const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
+    lagrangian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
+    lagrangian w = {.loops = field->loops->lagrangian};
+    field->rows = 3 * n;
+    field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
+    field->inputs = w.values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
+    w.second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
+    field->ahead = tvi_arena_doubles(arena, lanes * lanes);
+    w.velocity = tvi_arena_doubles(arena, (size_t)n);
+    w.term = tvi_arena_take(arena, 2 * (size_t)system->seconds * sizeof *w.term);
+    w.end = tvi_arena_take(arena, (size_t)unknowns * sizeof *w.end);
+    tvi_legendre_take(&w.legendre, arena, system);
+    take_factor(&w.mass, arena, n, field->nodes.lanes);
+    w.positions = half(field, 0);
+    w.momenta = half(field, n);
+    w.drives = field->nodes;
+    w.drives.x = field->nodes.x ? row(field, unknowns) : NULL;
+    w.drives.start = tvi_arena_doubles(arena, (size_t)unknowns);
+    w.drives.scale = tvi_arena_doubles(arena, (size_t)unknowns);
+    if (taken) *taken = w;
+}
+
+/* The rows of the symmetric matrix of second derivatives. */
+static void set_terms(const tvi_system *system, lanes_term *term, int *end)
+{
+    const int rows = 2 * system->n;
+    for (int k = 0; k < system->seconds; k++) {
+        end[system->second[k].row]++;
+        if (system->second[k].row != system->second[k].column) end[system->second[k].column]++;
+    }
+    for (int i = 0, before = 0; i < rows; i++) { /* where the row begins; below, it moves on to the row's end */
+        const int count = end[i];
+        end[i] = before;
+        before += count;
+    }
+    for (int k = 0; k < system->seconds; k++) {
+        const int i = system->second[k].row, j = system->second[k].column;
+        const int slot = system->second_values->output[rows + k];
+        term[end[i]++] = (lanes_term){j, slot};
+        if (i != j) term[end[j]++] = (lanes_term){i, slot};
+    }
+}
+
+static void prepare(galerkin_field *field)
+{
+    lagrangian *w = field->own;
+    const int lanes = field->nodes.lanes;
+    jet_tape_prepare(field->system->field_values, w->values, 1, lanes);
+    jet_tape_prepare(field->system->second_values, w->second, 1, lanes);
+    tvi_legendre_prepare(&w->legendre);
+    set_terms(field->system, w->term, w->end);
+    w->model = (lanes_model){field->system->n,    lanes,           .centre = w->values,
+                             .second = w->second, .term = w->term, .end = w->end};
+    for (int i = 0; i < lanes; i++) {
+        const int node = i < field->points ? i : field->points - 1;
+        field->ahead[node * lanes + i] = 1 / field->b[node];
+    }
+    for (int u = 0; u < field->nodes.unknowns; u++) {
+        field->slot[u] = field->nodes.unknowns + u;
+    }
+}
+
+/* The gradient at the nodes, with second derivatives or without. */
+static bool sweep(galerkin_field *field, bool with_second)
+{
+    lagrangian *w = field->own;
+    const tvi_system *system = field->system;
+    const jet_tape *tape = with_second ? system->second_values : system->field_values;
+    const int n = system->n, lanes = field->nodes.lanes;
+    const size_t bytes = (size_t)lanes * sizeof(double);
+    memcpy(w->values, row(field, 0), (size_t)n * bytes);
+    memcpy(w->values + n * lanes, row(field, 2 * n), (size_t)n * bytes);
+    double *x = with_second ? w->second : w->values;
+    if (with_second) memcpy(x, w->values, (size_t)tape->inputs * bytes);
+    if (!jet_sweep_values(tape, x, lanes)) return false;
+    w->model.gradient = x;
+    w->model.output = tape->output;
+    for (int i = 0; i < 2 * n; i++) memcpy(row(field, 3 * n + i), x + (size_t)tape->output[i] * (size_t)lanes, bytes);
+    return true;
+}
+
+/* ---- The predictor ----------------------------------------------------------------------------------------------- */
+
+static void fill(galerkin_field *field, int first, const double value[])
+{
+    for (int i = 0; i < field->system->n; i++)
+        for (int lane = 0; lane < field->nodes.lanes; lane++) row(field, first + i)[lane] = value[i];
+}
+
+/* V by the Legendre transform, from rest. */
+static tvi_status start(galerkin_field *field, const tvi_origin *origin)
+{
+    lagrangian *w = field->own;
+    const tvi_system *system = field->system;
+    const int n = system->n;
+    double *velocity = w->velocity;
+    memset(velocity, 0, (size_t)n * sizeof *velocity);
+    const tvi_status status = tvi_legendre_solve(&w->legendre, origin->t, origin->q, origin->p, velocity);
+    if (status != TVI_OK) return status;
+    fill(field, 0, origin->q);
+    fill(field, n, origin->p);
+    fill(field, 2 * n, velocity);
+    if (!sweep(field, false)) return TVI_EDOMAIN;
+    w->moved = INFINITY;
+    return TVI_OK;
+}
+
+/* V and F are impulses divided by h b. */
+static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
+{
+    lagrangian *w = field->own;
+    for (int u = 0; u < field->nodes.unknowns; u++) w->drives.scale[u] = 1 / field->h;
+    field->loops->predict(&w->drives, steps, extrapolation, impulses);
+    (void)field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
+    w->moved = INFINITY;
+}
+
+/* ---- A pass ------------------------------------------------------------------------------------------------------ */
+
+/* L_vv of the block of second derivatives, factored. */
+static tvi_status factor_mass(galerkin_field *field)
+{
+    lagrangian *w = field->own;
+    const tvi_system *system = field->system;
+    const size_t n = (size_t)system->n, lanes = (size_t)field->nodes.lanes, bytes = lanes * sizeof(double);
+    const int *output = system->second_values->output + 2 * n;
+    double *a = w->mass.lu, sum = 0;
+    memset(a, 0, n * n * bytes);
+    for (int k = 0; k < system->seconds; k++) {
+        if (system->second[k].column < system->n) continue;
+        const size_t i = (size_t)system->second[k].row - n, j = (size_t)system->second[k].column - n;
+        const double *x = w->second + (size_t)output[k] * lanes;
+        memcpy(a + (i * n + j) * lanes, x, bytes);
+        memcpy(a + (j * n + i) * lanes, x, bytes);
+    }
+    for (size_t i = 0; i < n * n * lanes; i++) sum += 0 * a[i];
+    if (sum != 0) return TVI_ENONFINITE;
+    return w->loops->factor(&w->mass) > (double)n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
+}
+
+/* The gradient at the nodes, and new second derivatives where those at hand do not serve. */
+static tvi_status evaluate(galerkin_field *field, tvi_stats *stats)
+{
+    const lagrangian *w = field->own;
+    const bool serves = w->moved <= SERVES * field->nodes.unknowns * field->nodes.lanes;
+    if (!sweep(field, !serves)) return TVI_EDOMAIN;
+    if (serves) return TVI_OK;
+    stats->factorisations += field->points;
+    return factor_mass(field);
+}
+
+/* The unknowns, by the gradient at hand. */
+static double iterate(galerkin_field *field)
+{
+    const lagrangian *w = field->own;
+    const galerkin_loops *loops = field->loops;
+    const int n = field->system->n;
+    const double moved = loops->move(&w->momenta, field->matrix, field->nodes.x, field->slot + n);
+    w->loops->correct(&w->mass, row(field, n), row(field, 4 * n), row(field, 2 * n));
+    return moved + loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
+}
+
+static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
+{
+    lagrangian *w = field->own;
+    const int n = field->system->n;
+    const tvi_status status = evaluate(field, stats);
+    if (status != TVI_OK) return status;
+    w->moved = iterate(field);
+    for (int i = 1; i < ITERATIONS; i++) {
+        w->loops->linearise(&w->model, row(field, 0), row(field, 2 * n), row(field, 3 * n));
+        w->moved += iterate(field);
+    }
+    *moved = w->moved;
+    return TVI_OK;
+}
+
+const galerkin_form tvi_galerkin_form_lagrangian = {1, true, take, prepare, start, predict, pass};

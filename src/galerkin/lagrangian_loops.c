@@ -1,0 +1,156 @@
+/* lagrangian_loops.c - see lagrangian_loops.h. */
+#include "galerkin/lagrangian_loops.h"
+#include "galerkin/lanes.h"
+#include "rule.h"
+
+#include <math.h>
+
+#define EACH_LANE for (size_t w = 0; w < stride; w++)
+
+static inline double larger(double a, double b) { return a > b ? a : b; }
+
+/* ---- Factors ----------------------------------------------------------------------------------------------------- */
+
+#define SCALE(V, S) JET_AT(V, x, 0) *= JET_OF(V, scale, 0);
+
+/* x <- x / size(x), with what multiplied it. count numbers, one every `apart`. */
+JET_INLINE void set_scale(int count, size_t apart, double *x, double *scale, int lanes)
+{
+    const size_t stride = (size_t)lanes;
+    double size[TVI_GALERKIN_MAX_LANES] = {0};
+    const double *y = x;
+    for (int i = 0; i < count; i++, y += apart) EACH_LANE size[w] = larger(fabs(y[w]), size[w]);
+    EACH_LANE scale[w] = 1 / size[w];
+    for (int i = 0; i < count; i++, x += apart) JET_BLOCKS(lanes, SCALE, );
+}
+
+JET_INLINE void exchange(int columns, double *x, double *y, size_t stride)
+{
+    for (int k = 0; k < columns; k++, x += stride, y += stride) {
+        const double kept = *x;
+        *x = *y;
+        *y = kept;
+    }
+}
+
+/* The row of the largest element on or below the diagonal of column j comes to row j. */
+JET_INLINE void pivot_column(lanes_factor *f, int j, int lanes)
+{
+    const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
+    const double *column = f->lu + (size_t)j * stride;
+    int *pivot = f->pivot + (size_t)j * stride;
+    EACH_LANE
+    {
+        int largest = j;
+        for (int i = j + 1; i < f->n; i++)
+            if (fabs(column[(size_t)i * row + w]) > fabs(column[(size_t)largest * row + w])) largest = i;
+        pivot[w] = largest;
+        if (largest == j) continue;
+        f->exchanges = true;
+        exchange(f->n, f->lu + (size_t)j * row + w, f->lu + (size_t)largest * row + w, stride);
+    }
+}
+
+#define ELIMINATE(V, S)                                                                                                \
+    {                                                                                                                  \
+        const V part = JET_OF(V, lower, j) * JET_OF(V, upper, j);                                                      \
+        JET_AT(V, lower, j) = part;                                                                                    \
+        for (int k = j + 1; k < f->n; k++) JET_AT(V, lower, k) -= part * JET_OF(V, upper, k);                          \
+    }
+
+/* R A C with rows, then columns, of size 1; then L and U in its place, with 1 / U_jj in the diagonal. */
+JET_INLINE double factor_lanes(lanes_factor *f, int lanes)
+{
+    const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
+    double *const a = f->lu, least = 1;
+    for (size_t i = 0; i < (size_t)f->n; i++) set_scale(f->n, stride, a + i * row, f->row_scale + i * stride, lanes);
+    for (size_t j = 0; j < (size_t)f->n; j++) set_scale(f->n, row, a + j * stride, f->column_scale + j * stride, lanes);
+    f->exchanges = false;
+    for (int j = 0; j < f->n; j++) {
+        pivot_column(f, j, lanes);
+        double *const upper = a + (size_t)j * row, *const diagonal = upper + (size_t)j * stride;
+        EACH_LANE if (!(fabs(diagonal[w]) >= least)) least = fabs(diagonal[w]) > 0 ? fabs(diagonal[w]) : 0;
+        EACH_LANE diagonal[w] = 1 / diagonal[w];
+        double *lower = upper + row;
+        for (int i = j + 1; i < f->n; i++, lower += row) JET_BLOCKS(lanes, ELIMINATE, );
+    }
+    return least;
+}
+
+static double factor(lanes_factor *f)
+{
+    double least;
+#define CALL(lanes) least = factor_lanes(f, lanes)
+    FOR_LANES(f->lanes, CALL)
+#undef CALL
+    return least;
+}
+
+/* ---- Solutions: A^-1 = C (R A C)^-1 R ---------------------------------------------------------------------------- */
+
+#define MISSING(V, S) JET_AT(V, x, i) = JET_OF(V, f->row_scale, i) * (JET_OF(V, P, i) - JET_OF(V, p, i));
+
+#define FORWARD(V, S)                                                                                                  \
+    {                                                                                                                  \
+        V sum = JET_OF(V, x, i);                                                                                       \
+        for (int j = 0; j < i; j++) sum -= JET_OF(V, a, j) * JET_OF(V, x, j);                                          \
+        JET_AT(V, x, i) = sum;                                                                                         \
+    }
+
+#define BACK(V, S)                                                                                                     \
+    {                                                                                                                  \
+        V sum = JET_OF(V, x, i);                                                                                       \
+        for (int j = i + 1; j < f->n; j++) sum -= JET_OF(V, a, j) * JET_OF(V, x, j);                                   \
+        sum *= JET_OF(V, a, i);                                                                                        \
+        JET_AT(V, x, i) = sum;                                                                                         \
+        JET_AT(V, velocity, i) += sum * JET_OF(V, f->column_scale, i);                                                 \
+    }
+
+JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const double *p, double *velocity, int lanes)
+{
+    const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
+    double *const x = f->x;
+    const double *a = f->lu;
+    for (int i = 0; i < f->n; i++) JET_BLOCKS(lanes, MISSING, );
+    for (size_t j = 0; f->exchanges && j < (size_t)f->n; j++)
+        EACH_LANE exchange(1, x + j * stride + w, x + (size_t)f->pivot[j * stride + w] * stride + w, stride);
+    for (int i = 0; i < f->n; i++, a += row) JET_BLOCKS(lanes, FORWARD, );
+    for (int i = f->n - 1; i >= 0; i--) {
+        a -= row;
+        JET_BLOCKS(lanes, BACK, );
+    }
+}
+
+static void correct(const lanes_factor *f, const double *P, const double *p, double *V){
+#define CALL(lanes) correct_lanes(f, P, p, V, lanes)
+    FOR_LANES(f->lanes, CALL)
+#undef CALL
+}
+
+/* ---- The gradient to first order --------------------------------------------------------------------------------- */
+
+#define SUM(V, S)                                                                                                      \
+    {                                                                                                                  \
+        V sum = JET_OF(V, m->gradient, m->output[i]);                                                                  \
+        for (int k = begin; k < m->end[i]; k++) {                                                                      \
+            const int j = m->term[k].column;                                                                           \
+            const V moved = (j < m->n ? JET_OF(V, Q, j) : JET_OF(V, velocity, j - m->n)) - JET_OF(V, m->centre, j);    \
+            sum += JET_OF(V, m->second, m->term[k].slot) * moved;                                                      \
+        }                                                                                                              \
+        JET_AT(V, out, i) = sum;                                                                                       \
+    }
+
+JET_INLINE void linearise_lanes(const lanes_model *m, const double *Q, const double *velocity, double *out, int lanes)
+{
+    const size_t stride = (size_t)lanes;
+    for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );
+}
+
+static void linearise(const lanes_model *m, const double *Q, const double *V, double *out)
+{
+#define CALL(lanes) linearise_lanes(m, Q, V, out, lanes)
+    FOR_LANES(m->lanes, CALL)
+#undef CALL
+}
+
+const lagrangian_loops JET_FOR_ISA(tvi_lagrangian_loops) = {factor, correct, linearise};

@@ -1,0 +1,187 @@
+/* loops.c - see galerkin.h. */
+#include "galerkin/lanes.h"
+#include "rule.h"
+#include "method/stepper.h"
+#include "vector.h"
+
+#include <stddef.h>
+
+#define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + here))
+#define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + here))
+
+/* In halves, which wait less for each other. */
+JET_INLINE double sum_of(const double x[], size_t count)
+{
+    double sum[8];
+    for (size_t i = 0; i < count; i++) sum[i] = x[i];
+    for (size_t half = count / 2; half > 0; half /= 2)
+        for (size_t i = 0; i < half; i++) sum[i] += sum[i + half];
+    return sum[0];
+}
+
+/* The block's rows of a matrix: in registers while all unknowns pass. */
+#define ROWS(V, row, matrix)                                                                                           \
+    V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
+    for (int j = 0; j < lanes; j++) row[j] = OF_VECTOR(V, matrix, j)
+
+/* sum_0 + ... += sum_j row_j drive_j: chains that do not wait for each other. */
+enum { CHAINS = 4 };
+#define ADD_PRODUCT(sum, row, drive)                                                                                   \
+    for (int j = 0; j < lanes; j++) sum[j % CHAINS] += (row)[j] * (drive)[j];
+#define TOTAL(sum) ((sum[0] + sum[1]) + (sum[2] + sum[3]))
+
+#define WEIGH(V, S) VECTOR(V, impulse, 0) = OF_VECTOR(V, nodes->weight, 0) * OF_VECTOR(V, drive, 0);
+
+/* The lanes of a block for all unknowns. */
+#define MOVE(V, S)                                                                                                     \
+    {                                                                                                                  \
+        ROWS(V, row, matrix);                                                                                          \
+        V squares = {0};                                                                                               \
+        for (int u = 0; u < unknowns; u++) {                                                                           \
+            V sums[CHAINS] = {0};                                                                                      \
+            ADD_PRODUCT(sums, row, nodes->impulse + u * lanes)                                                         \
+            const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                               \
+            const V change = (place - VECTOR(V, x, u)) * inverse_size[u];                                              \
+            squares += change * change;                                                                                \
+            VECTOR(V, x, u) = place;                                                                                   \
+        }                                                                                                              \
+        sum += sum_of((const double *)&squares, sizeof squares / sizeof(double));                                      \
+    }
+
+JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
+                             int lanes)
+{
+    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
+    const int unknowns = nodes->unknowns;
+    double *x = nodes->x, sum = 0;
+    for (int u = 0; u < unknowns; u++) {
+        const double *drive = drives + (size_t)slot[u] * (size_t)lanes;
+        double *impulse = nodes->impulse + u * lanes;
+        JET_BLOCKS(lanes, WEIGH, );
+    }
+    JET_BLOCKS(lanes, MOVE, );
+    return sum;
+}
+
+static double move(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[])
+{
+    double sum;
+#define CALL(lanes) sum = move_lanes(nodes, matrix, drives, slot, lanes)
+    FOR_LANES(nodes->lanes, CALL)
+#undef CALL
+    return sum;
+}
+
+#define PREDICT(V, S)                                                                                                  \
+    {                                                                                                                  \
+        ROWS(V, row, matrix);                                                                                          \
+        ROWS(V, row_before, matrix + (steps - 1) * lanes * lanes);                                                     \
+        for (int u = 0; u < unknowns; u++) {                                                                           \
+            V sums[CHAINS] = {0};                                                                                      \
+            ADD_PRODUCT(sums, row, impulses[0] + u * lanes)                                                            \
+            if (steps > 1) ADD_PRODUCT(sums, row_before, impulses[1] + u * lanes)                                      \
+            VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                             \
+        }                                                                                                              \
+    }
+
+JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
+                              const double *const impulses[], int lanes)
+{
+    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
+    const int unknowns = nodes->unknowns;
+    double *x = nodes->x;
+    JET_BLOCKS(lanes, PREDICT, );
+}
+
+static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]){
+#define CALL(lanes)                                                                                                    \
+    steps == 2 ? predict_lanes(nodes, 2, matrix, impulses, lanes) : predict_lanes(nodes, 1, matrix, impulses, lanes)
+    FOR_LANES(nodes->lanes, CALL)
+#undef CALL
+}
+
+/* Two-sums: what each addition loses is collected. */
+#define SUM(V, S)                                                                                                      \
+    {                                                                                                                  \
+        V total = {0}, lost = {0};                                                                                     \
+        for (int j = 0; j < lanes; j++) {                                                                              \
+            const V term = *(const V *)(factor + j * SUMS + here) * impulse[j];                                        \
+            const V next = total + term, added = next - total;                                                         \
+            lost += (total - (next - added)) + (term - added);                                                         \
+            total = next;                                                                                              \
+        }                                                                                                              \
+        *(V *)(sum + u * SUMS + here) = total + lost;                                                                  \
+    }
+
+JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *factor, double *sum, int lanes)
+{
+    for (int u = 0; u < nodes->unknowns; u++) {
+        const double *impulse = nodes->impulse + u * lanes;
+        JET_BLOCKS(SUMS, SUM, );
+    }
+}
+
+static void integrate(const galerkin_nodes *nodes, const double *factor, double *sum)
+{
+#define CALL(lanes) integrate_lanes(nodes, factor, sum, lanes)
+    FOR_LANES(nodes->lanes, CALL)
+#undef CALL
+}
+
+/* The product less its rounded value is 0 but where multiply-adds are fused. */
+static void set_drift(int count, const double *scale, const double *p, const double *p_low, double *drift,
+                      double *drift_low)
+{
+    for (int u = 0; u < count; u++) {
+        drift[u] = scale[u] * p[u];
+        drift_low[u] = (scale[u] * p[u] - drift[u]) + scale[u] * p_low[u];
+    }
+}
+
+#define BASE(V, S)                                                                                                     \
+    VECTOR(V, nodes->base, u) = (low[u] + OF_VECTOR(V, c, 0) * drift_low[u]) + OF_VECTOR(V, c, 0) * drift[u];
+
+JET_INLINE void set_base_lanes(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
+                               const double *drift_low, int lanes)
+{
+    for (int u = 0; u < nodes->unknowns; u++) JET_BLOCKS(lanes, BASE, );
+}
+
+static void set_base(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
+                     const double *drift_low){
+#define CALL(lanes) set_base_lanes(nodes, c, low, drift, drift_low, lanes)
+    FOR_LANES(nodes->lanes, CALL)
+#undef CALL
+}
+
+#define PLACE(V, S)                                                                                                    \
+    {                                                                                                                  \
+        const V theta = *(const V *)(p->theta + here);                                                                 \
+        V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
+        for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + here);                              \
+        for (int u = 0; u < count; u++) {                                                                              \
+            V sums[CHAINS] = {0};                                                                                      \
+            ADD_PRODUCT(sums, row, impulses + (size_t)u * (size_t)lanes)                                               \
+            *(V *)(out + u * places + here) = start[u] + (theta * drift[u] + scale[u] * TOTAL(sums));                  \
+        }                                                                                                              \
+    }
+
+JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
+                            int lanes, int places)
+{
+    const double *start = p->start, *drift = p->drift, *scale = p->scale;
+    const int count = p->count;
+    JET_BLOCKS(places, PLACE, );
+}
+
+static void place(const galerkin_places *p, const double *table, const double *impulses, double *out)
+{
+#define CALL(lanes)                                                                                                    \
+    p->places == TVI_SAMPLES ? place_lanes(p, table, impulses, out, lanes, TVI_SAMPLES)                                \
+                             : place_lanes(p, table, impulses, out, lanes, p->places)
+    FOR_LANES(p->lanes, CALL)
+#undef CALL
+}
+
+const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
+    move, predict, integrate, set_drift, set_base, place, &JET_FOR_ISA(tvi_lagrangian_loops)};

@@ -1,0 +1,57 @@
+/* loops.h - the loops of the Galerkin curve in which all time but that of the field goes, compiled once for each
+ * instruction set (ad/vector.h). Arrays of nodes are [lanes]; where lanes are more than nodes, the last node is
+ * repeated, with weight 0. */
+#ifndef TVI_SRC_GALERKIN_LOOPS_H
+#define TVI_SRC_GALERKIN_LOOPS_H
+
+#include "galerkin/lagrangian_loops.h"
+
+/* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
+enum { TVI_GALERKIN_MAX_LANES = 12 };
+
+/* The sums of the impulses over the nodes: with weight 1, with 1 - c_j, and of the curve's last term. They are as many
+ * as lanes of a vector; the last one stays 0. */
+enum { SUM_ONCE, SUM_TWICE, SUM_TAIL, SUMS = 4 };
+
+/* Unknown u of node i stands at x[u][i]. What drives it, F_j = drives[slot[u]][j], acts by its impulses
+ * L_j = weight_j F_j, which are rounded once and enter all sums alike: what these sums keep does not depend on how L_j
+ * was rounded. */
+typedef struct {
+    int lanes, unknowns;
+    double *x;
+    double *start;        /* [unknowns] the unknowns at the start of the step */
+    double *base;         /* [unknowns][lanes] what they rise by without F */
+    double *weight;       /* [lanes] h b_j */
+    double *impulse;      /* [unknowns][lanes] L of the last movement */
+    double *scale;        /* [unknowns] what multiplies the sums of L */
+    double *inverse_size; /* [unknowns] */
+} galerkin_nodes;
+
+/* out[u][k] = start[u] + (theta[k] drift[u] + scale[u] sum_j table_jk impulses[u][j]), u < count, k < places: 1, all
+ * lanes or TVI_SAMPLES; table [lanes][places]. */
+typedef struct {
+    int lanes, places, count;
+    const double *theta, *start, *drift, *scale;
+} galerkin_places;
+
+typedef struct {
+    /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
+     * NaN where there is one. */
+    double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
+    /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
+    void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
+    /* sum[u][k] = sum_j factor_jk L_j of the last movement, compensated. */
+    void (*integrate)(const galerkin_nodes *nodes, const double *factor, double *sum);
+    /* drift + drift_low = scale (p + p_low) for the first `count` unknowns; exact where multiply-adds are fused. */
+    void (*set_drift)(int count, const double *scale, const double *p, const double *p_low, double *drift,
+                      double *drift_low);
+    /* base_i = low + c_i drift_low + c_i drift for all unknowns; c [lanes], the others [unknowns]. */
+    void (*set_base)(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
+                     const double *drift_low);
+    void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
+    const lagrangian_loops *lagrangian;
+} galerkin_loops;
+
+extern const galerkin_loops tvi_galerkin_loops_base, tvi_galerkin_loops_avx2, tvi_galerkin_loops_avx512;
+
+#endif

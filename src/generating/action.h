@@ -1,0 +1,62 @@
+/* action.h - the gradient of the discrete action of a curve, in defect form (docs/method.md section 4):
+ *     S_z = G+^T p+ - G-^T p- + D_z,
+ * where D_z is small on the curve, because there the equations of motion nearly hold. */
+#ifndef TVI_SRC_GENERATING_ACTION_H
+#define TVI_SRC_GENERATING_ACTION_H
+
+#include "generating/curve.h"
+#include "system/roundoff.h"
+
+/* Where the step's ends lie in the scaled time of a curve, and tau as a multiple of h. */
+typedef struct {
+    double from, to, tau;
+} tvi_span;
+
+typedef enum {
+    TVI_ACTION_LAGRANGE, /* h sum b_i L(q_i, v_i, t_i)                 */
+    TVI_ACTION_HAMILTON  /* h sum b_i [p_i . q'_i - H(q_i, p_i, t_i)]  */
+} tvi_action_kind;
+
+typedef struct {
+    tvi_action_kind kind;
+    bool truncated;
+    const jet_sweeps *sweeps;
+    bool has_velocity_defect;               /* L_v - p is not 0 by construction */
+    bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
+    int q_degree, p_degree, points, orders; /* orders: top + 1 */
+    double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
+    double *power, *slope;                  /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
+    double *node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
+    double *weighted_power, *weighted_slope; /* [points][top + 1]: times the weight, for sums over the nodes */
+    double *row;                             /* [top + 1] */
+    double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
+    double *x;        /* block of the field's values at the nodes, a lane each */
+    double *bend;     /* truncated Hamiltonian: block of the bend's values */
+    double *P;        /* [p_degree + 1][n] */
+    double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
+    double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
+    double *correction;         /* [n] */
+    tvi_roundoff roundoff;      /* of the field at the nodes */
+} tvi_action;
+
+/* Degrees of the curve that the action uses; everything in the options is resolved. */
+void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
+                     tvi_action_kind kind, int q_degree, int p_degree, int top);
+void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span,
+                        int top);
+
+/* seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. TVI_EDOMAIN,
+ * TVI_ENONFINITE, TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */
+TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+
+/* The Lagrangian at the nodes: from the positions and the time in action->x, velocities in on_v and the curve's momenta
+ * in `momentum`, on_q = tau L_q and on_v = L_v - p. Also for nodes that lie on no single curve. */
+TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve);
+
+/* Roundoff of q and p at the ends of a step of size h from (q, p), [n] each: what that of the field at the nodes of the
+ * gradient last formed makes of them, and that of p itself; 0 where the motion is larger than q and p. Returns how many
+ * values of the field it cost. */
+int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
+                        double of_q[], double of_p[]);
+
+#endif

@@ -1,0 +1,251 @@
+/* curve.c - the equations of motion as a recurrence for the coefficients of the curve (docs/method.md section 2):
+ *
+ *     separable    (k+1)(k+2) Q_{k+2} = tau^2 M^-1 [s^k] F
+ *
+ *     Lagrangian   (k+1) [s^{k+1}] L_v = tau [s^k] L_q, solved for the velocity's coefficient k+1 with L_vv at
+ *         the centre
+ *
+ *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
+ *
+ * each with the field evaluated as a power series along the curve, one order after the other. */
+#include "generating/curve.h"
+#include "algebra/sizes.h"
+#include "algebra/tail.h"
+
+#include <math.h>
+#include <string.h>
+
+/* The n from which a system has products. They are cheaper from about 6 on (docs/performance.md), but stiff systems of
+ * few bodies at large steps do better with matrices, which can be made anew by differences. */
+enum { PRODUCTS_FROM = 8 };
+
+tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
+{
+    return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_FROM ? TVI_JACOBIAN_PRODUCTS : TVI_JACOBIAN_MATRICES;
+}
+
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians)
+{
+    const size_t orders = (size_t)top + 1, n = (size_t)system->n, jacobian = orders * n * 2 * n;
+    memset(curve, 0, sizeof *curve);
+    curve->system = system;
+    curve->jacobians = jacobians;
+    curve->n = system->n;
+    curve->top = top;
+    curve->kappa = tvi_arena_doubles(arena, n);
+    curve->x = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
+    if (jacobians == TVI_JACOBIAN_PRODUCTS) {
+        curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
+        curve->bar = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
+    }
+    if (jacobians == TVI_JACOBIAN_MATRICES) {
+        curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve) * tvi_curve_lanes(curve));
+        curve->dz = tvi_arena_doubles(arena, 2 * n);
+        curve->dQ = tvi_arena_doubles(arena, jacobian);
+        curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
+    }
+    if (system->form != TVI_SEPARABLE) {
+        tvi_factor_take(&curve->slope, arena, system->n);
+        curve->columns = tvi_arena_doubles(arena, tvi_curve_slots(curve) * n);
+    }
+}
+
+void tvi_curve_prepare(tvi_curve *curve)
+{
+    jet_tape_prepare(curve->system->field_series, curve->x, curve->top + 1, 1);
+    for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
+}
+
+/* ---- Combinations ------------------------------------------------------------------------------------------------ */
+
+tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena)
+{
+    return (tvi_combination){false, tvi_arena_doubles(arena, (size_t)curve->top + 1)};
+}
+
+void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[])
+{
+    const bool shifts = of_momentum && curve->system->form == TVI_SEPARABLE; /* U_k = (k+1) Q_{k+1} */
+    combination->of_momentum = of_momentum && !shifts;
+    combination->weight[0] = shifts ? 0 : weight[0];
+    for (int k = 1; k <= curve->top; k++) combination->weight[k] = shifts ? k * weight[k - 1] : weight[k];
+}
+
+void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
+                                double a, double at, double b, double from)
+{
+    double weight[TVI_MAX_DEGREE + 2] = {0};
+    for (int k = 0; k <= degree; k++) weight[k] = a * pow(at, k) + b * pow(from, k);
+    tvi_combination_set(combination, curve, of_momentum, weight);
+}
+
+/* ---- The series -------------------------------------------------------------------------------------------------- */
+
+void tvi_curve_set(tvi_curve *curve, const double z[])
+{
+    const int n = curve->n;
+    memcpy(tvi_curve_input(curve, 0), z, (size_t)n * sizeof *z);
+    switch (curve->system->form) {
+    case TVI_SEPARABLE:
+        memcpy(tvi_curve_input(curve, 1), z + n, (size_t)n * sizeof *z);
+        for (int i = 0; i < n; i++) curve->kappa[i] = curve->tau / curve->system->mass[i];
+        break;
+    case TVI_LAGRANGIAN:
+        for (int i = 0; i < n; i++) (tvi_curve_input(curve, 0) + curve->n)[i] = z[n + i] / curve->tau;
+        break;
+    case TVI_HAMILTONIAN: memcpy((tvi_curve_input(curve, 0) + curve->n), z + n, (size_t)n * sizeof *z); break;
+    }
+}
+
+static tvi_status expand_separable(tvi_curve *curve)
+{
+    const tvi_system *system = curve->system;
+    for (int k = 0; k + 2 <= curve->top; k++) {
+        if (!jet_sweep_series(system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
+        double *next = tvi_curve_input(curve, k + 2);
+        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
+        for (int i = 0; i < curve->n; i++) next[i] = factor / system->mass[i] * tvi_curve_field(curve, k, i);
+    }
+    return TVI_OK;
+}
+
+static tvi_status expand_hamiltonian(tvi_curve *curve)
+{
+    const int n = curve->n;
+    for (int k = 0; k + 1 <= curve->top; k++) {
+        if (!jet_sweep_series(curve->system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
+        const double factor = curve->tau / (k + 1);
+        for (int i = 0; i < n; i++) {
+            tvi_curve_input(curve, k + 1)[i] = factor * tvi_curve_field(curve, k, n + i);
+            (tvi_curve_input(curve, k + 1) + curve->n)[i] = -factor * tvi_curve_field(curve, k, i);
+        }
+    }
+    return TVI_OK;
+}
+
+/* By tangents of order 0 along the second input. */
+tvi_status tvi_curve_factor_slope(tvi_curve *curve)
+{
+    const jet_tape *tape = curve->system->field_series;
+    const size_t n = (size_t)curve->n;
+    memset(curve->columns, 0, 2 * n * n * sizeof *curve->columns);
+    for (size_t i = 0; i < n; i++) curve->columns[(n + i) * n + i] = 1;
+    if (curve->system->uses_time) memset(curve->columns + 2 * n * n, 0, n * sizeof *curve->columns);
+    jet_sweep_tangents(tape, curve->x, curve->columns, 0, curve->n);
+    for (size_t i = 0; i < n; i++)
+        memcpy(curve->slope.lu + i * n, curve->columns + (size_t)tape->output[n + i] * n, n * sizeof(double));
+    return tvi_factor_compute(&curve->slope);
+}
+
+/* Velocity V = (1/tau) dQ/ds. Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v; the
+ * missing part is solved for and the order run again. */
+static tvi_status expand_lagrangian(tvi_curve *curve)
+{
+    const jet_tape *tape = curve->system->field_series;
+    const int n = curve->n;
+    double *rest = curve->columns;
+    if (!jet_sweep_series(tape, curve->x, 0, 1)) return TVI_EDOMAIN;
+    const tvi_status status = tvi_curve_factor_slope(curve);
+    if (status != TVI_OK) return status;
+    for (int k = 1; k <= curve->top; k++) {
+        for (int i = 0; i < n; i++) {
+            tvi_curve_input(curve, k)[i] = curve->tau / k * (tvi_curve_input(curve, k - 1) + curve->n)[i];
+            (tvi_curve_input(curve, k) + curve->n)[i] = 0;
+        }
+        (void)jet_sweep_series(tape, curve->x, k, 1);
+        for (int i = 0; i < n; i++)
+            rest[i] = curve->tau / k * tvi_curve_field(curve, k - 1, i) - tvi_curve_field(curve, k, n + i);
+        tvi_factor_solve(&curve->slope, rest);
+        memcpy((tvi_curve_input(curve, k) + curve->n), rest, (size_t)n * sizeof *rest);
+        if (k < curve->top) (void)jet_sweep_series(tape, curve->x, k, 1);
+    }
+    return TVI_OK;
+}
+
+tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
+{
+    const tvi_system *system = curve->system;
+    curve->centre = centre;
+    if (system->uses_time) {
+        curve->x[system->inputs] = centre;
+        if (curve->top > 0) tvi_curve_input(curve, 1)[system->inputs] = curve->tau;
+    }
+    const tvi_status status = system->form == TVI_SEPARABLE    ? expand_separable(curve)
+                              : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
+                                                               : expand_hamiltonian(curve);
+    if (status != TVI_OK) return status;
+    const int inputs = system->inputs;
+    for (int k = 0; k <= curve->top; k++)
+        for (int i = 0; i < inputs; i++)
+            if (!isfinite(tvi_curve_input(curve, k)[i])) return TVI_ENONFINITE;
+    return TVI_OK;
+}
+
+/* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
+
+static double momentum(const tvi_curve *curve, int k, int i)
+{
+    switch (curve->system->form) {
+    case TVI_SEPARABLE: return k < curve->top ? (k + 1) * tvi_curve_input(curve, k + 1)[i] / curve->kappa[i] : 0;
+    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve->n + i);
+    default: return (tvi_curve_input(curve, k) + curve->n)[i];
+    }
+}
+
+void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
+{
+    for (int i = 0; i < curve->n; i++) out[i] = momentum(curve, k, i);
+}
+
+void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
+{
+    const int n = curve->n;
+    const int *slot = curve->system->field_series->output + n;
+    memset(out, 0, (size_t)n * sizeof *out);
+    for (int k = curve->top; k >= 0; k--) {
+        const double weight = combination->weight[k], *x = tvi_curve_input(curve, k);
+        if (weight == 0) continue;
+        if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN) {
+            for (int i = 0; i < n; i++) out[i] += weight * x[slot[i]];
+        } else {
+            const double *coefficient = x + (combination->of_momentum ? n : 0);
+            for (int i = 0; i < n; i++) out[i] += weight * coefficient[i];
+        }
+    }
+}
+
+int tvi_curve_order_below(const tvi_curve *curve, double part)
+{
+    const double bound = part * tvi_largest(curve->n, tvi_curve_input(curve, 0), 1);
+    int k = 1;
+    while (k < curve->top && tvi_largest(curve->n, tvi_curve_input(curve, k), 1) > bound) k++;
+    return k;
+}
+
+/* p = |P_0| + sum k |P_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
+static tvi_tail_part tail_part(const tvi_curve *curve, int q_degree, int p_degree, int i)
+{
+    tvi_tail_part part = {.momentum = fabs(momentum(curve, 0, i)), .place = fabs(tvi_curve_Q(curve, 0)[i])};
+    for (int k = 1; k <= p_degree; k++) part.momentum += part.last_p = k * fabs(momentum(curve, k, i));
+    for (int k = 1; k <= q_degree; k++) part.movement += part.last_q = k * fabs(tvi_curve_Q(curve, k)[i]);
+    if (curve->system->form == TVI_SEPARABLE) part.last_q = 0;
+    return part;
+}
+
+double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree)
+{
+    const bool has_masses = curve->system->form == TVI_SEPARABLE;
+    tvi_tail_survey survey = {0, 0, 0};
+    if (p_degree < 2) return 0;
+    for (int i = 0; i < curve->n; i++) {
+        const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
+        tvi_tail_look(&survey, &part, has_masses);
+    }
+    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    double tail = 0;
+    for (int i = 0; i < curve->n; i++) {
+        const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
+        tail = fmax(tail, tvi_tail_of(&part, has_masses, survey.largest));
+    }
+    return tail;
+}

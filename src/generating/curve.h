@@ -1,0 +1,124 @@
+/* curve.h - prolongation: the Taylor curve at a centre, and its Jacobians with respect to the centre data.
+ *
+ * Time is scaled: t = centre + tau s, and
+ *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
+ * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all is in the unit of
+ * q (kappa has the sign of tau); for the others kappa = 1. The centre data z (2n numbers) are (q, tau v) for a
+ * Lagrangian, else (q, kappa p). */
+#ifndef TVI_SRC_GENERATING_CURVE_H
+#define TVI_SRC_GENERATING_CURVE_H
+
+#include "algebra/linear.h"
+#include "system/system.h"
+
+/* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
+ * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is.
+ */
+typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
+
+typedef struct {
+    const tvi_system *system;
+    tvi_jacobians jacobians;
+    int n, top; /* the highest order of Q that is computed */
+    double centre, tau;
+    double *kappa;    /* [n] */
+    double *x;        /* block of the field's series, orders 0 .. top */
+    double *dx;       /* the same for CURVE_LANES directions; products: for one */
+    double *bar;      /* products: the same for adjoints */
+    double *dQ, *dU;  /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    double *dz;       /* [2n] the direction of pushes */
+    tvi_factor slope; /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
+    double *columns;  /* scratch of the slope: its directions, and right sides */
+} tvi_curve;
+
+/* A combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. Made once for a method. */
+typedef struct {
+    bool of_momentum;
+    double *weight; /* [top + 1] */
+} tvi_combination;
+
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians);
+/* What suits the system: matrices where n is small. Products are for separable systems alone. */
+tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
+static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
+void tvi_curve_prepare(tvi_curve *curve); /* once, when the memory is there */
+
+tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena);
+/* From weights of Q, or weights of U (which a separable system turns into weights of Q). */
+void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, const double weight[]);
+
+/* weight_k = a at^k + b from^k for k <= degree, 0 above. */
+void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
+                                double a, double at, double b, double from);
+
+/* Sets z; tau must be set before. */
+void tvi_curve_set(tvi_curve *curve, const double z[]);
+
+/* Expands from z. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR (L_vv). */
+TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
+
+/* Factors L_vv or H_pp at the centre of the curve last expanded; a Lagrangian's expansion has done so.
+ * TVI_ESINGULAR. */
+TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
+
+/* The Jacobian matrices of the curve last expanded. */
+void tvi_curve_differentiate(tvi_curve *curve);
+
+/* ---- The block of the series ------------------------------------------------------------------------------------- */
+
+enum { TVI_CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
+
+static inline size_t tvi_curve_slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
+
+static inline size_t tvi_curve_lanes(const tvi_curve *curve)
+{
+    return 2 * curve->n < TVI_CURVE_LANES ? 2 * (size_t)curve->n : TVI_CURVE_LANES;
+}
+
+/* Order k: q, then velocity or momentum of a Lagrangian or a Hamiltonian. */
+static inline double *tvi_curve_input(const tvi_curve *curve, int k)
+{
+    return curve->x + (size_t)k * tvi_curve_slots(curve);
+}
+
+/* Output i of the field at order k. */
+static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
+{
+    return tvi_curve_input(curve, k)[curve->system->field_series->output[i]];
+}
+
+/* ---- Sums -------------------------------------------------------------------------------------------------------- */
+
+/* P_k [n]. */
+void tvi_curve_momentum(const tvi_curve *curve, int k, double out[]);
+/* Q_k where it stands. */
+static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return tvi_curve_input(curve, k); }
+
+/* out[n], or matrix[n][2n], of a combination and of its Jacobian; the small terms first. */
+void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+/* Sets the direction dz of the pushes that follow; then out[n] = Jacobian of the combination times dz. */
+void tvi_curve_aim(tvi_curve *curve, const double dz[]);
+void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+
+/* out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]; seeds [top + 1][n]. seed_U may be NULL, and is
+ * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
+void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+
+/* Products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of combinations
+ * times x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top: a rough
+ * product costs O(last^2). */
+void tvi_curve_clear_seeds(tvi_curve *curve, int last);
+void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[]);
+void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[]);
+void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[]);
+/* The first order k with max_i |Q_k| <= part max_i |Q_0|, or top: where products are good to about that part. */
+int tvi_curve_order_below(const tvi_curve *curve, double part);
+/* Products: out[n] += factor K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre, of a curve with top >= 2: one of
+ * lower degree has never evaluated its force. */
+void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[]);
+
+/* tvi_stats.tail, for P and Q to these degrees: see tail.h. 0 where p' has one term only. */
+double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree);
+
+#endif

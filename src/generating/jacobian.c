@@ -1,0 +1,266 @@
+/* jacobian.c - the Jacobians of a curve with respect to its centre data: as matrices, by tangents in all directions, or
+ * as products with vectors, by one tangent or one adjoint sweep (curve.h). */
+#include "generating/curve.h"
+
+#include <string.h>
+
+/* ---- Matrices ---------------------------------------------------------------------------------------------------- */
+
+/* A block of directions: tangents of order k of slot i are at dx + k * order + i * lanes. */
+typedef struct {
+    size_t lanes, order;
+    int first;
+} block;
+
+static double *tangent(const tvi_curve *curve, const block *b, int k, int slot)
+{
+    return curve->dx + (size_t)k * b->order + (size_t)slot * b->lanes;
+}
+
+static const double *field_tangent(const tvi_curve *curve, const block *b, int k, int i)
+{
+    return tangent(curve, b, k, curve->system->field_series->output[i]);
+}
+
+/* out = factor * in, over the lanes. */
+static void scale_lanes(size_t lanes, double factor, const double *in, double *out)
+{
+    for (size_t lane = 0; lane < lanes; lane++) out[lane] = factor * in[lane];
+}
+
+/* dz = unit vectors: where the components of z stand among the inputs. */
+static void seed_directions(tvi_curve *curve, const block *b)
+{
+    const tvi_form form = curve->system->form;
+    const int n = curve->n;
+    for (size_t lane = 0; lane < b->lanes; lane++) {
+        const int direction = b->first + (int)lane;
+        if (direction < n) tangent(curve, b, 0, direction)[lane] = 1;
+        else if (form == TVI_SEPARABLE) tangent(curve, b, 1, direction - n)[lane] = 1;
+        else tangent(curve, b, 0, direction)[lane] = form == TVI_LAGRANGIAN ? 1 / curve->tau : 1;
+    }
+}
+
+static void differentiate_separable(tvi_curve *curve, const block *b)
+{
+    for (int k = 0; k + 2 <= curve->top; k++) {
+        jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, (int)b->lanes);
+        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
+        for (int i = 0; i < curve->n; i++)
+            scale_lanes(b->lanes, factor / curve->system->mass[i], field_tangent(curve, b, k, i),
+                        tangent(curve, b, k + 2, i));
+    }
+}
+
+static void differentiate_hamiltonian(tvi_curve *curve, const block *b)
+{
+    const int n = curve->n;
+    for (int k = 0; k + 1 <= curve->top; k++) {
+        jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, (int)b->lanes);
+        const double factor = curve->tau / (k + 1);
+        for (int i = 0; i < n; i++) {
+            scale_lanes(b->lanes, factor, field_tangent(curve, b, k, n + i), tangent(curve, b, k + 1, i));
+            scale_lanes(b->lanes, -factor, field_tangent(curve, b, k, i), tangent(curve, b, k + 1, n + i));
+        }
+    }
+}
+
+/* The tangent of the recurrence, whose matrix at the highest order is L_vv again. */
+static void differentiate_lagrangian(tvi_curve *curve, const block *b)
+{
+    const jet_tape *tape = curve->system->field_series;
+    const int n = curve->n;
+    double *rest = curve->columns;
+    jet_sweep_tangents(tape, curve->x, curve->dx, 0, (int)b->lanes);
+    for (int k = 1; k <= curve->top; k++) {
+        for (int i = 0; i < n; i++) {
+            scale_lanes(b->lanes, curve->tau / k, tangent(curve, b, k - 1, n + i), tangent(curve, b, k, i));
+            scale_lanes(b->lanes, 0, tangent(curve, b, k, i), tangent(curve, b, k, n + i));
+        }
+        jet_sweep_tangents(tape, curve->x, curve->dx, k, (int)b->lanes);
+        for (size_t lane = 0; lane < b->lanes; lane++) {
+            for (int i = 0; i < n; i++)
+                rest[i] =
+                    curve->tau / k * field_tangent(curve, b, k - 1, i)[lane] - field_tangent(curve, b, k, n + i)[lane];
+            tvi_factor_solve(&curve->slope, rest);
+            for (int i = 0; i < n; i++) tangent(curve, b, k, n + i)[lane] = rest[i];
+        }
+        if (k < curve->top) jet_sweep_tangents(tape, curve->x, curve->dx, k, (int)b->lanes);
+    }
+}
+
+/* Copies the tangents of a slot for each coefficient and component into columns first .. of a Jacobian. */
+static void store(const tvi_curve *curve, const block *b, const int slot_of_component[], int first_slot,
+                  double *jacobian)
+{
+    const size_t n = (size_t)curve->n;
+    for (int k = 0; k <= curve->top; k++)
+        for (size_t i = 0; i < n; i++) {
+            const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
+            memcpy(jacobian + ((size_t)k * n + i) * 2 * n + (size_t)b->first, tangent(curve, b, k, slot),
+                   b->lanes * sizeof *jacobian);
+        }
+}
+
+static void differentiate_block(tvi_curve *curve, const block *b)
+{
+    const tvi_system *system = curve->system;
+    const int n = curve->n;
+    /* the layout depends on the number of lanes, so that constants too must be cleared */
+    const size_t fixed = (size_t)(system->field_series->inputs + system->field_series->constants) * b->lanes;
+    for (int k = 0; k <= curve->top; k++) memset(tangent(curve, b, k, 0), 0, fixed * sizeof(double));
+    seed_directions(curve, b);
+    switch (system->form) {
+    case TVI_SEPARABLE: differentiate_separable(curve, b); break;
+    case TVI_LAGRANGIAN:
+        differentiate_lagrangian(curve, b);
+        store(curve, b, system->field_series->output + n, 0, curve->dU);
+        break;
+    case TVI_HAMILTONIAN:
+        differentiate_hamiltonian(curve, b);
+        store(curve, b, NULL, n, curve->dU);
+        break;
+    }
+    store(curve, b, NULL, 0, curve->dQ);
+}
+
+void tvi_curve_differentiate(tvi_curve *curve)
+{
+    const size_t directions = 2 * (size_t)curve->n;
+    for (size_t first = 0; first < directions; first += TVI_CURVE_LANES) {
+        const size_t left = directions - first, lanes = left < TVI_CURVE_LANES ? left : TVI_CURVE_LANES;
+        const block b = {lanes, tvi_curve_slots(curve) * lanes, (int)first};
+        differentiate_block(curve, &b);
+    }
+}
+
+static const double *jacobians(const tvi_curve *curve, const tvi_combination *combination)
+{
+    return combination->of_momentum ? curve->dU : curve->dQ;
+}
+
+void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
+{
+    const size_t size = 2 * (size_t)curve->n * (size_t)curve->n;
+    memset(matrix, 0, size * sizeof *matrix);
+    for (int k = curve->top; k >= 0; k--) {
+        const double weight = combination->weight[k], *dC = jacobians(curve, combination) + (size_t)k * size;
+        if (weight == 0) continue;
+        for (size_t i = 0; i < size; i++) matrix[i] += weight * dC[i];
+    }
+}
+
+/* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
+
+/* dx of one lane along dz. */
+static void sweep_direction(tvi_curve *curve, const double dz[])
+{
+    const size_t n = (size_t)curve->n, order = tvi_curve_slots(curve);
+    const block one = {1, order, 0};
+    memset(curve->dx, 0, ((size_t)curve->top + 1) * order * sizeof *curve->dx);
+    memcpy(curve->dx, dz, n * sizeof *dz);
+    memcpy(curve->dx + order, dz + n, n * sizeof *dz);
+    differentiate_separable(curve, &one);
+}
+
+void tvi_curve_aim(tvi_curve *curve, const double dz[])
+{
+    if (tvi_curve_has_products(curve)) sweep_direction(curve, dz);
+    else memcpy(curve->dz, dz, 2 * (size_t)curve->n * sizeof *dz);
+}
+
+void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
+{
+    const size_t n = (size_t)curve->n, directions = 2 * n;
+    const bool products = tvi_curve_has_products(curve);
+    memset(out, 0, n * sizeof *out);
+    for (int k = curve->top; k >= 0; k--) {
+        const double weight = combination->weight[k];
+        if (weight == 0) continue;
+        if (products) {
+            const double *dQ = curve->dx + (size_t)k * tvi_curve_slots(curve);
+            for (size_t i = 0; i < n; i++) out[i] += weight * dQ[i];
+            continue;
+        }
+        const double *dC = jacobians(curve, combination) + (size_t)k * n * directions;
+        for (size_t i = 0; i < n; i++) {
+            double sum = 0;
+            for (size_t d = 0; d < directions; d++) sum += dC[i * directions + d] * curve->dz[d];
+            out[i] += weight * sum;
+        }
+    }
+}
+
+static void pull_rows(const tvi_curve *curve, const double jacobian[], const double seed[], double out[])
+{
+    const size_t directions = 2 * (size_t)curve->n;
+    for (int row = (curve->top + 1) * curve->n - 1; row >= 0; row--) {
+        if (seed[row] == 0) continue;
+        for (size_t d = 0; d < directions; d++) out[d] += seed[row] * jacobian[(size_t)row * directions + d];
+    }
+}
+
+static double *adjoint_of_Q(const tvi_curve *curve, int k) { return curve->bar + (size_t)k * tvi_curve_slots(curve); }
+
+static void clear_adjoints(tvi_curve *curve, int orders)
+{
+    memset(curve->bar, 0, (size_t)orders * tvi_curve_slots(curve) * sizeof *curve->bar);
+}
+
+void tvi_curve_clear_seeds(tvi_curve *curve, int last) { clear_adjoints(curve, last + 1); }
+
+void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[])
+{
+    for (int k = 0; k <= last; k++) {
+        const double *seed = seed_Q + (size_t)k * (size_t)curve->n;
+        double *bar = adjoint_of_Q(curve, k);
+        for (int i = 0; i < curve->n; i++) bar[i] += seed[i];
+    }
+}
+
+void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[])
+{
+    for (int k = 0; k <= last; k++) {
+        const double weight = factor * combination->weight[k];
+        double *bar = adjoint_of_Q(curve, k);
+        for (int i = 0; weight != 0 && i < curve->n; i++) bar[i] += weight * x[i];
+    }
+}
+
+/* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
+void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[])
+{
+    const tvi_system *system = curve->system;
+    const size_t n = (size_t)curve->n;
+    for (int k = last - 2; k >= 0; k--) {
+        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
+        double *bar = adjoint_of_Q(curve, k);
+        for (size_t i = 0; i < n; i++) bar[system->field_series->output[i]] += factor / system->mass[i] * above[i];
+        jet_sweep_adjoints(system->field_series, curve->x, curve->bar, k, last - 2);
+    }
+    memcpy(out, adjoint_of_Q(curve, 0), n * sizeof *out);
+    memcpy(out + n, adjoint_of_Q(curve, 1), n * sizeof *out);
+}
+
+void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+{
+    if (tvi_curve_has_products(curve)) {
+        tvi_curve_clear_seeds(curve, curve->top);
+        tvi_curve_add_seeds(curve, curve->top, seed_Q);
+        tvi_curve_pull_seeds(curve, curve->top, out);
+        return;
+    }
+    memset(out, 0, 2 * (size_t)curve->n * sizeof *out);
+    if (curve->dU && seed_U) pull_rows(curve, curve->dU, seed_U, out);
+    pull_rows(curve, curve->dQ, seed_Q, out);
+}
+
+void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[])
+{
+    const jet_tape *tape = curve->system->field_series;
+    clear_adjoints(curve, 1);
+    for (int i = 0; i < curve->n; i++)
+        curve->bar[tape->output[i]] += curve->tau * curve->tau / curve->system->mass[i] * x[i];
+    jet_sweep_adjoints(tape, curve->x, curve->bar, 0, 0);
+    for (int i = 0; i < curve->n; i++) out[i] += factor * curve->bar[i];
+}

@@ -1,0 +1,81 @@
+/* composed.c - half a step of a method, then half a step of its adjoint: symmetric whatever the method is. */
+#include "method/method.h"
+#include "method/stepper.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+    int n;
+    tvi_options options[2]; /* the method and its adjoint */
+    const tvi_stepper *stepper[2];
+    void *work[2];
+    double *q, *q_low, *p, *p_low; /* [n] the state between the halves */
+    double *dq, *dp;               /* [n] */
+    double *half_q, *half_p;       /* [n] increments of the first half */
+} composed;
+
+static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+{
+    composed *taken = tvi_arena_take(arena, sizeof *taken);
+    composed c = {.n = system->n, .options = {*options, tvi_options_adjoint(options)}};
+    double **const vectors[] = {&c.q, &c.q_low, &c.p, &c.p_low, &c.dq, &c.dp, &c.half_q, &c.half_p};
+    for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
+        *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
+    for (int half = 0; half < 2; half++) {
+        c.options[half].compose_adjoint = false;
+        if (taken) taken->options[half] = c.options[half]; /* the halves refer to them */
+        c.stepper[half] = tvi_method_stepper(&c.options[half]);
+        c.work[half] = c.stepper[half]->take(arena, system, taken ? &taken->options[half] : &c.options[half]);
+    }
+    if (taken) *taken = c;
+    return taken;
+}
+
+static void prepare(void *work)
+{
+    composed *c = work;
+    for (int half = 0; half < 2; half++) c->stepper[half]->prepare(c->work[half]);
+}
+
+/* (sum, low) of (x, x_low) + d. */
+static void add(int n, const double x[], const double x_low[], const double d[], double sum[], double low[])
+{
+    for (int i = 0; i < n; i++) {
+        low[i] = x_low[i];
+        sum[i] = tvi_add_compensated(x[i], &low[i], d[i]);
+    }
+}
+
+static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+{
+    composed *c = work;
+    const int n = c->n;
+    tvi_status status = c->stepper[0]->step(c->work[0], h / 2, origin, c->half_q, c->half_p, stats);
+    if (status != TVI_OK) return status;
+    const double first_tail = stats->tail;
+    add(n, origin->q, origin->q_low, c->half_q, c->q, c->q_low);
+    add(n, origin->p, origin->p_low, c->half_p, c->p, c->p_low);
+    tvi_origin middle = {origin->t, origin->t_low, c->q, c->q_low, c->p, c->p_low};
+    middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2);
+    status = c->stepper[1]->step(c->work[1], h / 2, &middle, dq, dp, stats);
+    stats->tail = fmax(stats->tail, first_tail);
+    for (int i = 0; i < n; i++) {
+        dq[i] += c->half_q[i];
+        dp[i] += c->half_p[i];
+    }
+    return status;
+}
+
+static void dense(void *work, double theta, double dq[], double dp[])
+{
+    composed *c = work;
+    const int half = theta > 0.5;
+    c->stepper[half]->dense(c->work[half], 2 * theta - half, dq, dp);
+    for (int i = 0; half && i < c->n; i++) {
+        dq[i] += c->half_q[i];
+        dp[i] += c->half_p[i];
+    }
+}
+
+const tvi_stepper tvi_stepper_composed = {take, prepare, step, dense, NULL};

@@ -1,0 +1,56 @@
+/* stepper.h - the frame of a step: what every stepper is given and returns. */
+#ifndef TVI_SRC_METHOD_STEPPER_H
+#define TVI_SRC_METHOD_STEPPER_H
+
+#include "algebra/arena.h"
+#include "system/system.h"
+
+/* a + b = sum + *rest, exactly (two-sum). */
+static inline double tvi_two_sum(double a, double b, double *rest)
+{
+    const double sum = a + b, part = sum - a;
+    *rest = (a - (sum - part)) + (b - part);
+    return sum;
+}
+
+/* (x, low) <- x + low + d: what is lost is of the size of low's roundoff. */
+static inline double tvi_add_compensated(double x, double *low, double d)
+{
+    double rest;
+    const double small = tvi_two_sum(*low, d, &rest), sum = tvi_two_sum(x, small, low);
+    *low += rest;
+    return sum;
+}
+
+/* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p +
+ * p_low). */
+typedef struct {
+    double t, t_low;
+    const double *q, *q_low, *p, *p_low;
+} tvi_origin;
+
+/* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
+enum { TVI_SAMPLES = 8 };
+extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */
+
+typedef struct {
+    /* Lays out the stepper's work in the arena; NULL while the arena only measures. What a step leaves to the next one
+     * is taken from the arena's history, which is as it was again after a step that failed, and all zeros before a
+     * step that continues no other. */
+    void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
+    /* Fills the tables of the work, once the memory is there. */
+    void (*prepare)(void *work);
+    /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
+     * dq and dp are undefined. */
+    tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
+    /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
+    void (*dense)(void *work, double theta, double dq[], double dp[]);
+    /* The states at all tvi_sample_place, from the one at the start: q, p [n][TVI_SAMPLES]. NULL: by dense, one after
+     * the other. */
+    void (*sample)(void *work, const double q_start[], const double p_start[], double *q, double *p);
+} tvi_stepper;
+
+extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_composed, tvi_stepper_verlet,
+    tvi_stepper_galerkin;
+
+#endif

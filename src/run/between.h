@@ -1,0 +1,24 @@
+/* between.h - the state inside the last step, by a step of the method of a part of its size: as good as the steps,
+ * where the curve of tvi_dense is of lower order. */
+#ifndef TVI_SRC_RUN_BETWEEN_H
+#define TVI_SRC_RUN_BETWEEN_H
+
+#include "run/integrator.h"
+
+typedef struct {
+    const tvi_integrator *steps;
+    tvi_integrator *partial; /* starts where the last step did, with what was known there, */
+    bool knows_step;         /* or what its stepper knew after it: fewer passes, and another roundoff */
+    double t, *q, *p;        /* [n] the state asked for last: */
+    long step;               /* of this step, 0 = none */
+    double part;             /* here */
+} tvi_between;
+
+TVI_NODISCARD tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps, bool knows_step);
+void tvi_between_close(tvi_between *between);
+
+/* The state `part` after the start of the last step, 0 <= part / h <= 1; its ends are those of the step, bit for bit.
+ * Fails as a step does. */
+TVI_NODISCARD tvi_status tvi_between_state(tvi_between *between, double part);
+
+#endif

@@ -1,0 +1,34 @@
+/* fingerprint.c - see fingerprint.h. */
+#include "run/fingerprint.h"
+
+#define COUNT(list) (sizeof(list) / sizeof *(list))
+
+uint64_t tvi_system_fingerprint(const tvi_system *system)
+{
+    const int numbers[] = {system->n, (int)system->form, system->inputs, system->uses_time};
+    const jet_tape *const tapes[] = {system->field_series, system->field_values, system->bend_values,
+                                     system->second_values};
+    uint64_t sum = jet_hash(JET_HASH_OF_NOTHING, numbers, sizeof numbers);
+    for (size_t i = 0; i < COUNT(tapes); i++) sum = jet_tape_hash(sum, tapes[i]);
+    for (int i = 0; i < system->seconds; i++) {
+        const int place[] = {system->second[i].row, system->second[i].column};
+        sum = jet_hash(sum, place, sizeof place);
+    }
+    const bool has_masses = system->form == TVI_SEPARABLE;
+    return jet_hash(sum, system->mass, has_masses ? (size_t)system->n * sizeof *system->mass : 0);
+}
+
+/* The fields in their order; the options have gaps between them. One that is left out is a missing initialiser. */
+#define OPTION_FIELDS(field)                                                                                           \
+    field(method) field(expansion) field(nodes) field(order) field(degree) field(compose_adjoint) field(quadrature)    \
+        field(quadrature_points) field(tolerance) field(passes) field(max_passes)
+#define VALUE(field) options->field,
+#define HASH(field)  sum = jet_hash(sum, &copy.field, sizeof copy.field);
+
+uint64_t tvi_options_fingerprint(const tvi_options *options)
+{
+    const tvi_options copy = {OPTION_FIELDS(VALUE)};
+    uint64_t sum = JET_HASH_OF_NOTHING;
+    OPTION_FIELDS(HASH)
+    return sum;
+}

@@ -1,0 +1,214 @@
+/* locate.c - a run that looks for events.
+ *
+ * From the place of a root on the curve of the step (search.h) chords lead to the zero of g on the method's own
+ * solution, steps of a part of h (between.h), so that the state of an event is as good as that of a step. */
+#include "run/between.h"
+#include "run/search.h"
+#include "algebra/sizes.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Half the distance of the points that give the slopes of the curve and of g, and the least distance that gives a
+ * chord. */
+static const double CHORD = 1e-5;
+enum { MOST_CHORDS = 12 };
+/* A guess is good where the slope leads no further, in parts of the step and of the distance from its ends. */
+static const double LEAST_WAY = 1e-6, NEAR = 1e-3;
+/* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
+ * that of the curve, relative to the state. */
+static const double REACH = 2e-9, STEEPER = 32;
+/* The states of so many events of a step are kept until they are told; those of more are found again. */
+enum { KEPT = 32 };
+
+/* States are [2n + 1]: q, p, t. */
+typedef struct {
+    tvi_search seen;
+    tvi_between between;
+    int size;              /* of a state */
+    double *base, base_at; /* the last step of a part of h, and where */
+    double *rate, reach;   /* the slope that leads on from it, and how far */
+    double *middle;        /* the state on the curve where it was taken: */
+    bool is_inside;        /* clear of the ends of the step */
+    double *trial, *kept;  /* kept: [KEPT + 1] */
+} locator;
+
+/* The slopes of the curve, s->rate, and of g along it, at theta, the middle of the chord, s->middle, and how far the
+ * zero of g is ahead. */
+static tvi_status set_slopes(locator *s, int which, double theta, double *slope, double *ahead)
+{
+    const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
+    double ga = 0, gb = 0;
+    tvi_status status = tvi_search_state(&s->seen, a, s->rate);
+    if (status == TVI_OK) status = tvi_search_value(&s->seen, which, s->rate, &ga);
+    if (status == TVI_OK) status = tvi_search_state(&s->seen, b, s->middle);
+    if (status == TVI_OK) status = tvi_search_value(&s->seen, which, s->middle, &gb);
+    *slope = (gb - ga) / (b - a);
+    *ahead = -(ga + gb) / (2 * *slope);
+    for (int i = 0; i < s->size; i++) {
+        const double low = s->rate[i], high = s->middle[i];
+        s->rate[i] = (high - low) / (b - a);
+        s->middle[i] = (low + high) / 2;
+    }
+    s->is_inside = a > 0 && b < 1; /* the slope is that at theta to the square of the chord */
+    return status;
+}
+
+/* The slopes at the root on the curve. Its guess is good where the slope leads no further than a short way, short also
+ * beside the distance from a and b. */
+static tvi_status find_on_curve(locator *s, const tvi_root *r, double *theta, double *slope)
+{
+    double ahead = 0;
+    *theta = r->guess;
+    if (r->guess > r->a + CHORD && r->guess < r->b - CHORD) {
+        const tvi_status status = set_slopes(s, r->which, r->guess, slope, &ahead);
+        if (status != TVI_OK) return status;
+        *theta += ahead;
+        for (int i = 0; i < s->size; i++) s->middle[i] += ahead * s->rate[i];
+        if (fabs(ahead) <= fmin(LEAST_WAY, NEAR * fmin(*theta - r->a, r->b - *theta))) return TVI_OK;
+    }
+    const tvi_status status = tvi_search_zero(&s->seen, r, theta);
+    return status == TVI_OK ? set_slopes(s, r->which, *theta, slope, &ahead) : status;
+}
+
+/* The curve's distance from s->base, relative to the size of what is there. */
+static double distance_of(const locator *s, int from, int count)
+{
+    double apart = 0, size = 0;
+    for (int i = from; i < from + count; i++) {
+        apart = fmax(apart, fabs(s->base[i] - s->middle[i]));
+        size = fmax(size, fabs(s->base[i]));
+    }
+    return tvi_ratio(apart, size);
+}
+
+/* The state at theta, by a step of a part of h; or from the one that such a step led to, where the curve's slope leads
+ * on without an error that shows. */
+static tvi_status near_solution(locator *s, double theta, double x[])
+{
+    const int n = s->seen.it->system->n;
+    const size_t bytes = (size_t)n * sizeof *x;
+    if (fabs(theta - s->base_at) > s->reach) {
+        const tvi_status status = tvi_between_state(&s->between, theta == 1 ? s->seen.it->h : theta * s->seen.it->h);
+        if (status != TVI_OK) return status;
+        memcpy(s->base, s->between.q, bytes);
+        memcpy(s->base + n, s->between.p, bytes);
+        const double apart = fmax(distance_of(s, 0, n), distance_of(s, n, n));
+        s->base_at = theta;
+        s->reach = s->is_inside ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
+    }
+    for (int i = 0; i < 2 * n; i++) x[i] = s->base[i] + (theta - s->base_at) * s->rate[i];
+    x[2 * n] = tvi_time_at(s->seen.it, theta);
+    return TVI_OK;
+}
+
+/* Chords from the place on the curve until |g| shrinks no more; x: the state there. The first slope is the curve's. */
+static tvi_status polish(locator *s, tvi_root *r, double x[])
+{
+    double g, slope, theta, theta_before = 0, g_before = INFINITY;
+    tvi_status status = find_on_curve(s, r, &theta, &slope);
+    s->reach = -1;
+    for (int k = 0; k < MOST_CHORDS && status == TVI_OK; k++) {
+        status = near_solution(s, theta, s->trial);
+        if (status == TVI_OK) status = tvi_search_value(&s->seen, r->which, s->trial, &g);
+        if (status != TVI_OK || !(fabs(g) < fabs(g_before))) return status;
+        if (k > 0 && fabs(theta - theta_before) > CHORD) slope = (g - g_before) / (theta - theta_before);
+        r->theta = theta_before = theta;
+        g_before = g;
+        memcpy(x, s->trial, (size_t)s->size * sizeof *x);
+        theta = fmin(fmax(theta - g / slope, 0), 1);
+        if (slope == 0 || fabs(theta - r->theta) <= DBL_EPSILON) return TVI_OK;
+    }
+    return status;
+}
+
+/* ---- The run ---------------------------------------------------------------------------------------------------- */
+
+/* In the order of time, and of the events where that is equal. */
+static void sort_roots(locator *s)
+{
+    for (int i = 1; i < s->seen.found; i++)
+        for (int j = i; j > 0 && s->seen.roots[j].theta < s->seen.roots[j - 1].theta; j--) {
+            const tvi_root later = s->seen.roots[j - 1];
+            s->seen.roots[j - 1] = s->seen.roots[j];
+            s->seen.roots[j] = later;
+        }
+}
+
+static double *kept_state(locator *s, int kept)
+{
+    return s->kept + (size_t)(kept < KEPT ? kept : KEPT) * (size_t)s->size;
+}
+
+/* Finds the events of the last step, in order. */
+static tvi_status locate_events(locator *s)
+{
+    tvi_status status = tvi_search_step(&s->seen);
+    for (int i = 0; i < s->seen.found && status == TVI_OK; i++)
+        status = polish(s, &s->seen.roots[i], kept_state(s, s->seen.roots[i].number));
+    sort_roots(s);
+    return status;
+}
+
+/* Tells the events of the last step; where one ends the run, t, q, p are its state. */
+static tvi_status tell_events(locator *s, double *t, double q[], double p[], tvi_event_observer *on_event, void *ctx)
+{
+    tvi_status status = locate_events(s);
+    const int n = s->seen.it->system->n;
+    for (int i = 0; i < s->seen.found && status == TVI_OK; i++) {
+        tvi_root *r = &s->seen.roots[i];
+        double *x = kept_state(s, r->number);
+        if (r->number >= KEPT) status = polish(s, r, x);
+        if (status != TVI_OK) return status;
+        const bool ends = on_event && on_event(r->which, x[2 * n], x, x + n, ctx) != 0;
+        if (!ends && !s->seen.of[r->which].event->terminal) continue;
+        *t = x[2 * n];
+        memcpy(q, x, (size_t)n * sizeof *q);
+        memcpy(p, x + n, (size_t)n * sizeof *p);
+        tvi_integrator_reset(s->seen.it);
+        return TVI_ESTOPPED;
+    }
+    return status;
+}
+
+static void close_locator(locator *s)
+{
+    tvi_search_close(&s->seen);
+    free(s->base);
+    if (s->between.partial) tvi_between_close(&s->between);
+}
+
+static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *const events[], int count)
+{
+    const int size = 2 * it->system->n + 1;
+    *s = (locator){.size = size};
+    const tvi_status status = tvi_search_open(&s->seen, it, events, count);
+    if (status != TVI_OK) return status;
+    s->base = calloc((size_t)size * (4 + KEPT + 1), sizeof *s->base);
+    if (!s->base) return TVI_ENOMEM;
+    double **const states[] = {&s->middle, &s->rate, &s->trial, &s->kept};
+    for (int i = 0; i < 4; i++) *states[i] = s->base + size * (i + 1);
+    return tvi_between_open(&s->between, it, true);
+}
+
+tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
+                                double *t, double q[], double p[], tvi_observer *observer, tvi_event_observer *on_event,
+                                void *ctx)
+{
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0 || count < 0 || (count > 0 && !events))
+        return TVI_EINVAL;
+    for (int which = 0; which < count; which++)
+        if (!events[which] || events[which]->n != it->system->n) return TVI_EINVAL;
+    if (count == 0) return tvi_integrate(it, h, steps, t, q, p, observer, ctx);
+    locator s;
+    tvi_status status = open_locator(&s, it, events, count);
+    for (long step = 1; step <= steps && status == TVI_OK; step++) {
+        status = tvi_step(it, h, t, q, p);
+        if (status == TVI_OK) status = tell_events(&s, t, q, p, on_event, ctx);
+        if (status == TVI_OK && observer && observer(step, *t, q, p, ctx) != 0) status = TVI_ESTOPPED;
+    }
+    close_locator(&s);
+    return status;
+}

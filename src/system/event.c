@@ -1,0 +1,85 @@
+/* event.c - records the user's event functions. */
+#include "system/event.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static tvi_status record(tvi_event *event, tvi_event_fn *g, void *ctx)
+{
+    const int n = event->n, inputs = 2 * n + 1;
+    jet *state = calloc((size_t)inputs, sizeof *state);
+    event->graph = jet_graph_create(inputs);
+    tvi_status status = state && event->graph ? TVI_OK : TVI_ENOMEM;
+    for (int i = 0; i < inputs && status == TVI_OK; i++) state[i] = jet_graph_input(event->graph, i);
+    if (status == TVI_OK) {
+        jet value = g(state, state + n, state[2 * n], ctx);
+        status = jet_graph_accept(event->graph, 1, &value);
+        jet_graph_close(event->graph);
+        if (status == TVI_OK) event->tape = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_VALUES);
+        if (status == TVI_OK && !event->tape) status = TVI_ENOMEM;
+        event->output = value;
+    }
+    free(state);
+    return status;
+}
+
+tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, bool terminal, tvi_event_fn *g, void *ctx)
+{
+    if (!out) return TVI_EINVAL;
+    *out = NULL;
+    if (n < 1 || n > TVI_MAX_DIMENSION || direction < TVI_FALLING || direction > TVI_RISING || !g) return TVI_EINVAL;
+    tvi_event *event = calloc(1, sizeof *event);
+    if (!event) return TVI_ENOMEM;
+    event->n = n;
+    event->direction = direction;
+    event->terminal = terminal;
+    const tvi_status status = record(event, g, ctx);
+    if (status == TVI_OK) *out = event;
+    else tvi_event_free(event);
+    return status;
+}
+
+void tvi_event_free(tvi_event *event)
+{
+    if (!event) return;
+    jet_tape_free(event->tape);
+    jet_graph_free(event->graph);
+    free(event);
+}
+
+tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g)
+{
+    memcpy(block, x, (2 * (size_t)event->n + 1) * sizeof *x);
+    if (!jet_sweep_values(event->tape, block, 1)) return TVI_EDOMAIN;
+    *g = block[event->tape->output[0]];
+    return isfinite(*g) ? TVI_OK : TVI_ENONFINITE;
+}
+
+/* All outputs once more, in a graph of their own: equal parts of the events are computed once. */
+static tvi_status record_again(const tvi_event *const events[], int count, jet_graph *graph, int inputs, jet jets[])
+{
+    jet *input = jets, *still = jets + inputs, *value = still + inputs, rate;
+    for (int i = 0; i < inputs; i++) {
+        input[i] = jet_graph_input(graph, i);
+        still[i] = jet_const(0);
+    }
+    for (int i = 0; i < count; i++)
+        if (!jet_lift(events[i]->graph, input, still, 1, &events[i]->output, &value[i], &rate)) return TVI_ENOMEM;
+    const tvi_status status = jet_graph_accept(graph, count, value);
+    jet_graph_close(graph);
+    return status;
+}
+
+tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count)
+{
+    const int inputs = 2 * events[0]->n + 1;
+    jet_graph *graph = jet_graph_create(inputs);
+    jet *jets = calloc(2 * (size_t)inputs + (size_t)count, sizeof *jets);
+    tvi_status status = graph && jets ? record_again(events, count, graph, inputs, jets) : TVI_ENOMEM;
+    *out = status == TVI_OK ? jet_tape_create(graph, inputs, count, jets + 2 * inputs, JET_TAPE_VALUES) : NULL;
+    if (status == TVI_OK && !*out) status = TVI_ENOMEM;
+    free(jets);
+    jet_graph_free(graph);
+    return status;
+}

@@ -1,0 +1,213 @@
+/* legendre.c - between velocities and momenta, at a point. */
+#include "system/legendre.h"
+#include "algebra/sizes.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+void tvi_legendre_take(tvi_legendre *legendre, tvi_arena *arena, const tvi_system *system)
+{
+    const size_t slots = (size_t)system->field_series->slots, n = (size_t)system->n;
+    legendre->system = system;
+    legendre->x = tvi_arena_doubles(arena, slots);
+    legendre->dx = tvi_arena_doubles(arena, slots * n);
+    legendre->correction = tvi_arena_doubles(arena, n);
+    legendre->moved = tvi_arena_doubles(arena, n);
+    legendre->value = tvi_arena_doubles(arena, n);
+    tvi_factor_take(&legendre->slope, arena, system->n);
+    tvi_roundoff_take(&legendre->roundoff, arena, system, 1);
+}
+
+void tvi_legendre_prepare(tvi_legendre *legendre)
+{
+    const jet_tape *tape = legendre->system->field_series;
+    const int n = legendre->system->n;
+    jet_tape_prepare(tape, legendre->x, 1, 1);
+    memset(legendre->dx, 0, (size_t)tape->slots * (size_t)n * sizeof *legendre->dx);
+    for (int i = 0; i < n; i++) legendre->dx[(n + i) * n + i] = 1;
+}
+
+tvi_status tvi_legendre_state(tvi_legendre *legendre, double t, const double q[], const double x[], double y[])
+{
+    const tvi_system *system = legendre->system;
+    const jet_tape *tape = system->field_series;
+    const int n = system->n;
+    if (system->form == TVI_SEPARABLE) {
+        for (int i = 0; i < n; i++) y[i] = system->mass[i] * x[i];
+        return TVI_OK;
+    }
+    memcpy(legendre->x, q, (size_t)n * sizeof *q);
+    memcpy(legendre->x + n, x, (size_t)n * sizeof *x);
+    tvi_system_set_time(system, legendre->x, 1, &t);
+    if (!jet_sweep_values(tape, legendre->x, 1)) return TVI_EDOMAIN;
+    for (int i = 0; i < n; i++) {
+        y[i] = legendre->x[tape->output[n + i]];
+        if (!isfinite(y[i])) return TVI_ENONFINITE;
+    }
+    return TVI_OK;
+}
+
+/* Factors dy/dx where the transform was last stated. */
+static tvi_status factor_slope(tvi_legendre *legendre)
+{
+    const jet_tape *tape = legendre->system->field_series;
+    const int n = legendre->system->n;
+    jet_sweep_tangents(tape, legendre->x, legendre->dx, 0, n);
+    for (int i = 0; i < n; i++)
+        memcpy(legendre->slope.lu + (size_t)i * (size_t)n, legendre->dx + (size_t)tape->output[n + i] * (size_t)n,
+               (size_t)n * sizeof(double));
+    return tvi_factor_compute(&legendre->slope);
+}
+
+static const double SOLVED = 1e-6; /* what is left of y - f(x): where a solution runs off to infinity, much is */
+enum { NEWTON_STEPS = 100, HALVINGS = 40, GROWTH_HALVINGS = 12 };
+
+/* |y - f(x)| with f(x) in legendre->value, in the maximum norm. */
+static double distance(const tvi_legendre *legendre, const double y[])
+{
+    double largest = 0;
+    for (int i = 0; i < legendre->system->n; i++) largest = fmax(largest, fabs(y[i] - legendre->value[i]));
+    return largest;
+}
+
+/* x += correction, halved until the transform has a value there that is nearer to y than `from`; at roundoff it may not
+ * be. */
+static tvi_status move(tvi_legendre *legendre, double t, const double q[], const double y[], double from, double x[])
+{
+    const int n = legendre->system->n;
+    tvi_status status = TVI_OK;
+    for (int halving = 0; halving < HALVINGS; halving++) {
+        for (int i = 0; i < n; i++) legendre->moved[i] = x[i] + legendre->correction[i];
+        status = tvi_legendre_state(legendre, t, q, legendre->moved, legendre->value);
+        if (status == TVI_OK && (distance(legendre, y) < from || halving >= GROWTH_HALVINGS)) break;
+        for (int i = 0; i < n; i++) legendre->correction[i] /= 2;
+    }
+    if (status == TVI_OK) memcpy(x, legendre->moved, (size_t)n * sizeof *x);
+    return status;
+}
+
+/* The Newton correction at x. Where the slope is singular, as for v^4 at rest, that of the identity. */
+static tvi_status find_correction(tvi_legendre *legendre, const double y[])
+{
+    const int n = legendre->system->n;
+    for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->value[i];
+    const tvi_status status = factor_slope(legendre);
+    if (status == TVI_OK) tvi_factor_solve(&legendre->slope, legendre->correction);
+    return status;
+}
+
+/* Corrections that no longer shrink are roundoff: below this part of x, or below this many units of what the roundoff
+ * of y and f(x) makes of them. */
+static const double STALLED = 1e-12;
+
+/* Whether corrections as large as `largest` are roundoff. */
+static bool is_roundoff(tvi_legendre *legendre, const double y[], double largest)
+{
+    const tvi_system *system = legendre->system;
+    tvi_roundoff *roundoff = &legendre->roundoff;
+    (void)tvi_roundoff_of_field(roundoff, system, system->field_series, legendre->x, 1);
+    for (int i = 0; i < system->n; i++)
+        legendre->moved[i] = tvi_roundoff_sign(roundoff, roundoff->change[system->n + i] + DBL_EPSILON * fabs(y[i]));
+    tvi_factor_solve(&legendre->slope, legendre->moved);
+    return largest <= TVI_ROUNDOFF_UNITS * tvi_largest(system->n, legendre->moved, 1);
+}
+
+/* Whether this correction is the last. */
+static bool is_last(tvi_legendre *legendre, const double x[], const double y[], double before, double largest)
+{
+    const double size = tvi_largest(legendre->system->n, x, 1);
+    if (largest <= DBL_EPSILON * size) return true;
+    return largest >= before && (largest <= STALLED * size || is_roundoff(legendre, y, largest));
+}
+
+tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
+{
+    const int n = legendre->system->n;
+    if (legendre->system->form == TVI_SEPARABLE) {
+        for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
+        return TVI_OK;
+    }
+    double before = INFINITY, reach = tvi_largest(n, y, 1);
+    bool was_singular = false;
+    tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
+    if (status == TVI_OK) reach = fmax(reach, tvi_largest(n, legendre->value, 1));
+    for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
+        status = find_correction(legendre, y);
+        const bool is_singular = status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0;
+        if (status != TVI_OK && !is_singular) return status;
+        was_singular |= is_singular;
+        const double largest = tvi_largest(n, legendre->correction, 1);
+        const bool last = !is_singular && is_last(legendre, x, y, before, largest);
+        before = largest;
+        status = move(legendre, t, q, y, last ? INFINITY : distance(legendre, y), x);
+        if (last && status == TVI_OK) return distance(legendre, y) <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
+    }
+    return status == TVI_OK ? TVI_ENOCONV : status;
+}
+
+tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, double tau, double t, const double q[],
+                              const double p[], double velocity[], double z[])
+{
+    const int n = system->n;
+    double *second = z + n;
+    memcpy(z, q, (size_t)n * sizeof *z);
+    switch (system->form) {
+    case TVI_SEPARABLE:
+        for (int i = 0; i < n; i++) second[i] = tau / system->mass[i] * p[i];
+        return TVI_OK;
+    case TVI_HAMILTONIAN: memcpy(second, p, (size_t)n * sizeof *second); return TVI_OK;
+    default: break;
+    }
+    const tvi_status status = tvi_legendre_solve(legendre, t, q, p, velocity);
+    for (int i = 0; i < n; i++) {
+        second[i] = tau * velocity[i];
+        if (status != TVI_OK) velocity[i] = 0; /* do not start from there again */
+    }
+    return status;
+}
+
+tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, void **memory)
+{
+    tvi_arena arena = {0};
+    tvi_legendre_take(legendre, &arena, system);
+    arena = (tvi_arena){.base = malloc(arena.used)};
+    if (!arena.base) return TVI_ENOMEM;
+    tvi_legendre_take(legendre, &arena, system);
+    if (system->form != TVI_SEPARABLE) tvi_legendre_prepare(legendre);
+    *memory = arena.base;
+    return TVI_OK;
+}
+
+enum { PROBES = 8 };
+static const double CLEARLY_REGULAR = 1e-9; /* a pivot of a singular matrix is roundoff, which may not be exactly 0 */
+
+/* At points from a fixed pseudo-random sequence in (-1, 1); a point where the function has no value tells nothing. */
+tvi_status tvi_legendre_probe(tvi_system *system)
+{
+    system->regular = true;
+    if (system->form == TVI_SEPARABLE) return TVI_OK;
+    tvi_legendre legendre;
+    void *memory;
+    const tvi_status status = tvi_legendre_create(&legendre, system, &memory);
+    double *point = malloc(3 * (size_t)system->n * sizeof *point);
+    if (status == TVI_OK && point) {
+        unsigned random = 1;
+        bool stated = false, regular = false;
+        for (int probe = 0; probe < PROBES && !regular; probe++) {
+            for (int i = 0; i < 2 * system->n; i++) {
+                random = random * 1664525u + 1013904223u;
+                point[i] = (random >> 8) * (2.0 / (1 << 24)) - 1;
+            }
+            if (tvi_legendre_state(&legendre, 0.5, point, point + system->n, point + 2 * system->n) != TVI_OK) continue;
+            stated = true;
+            regular = factor_slope(&legendre) == TVI_OK && tvi_factor_least_pivot(&legendre.slope) > CLEARLY_REGULAR;
+        }
+        system->regular = regular || !stated;
+    }
+    if (status == TVI_OK) free(memory);
+    free(point);
+    if (status != TVI_OK || !point) return TVI_ENOMEM;
+    return system->form == TVI_LAGRANGIAN && !system->regular ? TVI_ESINGULAR : TVI_OK;
+}

@@ -1,0 +1,59 @@
+/* system.h - what the steppers need of the user's problem. */
+#ifndef TVI_SRC_SYSTEM_SYSTEM_H
+#define TVI_SRC_SYSTEM_SYSTEM_H
+
+#include "tape.h"
+#include "tvi.h"
+
+/* The forms in which equations of motion reach the steppers. A Lagrangian or a Hamiltonian whose structure allows it
+ * becomes separable when it is made, and costs what a potential costs. */
+typedef enum {
+    TVI_SEPARABLE,  /* M q'' = F(q, t), M diagonal and constant */
+    TVI_LAGRANGIAN, /* d/dt L_v = L_q                           */
+    TVI_HAMILTONIAN /* q' = H_p, p' = -H_q                      */
+} tvi_form;
+
+/* The second derivative in inputs row and column, row >= column. */
+typedef struct {
+    int row, column;
+} tvi_second;
+
+/* Inputs of the field tapes, and of the energy: separable q (and t); Lagrangian q, v (and t); Hamiltonian q, p (and t).
+ * Outputs of the field: separable F; Lagrangian L_q, L_v; Hamiltonian H_q, H_p. */
+struct tvi_system {
+    int n;
+    tvi_form form;
+    int inputs;       /* q and, unless separable, v or p: where the time stands, if it is used */
+    bool uses_time;   /* the field depends on t */
+    double *mass;     /* [n], separable only */
+    bool regular;     /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
+    jet_graph *graph; /* closed; kept so that jets that outlive it are recognised, and for the lift */
+    jet *field;       /* [inputs] the outputs of the field, in the graph */
+    jet_tape *field_series;
+    jet_tape *field_values;
+    jet_tape *
+        bend_values; /* Hamiltonian: inputs q, p, t, r; outputs the gradient of r.H_p in q and p, for truncated nodes */
+    jet_tape *second_values; /* Lagrangian: outputs the field, then the second derivatives of L in (q, v) that are not 0
+                                everywhere, one of each pair */
+    tvi_second *second;      /* [seconds] which they are */
+    int seconds;
+    jet_tape *energy;   /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
+    double energy_sign; /* separable from a Lagrangian: the energy tape gives -V */
+    int energy_inputs;  /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
+};
+
+/* The lift of a system to 2n degrees of freedom: (q, p) and a tangent vector (dq, dp) that moves with it, by H_q.dq +
+ * H_p.dp or L_q.dq + L_v.dv (docs/method.md section 10). Coordinates (q, dq), momenta (dp, p). A separable system has a
+ * separable lift, too, for methods that pair no momenta with coordinates: masses twice, momenta (p, dp). The lift
+ * shares nothing with the system. *out is NULL on failure. */
+typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
+TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
+
+/* Writes the time to all lanes of order 0 of a block of a tape whose first inputs are the system's. */
+static inline void tvi_system_set_time(const tvi_system *system, double *x, int lanes, const double t[])
+{
+    if (!system->uses_time) return;
+    for (int lane = 0; lane < lanes; lane++) x[system->inputs * lanes + lane] = t[lane];
+}
+
+#endif
