@@ -15,4 +15,23 @@
     default: call(TVI_GALERKIN_MAX_LANES);                                                                             \
     }
 
+/* All lanes at once: BODY(V, blocks), with the widest vectors of which there are as many as make all lanes. */
+enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };
+#if defined(__AVX512F__)
+enum { WIDEST = 8 };
+#elif defined(__AVX__)
+enum { WIDEST = 4 };
+#else
+enum { WIDEST = 2 };
+#endif
+#define ALL_LANES(lanes, BODY)                                                                                         \
+    if (WIDEST >= 8 && lanes % 8 == 0) BODY(jet_v8, (lanes / 8))                                                       \
+    else if (WIDEST >= 4 && lanes % 4 == 0) BODY(jet_v4, (lanes / 4))                                                  \
+    else if (lanes % 2 == 0) BODY(jet_v2, (lanes / 2))                                                                 \
+    else BODY(jet_v1, lanes)
+
+/* Block k of them. */
+#define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
+#define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
+
 #endif

@@ -19,47 +19,44 @@ JET_INLINE double sum_of(const double x[], size_t count)
     return sum[0];
 }
 
-/* The block's rows of a matrix: in registers while all unknowns pass. */
-#define ROWS(V, row, matrix)                                                                                           \
-    V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
-    for (int j = 0; j < lanes; j++) row[j] = OF_VECTOR(V, matrix, j)
+/* even + odd = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
+#define SET_PRODUCT(V, blocks, matrix, impulse)                                                                        \
+    V even[MOST_BLOCKS], odd[MOST_BLOCKS] = {0};                                                                       \
+    for (int k = 0; k < (blocks); k++) even[k] = BLOCK_OF(V, matrix, k) * (impulse)[0];                                \
+    for (int k = 0; k < (blocks) && lanes > 1; k++) odd[k] = BLOCK_OF(V, (matrix) + lanes, k) * (impulse)[1];          \
+    ADD_PRODUCT(V, blocks, matrix, impulse, 2)
 
-/* sum_0 + ... += sum_j row_j drive_j: chains that do not wait for each other. */
-enum { CHAINS = 4 };
-#define ADD_PRODUCT(sum, row, drive)                                                                                   \
-    for (int j = 0; j < lanes; j++) sum[j % CHAINS] += (row)[j] * (drive)[j];
-#define TOTAL(sum) ((sum[0] + sum[1]) + (sum[2] + sum[3]))
+#define ADD_PRODUCT(V, blocks, matrix, impulse, from)                                                                  \
+    for (int j = (from); j < lanes; j++)                                                                               \
+        for (int k = 0; k < (blocks); k++)                                                                             \
+            (j % 2 ? odd : even)[k] += BLOCK_OF(V, (matrix) + j * lanes, k) * (impulse)[j];
 
-#define WEIGH(V, S) VECTOR(V, impulse, 0) = OF_VECTOR(V, nodes->weight, 0) * OF_VECTOR(V, drive, 0);
-
-/* The lanes of a block for all unknowns. */
-#define MOVE(V, S)                                                                                                     \
+#define MOVE(V, blocks)                                                                                                \
     {                                                                                                                  \
-        ROWS(V, row, matrix);                                                                                          \
         V squares = {0};                                                                                               \
-        for (int u = 0; u < unknowns; u++) {                                                                           \
-            V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, nodes->impulse + u * lanes)                                                         \
-            const V place = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                               \
-            const V change = (place - VECTOR(V, x, u)) * inverse_size[u];                                              \
-            squares += change * change;                                                                                \
-            VECTOR(V, x, u) = place;                                                                                   \
+        for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, impulse += lanes) {                              \
+            const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                            \
+            for (int k = 0; k < (blocks); k++)                                                                         \
+                BLOCK_AT(V, impulse, k) = BLOCK_OF(V, weight, k) * BLOCK_OF(V, drive, k);                              \
+            SET_PRODUCT(V, blocks, matrix, impulse)                                                                    \
+            for (int k = 0; k < (blocks); k++) {                                                                       \
+                const V place = start[u] + (BLOCK_OF(V, base, k) + scale[u] * (even[k] + odd[k]));                     \
+                const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
+                squares += change * change;                                                                            \
+                BLOCK_AT(V, x, k) = place;                                                                             \
+            }                                                                                                          \
         }                                                                                                              \
-        sum += sum_of((const double *)&squares, sizeof squares / sizeof(double));                                      \
+        sum = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                       \
     }
 
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                              int lanes)
 {
-    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
+    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size,
+                 *weight = nodes->weight;
     const int unknowns = nodes->unknowns;
-    double *x = nodes->x, sum = 0;
-    for (int u = 0; u < unknowns; u++) {
-        const double *drive = drives + (size_t)slot[u] * (size_t)lanes;
-        double *impulse = nodes->impulse + u * lanes;
-        JET_BLOCKS(lanes, WEIGH, );
-    }
-    JET_BLOCKS(lanes, MOVE, );
+    double *x = nodes->x, *impulse = nodes->impulse, sum = 0;
+    ALL_LANES(lanes, MOVE)
     return sum;
 }
 
@@ -72,25 +69,22 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
     return sum;
 }
 
-#define PREDICT(V, S)                                                                                                  \
-    {                                                                                                                  \
-        ROWS(V, row, matrix);                                                                                          \
-        ROWS(V, row_before, matrix + (steps - 1) * lanes * lanes);                                                     \
-        for (int u = 0; u < unknowns; u++) {                                                                           \
-            V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, impulses[0] + u * lanes)                                                            \
-            if (steps > 1) ADD_PRODUCT(sums, row_before, impulses[1] + u * lanes)                                      \
-            VECTOR(V, x, u) = start[u] + (OF_VECTOR(V, base, u) + scale[u] * TOTAL(sums));                             \
-        }                                                                                                              \
+#define PREDICT(V, blocks)                                                                                             \
+    for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, last += lanes, before += lanes) {                    \
+        SET_PRODUCT(V, blocks, matrix, last)                                                                           \
+        if (steps > 1) ADD_PRODUCT(V, blocks, matrix + lanes * lanes, before, 0)                                       \
+        for (int k = 0; k < (blocks); k++)                                                                             \
+            BLOCK_AT(V, x, k) = start[u] + (BLOCK_OF(V, base, k) + scale[u] * (even[k] + odd[k]));                     \
     }
 
 JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
                               const double *const impulses[], int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
+    const double *last = impulses[0], *before = impulses[steps - 1];
     const int unknowns = nodes->unknowns;
     double *x = nodes->x;
-    JET_BLOCKS(lanes, PREDICT, );
+    ALL_LANES(lanes, PREDICT)
 }
 
 static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]){
@@ -148,7 +142,8 @@ JET_INLINE void set_base_lanes(const galerkin_nodes *nodes, const double *c, con
 }
 
 static void set_base(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
-                     const double *drift_low){
+                     const double *drift_low)
+{
 #define CALL(lanes) set_base_lanes(nodes, c, low, drift, drift_low, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
@@ -161,10 +156,14 @@ static void set_base(const galerkin_nodes *nodes, const double *c, const double 
         for (int j = 0; j < lanes; j++) row[j] = *(const V *)(table + j * places + here);                              \
         for (int u = 0; u < count; u++) {                                                                              \
             V sums[CHAINS] = {0};                                                                                      \
-            ADD_PRODUCT(sums, row, impulses + (size_t)u * (size_t)lanes)                                               \
+            for (int j = 0; j < lanes; j++)                                                                            \
+                sums[j % CHAINS] += row[j] * impulses[(size_t)u * (size_t)lanes + (size_t)j];                          \
             *(V *)(out + u * places + here) = start[u] + (theta * drift[u] + scale[u] * TOTAL(sums));                  \
         }                                                                                                              \
     }
+
+enum { CHAINS = 4 };
+#define TOTAL(sum) ((sum[0] + sum[1]) + (sum[2] + sum[3]))
 
 JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
                             int lanes, int places)
