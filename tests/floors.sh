@@ -1,6 +1,7 @@
 #!/bin/sh
 # floors.sh: the includes between the floors of the house, and how many; fails on one that goes up. A file includes what
-# stands on its own floor and on those to the right of it.
+# stands on its own floor and on those to the right of it. And nothing in src/ asks which method it is: the values of
+# tvi_method and tvi_expansion stand in descriptors, and nowhere else.
 set -eu
 floors='run generating galerkin method system algebra jets'
 
@@ -14,4 +15,7 @@ done | awk -v order="$floors" '
     $2 != $3 { uses[$2 " -> " $3]++ }
     !height[$2] || !height[$3] || height[$3] > height[$2] { print $1 " goes up, to " $3; failed = 1 }
     END { for (arrow in uses) print uses[arrow], arrow | "sort -k 2"; close("sort -k 2"); exit failed || !NR }'
-! grep -nE '^ *# *include "[^"]*\.c"' src/*/*.[ch] ad/*.[ch] bench/*.[ch] bench/*/*.[ch] tests/*.[ch] tests/*/*.[ch]
+if grep -nE '^ *# *include "[^"]*\.c"' src/*/*.[ch] ad/*.[ch] bench/*.[ch] bench/*/*.[ch] tests/*.[ch] tests/*/*.[ch]; then exit 1; fi
+
+values='TVI_(TYPE[123]|POINCARE|TAYLOR|STORMER_VERLET|AT_[A-Z_]+)'
+! grep -nE "\\b$values\\b" src/*/*.[ch] | grep -vE "[{ ]\\.(method|expansion) = $values,\$"

@@ -30,6 +30,15 @@ int tvi_quadrature_order(tvi_quadrature rule, int points)
     }
 }
 
+tvi_quadrature tvi_quadrature_mirrored(tvi_quadrature rule)
+{
+    switch (rule) {
+    case TVI_RECTANGLE_START: return TVI_RECTANGLE_END;
+    case TVI_RECTANGLE_END: return TVI_RECTANGLE_START;
+    default: return rule;
+    }
+}
+
 /* P_n(x) and P_{n-1}(x) by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
 static void legendre(int n, long double x, long double *P, long double *P_before)
 {

@@ -15,6 +15,9 @@ int tvi_quadrature_least_points(tvi_quadrature rule);
 /* The order s: polynomials up to degree s - 1 are integrated exactly. */
 int tvi_quadrature_order(tvi_quadrature rule, int points);
 
+/* The rule whose nodes are those of this one with their signs changed. */
+tvi_quadrature tvi_quadrature_mirrored(tvi_quadrature rule);
+
 /* Nodes in ascending order and weights, which sum to 2; a node at an end is exactly -1 or 1, and symmetric nodes and
  * weights are equal bit for bit. */
 void tvi_quadrature_nodes(tvi_quadrature rule, int points, long double node[], long double weight[]);

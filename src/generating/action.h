@@ -5,17 +5,8 @@
 #define TVI_SRC_GENERATING_ACTION_H
 
 #include "generating/curve.h"
+#include "method/descriptor.h"
 #include "system/roundoff.h"
-
-/* Where the step's ends lie in the scaled time of a curve, and tau as a multiple of h. */
-typedef struct {
-    double from, to, tau;
-} tvi_span;
-
-typedef enum {
-    TVI_ACTION_LAGRANGE, /* h sum b_i L(q_i, v_i, t_i)                 */
-    TVI_ACTION_HAMILTON  /* h sum b_i [p_i . q'_i - H(q_i, p_i, t_i)]  */
-} tvi_action_kind;
 
 typedef struct {
     tvi_action_kind kind;

@@ -11,7 +11,7 @@
 #include "system/legendre.h"
 #include "generating/newton.h"
 #include "algebra/quadrature.h"
-#include "method/stepper.h"
+#include "method/list.h"
 
 #include <math.h>
 #include <string.h>
@@ -460,4 +460,20 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-const tvi_stepper tvi_stepper_both_ends = {take, prepare, step, dense, NULL};
+static const tvi_stepper stepper = {take, prepare, step, dense, NULL};
+
+const tvi_descriptor tvi_type1_both_ends = {
+    .method = TVI_TYPE1,
+    .expansion = TVI_AT_BOTH_ENDS,
+    .title = "type I, both ends",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"both-ends", 2, 0}, [TVI_NODES_TRUNCATED] = {"symmetric-tvi", 1, 0}},
+    .least_degree = 1,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_type1,
+    .adjoint = &tvi_type1_both_ends,
+    .quadrature = TVI_ANY_QUADRATURE,
+    .pairs_momenta = true,
+    .stepper = &stepper,
+    .predictor = &tvi_stepper_curve,
+    .curve = {.span = {0, 1, 1}},
+};

@@ -23,7 +23,7 @@ typedef struct {
     bool has_guess;
 } tvi_iteration;
 
-typedef struct {
+typedef struct tvi_closure {
     const tvi_system *system;
     int n;
     tvi_span span;
@@ -39,8 +39,6 @@ typedef struct {
     tvi_iteration iteration;                      /* instead of factors where the Jacobians are had as products */
     double *from_q, *from_p, *rise_q, *rise_p;    /* [n] the corrections */
 } tvi_closure;
-
-typedef tvi_status tvi_close_fn(tvi_closure *closure);
 
 /* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
@@ -60,9 +58,9 @@ void tvi_close_take(tvi_closure *closure, tvi_arena *arena);
 /* correction <- J^-1 correction, nearly, J = d(q-, u-)/dz of a separable system, by one product. */
 void tvi_close_correct(tvi_closure *closure, double correction[]);
 
-tvi_close_fn tvi_close_type1_start, tvi_close_type1_midpoint, tvi_close_type1_end;
-tvi_close_fn tvi_close_type2_start, tvi_close_type2_end;
-tvi_close_fn tvi_close_type3_start, tvi_close_type3_end;
-tvi_close_fn tvi_close_poincare;
+/* Type I: p0 = p- + d0 and p1 - p0 = (p+ - p-) + rise, [n] each; the curve joins q0 to q1. */
+void tvi_close_momenta(tvi_closure *closure, const double d0[], const double rise[]);
+/* Type I, expanded anywhere inside the step. */
+tvi_close_fn tvi_close_type1;
 
 #endif

@@ -1,6 +1,6 @@
 /* curve_stepper.c - the step of every method that expands one curve: predictor, residual of the passes, increments. The
- * generating function is data: where the curve is expanded, and how its equations are closed (generating.h). Without
- * passes the corrections are left out; at the start that is the plain Taylor method. */
+ * generating function is data: where the curve is expanded, and how its equations are closed (method/descriptor.h).
+ * Without passes the corrections are left out; at the start that is the plain Taylor method. */
 #include "generating/closure.h"
 #include "system/legendre.h"
 #include "method/method.h"
@@ -18,6 +18,7 @@ static const double STALE = DBL_EPSILON / 16;
 typedef struct {
     tvi_closure closure;
     tvi_close_fn *close; /* NULL: no corrections */
+    bool is_rough;
     const tvi_options *options;
     tvi_stats *stats; /* of the step at hand */
     const tvi_origin *origin;
@@ -25,56 +26,28 @@ typedef struct {
     tvi_action action;
     tvi_newton newton;
     tvi_legendre legendre;
-    tvi_combination q_back;           /* q- - Q_0 */
-    tvi_combination q_unit, z_unit;   /* the centre data a unit of scaled time later */
-    tvi_combination dense_q, dense_u; /* for one point of dense output */
-    double *z;                        /* [2n] predictor */
-    double *dz;                       /* [2n] what z lacks at the end of the passes */
-    double *z_jacobian;               /* [2n] where the Jacobians of the curve were taken */
-    bool has_jacobian;                /* they were, in the step at hand */
-    bool is_new_jacobian;             /* they were, since the corrector last asked */
-    double *p_size;                   /* [n] sum_k |P_k| */
-    double *velocity;                 /* [n] of the last predictor, Lagrangian; in the history */
-    double *shift;                    /* [n] */
+    tvi_combination q_back;             /* q- - Q_0 */
+    tvi_combination q_centre, z_centre; /* the centre data, of the curve that starts at (q0, p0) */
+    tvi_combination dense_q, dense_u;   /* for one point of dense output */
+    double *z;                          /* [2n] predictor */
+    double *dz;                         /* [2n] what z lacks at the end of the passes */
+    double *z_jacobian;                 /* [2n] where the Jacobians of the curve were taken */
+    bool has_jacobian;                  /* they were, in the step at hand */
+    bool is_new_jacobian;               /* they were, since the corrector last asked */
+    double *p_size;                     /* [n] sum_k |P_k| */
+    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
+    double *shift;                      /* [n] */
 } work;
 
-static tvi_span span_of(tvi_expansion expansion)
-{
-    switch (expansion) {
-    case TVI_AT_MIDPOINT: return (tvi_span){-1, 1, 0.5};
-    case TVI_AT_END: return (tvi_span){-1, 0, 1};
-    default: return (tvi_span){0, 1, 1};
-    }
-}
-
-static tvi_close_fn *close_of(const tvi_options *options)
-{
-    const bool start = options->expansion == TVI_AT_START, end = options->expansion == TVI_AT_END;
-    if (options->passes == TVI_PREDICT_ONLY) return NULL;
-    switch (options->method) {
-    case TVI_TYPE1: return start ? tvi_close_type1_start : end ? tvi_close_type1_end : tvi_close_type1_midpoint;
-    case TVI_TYPE2: return start ? tvi_close_type2_start : tvi_close_type2_end;
-    case TVI_TYPE3: return start ? tvi_close_type3_start : tvi_close_type3_end;
-    case TVI_POINCARE: return tvi_close_poincare;
-    default: return NULL;
-    }
-}
-
-/* Type I and II, III use q to degree N and p to degree N - 1; Poincare both to degree N. */
-static int momentum_degree(const tvi_options *options)
-{
-    return options->method == TVI_POINCARE ? options->degree : options->degree - 1;
-}
-
-static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                         bool corrects)
+static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_expanded *expanded,
+                         int degree, bool corrects)
 {
     const size_t n = (size_t)system->n;
-    const bool one_more = options->method == TVI_POINCARE && system->form == TVI_SEPARABLE; /* p_K is from Q_{K+1} */
+    const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE; /* p_N is from Q_{N+1} */
     c->system = system;
     c->n = system->n;
-    c->span = span_of(options->expansion);
-    tvi_curve_take(&c->curve, arena, system, options->degree + one_more,
+    c->span = expanded->span;
+    tvi_curve_take(&c->curve, arena, system, degree + one_more,
                    corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to, &c->q_rise, &c->q_mean,
                                              &c->u_from, &c->u_to, &c->u_rise, &c->u_mean};
@@ -88,14 +61,19 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     work *taken = tvi_arena_take(arena, sizeof *taken);
-    work w = {.close = close_of(options), .options = options, .q_degree = options->degree};
-    const bool corrects = w.close != NULL;
+    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
+    const int degree = options->degree;
     const size_t n = (size_t)system->n;
-    w.p_degree = momentum_degree(options);
-    take_closure(&w.closure, arena, system, options, corrects);
+    work w = {.close = corrects ? expanded->close : NULL,
+              .is_rough = expanded->is_rough,
+              .options = options,
+              .q_degree = degree,
+              .p_degree = expanded->has_top_momentum ? degree : degree - 1};
+    take_closure(&w.closure, arena, system, expanded, degree, corrects);
     const tvi_curve *curve = &w.closure.curve;
     const size_t seeds = ((size_t)curve->top + 1) * n;
-    tvi_combination *const combinations[] = {&w.q_back, &w.q_unit, &w.z_unit, &w.dense_q, &w.dense_u};
+    tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.dense_q, &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
@@ -108,8 +86,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.z_jacobian = tvi_arena_doubles(arena, 2 * n);
     w.p_size = tvi_arena_doubles(arena, n);
     if (corrects) {
-        const tvi_action_kind kind = options->method == TVI_TYPE1 ? TVI_ACTION_LAGRANGE : TVI_ACTION_HAMILTON;
-        tvi_action_take(&w.action, arena, system, options, kind, w.q_degree, w.p_degree, curve->top);
+        tvi_action_take(&w.action, arena, system, options, expanded->action, w.q_degree, w.p_degree, curve->top);
         tvi_newton_take(&w.newton, arena, 2 * system->n, system->n, !tvi_curve_has_products(&w.closure.curve));
         w.closure.seed_Q = tvi_arena_doubles(arena, seeds);
         w.closure.seed_U = tvi_arena_doubles(arena, seeds);
@@ -120,15 +97,16 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
-/* z_unit: tau v = sum k Q_k, but p of a Hamiltonian. */
-static void set_unit_step(work *w)
+/* z_centre: tau v = sum k Q_k s^(k-1), but p of a Hamiltonian, s = -from. */
+static void set_centre(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
     const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
-    double weight[TVI_MAX_DEGREE + 2];
-    for (int k = 0; k <= curve->top; k++) weight[k] = hamiltonian ? 1 : k;
-    tvi_combination_set(&w->z_unit, curve, hamiltonian, weight);
-    tvi_combination_set_powers(&w->q_unit, curve, false, curve->top, 1, 1, 0, 0);
+    const double s = -w->closure.span.from;
+    double weight[TVI_MAX_DEGREE + 2] = {0};
+    for (int k = 0; k <= curve->top; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
+    tvi_combination_set(&w->z_centre, curve, hamiltonian, weight);
+    tvi_combination_set_powers(&w->q_centre, curve, false, curve->top, 1, s, 0, 0);
 }
 
 static void prepare(void *taken)
@@ -147,7 +125,7 @@ static void prepare(void *taken)
         tvi_combination_set_powers(ends[of_momentum][3], &c->curve, of_momentum, degree, 0.5, to, 0.5, from);
     }
     tvi_combination_set_powers(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
-    set_unit_step(w);
+    set_centre(w);
     if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
     if (w->close) tvi_action_prepare(&w->action, c->system, w->options, c->span, c->curve.top);
 }
@@ -161,7 +139,7 @@ static tvi_status expand(work *w, const double z[], double centre)
     return tvi_curve_expand(&w->closure.curve, centre);
 }
 
-/* z at the centre: at the start, or where the curve that starts at (q0, p0) is a unit of scaled time later. */
+/* z at the centre, by the curve that starts at (q0, p0). */
 static tvi_status predict(work *w)
 {
     const tvi_origin *origin = w->origin;
@@ -169,8 +147,8 @@ static tvi_status predict(work *w)
                                            origin->p, w->velocity, w->z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
     status = expand(w, w->z, origin->t + origin->t_low);
-    tvi_curve_sum(&w->closure.curve, &w->q_unit, w->z);
-    tvi_curve_sum(&w->closure.curve, &w->z_unit, w->z + w->closure.n);
+    tvi_curve_sum(&w->closure.curve, &w->q_centre, w->z);
+    tvi_curve_sum(&w->closure.curve, &w->z_centre, w->z + w->closure.n);
     return status;
 }
 
@@ -361,10 +339,8 @@ static tvi_status correct(work *w)
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    /* types II and III, and the end, gain by much the most in the first pass; degree 0, which leaves all to the
-     * corrections, moves q and p in turns, each as little as the other was wrong */
-    const bool is_rough = w->options->method == TVI_TYPE2 || w->options->method == TVI_TYPE3 ||
-                          w->closure.span.to == 0 || w->q_degree == 0;
+    /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */
+    const bool is_rough = w->is_rough || w->q_degree == 0;
     const bool products = tvi_curve_has_products(&w->closure.curve);
     const tvi_equations equations = {.self = w,
                                      .residual = residual,

@@ -2,8 +2,9 @@
  *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),   zbar the mean of the
  * curve's ends. */
 #include "generating/closure.h"
+#include "method/list.h"
 
-tvi_status tvi_close_poincare(tvi_closure *c)
+static tvi_status close_equations(tvi_closure *c)
 {
     const tvi_status status = tvi_close_full(c, &c->q_mean, &c->u_mean);
     if (status != TVI_OK) return status;
@@ -16,3 +17,18 @@ tvi_status tvi_close_poincare(tvi_closure *c)
     }
     return TVI_OK;
 }
+
+const tvi_descriptor tvi_poincare = {
+    .method = TVI_POINCARE,
+    .expansion = TVI_AT_MIDPOINT,
+    .title = "Poincare, midpoint",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"poincare", 2, 2}},
+    .least_degree = 0,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_hamilton,
+    .adjoint = &tvi_poincare,
+    .quadrature = TVI_ANY_QUADRATURE,
+    .pairs_momenta = true,
+    .stepper = &tvi_stepper_curve,
+    .curve = {.span = {-1, 1, 0.5}, .action = TVI_ACTION_HAMILTON, .has_top_momentum = true, .close = close_equations},
+};

@@ -18,7 +18,7 @@ typedef struct {
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     composed *taken = tvi_arena_take(arena, sizeof *taken);
-    composed c = {.n = system->n, .options = {*options, tvi_options_adjoint(options)}};
+    composed c = {.n = system->n, .options = {*options, tvi_method_adjoint(options)}};
     double **const vectors[] = {&c.q, &c.q_low, &c.p, &c.p_low, &c.dq, &c.dp, &c.half_q, &c.half_p};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);

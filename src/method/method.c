@@ -1,73 +1,27 @@
-/* method.c - the methods, in one table. */
+/* method.c - the list of methods, and what options make of them. */
 #include "method/method.h"
 #include "algebra/quadrature.h"
+#include "method/list.h"
 
 #include <math.h>
 #include <string.h>
 
-/* What a method asks of a system. */
-enum { SERVES_SEPARABLE = 1, SERVES_LAGRANGIAN = 2, SERVES_REGULAR = 4, SERVES_DEGENERATE = 8 };
 enum {
-    TYPE1_SERVES = SERVES_SEPARABLE | SERVES_LAGRANGIAN | SERVES_REGULAR,
-    HAMILTON_SERVES = SERVES_SEPARABLE | SERVES_REGULAR | SERVES_DEGENERATE,
-    ALL_SERVES = TYPE1_SERVES | HAMILTON_SERVES
+    TYPE1_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_LAGRANGIAN | TVI_SERVES_REGULAR,
+    HAMILTON_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_REGULAR | TVI_SERVES_DEGENERATE
 };
+const tvi_service tvi_serves_all = {TYPE1_SERVES | HAMILTON_SERVES, NULL};
+const tvi_service tvi_serves_type1 = {
+    TYPE1_SERVES,
+    "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare"};
+const tvi_service tvi_serves_hamilton = {
+    HAMILTON_SERVES, "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian"};
 
-/* The order of degree N is slope N + offset, rounded up to an even number for symmetric methods. */
-typedef struct {
-    const char *name; /* NULL: has none */
-    tvi_method method;
-    tvi_expansion expansion;
-    tvi_nodes nodes;
-    int slope, offset;
-    bool symmetric;
-    int least_degree, most_degree;
-    int serves;
-} method_row;
-
-#define ON_CURVE  TVI_NODES_ON_CURVE
-#define TRUNCATED TVI_NODES_TRUNCATED
-#define MOST      TVI_MAX_DEGREE
-
-static const method_row method_table[] = {
-    {"tvi", TVI_TYPE1, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, TYPE1_SERVES},
-    {"start", TVI_TYPE1, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, TYPE1_SERVES},
-    {NULL, TVI_TYPE1, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, TYPE1_SERVES},
-    {"end", TVI_TYPE1, TVI_AT_END, ON_CURVE, 2, 0, false, 1, MOST, TYPE1_SERVES},
-    {NULL, TVI_TYPE1, TVI_AT_MIDPOINT, TRUNCATED, 1, 0, true, 1, MOST, TYPE1_SERVES},
-    {"midpoint", TVI_TYPE1, TVI_AT_MIDPOINT, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
-    {"symmetric-tvi", TVI_TYPE1, TVI_AT_BOTH_ENDS, TRUNCATED, 1, 0, true, 1, MOST, TYPE1_SERVES},
-    {"both-ends", TVI_TYPE1, TVI_AT_BOTH_ENDS, ON_CURVE, 2, 0, true, 1, MOST, TYPE1_SERVES},
-    {"galerkin", TVI_TYPE1, TVI_AT_NODES, ON_CURVE, 2, 0, true, 1, TVI_MAX_NODES, ALL_SERVES},
-    {"htvi-right", TVI_TYPE2, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
-    {"right", TVI_TYPE2, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
-    {NULL, TVI_TYPE2, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
-    {NULL, TVI_TYPE2, TVI_AT_END, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
-    {"htvi-left", TVI_TYPE3, TVI_AT_START, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
-    {"left", TVI_TYPE3, TVI_AT_START, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
-    {NULL, TVI_TYPE3, TVI_AT_END, TRUNCATED, 1, 0, false, 1, MOST, HAMILTON_SERVES},
-    {NULL, TVI_TYPE3, TVI_AT_END, ON_CURVE, 2, 0, false, 1, MOST, HAMILTON_SERVES},
-    {"poincare", TVI_POINCARE, TVI_AT_MIDPOINT, ON_CURVE, 2, 2, true, 0, MOST, HAMILTON_SERVES},
-    {"taylor", TVI_TAYLOR, TVI_AT_START, ON_CURVE, 1, -1, false, 2, MOST, ALL_SERVES},
-    {"stormer-verlet", TVI_STORMER_VERLET, TVI_AT_START, ON_CURVE, 0, 2, true, 1, 1, SERVES_SEPARABLE},
-};
-enum { METHOD_COUNT = sizeof method_table / sizeof *method_table };
-
-/* "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
-static const tvi_options svhd = {.method = TVI_TYPE2,
-                                 .nodes = TVI_NODES_TRUNCATED,
-                                 .degree = 1,
-                                 .order = 2,
-                                 .compose_adjoint = true,
-                                 .quadrature = TVI_TRAPEZOID};
-
-static bool has_adjoint(const method_row *row) { return row->method <= TVI_POINCARE; }
-
-static int order_of(const method_row *row, int degree, bool composed)
-{
-    const int order = row->slope * degree + row->offset;
-    return row->symmetric || composed ? order + order % 2 : order;
-}
+#define ONE(method)                   &method,
+#define WITH_ADJOINT(method, adjoint) &method, &adjoint,
+const tvi_descriptor *const tvi_methods[] = {TVI_METHOD_LIST(ONE, WITH_ADJOINT) NULL};
+static const tvi_preset *const presets[] = {&tvi_svhd};
+enum { PRESETS = sizeof presets / sizeof *presets };
 
 static tvi_status refuse(tvi_status status, const char *reason, const char **why)
 {
@@ -75,20 +29,44 @@ static tvi_status refuse(tvi_status status, const char *reason, const char **why
     return status;
 }
 
-static const method_row *find_row(const tvi_options *options)
+static int order_of(const tvi_descriptor *descriptor, const tvi_options *options, int degree)
 {
-    for (int i = 0; i < METHOD_COUNT; i++) {
-        const method_row *row = &method_table[i];
-        if (row->method == options->method && row->expansion == options->expansion && row->nodes == options->nodes)
-            return row;
-    }
+    const tvi_node_rule *rule = &descriptor->nodes[options->nodes];
+    const int order = rule->slope * degree + rule->offset;
+    return tvi_is_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
+}
+
+/* ---- From options to methods ------------------------------------------------------------------------------------- */
+
+static bool has_nodes(const tvi_descriptor *descriptor, tvi_nodes nodes)
+{
+    return descriptor->nodes[nodes].slope != 0 || descriptor->nodes[nodes].offset != 0;
+}
+
+const tvi_descriptor *tvi_method_of(const tvi_options *options)
+{
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
+        if ((*d)->method == options->method && (*d)->expansion == options->expansion && has_nodes(*d, options->nodes))
+            return *d;
     return NULL;
+}
+
+/* Values of the two types that belong to no method at all. */
+static tvi_status check_method(const tvi_options *options, const char **why)
+{
+    bool has_method = false, has_expansion = false;
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++) {
+        has_method |= (*d)->method == options->method;
+        has_expansion |= (*d)->expansion == options->expansion;
+    }
+    if (!has_method) return refuse(TVI_EINVAL, "method is not a tvi_method", why);
+    return has_expansion ? TVI_OK : refuse(TVI_EINVAL, "expansion is not a tvi_expansion", why);
 }
 
 static tvi_status check_ranges(const tvi_options *options, const char **why)
 {
-    if ((unsigned)options->method > TVI_STORMER_VERLET) return refuse(TVI_EINVAL, "method is not a tvi_method", why);
-    if ((unsigned)options->expansion > TVI_AT_NODES) return refuse(TVI_EINVAL, "expansion is not a tvi_expansion", why);
+    const tvi_status status = check_method(options, why);
+    if (status != TVI_OK) return status;
     if ((unsigned)options->nodes > TVI_NODES_TRUNCATED) return refuse(TVI_EINVAL, "nodes is not a tvi_nodes", why);
     if ((unsigned)options->quadrature > TVI_RECTANGLE_END)
         return refuse(TVI_EINVAL, "quadrature is not a tvi_quadrature", why);
@@ -104,31 +82,26 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
 }
 
 /* Why the method does not serve the system, NULL where it does. */
-static const char *misfit(const method_row *row, const tvi_system *system)
+static const char *misfit(const tvi_descriptor *descriptor, const tvi_system *system)
 {
-    const int form = system->form == TVI_SEPARABLE    ? SERVES_SEPARABLE
-                     : system->form == TVI_LAGRANGIAN ? SERVES_LAGRANGIAN
-                     : system->regular                ? SERVES_REGULAR
-                                                      : SERVES_DEGENERATE;
-    if (row->serves & form) return NULL;
-    if (row->method == TVI_STORMER_VERLET)
-        return "Stormer-Verlet needs a constant diagonal mass and a force without velocities";
-    if (form == SERVES_LAGRANGIAN)
-        return "types II, III and Poincare need the Hamiltonian: write it instead of the Lagrangian";
-    return "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare";
+    const int form = system->form == TVI_SEPARABLE    ? TVI_SERVES_SEPARABLE
+                     : system->form == TVI_LAGRANGIAN ? TVI_SERVES_LAGRANGIAN
+                     : system->regular                ? TVI_SERVES_REGULAR
+                                                      : TVI_SERVES_DEGENERATE;
+    return descriptor->serves->forms & form ? NULL : descriptor->serves->refusal;
 }
 
-static tvi_status resolve_degree(tvi_options *options, const method_row *row, const char **why)
+static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *descriptor, const char **why)
 {
-    const bool composed = options->compose_adjoint;
+    const int least = descriptor->least_degree, most = descriptor->most_degree;
     if (options->degree > 0) {
-        if (options->degree < row->least_degree || options->degree > row->most_degree)
+        if (options->degree < least || options->degree > most)
             return refuse(TVI_EINVAL, "the method has no such degree", why);
-        options->order = order_of(row, options->degree, composed);
+        options->order = order_of(descriptor, options, options->degree);
         return TVI_OK;
     }
-    for (int degree = row->least_degree; degree <= row->most_degree; degree++) {
-        if (order_of(row, degree, composed) != options->order) continue;
+    for (int degree = least; degree <= most; degree++) {
+        if (order_of(descriptor, options, degree) != options->order) continue;
         options->degree = degree;
         return TVI_OK;
     }
@@ -136,7 +109,7 @@ static tvi_status resolve_degree(tvi_options *options, const method_row *row, co
 }
 
 /* The Galerkin curve has its values at the nodes of the quadrature. */
-static tvi_status resolve_nodes(tvi_options *options, const char **why)
+static tvi_status resolve_gauss_of_degree(tvi_options *options, const char **why)
 {
     if (options->quadrature != TVI_QUADRATURE_AUTO && options->quadrature != TVI_GAUSS)
         return refuse(TVI_EUNSUPPORTED, "the Galerkin curve needs the Gauss quadrature", why);
@@ -149,7 +122,7 @@ static tvi_status resolve_nodes(tvi_options *options, const char **why)
 
 /* The quadrature, and the order that is left with it: min(order of the curve, order of the quadrature). Without a
  * number of points, one more than the order needs. */
-static tvi_status resolve_quadrature(tvi_options *options, bool order_was_asked, const char **why)
+static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_asked, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
     const int fixed = tvi_quadrature_fixed_points(options->quadrature);
@@ -175,39 +148,42 @@ tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, co
 {
     tvi_status status = check_ranges(options, why);
     if (status != TVI_OK) return status;
-    const method_row *row = find_row(options);
-    if (!row) return refuse(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
-    if (options->compose_adjoint && !has_adjoint(row))
+    const tvi_descriptor *descriptor = tvi_method_of(options);
+    if (!descriptor)
+        return refuse(TVI_EUNSUPPORTED, "the method does not exist with this expansion and node rule", why);
+    if (options->compose_adjoint && !descriptor->adjoint)
         return refuse(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
-    const char *reason = system ? misfit(row, system) : NULL;
+    const char *reason = system ? misfit(descriptor, system) : NULL;
     if (reason) return refuse(TVI_EUNSUPPORTED, reason, why);
     const bool order_was_asked = options->degree == 0;
-    status = resolve_degree(options, row, why);
-    if (status != TVI_OK || !has_adjoint(row)) return status;
-    if (row->expansion == TVI_AT_NODES) return resolve_nodes(options, why);
-    return resolve_quadrature(options, order_was_asked, why);
+    status = resolve_degree(options, descriptor, why);
+    if (status != TVI_OK) return status;
+    switch (descriptor->quadrature) {
+    case TVI_ANY_QUADRATURE: return resolve_any_quadrature(options, order_was_asked, why);
+    case TVI_GAUSS_OF_DEGREE: return resolve_gauss_of_degree(options, why);
+    default: return TVI_OK;
+    }
 }
 
 const tvi_stepper *tvi_method_stepper(const tvi_options *options)
 {
+    const tvi_descriptor *descriptor = tvi_method_of(options);
     if (options->compose_adjoint) return &tvi_stepper_composed;
-    if (options->method == TVI_STORMER_VERLET) return &tvi_stepper_verlet;
-    if (options->expansion == TVI_AT_NODES) return &tvi_stepper_galerkin;
-    const bool both_ends = options->expansion == TVI_AT_BOTH_ENDS && options->passes != TVI_PREDICT_ONLY;
-    return both_ends ? &tvi_stepper_both_ends : &tvi_stepper_curve;
+    const bool predicts = options->passes == TVI_PREDICT_ONLY && descriptor->predictor;
+    return predicts ? descriptor->predictor : descriptor->stepper;
 }
 
-tvi_options tvi_options_adjoint(const tvi_options *options)
+tvi_options tvi_method_adjoint(const tvi_options *options)
 {
-    tvi_options adjoint = *options;
-    if (options->expansion == TVI_AT_START) adjoint.expansion = TVI_AT_END;
-    if (options->expansion == TVI_AT_END) adjoint.expansion = TVI_AT_START;
-    if (options->method == TVI_TYPE2) adjoint.method = TVI_TYPE3;
-    if (options->method == TVI_TYPE3) adjoint.method = TVI_TYPE2;
-    if (options->quadrature == TVI_RECTANGLE_START) adjoint.quadrature = TVI_RECTANGLE_END;
-    if (options->quadrature == TVI_RECTANGLE_END) adjoint.quadrature = TVI_RECTANGLE_START;
-    return adjoint;
+    const tvi_descriptor *adjoint = tvi_method_of(options)->adjoint;
+    tvi_options turned = *options;
+    turned.method = adjoint->method;
+    turned.expansion = adjoint->expansion;
+    turned.quadrature = tvi_quadrature_mirrored(options->quadrature);
+    return turned;
 }
+
+/* ---- Options of the public interface ----------------------------------------------------------------------------- */
 
 tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why)
 {
@@ -216,29 +192,35 @@ tvi_status tvi_options_check(const tvi_system *system, const tvi_options *option
     return tvi_method_resolve(&resolved, system, why);
 }
 
-static tvi_status named_row(const method_row *row, int order, tvi_options *options)
+static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int order, tvi_options *options)
 {
-    const tvi_options found = {.method = row->method, .expansion = row->expansion, .nodes = row->nodes, .order = order};
+    const tvi_options found = {
+        .method = descriptor->method, .expansion = descriptor->expansion, .nodes = nodes, .order = order};
     tvi_options resolved = found;
     const tvi_status status = tvi_method_resolve(&resolved, NULL, NULL);
     if (status == TVI_OK) *options = found;
     return status;
 }
 
+static bool is_called(const char *own, const char *name) { return own && strcmp(own, name) == 0; }
+
 tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
 {
     if (!name || !options) return TVI_EINVAL;
-    for (int i = 0; i < METHOD_COUNT; i++)
-        if (method_table[i].name && strcmp(method_table[i].name, name) == 0)
-            return named_row(&method_table[i], order, options);
-    if (strcmp(name, "svhd") != 0 || order != svhd.order) return TVI_EINVAL;
-    *options = svhd;
-    return TVI_OK;
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
+        for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
+            if (is_called((*d)->nodes[nodes].name, name)) return named(*d, (tvi_nodes)nodes, order, options);
+    for (int i = 0; i < PRESETS; i++) {
+        if (!is_called(presets[i]->name, name) || order != presets[i]->options.order) continue;
+        *options = presets[i]->options;
+        return TVI_OK;
+    }
+    return TVI_EINVAL;
 }
 
 enum { DEFAULT_ORDER = 16 }; /* of least cost over the scenes (docs/choosing.md) */
 
 tvi_options tvi_options_default(void)
 {
-    return (tvi_options){.method = TVI_TYPE1, .expansion = TVI_AT_NODES, .order = DEFAULT_ORDER};
+    return (tvi_options){.method = tvi_galerkin.method, .expansion = tvi_galerkin.expansion, .order = DEFAULT_ORDER};
 }

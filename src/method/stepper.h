@@ -50,7 +50,6 @@ typedef struct {
     void (*sample)(void *work, const double q_start[], const double p_start[], double *q, double *p);
 } tvi_stepper;
 
-extern const tvi_stepper tvi_stepper_curve, tvi_stepper_both_ends, tvi_stepper_composed, tvi_stepper_verlet,
-    tvi_stepper_galerkin;
+extern const tvi_stepper tvi_stepper_curve, tvi_stepper_composed, tvi_stepper_galerkin;
 
 #endif

@@ -1,5 +1,5 @@
 /* verlet.c - Stormer-Verlet: half a kick, a drift, half a kick. */
-#include "method/stepper.h"
+#include "method/list.h"
 
 #include <string.h>
 
@@ -76,4 +76,18 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-const tvi_stepper tvi_stepper_verlet = {take, prepare, step, dense, NULL};
+static const tvi_stepper stepper = {take, prepare, step, dense, NULL};
+
+static const tvi_service service = {TVI_SERVES_SEPARABLE,
+                                    "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};
+
+const tvi_descriptor tvi_stormer_verlet = {
+    .method = TVI_STORMER_VERLET,
+    .expansion = TVI_AT_START,
+    .title = "Stormer-Verlet, start",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"stormer-verlet", 0, 2}},
+    .least_degree = 1,
+    .most_degree = 1,
+    .serves = &service,
+    .stepper = &stepper,
+};

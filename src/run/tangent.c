@@ -1,6 +1,7 @@
 /* tangent.c - the derivative of a step: D <- M D, by the same method on the lifted system (docs/method.md section 10).
  * A column is one lifted step, which forgets the one before it. */
 #include "run/integrator.h"
+#include "method/method.h"
 #include "algebra/sizes.h"
 
 #include <math.h>
@@ -28,13 +29,6 @@ void tvi_tangent_free(tvi_tangent *tangent)
     free(tangent);
 }
 
-/* Generating functions pair momenta with coordinates; the others use the field alone. */
-static tvi_lift lift_of(const tvi_options *options)
-{
-    const bool pairs = options->method <= TVI_POINCARE && options->expansion != TVI_AT_NODES;
-    return pairs ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
-}
-
 static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
 {
     const size_t n = (size_t)it->system->n;
@@ -44,7 +38,8 @@ static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
     tangent->Q = malloc(4 * n * sizeof *tangent->Q);
     if (!tangent->Q) return TVI_ENOMEM;
     tangent->P = tangent->Q + 2 * n;
-    const tvi_status status = tvi_system_lift(&tangent->system, it->system, lift_of(&it->options));
+    const tvi_lift lift = tvi_method_of(&it->options)->pairs_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
+    const tvi_status status = tvi_system_lift(&tangent->system, it->system, lift);
     if (status != TVI_OK) return status;
     tangent->paired = tangent->system->form != TVI_SEPARABLE;
     return tvi_integrator_create(&tangent->integrator, tangent->system, &it->options);

@@ -45,14 +45,14 @@ static double value_of(operation op, double a, double b, double c)
 static int add_node(formula *f, operation op, int a, int b, double c)
 {
     if (f->count == NODES_MOST) abort();
-    const node *nodes = f->nodes;
-    f->nodes[f->count] = (node){op, a, b, c, value_of(op, nodes[a].value, nodes[b].value, c)};
+    const formula_node *nodes = f->nodes;
+    f->nodes[f->count] = (formula_node){op, a, b, c, value_of(op, nodes[a].value, nodes[b].value, c)};
     return f->count++;
 }
 
 formula formula_of(int inputs, const double value[])
 {
-    formula f = {inputs, inputs, allocate(NODES_MOST, sizeof(node))};
+    formula f = {inputs, inputs, allocate(NODES_MOST, sizeof(formula_node))};
     for (int i = 0; i < inputs; i++) f.nodes[i].value = value[i];
     return f;
 }
@@ -181,7 +181,7 @@ static void add_to(formula *f, int *sum, int factor, int a)
 /* dz/da of an operation of a alone. */
 static int slope_of(formula *f, int z)
 {
-    const node x = f->nodes[z];
+    const formula_node x = f->nodes[z];
     switch (x.op) {
     case X_POW: return times(f, x.number, power(f, x.a, x.number - 1));
     case X_NEG: return number_of(f, -1);
@@ -206,7 +206,7 @@ void gradient_of(formula *f, int out, int inputs, int gradient[])
     const int minus = number_of(f, -1);
     bar[out] = number_of(f, 1);
     for (int z = out; z >= f->inputs; z--) {
-        const node x = f->nodes[z];
+        const formula_node x = f->nodes[z];
         if (!bar[z] || x.op == X_NUMBER) continue;
         if (x.op == X_ADD || x.op == X_SUB) {
             add_to(f, &bar[x.a], number_of(f, 1), bar[z]);
@@ -228,7 +228,7 @@ void gradient_of(formula *f, int out, int inputs, int gradient[])
 
 /* ---- Jets -------------------------------------------------------------------------------------------------------- */
 
-static jet jet_of(const node *x, jet a, jet b)
+static jet jet_of(const formula_node *x, jet a, jet b)
 {
     static const jet_function functions[X_COUNT] = {
         [X_NEG] = JET_NEG,   [X_SQR] = JET_SQR,   [X_SQRT] = JET_SQRT, [X_EXP] = JET_EXP,   [X_LOG] = JET_LOG,
@@ -252,13 +252,13 @@ void record(const formula *f, const jet input[], int count, const int out[], jet
     jet *jets = allocate((size_t)f->count, sizeof *jets);
     for (int i = 0; i < count; i++) needed[out[i]] = true;
     for (int z = f->count - 1; z >= f->inputs; z--) {
-        const node *x = &f->nodes[z];
+        const formula_node *x = &f->nodes[z];
         if (!needed[z] || x->op == X_NUMBER) continue;
         needed[x->a] = true;
         if (is_binary(x->op)) needed[x->b] = true;
     }
     for (int z = 0; z < f->count; z++) {
-        const node *x = &f->nodes[z];
+        const formula_node *x = &f->nodes[z];
         if (z < f->inputs) jets[z] = input[z];
         else if (needed[z]) jets[z] = jet_of(x, jets[x->a], jets[is_binary(x->op) ? x->b : x->a]);
     }
@@ -277,7 +277,7 @@ void print_formula(FILE *to, const formula *f, int out, const char *const names[
         [X_SIN] = "sin",   [X_COS] = "cos",   [X_TAN] = "tan",   [X_ASIN] = "asin", [X_ACOS] = "acos",
         [X_ATAN] = "atan", [X_SINH] = "sinh", [X_COSH] = "cosh", [X_TANH] = "tanh", [X_POW] = "pow",
     };
-    const node *x = &f->nodes[out];
+    const formula_node *x = &f->nodes[out];
     if (out < f->inputs) {
         fputs(names[out], to);
     } else if (x->op == X_NUMBER) {

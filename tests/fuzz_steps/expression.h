@@ -41,13 +41,13 @@ typedef struct {
     operation op;
     int a, b;
     double number, value; /* the value at the place where the formula was made */
-} node;
+} formula_node;
 
 enum { NODES_MOST = 6000, INPUTS_MOST = 25 };
 
 typedef struct {
     int inputs, count;
-    node *nodes; /* [NODES_MOST]; the inputs come first */
+    formula_node *nodes; /* [NODES_MOST]; the inputs come first */
 } formula;
 
 /* Of inputs that have these values; free the nodes. */

@@ -1,5 +1,7 @@
 /* problem.c - see problem.h. */
 #include "problem.h"
+#include "method/list.h"
+#include "method/method.h"
 
 #include <math.h>
 #include <stdbool.h>
@@ -176,9 +178,12 @@ tvi_options random_method(form of, const tvi_system *system, random_source *r)
 {
     tvi_options options = {0};
     tvi_integrator *integrator = NULL;
+    int count = 0;
+    while (tvi_methods[count]) count++;
     while (!integrator) {
-        options = (tvi_options){.method = (tvi_method)choose(r, TVI_STORMER_VERLET + 1),
-                                .expansion = (tvi_expansion)choose(r, TVI_AT_NODES + 1),
+        const tvi_descriptor *method = tvi_methods[choose(r, count)];
+        options = (tvi_options){.method = method->method,
+                                .expansion = method->expansion,
                                 .nodes = (tvi_nodes)choose(r, 2),
                                 .degree = 1 + choose(r, choose(r, 3) ? 4 : 9),
                                 .compose_adjoint = choose(r, 6) == 0,
@@ -210,12 +215,9 @@ void print_problem(FILE *to, const problem *x)
 
 const char *describe(const tvi_options *options)
 {
-    static const char *const method[] = {"type I", "type II", "type III", "Poincare", "Taylor", "Stormer-Verlet"};
-    static const char *const expansion[] = {"start", "midpoint", "end", "both ends", "nodes"};
     static char text[160];
-    snprintf(text, sizeof text, "%s, %s, %s, degree %d, order %d, quadrature %d with %d%s", method[options->method],
-             expansion[options->expansion], options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve",
-             options->degree, options->order, (int)options->quadrature, options->quadrature_points,
-             options->compose_adjoint ? ", composed" : "");
+    snprintf(text, sizeof text, "%s, %s, degree %d, order %d, quadrature %d with %d%s", tvi_method_of(options)->title,
+             options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve", options->degree, options->order,
+             (int)options->quadrature, options->quadrature_points, options->compose_adjoint ? ", composed" : "");
     return text;
 }

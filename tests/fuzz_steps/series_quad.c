@@ -69,7 +69,7 @@ static quad power_of(const quad *a, const quad *z, quad c, int k)
     return sum / (k * a[0]);
 }
 
-static quad coefficient(const node *x, quad (*all)[ORDERS], quad *z, int k)
+static quad coefficient(const formula_node *x, quad (*all)[ORDERS], quad *z, int k)
 {
     const quad *a = all[x->a], *b = all[x->b];
     switch (x->op) {

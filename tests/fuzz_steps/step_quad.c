@@ -1,5 +1,6 @@
 /* step_quad.c - see step_quad.h. */
 #include "step_quad.h"
+#include "method/method.h"
 
 #include "quad.h"
 
@@ -265,7 +266,8 @@ static bool solve_step(task *x, quad z[], quad q[], quad p[])
 static bool generated_step(quad_series *s, const tvi_options *options, quad h, quad t, quad q[], quad p[])
 {
     const int n = s->of->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
-    const quad from = options->expansion == TVI_AT_END ? -1 : options->expansion == TVI_AT_MIDPOINT ? (quad)-0.5 : 0;
+    const tvi_span span = tvi_method_of(options)->curve.span;
+    const quad from = span.from / ((quad)span.to - span.from);
     task x = {s, options, n, N, p_degree, size_of(n, q), t, h, from, .rule = {.points = 2}};
     quad z[DATA] = {0}, Q[COEFFICIENTS], P[COEFFICIENTS];
     x.rule = quad_method_gauss(TVI_AT_START, TVI_NODES_ON_CURVE, 1, options->quadrature_points);
@@ -378,20 +380,9 @@ static bool one_step(quad_series *s, const tvi_options *options, quad h, quad t,
     return generated_step(s, options, h, t, q, p);
 }
 
-/* Start and end change places, and so do types II and III. */
-static tvi_options adjoint_of(const tvi_options *options)
-{
-    static const tvi_expansion other[] = {TVI_AT_END, TVI_AT_MIDPOINT, TVI_AT_START, TVI_AT_BOTH_ENDS, TVI_AT_NODES};
-    tvi_options adjoint = *options;
-    adjoint.expansion = other[options->expansion];
-    if (options->method == TVI_TYPE2) adjoint.method = TVI_TYPE3;
-    if (options->method == TVI_TYPE3) adjoint.method = TVI_TYPE2;
-    return adjoint;
-}
-
 bool quad_step(quad_series *s, const tvi_options *options, quad h, quad t, quad q[], quad p[])
 {
     if (!options->compose_adjoint) return one_step(s, options, h, t, q, p);
-    const tvi_options adjoint = adjoint_of(options);
+    const tvi_options adjoint = tvi_method_adjoint(options);
     return one_step(s, options, h / 2, t, q, p) && one_step(s, &adjoint, h / 2, t + h / 2, q, p);
 }

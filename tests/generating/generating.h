@@ -4,6 +4,9 @@
 
 #include <check.h>
 
+void find_kinds(void); /* of models.h: before the suites are made */
+
+Suite *suite_methods(void);
 Suite *suite_orders(void);
 Suite *suite_adjoints(void);
 Suite *suite_forms(void);

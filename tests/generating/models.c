@@ -1,10 +1,14 @@
 /* models.c - see models.h. */
+#include "generating.h"
 #include "models.h"
+#include "method/list.h"
+#include "method/method.h"
 #include "statements.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 const model model_pendulum = {
@@ -212,21 +216,26 @@ model_path model_solution(const model *m)
 
 /* ---- Generating functions ---------------------------------------------------------------------------------------- */
 
-#define BOTH(method, expansion, symmetric)                                                                             \
-    {method, expansion, TVI_NODES_ON_CURVE, symmetric}, { method, expansion, TVI_NODES_TRUNCATED, symmetric }
+kind kinds[KINDS_MOST];
+int kind_count, all_kinds;
 
-const kind kinds[ALL_KINDS] = {
-    BOTH(TVI_TYPE1, TVI_AT_START, false),
-    BOTH(TVI_TYPE1, TVI_AT_END, false),
-    BOTH(TVI_TYPE1, TVI_AT_MIDPOINT, true),
-    BOTH(TVI_TYPE1, TVI_AT_BOTH_ENDS, true),
-    BOTH(TVI_TYPE2, TVI_AT_START, false),
-    BOTH(TVI_TYPE2, TVI_AT_END, false),
-    BOTH(TVI_TYPE3, TVI_AT_START, false),
-    BOTH(TVI_TYPE3, TVI_AT_END, false),
-    {TVI_POINCARE, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true},
-    {TVI_TYPE1, TVI_AT_NODES, TVI_NODES_ON_CURVE, true},
-};
+static void add_kinds(const tvi_descriptor *d)
+{
+    for (int nodes = TVI_NODES_ON_CURVE; nodes <= TVI_NODES_TRUNCATED; nodes++) {
+        const tvi_options options = {.method = d->method, .expansion = d->expansion, .nodes = (tvi_nodes)nodes};
+        if (tvi_method_of(&options) != d) continue;
+        if (all_kinds == KINDS_MOST) abort();
+        kinds[all_kinds++] = (kind){d->method, d->expansion, options.nodes, tvi_is_symmetric(d)};
+    }
+}
+
+void find_kinds(void)
+{
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
+        if ((*d)->adjoint && *d != &tvi_galerkin) add_kinds(*d);
+    kind_count = all_kinds;
+    add_kinds(&tvi_galerkin);
+}
 
 tvi_options kind_options(const kind *k, int degree)
 {
@@ -250,32 +259,17 @@ bool kind_serves(const kind *k, const model *m)
 
 int kind_least_degree(const kind *k) { return k->method == TVI_POINCARE ? 0 : 1; }
 
-tvi_options adjoint_of(const tvi_options *options)
-{
-    tvi_options adjoint = *options;
-    if (options->expansion == TVI_AT_START) adjoint.expansion = TVI_AT_END;
-    if (options->expansion == TVI_AT_END) adjoint.expansion = TVI_AT_START;
-    if (options->method == TVI_TYPE2) adjoint.method = TVI_TYPE3;
-    if (options->method == TVI_TYPE3) adjoint.method = TVI_TYPE2;
-    if (options->quadrature == TVI_RECTANGLE_START) adjoint.quadrature = TVI_RECTANGLE_END;
-    if (options->quadrature == TVI_RECTANGLE_END) adjoint.quadrature = TVI_RECTANGLE_START;
-    return adjoint;
-}
-
 const char *describe(const tvi_options *options)
 {
-    static const char *const method[] = {"type I", "type II", "type III", "Poincare", "Taylor", "Stormer-Verlet"};
-    static const char *const expansion[] = {"start", "midpoint", "end", "both ends", "nodes"};
     static const char *const quadrature[] = {"auto",      "Gauss",           "Lobatto",
                                              "trapezoid", "rectangle start", "rectangle end"};
     enum { TEXTS = 8 };
     static char text[TEXTS][160];
     static int next;
     char *out = text[next++ % TEXTS];
-    snprintf(out, sizeof text[0], "%s, %s, %s, degree %d, %s %d%s", method[options->method],
-             expansion[options->expansion], options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve",
-             options->degree, quadrature[options->quadrature], options->quadrature_points,
-             options->compose_adjoint ? ", composed" : "");
+    snprintf(out, sizeof text[0], "%s, %s, degree %d, %s %d%s", tvi_method_of(options)->title,
+             options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve", options->degree,
+             quadrature[options->quadrature], options->quadrature_points, options->compose_adjoint ? ", composed" : "");
     return out;
 }
 

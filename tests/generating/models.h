@@ -54,8 +54,10 @@ typedef struct {
     bool symmetric;
 } kind;
 
-extern const kind kinds[]; /* every expansion of a generating function, then the Galerkin curve */
-enum { KINDS = 17, GALERKIN = KINDS, ALL_KINDS };
+/* All that the library has, with each of their node rules: those that expand curves, then the Galerkin curve. */
+enum { KINDS_MOST = 100 };
+extern kind kinds[KINDS_MOST];
+extern int kind_count, all_kinds; /* of curves, and with the Galerkin curve, which is at kind_count */
 
 tvi_options kind_options(const kind *k, int degree);
 tvi_options kind_options_with(const kind *k, int degree, tvi_quadrature quadrature, int points);
@@ -63,9 +65,6 @@ tvi_options kind_options_with(const kind *k, int degree, tvi_quadrature quadratu
 bool kind_serves(const kind *k, const model *m);
 /* The degrees are 1, 2, ..., but Poincare begins with 0, which the options call order 2. */
 int kind_least_degree(const kind *k);
-
-/* Start and end change places, types II and III too, and the quadrature is mirrored (docs/method.md section 4). */
-tvi_options adjoint_of(const tvi_options *options);
 
 /* Text that lives until the next call but seven. */
 const char *describe(const tvi_options *options);

@@ -3,6 +3,7 @@
  * (docs/method.md section 4). */
 #include "generating.h"
 #include "models.h"
+#include "method/method.h"
 
 #include <math.h>
 
@@ -48,13 +49,13 @@ static double missed(const model *m, const tvi_options *options, const tvi_optio
 
 START_TEST(adjoint_undoes_the_step_back)
 {
-    const kind *k = &kinds[_i % KINDS];
-    const model *m = models[_i / KINDS];
+    const kind *k = &kinds[_i % kind_count];
+    const model *m = models[_i / kind_count];
     if (!kind_serves(k, m)) return;
     for (int degree = 1; degree <= DEGREES; degree++)
         for (int rule = 0; rule < RULES; rule++) {
             const tvi_options options = kind_options_with(k, degree, rules[rule].quadrature, rules[rule].points);
-            const tvi_options adjoint = adjoint_of(&options);
+            const tvi_options adjoint = tvi_method_adjoint(&options);
             const double error = missed(m, &options, &adjoint);
             ck_assert_msg(error < 1e-13, "%s, %s then %s: %.1e", m->name, describe(&options), describe(&adjoint),
                           error);
@@ -65,12 +66,12 @@ END_TEST
 /* The same method, or the adjoint without its mirrored quadrature, does not. */
 START_TEST(no_other_does)
 {
-    const kind *k = &kinds[_i % KINDS];
-    const model *m = models[_i / KINDS];
+    const kind *k = &kinds[_i % kind_count];
+    const model *m = models[_i / kind_count];
     if (!kind_serves(k, m)) return;
     const tvi_options plain = kind_options_with(k, 2, TVI_RECTANGLE_START, 1);
     const tvi_options options = kind_options(k, 2);
-    tvi_options wrong = adjoint_of(&plain);
+    tvi_options wrong = tvi_method_adjoint(&plain);
     wrong.quadrature = TVI_RECTANGLE_START;
     ck_assert_msg(missed(m, &plain, &wrong) > 1e-8, "%s, %s, not mirrored", m->name, describe(&plain));
     if (!k->symmetric) ck_assert_msg(missed(m, &options, &options) > 1e-8, "%s, %s", m->name, describe(&options));
@@ -81,13 +82,13 @@ END_TEST
 
 START_TEST(composition_is_half_a_step_and_half_of_the_adjoint)
 {
-    const kind *k = &kinds[_i % KINDS];
-    const model *m = models[_i / KINDS];
+    const kind *k = &kinds[_i % kind_count];
+    const model *m = models[_i / kind_count];
     if (!kind_serves(k, m)) return;
     for (int degree = 1; degree <= DEGREES; degree++)
         for (int rule = 0; rule < RULES; rule++) {
             tvi_options options = kind_options_with(k, degree, rules[rule].quadrature, rules[rule].points);
-            const tvi_options adjoint = adjoint_of(&options);
+            const tvi_options adjoint = tvi_method_adjoint(&options);
             tvi_system *system = model_system(m);
             test_state halves = somewhere(m), whole = halves;
             step_with(system, &options, m->h / 2, &halves);
@@ -123,8 +124,8 @@ static double return_error(const model *m, const tvi_options *options)
 /* Symmetric methods as they are, the others with their adjoints. */
 START_TEST(symmetric_methods_return)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     for (int degree = kind_least_degree(k); degree < DEGREES; degree++) {
         tvi_options options = kind_options(k, degree);
@@ -137,8 +138,8 @@ END_TEST
 
 START_TEST(others_do_not)
 {
-    const kind *k = &kinds[_i % KINDS];
-    const model *m = models[_i / KINDS];
+    const kind *k = &kinds[_i % kind_count];
+    const model *m = models[_i / kind_count];
     if (!kind_serves(k, m)) return;
     tvi_options options = kind_options_with(k, 2, k->symmetric ? TVI_RECTANGLE_END : TVI_QUADRATURE_AUTO, 0);
     const double error = return_error(m, &options);
@@ -151,11 +152,11 @@ Suite *suite_adjoints(void)
     Suite *suite = suite_create("adjoints");
     TCase *tcase = tcase_create("adjoints");
     tcase_set_timeout(tcase, 120);
-    tcase_add_loop_test(tcase, adjoint_undoes_the_step_back, 0, MODELS * KINDS);
-    tcase_add_loop_test(tcase, no_other_does, 0, MODELS * KINDS);
-    tcase_add_loop_test(tcase, composition_is_half_a_step_and_half_of_the_adjoint, 0, MODELS * KINDS);
-    tcase_add_loop_test(tcase, symmetric_methods_return, 0, MODELS * ALL_KINDS);
-    tcase_add_loop_test(tcase, others_do_not, 0, MODELS * KINDS);
+    tcase_add_loop_test(tcase, adjoint_undoes_the_step_back, 0, MODELS * kind_count);
+    tcase_add_loop_test(tcase, no_other_does, 0, MODELS * kind_count);
+    tcase_add_loop_test(tcase, composition_is_half_a_step_and_half_of_the_adjoint, 0, MODELS * kind_count);
+    tcase_add_loop_test(tcase, symmetric_methods_return, 0, MODELS * all_kinds);
+    tcase_add_loop_test(tcase, others_do_not, 0, MODELS * kind_count);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -20,8 +20,8 @@ static test_state run_with(const model *m, const tvi_options *options)
 
 START_TEST(passes_end_at_roundoff)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     for (int degree = kind_least_degree(k); degree <= DEGREES; degree++) {
         tvi_options options = kind_options(k, degree);
@@ -63,7 +63,7 @@ Suite *suite_convergence(void)
     Suite *suite = suite_create("convergence");
     TCase *tcase = tcase_create("convergence");
     tcase_set_timeout(tcase, 60);
-    tcase_add_loop_test(tcase, passes_end_at_roundoff, 0, MODELS * ALL_KINDS);
+    tcase_add_loop_test(tcase, passes_end_at_roundoff, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, passes_contract_as_measured, 0, 2);
     suite_add_tcase(suite, tcase);
     return suite;

@@ -3,6 +3,7 @@
  * equations with whole actions, no defects, solved in long double. Shares nothing with the library. */
 #include "generating.h"
 #include "models.h"
+#include "method/method.h"
 
 #include <math.h>
 #include <string.h>
@@ -542,10 +543,10 @@ static void check_step(const tvi_system *system, const method *m)
 
 START_TEST(step_is_that_of_the_definition)
 {
-    static const real centre[] = {
-        [TVI_AT_START] = 0, [TVI_AT_MIDPOINT] = 0.5L, [TVI_AT_END] = 1, [TVI_AT_BOTH_ENDS] = 0};
-    const kind *k = &kinds[_i % KINDS];
-    const int statement = _i / KINDS;
+    const kind *k = &kinds[_i % kind_count];
+    const tvi_options options = kind_options(k, 1);
+    const tvi_span span = tvi_method_of(&options)->curve.span;
+    const int statement = _i / kind_count;
     if (statement == 1 && k->method != TVI_TYPE1) return;
     tvi_system *system = stated(statement);
     for (int degree = kind_least_degree(k); degree < TOP; degree++)
@@ -556,7 +557,7 @@ START_TEST(step_is_that_of_the_definition)
                               .degree = degree,
                               .t = 0.3,
                               .h = which < RULES ? 0.0625 : 0.0117,
-                              .centre = centre[k->expansion]};
+                              .centre = -span.from / ((real)span.to - span.from)};
             check_step(system, &m);
         }
     tvi_system_free(system);
@@ -568,7 +569,7 @@ Suite *suite_definition(void)
     Suite *suite = suite_create("definition");
     TCase *tcase = tcase_create("definition");
     tcase_set_timeout(tcase, 120);
-    tcase_add_loop_test(tcase, step_is_that_of_the_definition, 0, STATEMENTS * KINDS);
+    tcase_add_loop_test(tcase, step_is_that_of_the_definition, 0, STATEMENTS * kind_count);
     suite_add_tcase(suite, tcase);
     return suite;
 }

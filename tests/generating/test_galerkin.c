@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-static tvi_options galerkin(int nodes) { return kind_options(&kinds[GALERKIN], nodes); }
+static tvi_options galerkin(int nodes) { return kind_options(&kinds[kind_count], nodes); }
 
 /* ---- Any Hamiltonian: the canonical exchange -----------------------------------------------------------------------
  */

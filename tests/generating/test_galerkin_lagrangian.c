@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-static tvi_options galerkin(int nodes) { return kind_options(&kinds[GALERKIN], nodes); }
+static tvi_options galerkin(int nodes) { return kind_options(&kinds[kind_count], nodes); }
 
 static tvi_system *lagrangian_system(int n, tvi_lagrangian_fn *lagrangian, void *ctx)
 {

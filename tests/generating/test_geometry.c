@@ -35,8 +35,8 @@ enum { RULES = sizeof rules / sizeof *rules, DEGREES = 6 };
 /* Every S(z) makes a symplectic map, whatever its quadrature. */
 START_TEST(method_is_symplectic)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     for (int degree = kind_least_degree(k); degree <= DEGREES; degree++)
         for (int rule = 0; rule < (k->expansion == TVI_AT_NODES || degree == 0 ? 1 : RULES); rule++)
@@ -60,8 +60,8 @@ END_TEST
 /* Taylor's method, and passes that have not converged (section 5), are not. */
 START_TEST(others_are_not_symplectic)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     const tvi_options taylor = options_taylor(4);
     tvi_options without = kind_options(k, 3), one = kind_options(k, 2), loose = one;
@@ -139,8 +139,8 @@ enum { MOMENTUM_ROWS = sizeof momenta / sizeof *momenta, MANY_STEPS = 2000, FEW_
 
 START_TEST(momenta_are_kept)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const int row = _i / ALL_KINDS;
+    const kind *k = &kinds[_i % all_kinds];
+    const int row = _i / all_kinds;
     const model *m = momenta[row].m;
     if (!kind_serves(k, m)) return;
     const tvi_options options = kind_options(k, 4);
@@ -248,11 +248,11 @@ Suite *suite_geometry(void)
     Suite *suite = suite_create("geometry");
     TCase *tcase = tcase_create("geometry");
     tcase_set_timeout(tcase, 240);
-    tcase_add_loop_test(tcase, method_is_symplectic, 0, MODELS * ALL_KINDS);
+    tcase_add_loop_test(tcase, method_is_symplectic, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, verlet_is_symplectic, 0, MODELS);
-    tcase_add_loop_test(tcase, others_are_not_symplectic, 0, MODELS * ALL_KINDS);
-    tcase_add_loop_test(tcase, momenta_are_kept, 0, MOMENTUM_ROWS * ALL_KINDS);
-    tcase_add_loop_test(tcase, angular_impulse_is_kept_by_symmetric_methods, 0, ALL_KINDS);
+    tcase_add_loop_test(tcase, others_are_not_symplectic, 0, MODELS * all_kinds);
+    tcase_add_loop_test(tcase, momenta_are_kept, 0, MOMENTUM_ROWS * all_kinds);
+    tcase_add_loop_test(tcase, angular_impulse_is_kept_by_symmetric_methods, 0, all_kinds);
     tcase_add_test(tcase, taylor_does_not_keep_momenta);
     tcase_add_loop_test(tcase, energy_error_has_no_trend, 0, ENERGY_ROWS);
     tcase_add_loop_test(tcase, energy_of_taylor_drifts, 0, ENERGY_ROWS);

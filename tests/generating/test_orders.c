@@ -106,8 +106,8 @@ enum { DEGREES = 5 };
 /* Truncated nodes at the start and the end: slopes between N and N + 1 for odd N. */
 START_TEST(method_has_its_order)
 {
-    const kind *k = &kinds[_i / DEGREES % ALL_KINDS];
-    const int which = _i / DEGREES / ALL_KINDS;
+    const kind *k = &kinds[_i / DEGREES % all_kinds];
+    const int which = _i / DEGREES / all_kinds;
     const model *m = models[which];
     const int degree = _i % DEGREES + kind_least_degree(k), order = order_of(k, degree);
     if (!kind_serves(k, m) || (m->most_order && order > m->most_order)) return;
@@ -222,7 +222,7 @@ Suite *suite_orders(void)
     TCase *tcase = tcase_create("orders");
     tcase_set_timeout(tcase, 120);
     tcase_add_unchecked_fixture(tcase, find_paths, NULL);
-    tcase_add_loop_test(tcase, method_has_its_order, 0, MODELS * ALL_KINDS * DEGREES);
+    tcase_add_loop_test(tcase, method_has_its_order, 0, MODELS * all_kinds * DEGREES);
     tcase_add_loop_test(tcase, quadrature_and_composition_have_their_orders, 0, ROW_MODELS * ROWS);
     tcase_add_loop_test(tcase, taylor_has_order_of_its_degree_less_one, 0, MODELS * TAYLOR_DEGREES);
     tcase_add_loop_test(tcase, errors_are_those_of_the_tables, 0, MEASURED);

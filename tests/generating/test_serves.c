@@ -76,7 +76,7 @@ static void check_service(int which, const tvi_options *options)
 START_TEST(systems_serve_methods)
 {
     const tvi_options taylor = options_taylor(4), verlet = options_verlet();
-    for (int k = 0; k < ALL_KINDS; k++) {
+    for (int k = 0; k < all_kinds; k++) {
         tvi_options options = kind_options(&kinds[k], 3);
         check_service(_i, &options);
         options.compose_adjoint = !kinds[k].symmetric;
@@ -246,7 +246,7 @@ Suite *suite_serves(void)
     tcase_add_loop_test(tcase, default_serves_every_system, 0, SYSTEMS);
     tcase_add_loop_test(tcase, names_are_methods, 0, NAMES);
     tcase_add_loop_test(tcase, singular_lagrangians_are_refused, 0, 4);
-    tcase_add_loop_test(tcase, singular_places_fail_at_the_step, 0, KINDS);
+    tcase_add_loop_test(tcase, singular_places_fail_at_the_step, 0, kind_count);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -112,8 +112,8 @@ static void check_differences(const model *m, const tvi_options *options)
  * the lift of a separable system has another predictor than the system. */
 START_TEST(map_is_the_derivative_of_the_step)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     const bool predicts_alike = !m->problem || k->expansion == TVI_AT_START || k->expansion == TVI_AT_NODES;
     if (!kind_serves(k, m)) return;
     for (int degree = 1; degree <= 3; degree++) {
@@ -221,8 +221,8 @@ static jet heavy(const jet q[], const jet p[], jet t, void *ctx)
 START_TEST(masses_reach_the_lift)
 {
     const model m = {.name = "heavy", .n = 2, .with = WITH_ALL, .hamiltonian = heavy, .h = 0.1};
-    const tvi_options options = _i < ALL_KINDS    ? kind_options(&kinds[_i], 3)
-                                : _i == ALL_KINDS ? options_taylor(5)
+    const tvi_options options = _i < all_kinds    ? kind_options(&kinds[_i], 3)
+                                : _i == all_kinds ? options_taylor(5)
                                                   : options_verlet();
     check_differences(&m, &options);
 }
@@ -239,8 +239,8 @@ static void tangent_step(const runs *r, double h, test_state *x, double D[], int
 /* Over two steps of different size D becomes M(h2) M(h1); and for a symmetric method, back again the identity. */
 START_TEST(maps_multiply)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     const tvi_options options = kind_options(k, 3);
     runs r = open_runs(m, &options);
@@ -269,8 +269,8 @@ END_TEST
  * large columns too; and 0 stays 0. */
 START_TEST(columns_are_alone)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     enum { COLUMNS = 4 };
     static const double factor[COLUMNS] = {1, 0x1p-300, 0x1p300, 0};
@@ -297,8 +297,8 @@ END_TEST
 /* Nothing is carried from step to step: an integrator that knows no step before gives the same D, bit for bit. */
 START_TEST(steps_are_alone)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     const tvi_options options = kind_options(k, 3);
     runs r = open_runs(m, &options);
@@ -396,8 +396,8 @@ static bool same_bits(int n, const test_state *a, const test_state *b)
 /* Bit for bit what tvi_step makes, step after step, the low-order parts, dense output and counts too. */
 START_TEST(step_is_the_step)
 {
-    const kind *k = &kinds[_i % ALL_KINDS];
-    const model *m = models[_i / ALL_KINDS];
+    const kind *k = &kinds[_i % all_kinds];
+    const model *m = models[_i / all_kinds];
     if (!kind_serves(k, m)) return;
     const tvi_options options = kind_options(k, 4);
     runs plain = open_runs(m, &options), with = open_runs(m, &options);
@@ -477,19 +477,19 @@ Suite *suite_tangent_map(void)
     Suite *suite = suite_create("tangent map");
     TCase *tcase = tcase_create("tangent map");
     tcase_set_timeout(tcase, 240);
-    tcase_add_loop_test(tcase, map_is_the_derivative_of_the_step, 0, MODELS * ALL_KINDS);
+    tcase_add_loop_test(tcase, map_is_the_derivative_of_the_step, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, map_of_other_methods, 0, MODELS);
     tcase_add_loop_test(tcase, verlet_on_the_chain, 0, 2);
     tcase_add_loop_test(tcase, midpoint_rule_on_the_oscillator, 0, 2);
-    tcase_add_loop_test(tcase, masses_reach_the_lift, 0, ALL_KINDS + 2);
-    tcase_add_loop_test(tcase, maps_multiply, 0, MODELS * ALL_KINDS);
-    tcase_add_loop_test(tcase, columns_are_alone, 0, MODELS * ALL_KINDS);
-    tcase_add_loop_test(tcase, steps_are_alone, 0, MODELS * ALL_KINDS);
-    tcase_add_loop_test(tcase, momentum_maps_are_kept, 0, ALL_KINDS);
+    tcase_add_loop_test(tcase, masses_reach_the_lift, 0, all_kinds + 2);
+    tcase_add_loop_test(tcase, maps_multiply, 0, MODELS * all_kinds);
+    tcase_add_loop_test(tcase, columns_are_alone, 0, MODELS * all_kinds);
+    tcase_add_loop_test(tcase, steps_are_alone, 0, MODELS * all_kinds);
+    tcase_add_loop_test(tcase, momentum_maps_are_kept, 0, all_kinds);
     tcase_add_test(tcase, defect_is_measured);
     tcase_add_test(tcase, chaos_shows);
-    tcase_add_loop_test(tcase, step_is_the_step, 0, MODELS * ALL_KINDS);
-    tcase_add_loop_test(tcase, failures_leave_all_as_it_was, 0, ALL_KINDS);
+    tcase_add_loop_test(tcase, step_is_the_step, 0, MODELS * all_kinds);
+    tcase_add_loop_test(tcase, failures_leave_all_as_it_was, 0, all_kinds);
     suite_add_tcase(suite, tcase);
     return suite;
 }

@@ -1,5 +1,7 @@
 /* methods.c - see methods.h. */
 #include "methods.h"
+#include "method/list.h"
+#include "method/method.h"
 
 #include <check.h>
 #include <stdarg.h>
@@ -31,45 +33,30 @@ static void add_method(const tvi_system *system, int degree, tvi_options options
 
 void add_methods(const tvi_system *system, int count, const int degrees[], bool composed, method_list *list)
 {
-    for (int method = TVI_TYPE1; method <= TVI_STORMER_VERLET; method++)
-        for (int expansion = TVI_AT_START; expansion <= TVI_AT_NODES; expansion++)
-            for (int nodes = TVI_NODES_ON_CURVE; nodes <= TVI_NODES_TRUNCATED; nodes++)
-                for (int k = 0; k < count; k++) {
-                    const tvi_options options = {.method = (tvi_method)method,
-                                                 .expansion = (tvi_expansion)expansion,
-                                                 .nodes = (tvi_nodes)nodes,
-                                                 .compose_adjoint = composed};
-                    add_method(system, degrees[k], options, list);
-                }
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
+        for (int nodes = TVI_NODES_ON_CURVE; nodes <= TVI_NODES_TRUNCATED; nodes++)
+            for (int k = 0; k < count; k++) {
+                const tvi_options options = {.method = (*d)->method,
+                                             .expansion = (*d)->expansion,
+                                             .nodes = (tvi_nodes)nodes,
+                                             .compose_adjoint = composed};
+                add_method(system, degrees[k], options, list);
+            }
     tvi_options svhd;
     if (composed && tvi_options_named("svhd", 2, &svhd) == TVI_OK) add_method(system, 1, svhd, list);
 }
 
 bool is_symmetric(const tvi_options *options)
 {
-    const tvi_options adjoint = adjoint_of(options);
     return options->compose_adjoint || options->method == TVI_STORMER_VERLET ||
-           (options->method != TVI_TAYLOR && adjoint.expansion == options->expansion);
-}
-
-/* Start and end change places, and so do types II and III (docs/method.md section 4). */
-tvi_options adjoint_of(const tvi_options *options)
-{
-    tvi_options adjoint = *options;
-    if (options->expansion == TVI_AT_START) adjoint.expansion = TVI_AT_END;
-    if (options->expansion == TVI_AT_END) adjoint.expansion = TVI_AT_START;
-    if (options->method == TVI_TYPE2) adjoint.method = TVI_TYPE3;
-    if (options->method == TVI_TYPE3) adjoint.method = TVI_TYPE2;
-    return adjoint;
+           tvi_is_symmetric(tvi_method_of(options));
 }
 
 const char *describe(const tvi_options *options)
 {
-    static const char *const method[] = {"type I", "type II", "type III", "Poincare", "Taylor", "Stormer-Verlet"};
-    static const char *const expansion[] = {"start", "midpoint", "end", "both ends", "nodes"};
     static char text[160];
     const bool by_order = options->degree == 0;
-    snprintf(text, sizeof text, "%s, %s, %s, %s %d%s", method[options->method], expansion[options->expansion],
+    snprintf(text, sizeof text, "%s, %s, %s %d%s", tvi_method_of(options)->title,
              options->nodes == TVI_NODES_TRUNCATED ? "truncated" : "on-curve", by_order ? "order" : "degree",
              by_order ? options->order : options->degree, options->compose_adjoint ? ", composed" : "");
     return text;

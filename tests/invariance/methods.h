@@ -12,12 +12,11 @@ typedef struct {
     tvi_options options[METHODS_MOST];
 } method_list;
 
-/* Every combination of method, expansion and node rule that tvi_options_check accepts for the system, with each of the
+/* Every method of the library with every node rule that tvi_options_check accepts for the system, with each of the
  * degrees; composed: composed with its adjoint, "svhd" among them. Added to the list. */
 void add_methods(const tvi_system *system, int count, const int degrees[], bool composed, method_list *list);
 
 bool is_symmetric(const tvi_options *options);
-tvi_options adjoint_of(const tvi_options *options);
 
 /* Text that lives until the next call. */
 const char *describe(const tvi_options *options);

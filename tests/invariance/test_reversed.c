@@ -2,6 +2,7 @@
  * their adjoints, in every frame and at every amplitude. */
 #include "invariance.h"
 #include "methods.h"
+#include "method/method.h"
 #include "motions.h"
 
 #include <float.h>
@@ -46,7 +47,8 @@ START_TEST(methods_return)
         const double growth = growth_of(&s, STEPS);
         for (int i = 0; i < list.count; i++) {
             if (list.options[i].method == TVI_TAYLOR || is_known_limit(&s, &list.options[i])) continue;
-            const tvi_options back = is_symmetric(&list.options[i]) ? list.options[i] : adjoint_of(&list.options[i]);
+            const tvi_options back =
+                is_symmetric(&list.options[i]) ? list.options[i] : tvi_method_adjoint(&list.options[i]);
             const double error = missed(&s, system, &list.options[i], &back);
             if (!(error <= growth * (2 * STEPS + 1)))
                 complain(&c, "%s: %.1e units of roundoff\n", describe(&list.options[i]), error);

@@ -1,0 +1,16 @@
+/* taylor.c - the plain Taylor method: the curve from the start to the end of the step, of order N - 1 in p, and nothing
+ * else. It is explicit and not symplectic. */
+#include "generating/closure.h"
+#include "method/list.h"
+
+const tvi_descriptor tvi_taylor = {
+    .method = TVI_TAYLOR,
+    .expansion = TVI_AT_START,
+    .title = "Taylor, start",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"taylor", 1, -1}},
+    .least_degree = 2,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_all,
+    .stepper = &tvi_stepper_curve,
+    .curve = {.span = {0, 1, 1}},
+};

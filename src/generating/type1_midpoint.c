@@ -1,0 +1,19 @@
+/* type1_midpoint.c - type I, Ld(q0, q1), expanded at the midpoint (docs/method.md section 4): q- = q0, q1 = q+,
+ * p0 = p- + d0, p1 = p+ + d1 with G+^T d1 - G-^T d0 = D_z. */
+#include "generating/closure.h"
+#include "method/list.h"
+
+const tvi_descriptor tvi_type1_midpoint = {
+    .method = TVI_TYPE1,
+    .expansion = TVI_AT_MIDPOINT,
+    .title = "type I, midpoint",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"midpoint", 2, 0}, [TVI_NODES_TRUNCATED] = {NULL, 1, 0}},
+    .least_degree = 1,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_type1,
+    .adjoint = &tvi_type1_midpoint,
+    .quadrature = TVI_ANY_QUADRATURE,
+    .pairs_momenta = true,
+    .stepper = &tvi_stepper_curve,
+    .curve = {.span = {-1, 1, 0.5}, .action = TVI_ACTION_LAGRANGE, .close = tvi_close_type1},
+};

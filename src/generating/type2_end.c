@@ -1,0 +1,34 @@
+/* type2_end.c - type II, Hd+(q0, p1), the right discrete Hamiltonian, at the end (docs/method.md section 4). */
+#include "generating/closure.h"
+#include "method/list.h"
+
+/* z = (w, p1), q- = q0, p1 = p+:  (q-_w)^T d0 = -D_w,  p0 = p- + d0,  q1 = w - D_p - (q-_p)^T d0. */
+static tvi_status close_equations(tvi_closure *c)
+{
+    const int n = c->n;
+    double *minus_d0 = c->D, *rise_u = c->D + n;
+    const tvi_status status = tvi_close_half(c, &c->q_from, TVI_FIRST);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < n; i++) {
+        c->from_q[i] = 0;
+        c->from_p[i] = -minus_d0[i];
+        c->rise_q[i] = -c->curve.kappa[i] * rise_u[i];
+        c->rise_p[i] = minus_d0[i];
+    }
+    return TVI_OK;
+}
+
+const tvi_descriptor tvi_type2_end = {
+    .method = TVI_TYPE2,
+    .expansion = TVI_AT_END,
+    .title = "type II, end",
+    .nodes = {[TVI_NODES_ON_CURVE] = {NULL, 2, 0}, [TVI_NODES_TRUNCATED] = {NULL, 1, 0}},
+    .least_degree = 1,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_hamilton,
+    .adjoint = &tvi_type3_start,
+    .quadrature = TVI_ANY_QUADRATURE,
+    .pairs_momenta = true,
+    .stepper = &tvi_stepper_curve,
+    .curve = {.span = {-1, 0, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+};

@@ -1,0 +1,43 @@
+/* type2_start.c - type II, Hd+(q0, p1), the right discrete Hamiltonian, at the start (docs/method.md section 4). */
+#include "generating/closure.h"
+#include "method/list.h"
+
+/* z = (q0, w), p1 = p+:  (p+_w)^T l = -D_w,  q1 = q+ + l,  p0 = p- - D_q - (p+_q)^T l. With u = kappa p: l / kappa. */
+static tvi_status close_equations(tvi_closure *c)
+{
+    const int n = c->n;
+    double *from_p = c->D, *minus_l = c->D + n;
+    const tvi_status status = tvi_close_half(c, &c->u_to, TVI_SECOND);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < n; i++) {
+        c->from_q[i] = 0;
+        c->from_p[i] = -from_p[i];
+        c->rise_q[i] = -c->curve.kappa[i] * minus_l[i];
+        c->rise_p[i] = from_p[i];
+    }
+    return TVI_OK;
+}
+
+const tvi_descriptor tvi_type2_start = {
+    .method = TVI_TYPE2,
+    .expansion = TVI_AT_START,
+    .title = "type II, start",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"right", 2, 0}, [TVI_NODES_TRUNCATED] = {"htvi-right", 1, 0}},
+    .least_degree = 1,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_hamilton,
+    .adjoint = &tvi_type3_end,
+    .quadrature = TVI_ANY_QUADRATURE,
+    .pairs_momenta = true,
+    .stepper = &tvi_stepper_curve,
+    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+};
+
+const tvi_preset tvi_svhd = {"svhd",
+                             {.method = TVI_TYPE2,
+                              .expansion = TVI_AT_START,
+                              .nodes = TVI_NODES_TRUNCATED,
+                              .degree = 1,
+                              .order = 2,
+                              .compose_adjoint = true,
+                              .quadrature = TVI_TRAPEZOID}};

@@ -1,0 +1,34 @@
+/* type3_end.c - type III, Hd-(q1, p0), the left discrete Hamiltonian, at the end (docs/method.md section 4). */
+#include "generating/closure.h"
+#include "method/list.h"
+
+/* z = (q1, w), p- = p0:  (p-_w)^T l = D_w,  q0 = q- + l,  p1 = w + D_q - (p-_q)^T l. */
+static tvi_status close_equations(tvi_closure *c)
+{
+    const int n = c->n;
+    double *rise_p = c->D, *l = c->D + n;
+    const tvi_status status = tvi_close_half(c, &c->u_from, TVI_SECOND);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < n; i++) {
+        c->from_q[i] = c->curve.kappa[i] * l[i];
+        c->from_p[i] = 0;
+        c->rise_q[i] = -c->from_q[i];
+        c->rise_p[i] = rise_p[i];
+    }
+    return TVI_OK;
+}
+
+const tvi_descriptor tvi_type3_end = {
+    .method = TVI_TYPE3,
+    .expansion = TVI_AT_END,
+    .title = "type III, end",
+    .nodes = {[TVI_NODES_ON_CURVE] = {NULL, 2, 0}, [TVI_NODES_TRUNCATED] = {NULL, 1, 0}},
+    .least_degree = 1,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_hamilton,
+    .adjoint = &tvi_type2_start,
+    .quadrature = TVI_ANY_QUADRATURE,
+    .pairs_momenta = true,
+    .stepper = &tvi_stepper_curve,
+    .curve = {.span = {-1, 0, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+};

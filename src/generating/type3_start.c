@@ -1,0 +1,34 @@
+/* type3_start.c - type III, Hd-(q1, p0), the left discrete Hamiltonian, at the start (docs/method.md section 4). */
+#include "generating/closure.h"
+#include "method/list.h"
+
+/* z = (w, p0), q1 = q+:  (q+_w)^T d = D_w,  p1 = p+ + d,  q0 = w + D_p - (q+_p)^T d. */
+static tvi_status close_equations(tvi_closure *c)
+{
+    const int n = c->n;
+    double *d = c->D, *from_u = c->D + n;
+    const tvi_status status = tvi_close_half(c, &c->q_to, TVI_FIRST);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < n; i++) {
+        c->from_q[i] = c->curve.kappa[i] * from_u[i];
+        c->from_p[i] = 0;
+        c->rise_q[i] = -c->from_q[i];
+        c->rise_p[i] = d[i];
+    }
+    return TVI_OK;
+}
+
+const tvi_descriptor tvi_type3_start = {
+    .method = TVI_TYPE3,
+    .expansion = TVI_AT_START,
+    .title = "type III, start",
+    .nodes = {[TVI_NODES_ON_CURVE] = {"left", 2, 0}, [TVI_NODES_TRUNCATED] = {"htvi-left", 1, 0}},
+    .least_degree = 1,
+    .most_degree = TVI_MAX_DEGREE,
+    .serves = &tvi_serves_hamilton,
+    .adjoint = &tvi_type2_end,
+    .quadrature = TVI_ANY_QUADRATURE,
+    .pairs_momenta = true,
+    .stepper = &tvi_stepper_curve,
+    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+};

@@ -1,0 +1,27 @@
+/* list.h - the methods, a line each: one that is symmetric or has no adjoint, or one and its adjoint. */
+#ifndef TVI_SRC_METHOD_LIST_H
+#define TVI_SRC_METHOD_LIST_H
+
+#include "method/descriptor.h"
+
+#define TVI_METHOD_LIST(ONE, WITH_ADJOINT)                                                                             \
+    WITH_ADJOINT(tvi_type1_start, tvi_type1_end)                                                                       \
+    ONE(tvi_type1_midpoint)                                                                                            \
+    ONE(tvi_type1_both_ends)                                                                                           \
+    ONE(tvi_galerkin)                                                                                                  \
+    WITH_ADJOINT(tvi_type2_start, tvi_type3_end)                                                                       \
+    WITH_ADJOINT(tvi_type3_start, tvi_type2_end)                                                                       \
+    ONE(tvi_poincare)                                                                                                  \
+    ONE(tvi_taylor)                                                                                                    \
+    ONE(tvi_stormer_verlet)
+
+#define TVI_DECLARE_ONE(method)                   extern const tvi_descriptor method;
+#define TVI_DECLARE_WITH_ADJOINT(method, adjoint) extern const tvi_descriptor method, adjoint;
+TVI_METHOD_LIST(TVI_DECLARE_ONE, TVI_DECLARE_WITH_ADJOINT)
+
+extern const tvi_descriptor *const tvi_methods[]; /* all of them; NULL ends */
+
+/* "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
+extern const tvi_preset tvi_svhd;
+
+#endif

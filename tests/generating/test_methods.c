@@ -1,0 +1,89 @@
+/* test_methods.c - the library's list of methods: every descriptor is whole, and those of docs/method.md section 3 are
+ * there. */
+#include "generating.h"
+#include "models.h"
+#include "method/list.h"
+#include "method/method.h"
+
+#include <string.h>
+
+static bool expands(const tvi_descriptor *d) { return d->curve.close != NULL; }
+
+/* A member that was forgotten is 0. */
+START_TEST(descriptors_are_whole)
+{
+    for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
+        const tvi_descriptor *d = *at, *adjoint = d->adjoint;
+        ck_assert_ptr_nonnull(d->title);
+        ck_assert_msg(d->serves && d->stepper && (d->nodes[0].slope || d->nodes[0].offset), "%s", d->title);
+        ck_assert_msg(0 <= d->least_degree && d->least_degree <= d->most_degree, "%s", d->title);
+        ck_assert_msg(!adjoint == (d->quadrature == TVI_NO_QUADRATURE), "%s", d->title);
+        ck_assert_msg(!adjoint || adjoint->adjoint == d, "%s", d->title);
+        ck_assert_msg(d->quadrature != TVI_ANY_QUADRATURE || d->pairs_momenta, "%s", d->title);
+        ck_assert_msg(d->quadrature != TVI_ANY_QUADRATURE || d->most_degree == TVI_MAX_DEGREE, "%s", d->title);
+        ck_assert_msg(!expands(d) || (adjoint && d->curve.span.to > d->curve.span.from), "%s", d->title);
+    }
+}
+END_TEST
+
+/* What belongs to the same place of the step, seen from its other end. */
+START_TEST(adjoints_are_mirrored)
+{
+    for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
+        const tvi_descriptor *d = *at, *adjoint = d->adjoint;
+        if (!expands(d)) continue;
+        const tvi_span a = d->curve.span, b = adjoint->curve.span;
+        ck_assert_msg(a.from == -b.to && a.to == -b.from && a.tau == b.tau, "%s", d->title);
+        ck_assert_double_eq_tol((a.to - a.from) * a.tau, 1, 1e-15);
+        ck_assert_msg(d->curve.action == adjoint->curve.action && d->serves == adjoint->serves, "%s", d->title);
+        ck_assert_mem_eq(&d->nodes[0].slope, &adjoint->nodes[0].slope, 2 * sizeof(int));
+    }
+}
+END_TEST
+
+/* Where the paper, and section 3, expand: the part of the step before the centre. */
+static const struct {
+    tvi_method method;
+    tvi_expansion expansion;
+    double before;
+} places[] = {
+    {TVI_TYPE1, TVI_AT_START, 0},     {TVI_TYPE1, TVI_AT_END, 1},   {TVI_TYPE1, TVI_AT_MIDPOINT, 0.5},
+    {TVI_TYPE1, TVI_AT_BOTH_ENDS, 0}, {TVI_TYPE2, TVI_AT_START, 0}, {TVI_TYPE2, TVI_AT_END, 1},
+    {TVI_TYPE3, TVI_AT_START, 0},     {TVI_TYPE3, TVI_AT_END, 1},   {TVI_POINCARE, TVI_AT_MIDPOINT, 0.5},
+};
+enum { PLACES = sizeof places / sizeof *places };
+
+START_TEST(curves_are_expanded_where_they_are_called)
+{
+    const tvi_options options = {.method = places[_i].method, .expansion = places[_i].expansion};
+    const tvi_descriptor *d = tvi_method_of(&options);
+    ck_assert_ptr_nonnull(d);
+    ck_assert_double_eq(-d->curve.span.from * d->curve.span.tau, places[_i].before);
+}
+END_TEST
+
+/* Each name leads to its own method. */
+START_TEST(names_are_their_own)
+{
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
+        for (int nodes = TVI_NODES_ON_CURVE; nodes <= TVI_NODES_TRUNCATED; nodes++) {
+            const char *name = (*d)->nodes[nodes].name;
+            tvi_options options = {.order = 0};
+            for (int order = 1; name && order <= 2 && options.order == 0; order++)
+                (void)!tvi_options_named(name, order, &options);
+            ck_assert_msg(!name || (tvi_method_of(&options) == *d && (int)options.nodes == nodes), "%s", name);
+        }
+}
+END_TEST
+
+Suite *suite_methods(void)
+{
+    Suite *suite = suite_create("methods");
+    TCase *tcase = tcase_create("methods");
+    tcase_add_test(tcase, descriptors_are_whole);
+    tcase_add_test(tcase, adjoints_are_mirrored);
+    tcase_add_loop_test(tcase, curves_are_expanded_where_they_are_called, 0, PLACES);
+    tcase_add_test(tcase, names_are_their_own);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
