@@ -121,7 +121,8 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
     if (!it) return TVI_EINVAL;
     it->has_dense = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
-    if (!is_continued(it, *t, q, p)) {
+    it->continued = is_continued(it, *t, q, p);
+    if (!it->continued) {
         if (!isfinite(*t) || !tvi_all_finite(it->system->n, q) || !tvi_all_finite(it->system->n, p))
             return TVI_ENONFINITE;
         tvi_arena_copy(it->history, NULL, it->remembered);

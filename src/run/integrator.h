@@ -25,6 +25,7 @@ struct tvi_integrator {
     tvi_last_step *last;         /* in the history, as are */
     double *q, *p, *q_low, *p_low; /* [n] */
     bool has_dense;                /* the work holds the last step */
+    bool continued;                /* it began with what the one before it returned */
     double h;                      /* its size, and where it started */
     double t_start, t_start_low, *q_start, *p_start;
     double *dq, *dp;      /* [n] */

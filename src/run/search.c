@@ -1,6 +1,8 @@
 /* search.c - where g changes sign along the curve of a step. All events are looked at together, at the sample places.
  */
 #include "run/search.h"
+#include "algebra/sizes.h"
+#include "vector.h"
 
 #include <float.h>
 #include <math.h>
@@ -154,18 +156,27 @@ static bool falls_first(const double g[], int stride)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
     const double sign = g[0] > 0 ? 1 : -1, rise = fabs(g[stride]) - fabs(g[0]);
-    return g[0] * g[stride] > 0 && rise >= 0 && sign * slope <= 12 * FLAT * rise;
+    return (g[0] * g[stride] > 0) & (rise >= 0) & (sign * slope <= 12 * FLAT * rise);
 }
 
-/* Whether g has no root: one sign and no least value. Without branches, since most steps end here. */
+/* What comparisons of a jet_v2 give. */
+typedef long long long_v2 __attribute__((vector_size(16)));
+
+/* Whether g has no root: finite, of one sign, without a least value. In pairs of samples and without branches, since
+ * most steps end here. */
 static bool is_quiet(const double g[])
 {
-    double size[TVI_SAMPLES + 1];
-    long found = (long)falls_first(g, 1) | (long)falls_first(g + TVI_SAMPLES, -1);
+    double size[TVI_SAMPLES + 2];
     for (int j = 0; j <= TVI_SAMPLES; j++) size[j] = fabs(g[j]);
-    for (int j = 0; j < TVI_SAMPLES; j++) found |= g[j] * g[j + 1] > 0 ? 0 : 1;
-    for (int j = 1; j < TVI_SAMPLES; j++) found |= (size[j] < size[j - 1] ? 1 : 0) & (size[j] <= size[j + 1] ? 1 : 0);
-    return found == 0;
+    size[TVI_SAMPLES + 1] = -1; /* none at the end */
+    long_v2 found = {0, 0};
+    for (int j = 0; j < TVI_SAMPLES; j += 2) {
+        const jet_v2 now = *(const jet_v2 *)(size + j), next = *(const jet_v2 *)(size + j + 1);
+        const jet_v2 after = *(const jet_v2 *)(size + j + 2), signs = *(const jet_v2 *)(g + j);
+        found |= ~(signs * *(const jet_v2 *)(g + j + 1) > 0) | ~(next <= DBL_MAX);
+        found |= (next < now) & (next <= after);
+    }
+    return !(found[0] | found[1] | falls_first(g, 1) | falls_first(g + TVI_SAMPLES, -1));
 }
 
 /* A least |g| in the first or the last part: the sample next to the end tells one just inside from one that lies in the
@@ -189,6 +200,7 @@ static tvi_status search_event(tvi_search *s, int which)
     double at[1 + TVI_SAMPLES] = {0}, *g = s->of[which].g;
     tvi_status status = TVI_OK;
     if (is_quiet(g)) return TVI_OK;
+    if (!tvi_all_finite(TVI_SAMPLES, g + 1)) return TVI_ENONFINITE;
     memcpy(at + 1, tvi_sample_place, sizeof tvi_sample_place);
     if (g[0] == 0) status = on_curve(s, which, at[0] = EDGE, &g[0]);
     else if (falls_first(g, 1)) status = look_at_end(s, which, false);
@@ -205,18 +217,6 @@ static tvi_status search_event(tvi_search *s, int which)
     return status;
 }
 
-/* Whether the step began, but for the sign of a zero, where the last one that was sampled ended. */
-static bool is_continued(const tvi_search *s)
-{
-    const tvi_integrator *it = s->it;
-    const int n = it->system->n;
-    const double *end = s->samples + TVI_SAMPLES - 1;
-    bool same = s->has_started & (it->t_start == end[2 * n * TVI_SAMPLES]);
-    for (int i = 0; i < n; i++)
-        same &= (it->q_start[i] == end[i * TVI_SAMPLES]) & (it->p_start[i] == end[(n + i) * TVI_SAMPLES]);
-    return same;
-}
-
 /* Where the run starts on an event, |g| is nothing beside what it is soon. */
 static tvi_status leave_start(tvi_search *s, int which)
 {
@@ -226,34 +226,22 @@ static tvi_status leave_start(tvi_search *s, int which)
     return status;
 }
 
-/* g of all events at the samples. */
-static tvi_status run_samples(tvi_search *s)
-{
-    double nothing[TVI_SAMPLES] = {0}, sum = 0; /* 0 g is 0 where g is finite */
-    tvi_sample(s->it, s->samples);
-    if (!jet_sweep_values(s->tape, s->samples, TVI_SAMPLES)) return TVI_EDOMAIN;
-    for (int which = 0; which < s->count; which++) {
-        const double *value = s->samples + (size_t)s->tape->output[which] * TVI_SAMPLES;
-        double *g = s->of[which].g;
-        g[0] = g[TVI_SAMPLES];
-        for (int k = 0; k < TVI_SAMPLES; k++) {
-            g[k + 1] = value[k];
-            nothing[k] += 0 * value[k];
-        }
-    }
-    for (int k = 0; k < TVI_SAMPLES; k++) sum += nothing[k];
-    return sum == 0 ? TVI_OK : TVI_ENONFINITE;
-}
-
-/* Where one step leads on from the other, the end of that is the start of this one. */
+/* g of all events at the samples; where the step leads on from the last one searched, the end of that is the start of
+ * this one. */
 static tvi_status sample_events(tvi_search *s)
 {
-    const bool continues = is_continued(s);
-    tvi_status status = run_samples(s);
-    for (int which = 0; which < s->count && status == TVI_OK && !continues; which++) {
-        status = on_curve(s, which, 0, &s->of[which].g[0]);
-        if (status == TVI_OK && !s->has_started) status = leave_start(s, which);
+    const long step = s->it->stats.steps;
+    const bool continues = s->step > 0 && s->it->continued && step == s->step + 1;
+    tvi_sample(s->it, s->samples);
+    tvi_status status = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES) ? TVI_OK : TVI_EDOMAIN;
+    for (int which = 0; which < s->count && status == TVI_OK; which++) {
+        double *g = s->of[which].g;
+        g[0] = g[TVI_SAMPLES];
+        memcpy(g + 1, s->samples + (size_t)s->tape->output[which] * TVI_SAMPLES, TVI_SAMPLES * sizeof *g);
+        if (!continues) status = on_curve(s, which, 0, &g[0]);
+        if (status == TVI_OK && s->step == 0) status = leave_start(s, which);
     }
+    s->step = step;
     return status;
 }
 
@@ -262,7 +250,6 @@ tvi_status tvi_search_step(tvi_search *s)
     tvi_status status = sample_events(s);
     s->found = 0;
     for (int which = 0; which < s->count && status == TVI_OK; which++) status = search_event(s, which);
-    s->has_started = true;
     return status;
 }
 

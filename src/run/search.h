@@ -23,12 +23,12 @@ typedef struct {
 typedef struct {
     tvi_integrator *it;
     int count;
-    tvi_watch *of;    /* [count] */
-    bool has_started; /* a step has been searched */
-    jet_tape *tape;   /* of all events, */
-    double *samples;  /* and its block: it begins with the inputs [2n + 1][TVI_SAMPLES] of the last step searched */
-    double *state;    /* [2n + 1] */
-    tvi_root *roots;  /* of the step at hand */
+    tvi_watch *of;   /* [count] */
+    long step;       /* of the integrator, the last one searched; 0: none */
+    jet_tape *tape;  /* of all events, */
+    double *samples; /* and its block: it begins with the inputs [2n + 1][TVI_SAMPLES] */
+    double *state;   /* [2n + 1] */
+    tvi_root *roots; /* of the step at hand */
     int found;
 } tvi_search;
 
