@@ -122,16 +122,6 @@ static void integrate(const galerkin_nodes *nodes, const double *factor, double 
 #undef CALL
 }
 
-/* The product less its rounded value is 0 but where multiply-adds are fused. */
-static void set_drift(int count, const double *scale, const double *p, const double *p_low, double *drift,
-                      double *drift_low)
-{
-    for (int u = 0; u < count; u++) {
-        drift[u] = scale[u] * p[u];
-        drift_low[u] = (scale[u] * p[u] - drift[u]) + scale[u] * p_low[u];
-    }
-}
-
 #define BASE(V, S)                                                                                                     \
     VECTOR(V, nodes->base, u) = (low[u] + OF_VECTOR(V, c, 0) * drift_low[u]) + OF_VECTOR(V, c, 0) * drift[u];
 
@@ -183,4 +173,4 @@ static void place(const galerkin_places *p, const double *table, const double *i
 }
 
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
-    move, predict, integrate, set_drift, set_base, place, &JET_FOR_ISA(tvi_lagrangian_loops)};
+    move, predict, integrate, set_base, place, &JET_FOR_ISA(tvi_lagrangian_loops)};

@@ -42,9 +42,6 @@ typedef struct {
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
     /* sum[u][k] = sum_j factor_jk L_j of the last movement, compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const double *factor, double *sum);
-    /* drift + drift_low = scale (p + p_low) for the first `count` unknowns; exact where multiply-adds are fused. */
-    void (*set_drift)(int count, const double *scale, const double *p, const double *p_low, double *drift,
-                      double *drift_low);
     /* base_i = low + c_i drift_low + c_i drift for all unknowns; c [lanes], the others [unknowns]. */
     void (*set_base)(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
                      const double *drift_low);
