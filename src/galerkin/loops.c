@@ -115,8 +115,7 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *facto
     }
 }
 
-static void integrate(const galerkin_nodes *nodes, const double *factor, double *sum)
-{
+static void integrate(const galerkin_nodes *nodes, const double *factor, double *sum){
 #define CALL(lanes) integrate_lanes(nodes, factor, sum, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
@@ -172,5 +171,5 @@ static void place(const galerkin_places *p, const double *table, const double *i
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
-    move, predict, integrate, set_base, place, &JET_FOR_ISA(tvi_lagrangian_loops)};
+const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {move,     predict, integrate,
+                                                        set_base, place,   &JET_FOR_ISA(tvi_lagrangian_loops)};
