@@ -65,6 +65,24 @@ TVI_NODISCARD tvi_status tvi_system_potential(tvi_system **out, int n, const dou
                                               void *ctx);
 TVI_NODISCARD tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx);
 TVI_NODISCARD tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx);
+
+/* The local time scale of a state, g(q, p, t) > 0. */
+typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
+/* The same system with steps that adapt and stay symplectic: its integrators take h in s, dt = g ds, so that each step
+ * covers about h g of time (docs/adaptive.md). Inside, steps are made of K = g (H + e) in (q, t) and (p, e): *t moves
+ * on with q, and e = -H at the start of a run is the integrator's own. All else is as for the system: its n, its
+ * energy, results and events at times t. Methods of type I do not serve it, Stormer-Verlet neither. It shares nothing
+ * with the system.
+ * g NULL: the automatic one, to the -4 the sum of the fourth powers of the local frequencies, so that h is a phase:
+ * (tr (M^-1 V_qq)^2)^(-1/4) of a potential, (tr (J H'')^4 / 2)^(-1/4) of a general Hamiltonian; for Kepler r^(3/2) /
+ * 6^(1/4), in the plane 5^(1/4). It depends on no units, and records n^2 second derivatives. It has no value where
+ * they are all 0: for one degree of freedom whose force has an inflection give g.
+ *   TVI_EUNSUPPORTED  a force, a rescaled system, a Lagrangian that is not recognised as separable: write its
+ *                     Hamiltonian
+ *   TVI_EDOMAIN       g is a number that is not positive; where it is a function, the step is refused with it
+ *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum        *out is NULL on failure. */
+TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
+
 void tvi_system_free(tvi_system *system);           /* NULL is allowed */
 int tvi_system_dimension(const tvi_system *system); /* n */
 
@@ -201,6 +219,14 @@ TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double
  *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order;  TVI_ENOMEM;  else as tvi_integrate */
 TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, const double times[], int count,
                                           double *t, double q[], double p[], tvi_observer *observer, void *ctx);
+
+/* Steps of size h to t_end exactly, by a last shorter step; h goes the way to t_end. Of a rescaled system h is in s:
+ * the step that passes t_end is taken back, and the part of it found that ends there to roundoff. Each step is the
+ * method's, but the last one has another size: a run that goes on from t_end is not the one without a stop there.
+ *   TVI_EINVAL     NULL, h = 0, values that are not finite, t_end on the other side of *t;  TVI_ENOMEM
+ *   others         as tvi_integrate, also where the step that would pass t_end fails */
+TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, double t_end, double *t, double q[],
+                                          double p[], tvi_observer *observer, void *ctx);
 
 /* A ready-made observer for long runs: where the standard error is a terminal it draws a bar there, elsewhere nothing.
  * ctx is a tvi_progress_bar, {.steps = steps}. An observer of your own in it is called after each step, with its ctx.

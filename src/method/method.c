@@ -189,7 +189,7 @@ tvi_status tvi_options_check(const tvi_system *system, const tvi_options *option
 {
     if (!system || !options) return refuse(TVI_EINVAL, "system or options is NULL", why);
     tvi_options resolved = *options;
-    return tvi_method_resolve(&resolved, system, why);
+    return tvi_method_resolve(&resolved, system->stepped, why);
 }
 
 static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int order, tvi_options *options)

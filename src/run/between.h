@@ -6,7 +6,7 @@
 #include "run/integrator.h"
 
 typedef struct {
-    const tvi_integrator *steps;
+    tvi_integrator *steps;
     tvi_integrator *partial; /* starts where the last step did, with what was known there, */
     bool knows_step;         /* or what its stepper knew after it: fewer passes, and another roundoff */
     double t, *q, *p;        /* [n] the state asked for last: */
@@ -14,11 +14,14 @@ typedef struct {
     double part;             /* here */
 } tvi_between;
 
-TVI_NODISCARD tvi_status tvi_between_open(tvi_between *between, const tvi_integrator *steps, bool knows_step);
+TVI_NODISCARD tvi_status tvi_between_open(tvi_between *between, tvi_integrator *steps, bool knows_step);
 void tvi_between_close(tvi_between *between);
 
 /* The state `part` after the start of the last step, 0 <= part / h <= 1; its ends are those of the step, bit for bit.
  * Fails as a step does. */
 TVI_NODISCARD tvi_status tvi_between_state(tvi_between *between, double part);
+
+/* The state at a time of the last step, found to roundoff of the time. */
+TVI_NODISCARD tvi_status tvi_between_time(tvi_between *between, double time);
 
 #endif

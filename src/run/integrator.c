@@ -8,27 +8,38 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The same of what was before. */
+static void *before(const tvi_integrator *it, const void *in_history)
+{
+    return it->before + ((const char *)in_history - it->history);
+}
+
 /* The integrator and all it needs, in one piece. */
 static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                                const tvi_stepper *stepper)
 {
     tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
-    tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
+    tvi_integrator laid = {.system = system, .stepped = system->stepped, .options = *options, .stepper = stepper};
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
-    double **const vectors[] = {&laid.dq, &laid.dp, &laid.q_start, &laid.p_start};
-    double **const history[] = {&laid.q, &laid.p, &laid.q_low, &laid.p_low};
-    for (int i = 0; i < 4; i++) {
-        *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
-        *history[i] = tvi_arena_history(arena, (size_t)system->n * sizeof(double));
-    }
-    laid.last = tvi_arena_history(arena, sizeof *laid.last);
+    const size_t dimension = (size_t)laid.stepped->n;
+    double **const vectors[] = {&laid.dp, &laid.dq};
+    double **const history[] = {&laid.now.p, &laid.now.q, &laid.now.p_low, &laid.now.q_low};
+    for (size_t i = 0; i < 2; i++) *vectors[i] = tvi_arena_doubles(arena, dimension + i);
+    for (size_t i = 0; i < 4; i++) *history[i] = tvi_arena_history(arena, (dimension + i % 2) * sizeof(double));
+    laid.continues = tvi_arena_history(arena, sizeof *laid.continues);
+    if (laid.stepped != system) laid.energy = tvi_arena_doubles(arena, (size_t)system->energy->slots);
     laid.of_state = arena->remembered;
-    laid.work = stepper->take(arena, system, options);
+    laid.work = stepper->take(arena, laid.stepped, options);
     laid.history = arena->history;
     laid.before = laid.history ? laid.history + arena->remembered : NULL;
     laid.remembered = arena->remembered;
     laid.stats.bytes = arena->used + 2 * arena->remembered;
-    if (integrator) *integrator = laid;
+    if (!integrator) return NULL;
+    const tvi_run_state *now = &laid.now;
+    laid.start = (tvi_run_state){before(&laid, now->q), before(&laid, now->q_low), before(&laid, now->p),
+                                 before(&laid, now->p_low)};
+    laid.continued = before(&laid, laid.continues);
+    *integrator = laid;
     return integrator;
 }
 
@@ -44,6 +55,7 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     arena = (tvi_arena){.base = memory, .history = memory + arena.used};
     *out = lay_out(&arena, system, resolved, stepper);
     stepper->prepare((*out)->work);
+    if ((*out)->energy) jet_tape_prepare(system->energy, (*out)->energy, 1, 1);
     return TVI_OK;
 }
 
@@ -53,7 +65,7 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     *out = NULL;
     if (!system) return TVI_EINVAL;
     tvi_options resolved = options ? *options : tvi_options_default();
-    const tvi_status status = tvi_method_resolve(&resolved, system, NULL);
+    const tvi_status status = tvi_method_resolve(&resolved, system->stepped, NULL);
     return status == TVI_OK ? make(out, system, &resolved) : status;
 }
 
@@ -80,40 +92,85 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator)
 
 void tvi_integrator_reset(tvi_integrator *integrator)
 {
-    if (integrator) integrator->last->continues = false;
+    if (integrator) *integrator->continues = false;
 }
 
 /* Whether the state is bitwise what the last successful step returned. */
 static bool is_continued(const tvi_integrator *it, double t, const double q[], const double p[])
 {
-    const size_t bytes = (size_t)it->system->n * sizeof *q;
-    return it->last->continues && memcmp(&t, &it->last->t, sizeof t) == 0 && memcmp(q, it->q, bytes) == 0 &&
-           memcmp(p, it->p, bytes) == 0;
+    const size_t n = (size_t)it->system->n, bytes = n * sizeof *q;
+    return *it->continues && memcmp(&t, &it->now.q[n], sizeof t) == 0 && memcmp(q, it->now.q, bytes) == 0 &&
+           memcmp(p, it->now.p, bytes) == 0;
 }
 
-/* The new state from the increments; the old one is the start of the dense output. */
-static void advance(tvi_integrator *it, double h, double *t, double q[], double p[])
+/* e = -H(q, p, t), where K = g (H + e) is 0 (rescaled.c). */
+static tvi_status set_energy(tvi_integrator *it)
 {
+    const int n = it->system->n;
+    double H;
+    const tvi_status status = tvi_energy_in(it->system, it->energy, it->now.q[n], it->now.q, it->now.p, &H);
+    if (status == TVI_OK) it->now.p[n] = -H;
+    return status;
+}
+
+tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], const double p[])
+{
+    const int n = it->system->n;
+    if (is_continued(it, t, q, p)) return TVI_OK;
+    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return TVI_ENONFINITE;
+    tvi_arena_copy(it->history, NULL, it->remembered);
+    memcpy(it->now.q, q, (size_t)n * sizeof *q);
+    memcpy(it->now.p, p, (size_t)n * sizeof *p);
+    it->now.q[n] = t;
+    return it->energy ? set_energy(it) : TVI_OK;
+}
+
+/* The state of the steps, as the user has it. */
+static void copy_out(const tvi_integrator *it, double *t, double q[], double p[])
+{
+    const size_t n = (size_t)it->system->n;
+    memcpy(q, it->now.q, n * sizeof *q);
+    memcpy(p, it->now.p, n * sizeof *p);
+    *t = it->now.q[n];
+}
+
+/* The new state from the increments. */
+static void advance(tvi_integrator *it, double h)
+{
+    const tvi_run_state *now = &it->now;
+    const int dimension = it->stepped->n;
     it->h = h;
-    it->t_start = *t;
-    it->t_start_low = it->last->t_low;
-    for (int i = 0; i < it->system->n; i++) {
-        it->q_start[i] = q[i];
-        it->p_start[i] = p[i];
-        q[i] = it->q[i] = tvi_add_compensated(q[i], &it->q_low[i], it->dq[i]);
-        p[i] = it->p[i] = tvi_add_compensated(p[i], &it->p_low[i], it->dp[i]);
-    }
-    *t = it->last->t = tvi_add_compensated(*t, &it->last->t_low, h);
-    it->last->continues = true;
+    it->covered = it->dq[it->system->n];
+    for (int i = 0; i <= dimension; i++) now->q[i] = tvi_add_compensated(now->q[i], &now->q_low[i], it->dq[i]);
+    for (int i = 0; i < dimension; i++) now->p[i] = tvi_add_compensated(now->p[i], &now->p_low[i], it->dp[i]);
+    *it->continues = true;
     it->has_dense = true;
 }
 
-/* q + dq and p + dp are finite. */
-static bool increments_are_finite(const tvi_integrator *it, double h, double t, const double q[], const double p[])
+/* q + dq and p + dp are finite, the time among them, which goes the way of h. */
+static tvi_status check_increments(const tvi_integrator *it, double h)
 {
-    for (int i = 0; i < it->system->n; i++)
-        if (!isfinite(q[i] + it->dq[i]) || !isfinite(p[i] + it->dp[i])) return false;
-    return isfinite(t + h);
+    const int dimension = it->stepped->n;
+    for (int i = 0; i <= dimension; i++)
+        if (!isfinite(it->now.q[i] + it->dq[i])) return TVI_ENONFINITE;
+    for (int i = 0; i < dimension; i++)
+        if (!isfinite(it->now.p[i] + it->dp[i])) return TVI_ENONFINITE;
+    return (it->dq[it->system->n] > 0) == (h > 0) ? TVI_OK : TVI_ENOCONV;
+}
+
+/* The step from the integrator's own state. */
+static tvi_status step(tvi_integrator *it, double h)
+{
+    const tvi_run_state *now = &it->now;
+    const int dimension = it->stepped->n;
+    tvi_arena_copy(it->before, it->history, it->remembered);
+    const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
+    tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
+    it->dq[dimension] = h;
+    if (status == TVI_OK) status = check_increments(it, h);
+    if (status == TVI_OK) advance(it, h);
+    else tvi_arena_copy(it->history, it->before, it->remembered);
+    return status;
 }
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
@@ -121,44 +178,47 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
     if (!it) return TVI_EINVAL;
     it->has_dense = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
-    it->continued = is_continued(it, *t, q, p);
-    if (!it->continued) {
-        if (!isfinite(*t) || !tvi_all_finite(it->system->n, q) || !tvi_all_finite(it->system->n, p))
-            return TVI_ENONFINITE;
-        tvi_arena_copy(it->history, NULL, it->remembered);
-    }
-    tvi_arena_copy(it->before, it->history, it->remembered);
-    const tvi_origin origin = {*t, it->last->t_low, q, it->q_low, p, it->p_low};
-    tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
-    if (status == TVI_OK && !increments_are_finite(it, h, *t, q, p)) status = TVI_ENONFINITE;
-    if (status != TVI_OK) {
-        tvi_arena_copy(it->history, it->before, it->remembered);
-        return status;
-    }
-    advance(it, h, t, q, p);
+    tvi_status status = tvi_integrator_begin(it, *t, q, p);
+    if (status == TVI_OK) status = step(it, h);
+    if (status != TVI_OK) return status;
+    copy_out(it, t, q, p);
     it->stats.steps++;
+    return TVI_OK;
+}
+
+void tvi_integrator_take_back(tvi_integrator *it, double *t, double q[], double p[])
+{
+    tvi_arena_copy(it->history, it->before, it->remembered);
+    it->has_dense = false;
+    it->stats.steps--;
+    copy_out(it, t, q, p);
+}
+
+tvi_status tvi_state_at(tvi_integrator *it, double theta, double *t, double q[], double p[])
+{
+    const int n = it->system->n;
+    if (theta == 1) { /* with the low-order parts */
+        copy_out(it, t, q, p);
+        return TVI_OK;
+    }
+    it->stepper->dense(it->work, theta, it->dq, it->dp);
+    it->dq[it->stepped->n] = theta * it->h;
+    for (int i = 0; i < n; i++) {
+        it->dq[i] += it->start.q[i];
+        it->dp[i] += it->start.p[i];
+    }
+    if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp)) return TVI_ENONFINITE;
+    memcpy(q, it->dq, (size_t)n * sizeof *q);
+    memcpy(p, it->dp, (size_t)n * sizeof *p);
+    *t = it->start.q[n] + (it->start.q_low[n] + it->dq[n]);
     return TVI_OK;
 }
 
 tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 {
+    double t;
     if (!it || !q || !p || !(theta >= 0 && theta <= 1) || !it->has_dense) return TVI_EINVAL;
-    const int n = it->system->n;
-    const size_t bytes = (size_t)n * sizeof *q;
-    if (theta == 1) { /* with the low-order parts */
-        memcpy(q, it->q, bytes);
-        memcpy(p, it->p, bytes);
-        return TVI_OK;
-    }
-    it->stepper->dense(it->work, theta, it->dq, it->dp);
-    for (int i = 0; i < n; i++) {
-        it->dq[i] += it->q_start[i];
-        it->dp[i] += it->p_start[i];
-    }
-    if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp)) return TVI_ENONFINITE;
-    memcpy(q, it->dq, bytes);
-    memcpy(p, it->dp, bytes);
-    return TVI_OK;
+    return tvi_state_at(it, theta, &t, q, p);
 }
 
 /* ---- Samples ------------------------------------------------------------------------------------------------------
@@ -166,20 +226,18 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 
 const double tvi_sample_place[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
-double tvi_time_at(const tvi_integrator *it, double theta)
-{
-    return theta == 1 ? it->last->t : it->t_start + (it->t_start_low + theta * it->h);
-}
-
 /* One after the other. */
-static void sample_by_dense(tvi_integrator *it, double *q, double *p)
+static void sample_by_dense(tvi_integrator *it, double *q, double *p, double *t)
 {
+    const int n = it->system->n;
     for (int k = 0; k < TVI_SAMPLES; k++) {
         it->stepper->dense(it->work, tvi_sample_place[k], it->dq, it->dp);
-        for (int i = 0; i < it->system->n; i++) {
-            q[i * TVI_SAMPLES + k] = it->q_start[i] + it->dq[i];
-            p[i * TVI_SAMPLES + k] = it->p_start[i] + it->dp[i];
+        it->dq[it->stepped->n] = tvi_sample_place[k] * it->h;
+        for (int i = 0; i < n; i++) {
+            q[i * TVI_SAMPLES + k] = it->start.q[i] + it->dq[i];
+            p[i * TVI_SAMPLES + k] = it->start.p[i] + it->dp[i];
         }
+        t[k] = it->start.q[n] + (it->start.q_low[n] + it->dq[n]);
     }
 }
 
@@ -187,14 +245,17 @@ void tvi_sample(tvi_integrator *it, double *x)
 {
     const int n = it->system->n, end = TVI_SAMPLES - 1;
     double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
-    if (it->stepper->sample) it->stepper->sample(it->work, it->q_start, it->p_start, q, p);
-    else sample_by_dense(it, q, p);
-    for (int i = 0; i < n; i++) {
-        q[i * TVI_SAMPLES + end] = it->q[i];
-        p[i * TVI_SAMPLES + end] = it->p[i];
+    if (it->stepper->sample && it->stepped == it->system) {
+        it->stepper->sample(it->work, it->start.q, it->start.p, q, p);
+        for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_place[k] * it->h);
+    } else {
+        sample_by_dense(it, q, p, t);
     }
-    for (int k = 0; k < end; k++) t[k] = it->t_start + (it->t_start_low + tvi_sample_place[k] * it->h);
-    t[end] = it->last->t;
+    for (int i = 0; i < n; i++) {
+        q[i * TVI_SAMPLES + end] = it->now.q[i];
+        p[i * TVI_SAMPLES + end] = it->now.p[i];
+    }
+    t[end] = it->now.q[n];
 }
 
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],

@@ -4,39 +4,48 @@
 
 #include "method/stepper.h"
 
-/* The scalars of the history; its vectors are below. */
+/* A state as the steps have it, N = n of the system that they are made of: the user's q[n], p[n] and the time are q[i],
+ * p[i], i < n, and q[n]. What the steps move in is q[N]: the time, or the s of a rescaled system, whose p[n] is e. Low:
+ * low-order parts. */
 typedef struct {
-    double t, t_low;
-    long continues; /* t, q, p hold what the last successful step returned */
-} tvi_last_step;
+    double *q, *q_low; /* [N + 1] */
+    double *p, *p_low; /* [N] */
+} tvi_run_state;
 
 /* What tvi_step_tangent needs, made when it is first called (tangent.c). */
 typedef struct tvi_tangent tvi_tangent;
 void tvi_tangent_free(tvi_tangent *tangent); /* NULL is allowed */
 
 struct tvi_integrator {
-    const tvi_system *system;
-    tvi_options options; /* as resolved */
+    const tvi_system *system;  /* the user's, of dimension n, */
+    const tvi_system *stepped; /* and the one that steps are made of */
+    tvi_options options;       /* as resolved */
     tvi_stats stats;
     const tvi_stepper *stepper;
     void *work;
     char *history, *before;      /* [remembered] all that one step leaves to the next; before the last one was tried */
     size_t remembered, of_state; /* of_state: what comes before the stepper's part of it */
-    tvi_last_step *last;         /* in the history, as are */
-    double *q, *p, *q_low, *p_low; /* [n] */
-    bool has_dense;                /* the work holds the last step */
-    bool continued;                /* it began with what the one before it returned */
-    double h;                      /* its size, and where it started */
-    double t_start, t_start_low, *q_start, *p_start;
-    double *dq, *dp;      /* [n] */
-    tvi_tangent *tangent; /* NULL: never asked for */
+    long *continues;             /* in the history: `now` holds what the last successful step returned; */
+    const long *continued;       /* before: the last step began with that of the one before it */
+    tvi_run_state now, start;    /* in the history; where the last step started, in what was before it */
+    bool has_dense;              /* the work holds the last step */
+    double h, covered;           /* its size, and the time that it covers */
+    double *dq, *dp;             /* [N + 1], [N] */
+    double *energy;              /* a block of the tape of the energy; NULL: no step needs it */
+    tvi_tangent *tangent;        /* NULL: never asked for */
 };
+
+/* Makes the state the integrator's own, as every step begins; nothing where it is what the last one returned. */
+TVI_NODISCARD tvi_status tvi_integrator_begin(tvi_integrator *integrator, double t, const double q[], const double p[]);
 
 /* Another one for the same system and options, which has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *integrator);
 
-/* The time at theta of the last step. */
-double tvi_time_at(const tvi_integrator *integrator, double theta);
+/* Undoes the last step, and gives the state that it started from. */
+void tvi_integrator_take_back(tvi_integrator *integrator, double *t, double q[], double p[]);
+
+/* tvi_dense, and the time there. */
+TVI_NODISCARD tvi_status tvi_state_at(tvi_integrator *integrator, double theta, double *t, double q[], double p[]);
 
 /* The states at the sample places of the last step (stepper.h), as a tape with a lane for each wants them: q, p and t
  * in x [2n + 1][TVI_SAMPLES]. The one at the end is that of the step. They may not be finite. */

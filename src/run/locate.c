@@ -84,6 +84,13 @@ static double distance_of(const locator *s, int from, int count)
     return tvi_ratio(apart, size);
 }
 
+/* The same of the time, which may be 0. */
+static double time_distance(const locator *s)
+{
+    const int t = s->size - 1;
+    return tvi_ratio(fabs(s->base[t] - s->middle[t]), fabs(s->base[t]) + fabs(s->rate[t]));
+}
+
 /* The state at theta, by a step of a part of h; or from the one that such a step led to, where the curve's slope leads
  * on without an error that shows. */
 static tvi_status near_solution(locator *s, double theta, double x[])
@@ -95,12 +102,12 @@ static tvi_status near_solution(locator *s, double theta, double x[])
         if (status != TVI_OK) return status;
         memcpy(s->base, s->between.q, bytes);
         memcpy(s->base + n, s->between.p, bytes);
-        const double apart = fmax(distance_of(s, 0, n), distance_of(s, n, n));
+        s->base[2 * n] = s->between.t;
+        const double apart = fmax(fmax(distance_of(s, 0, n), distance_of(s, n, n)), time_distance(s));
         s->base_at = theta;
         s->reach = s->is_inside ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
     }
-    for (int i = 0; i < 2 * n; i++) x[i] = s->base[i] + (theta - s->base_at) * s->rate[i];
-    x[2 * n] = tvi_time_at(s->seen.it, theta);
+    for (int i = 0; i < s->size; i++) x[i] = s->base[i] + (theta - s->base_at) * s->rate[i];
     return TVI_OK;
 }
 

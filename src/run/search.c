@@ -26,8 +26,7 @@ static int sign_of(double g) { return (g > 0) - (g < 0); }
 tvi_status tvi_search_state(tvi_search *s, double theta, double x[])
 {
     const int n = s->it->system->n;
-    x[2 * n] = tvi_time_at(s->it, theta);
-    return tvi_dense(s->it, theta, x, x + n);
+    return tvi_state_at(s->it, theta, &x[2 * n], x, x + n);
 }
 
 tvi_status tvi_search_value(tvi_search *s, int which, const double x[], double *g)
@@ -231,7 +230,7 @@ static tvi_status leave_start(tvi_search *s, int which)
 static tvi_status sample_events(tvi_search *s)
 {
     const long step = s->it->stats.steps;
-    const bool continues = s->step > 0 && s->it->continued && step == s->step + 1;
+    const bool continues = s->step > 0 && *s->it->continued && step == s->step + 1;
     tvi_sample(s->it, s->samples);
     tvi_status status = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES) ? TVI_OK : TVI_EDOMAIN;
     for (int which = 0; which < s->count && status == TVI_OK; which++) {

@@ -10,7 +10,7 @@
 
 #include <string.h>
 
-enum { STATE_VERSION = 2 };
+enum { STATE_VERSION = 3 };
 
 /* Numbers of eight bytes, without gaps; those of another byte order have another version. */
 typedef struct {
@@ -31,7 +31,7 @@ static identity identity_of(const tvi_integrator *it)
         .version = STATE_VERSION,
         .bytes = (int64_t)state_size(it),
         .n = it->system->n,
-        .system = tvi_system_fingerprint(it->system),
+        .system = tvi_system_fingerprint(it->stepped),
         .options = tvi_options_fingerprint(&it->options),
     };
 }
@@ -70,9 +70,10 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
 
 tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p || !it->last->continues) return TVI_EINVAL;
-    *t = it->last->t;
-    memcpy(q, it->q, (size_t)it->system->n * sizeof *q);
-    memcpy(p, it->p, (size_t)it->system->n * sizeof *p);
+    if (!it || !t || !q || !p || !*it->continues) return TVI_EINVAL;
+    const size_t n = (size_t)it->system->n;
+    memcpy(q, it->now.q, n * sizeof *q);
+    memcpy(p, it->now.p, n * sizeof *p);
+    *t = it->now.q[n];
     return TVI_OK;
 }

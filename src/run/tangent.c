@@ -10,13 +10,16 @@
 #include <string.h>
 
 struct tvi_tangent {
-    int n;
+    int n;       /* of the system that steps are made of */
     bool paired; /* the momenta of (q, dq) are (dp, p), else (p, dp) */
     tvi_system *system;
     tvi_integrator *integrator;
-    double *Q, *P; /* [2n] the lifted state */
-    double *D;     /* [2n][columns] the result until the whole step is known to succeed */
-    int columns;   /* that it has room for */
+    double *Q, *P;    /* [2n] the lifted state */
+    double *column;   /* [2n] one vector, */
+    double *gradient; /* [2n] K_q, K_p */
+    double *flow;     /* of a rescaled system: a block of the field's tape; else NULL */
+    double *D;        /* [2 n of the user][columns] the result until the whole step is known to succeed */
+    int columns;      /* that it has room for */
 };
 
 void tvi_tangent_free(tvi_tangent *tangent)
@@ -25,21 +28,31 @@ void tvi_tangent_free(tvi_tangent *tangent)
     tvi_integrator_free(tangent->integrator);
     tvi_system_free(tangent->system);
     free(tangent->Q);
+    free(tangent->flow);
     free(tangent->D);
     free(tangent);
 }
 
+static size_t flow_bytes(const tvi_integrator *it)
+{
+    return it->stepped == it->system ? 0 : (size_t)it->stepped->field_values->slots * sizeof(double);
+}
+
 static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
 {
-    const size_t n = (size_t)it->system->n;
+    const size_t n = (size_t)it->stepped->n, bytes = flow_bytes(it);
     tvi_tangent *tangent = *out = calloc(1, sizeof *tangent);
     if (!tangent) return TVI_ENOMEM;
-    tangent->n = it->system->n;
-    tangent->Q = malloc(4 * n * sizeof *tangent->Q);
-    if (!tangent->Q) return TVI_ENOMEM;
+    tangent->n = it->stepped->n;
+    tangent->Q = malloc(8 * n * sizeof *tangent->Q);
+    tangent->flow = bytes ? malloc(bytes) : NULL;
+    if (!tangent->Q || (bytes && !tangent->flow)) return TVI_ENOMEM;
+    if (bytes) jet_tape_prepare(it->stepped->field_values, tangent->flow, 1, 1);
     tangent->P = tangent->Q + 2 * n;
+    tangent->column = tangent->P + 2 * n;
+    tangent->gradient = tangent->column + 2 * n;
     const tvi_lift lift = tvi_method_of(&it->options)->pairs_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
-    const tvi_status status = tvi_system_lift(&tangent->system, it->system, lift);
+    const tvi_status status = tvi_system_lift(&tangent->system, it->stepped, lift);
     if (status != TVI_OK) return status;
     tangent->paired = tangent->system->form != TVI_SEPARABLE;
     return tvi_integrator_create(&tangent->integrator, tangent->system, &it->options);
@@ -56,12 +69,12 @@ static tvi_status provide(tvi_integrator *it, int columns)
             return status;
         }
         it->tangent = tangent;
-        it->stats.bytes +=
-            sizeof *tangent + 4 * (size_t)tangent->n * sizeof *tangent->Q + tangent->integrator->stats.bytes;
+        it->stats.bytes += sizeof *tangent + 8 * (size_t)tangent->n * sizeof *tangent->Q + flow_bytes(it) +
+                           tangent->integrator->stats.bytes;
     }
     tvi_tangent *tangent = it->tangent;
     if (columns <= tangent->columns) return TVI_OK;
-    const size_t row = 2 * (size_t)tangent->n * sizeof *tangent->D;
+    const size_t row = 2 * (size_t)it->system->n * sizeof *tangent->D;
     if ((size_t)columns > SIZE_MAX / row) return TVI_ENOMEM;
     double *D = realloc(tangent->D, (size_t)columns * row);
     if (!D) return TVI_ENOMEM;
@@ -73,39 +86,102 @@ static tvi_status provide(tvi_integrator *it, int columns)
 
 /* The power of two that brings a column to the size of the state, so that neither rules the corrector's measure: M is
  * linear, and powers of two are exact. */
-static int exponent_of(int n, const double q[], const double p[], const double column[], int columns)
+static int exponent_of(int n, const double q[], const double p[], const double column[])
 {
     const double size_q = tvi_largest(n, q, 1), size_p = tvi_largest(n, p, 1);
-    const double of_q = tvi_largest(n, column, columns) / (size_q > 0 ? size_q : 1);
-    const double of_p = tvi_largest(n, column + (size_t)n * (size_t)columns, columns) / (size_p > 0 ? size_p : 1);
+    const double of_q = tvi_largest(n, column, 1) / (size_q > 0 ? size_q : 1);
+    const double of_p = tvi_largest(n, column + n, 1) / (size_p > 0 ? size_p : 1);
     int exponent = 0;
     if (isfinite(of_q) && isfinite(of_p)) (void)frexp(fmax(of_q, of_p), &exponent);
     return exponent;
 }
 
-/* One column: out = M column. */
-static tvi_status step_column(tvi_tangent *tangent, double h, double t, const double q[], const double p[],
-                              const double column[], int columns, double out[])
+/* column <- M column, of a step from the integrator's own state. */
+static tvi_status step_column(const tvi_integrator *it, double h)
 {
-    const int n = tangent->n, exponent = exponent_of(n, q, p, column, columns);
-    const size_t stride = (size_t)columns, bytes = (size_t)n * sizeof *q;
-    double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n);
-    memcpy(tangent->Q, q, bytes);
-    memcpy(tangent->P + (tangent->paired ? n : 0), p, bytes);
+    tvi_tangent *tangent = it->tangent;
+    const int n = tangent->n;
+    const size_t bytes = (size_t)n * sizeof(double);
+    double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n), *column = tangent->column;
+    double t = it->now.q[n];
+    const int exponent = exponent_of(n, it->now.q, it->now.p, column);
+    memcpy(tangent->Q, it->now.q, bytes);
+    memcpy(tangent->P + (tangent->paired ? n : 0), it->now.p, bytes);
     for (int i = 0; i < n; i++) {
-        dq[i] = ldexp(column[(size_t)i * stride], -exponent);
-        dp[i] = ldexp(column[(size_t)(n + i) * stride], -exponent);
+        dq[i] = ldexp(column[i], -exponent);
+        dp[i] = ldexp(column[n + i], -exponent);
     }
     tvi_integrator_reset(tangent->integrator);
     const tvi_status status = tvi_step(tangent->integrator, h, &t, tangent->Q, tangent->P);
-    if (status != TVI_OK) return status;
-    for (int i = 0; i < n; i++) {
-        dq[i] = ldexp(dq[i], exponent);
-        dp[i] = ldexp(dp[i], exponent);
-        out[(size_t)i * stride] = dq[i];
-        out[(size_t)(n + i) * stride] = dp[i];
+    for (int i = 0; i < n && status == TVI_OK; i++) {
+        column[i] = ldexp(dq[i], exponent);
+        column[n + i] = ldexp(dp[i], exponent);
     }
-    return tvi_all_finite(n, dq) && tvi_all_finite(n, dp) ? TVI_OK : TVI_ENONFINITE;
+    return status;
+}
+
+/* ---- At equal times ---------------------------------------------------------------------------------------------- */
+
+/* Of a rescaled system, K_q and K_p at a state. */
+static tvi_status differentiate(const tvi_integrator *it, const double q[], const double p[])
+{
+    const jet_tape *tape = it->stepped->field_values;
+    const tvi_tangent *tangent = it->tangent;
+    const size_t n = (size_t)tangent->n, bytes = n * sizeof *q;
+    memcpy(tangent->flow, q, bytes);
+    memcpy(tangent->flow + n, p, bytes);
+    if (!jet_sweep_values(tape, tangent->flow, 1)) return TVI_EDOMAIN;
+    for (size_t i = 0; i < 2 * n; i++) tangent->gradient[i] = tangent->flow[tape->output[i]];
+    return TVI_OK;
+}
+
+/* The neighbour at the same time has its own e, for which K is as 0 as here: dK = 0, K_e = g. */
+static tvi_status set_energy(const tvi_integrator *it)
+{
+    const tvi_tangent *tangent = it->tangent;
+    const int n = tangent->n, e = 2 * n - 1;
+    const tvi_status status = differentiate(it, it->now.q, it->now.p);
+    double sum = 0;
+    for (int i = 0; i < e; i++) sum += tangent->gradient[i] * tangent->column[i];
+    tangent->column[e] = -sum / tangent->gradient[e];
+    return status;
+}
+
+/* After a step in s it is at another time: back along the flow, dq - dt K_p / g, dp + dt K_q / g. */
+static tvi_status project(const tvi_integrator *it)
+{
+    const tvi_tangent *tangent = it->tangent;
+    const int n = tangent->n;
+    const tvi_status status = differentiate(it, tangent->Q, tangent->P + (tangent->paired ? n : 0));
+    const double ds = tangent->column[n - 1] / tangent->gradient[2 * n - 1];
+    for (int i = 0; i < n; i++) {
+        tangent->column[i] -= tangent->gradient[n + i] * ds;
+        tangent->column[n + i] += tangent->gradient[i] * ds;
+    }
+    return status;
+}
+
+/* One column: out = M column. */
+static tvi_status move_column(const tvi_integrator *it, double h, const double D[], int columns, double out[])
+{
+    const size_t stride = (size_t)columns;
+    const tvi_tangent *tangent = it->tangent;
+    const int n = it->system->n, dimension = tangent->n;
+    const bool rescaled = tangent->flow != NULL;
+    double *dq = tangent->column, *dp = dq + dimension;
+    memset(tangent->column, 0, 2 * (size_t)dimension * sizeof *dq);
+    for (int row = 0; row < n; row++) {
+        dq[row] = D[(size_t)row * stride];
+        dp[row] = D[(size_t)(n + row) * stride];
+    }
+    tvi_status status = rescaled ? set_energy(it) : TVI_OK;
+    if (status == TVI_OK) status = step_column(it, h);
+    if (status == TVI_OK && rescaled) status = project(it);
+    for (int row = 0; row < n; row++) {
+        out[(size_t)row * stride] = dq[row];
+        out[(size_t)(n + row) * stride] = dp[row];
+    }
+    return status != TVI_OK || (tvi_all_finite(n, dq) && tvi_all_finite(n, dp)) ? status : TVI_ENONFINITE;
 }
 
 tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
@@ -117,8 +193,9 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
     for (int row = 0; row < 2 * n; row++)
         if (!tvi_all_finite(columns, D + (size_t)row * (size_t)columns)) return TVI_ENONFINITE;
     tvi_status status = provide(it, columns);
+    if (status == TVI_OK) status = tvi_integrator_begin(it, *t, q, p);
     for (int i = 0; i < columns && status == TVI_OK; i++)
-        status = step_column(it->tangent, h, *t, q, p, D + i, columns, it->tangent->D + i);
+        status = move_column(it, h, D + i, columns, it->tangent->D + i);
     if (status == TVI_OK) status = tvi_step(it, h, t, q, p);
     if (status == TVI_OK) memcpy(D, it->tangent->D, 2 * (size_t)n * (size_t)columns * sizeof *D);
     return status;

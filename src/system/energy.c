@@ -38,44 +38,54 @@ tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], co
     return transform(system, t, q, p, v, false);
 }
 
-/* The value of the energy tape at (q, second, t); second NULL: zeros. */
-static tvi_status energy_value(const tvi_system *system, double t, const double q[], const double second[],
-                               double *value)
+/* The value of the energy tape at (q, second, t), in a block of it; second NULL: zeros. */
+static tvi_status energy_value(const tvi_system *system, double *block, double t, const double q[],
+                               const double second[], double *value)
 {
     const jet_tape *tape = system->energy;
     const size_t n = (size_t)system->n;
-    double *x = malloc((size_t)tape->slots * sizeof *x);
-    if (!x) return TVI_ENOMEM;
-    jet_tape_prepare(tape, x, 1, 1);
-    memcpy(x, q, n * sizeof *x);
-    if (second) memcpy(x + n, second, n * sizeof *x);
-    if (tape->inputs > system->energy_inputs) x[system->energy_inputs] = t;
-    const bool inside = jet_sweep_values(tape, x, 1);
-    *value = x[tape->output[0]];
-    free(x);
+    memcpy(block, q, n * sizeof *q);
+    if (second) memcpy(block + n, second, n * sizeof *q);
+    if (tape->inputs > system->energy_inputs) block[system->energy_inputs] = t;
+    const bool inside = jet_sweep_values(tape, block, 1);
+    *value = block[tape->output[0]];
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
 /* V is the energy tape at v = 0 or p = 0, up to the sign. */
-static tvi_status separable_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
+static tvi_status separable_energy(const tvi_system *system, double *block, double t, const double q[],
+                                   const double p[], double *H)
 {
-    const tvi_status status = energy_value(system, t, q, NULL, H);
+    const tvi_status status = energy_value(system, block, t, q, NULL, H);
     *H *= system->energy_sign;
     for (int i = 0; i < system->n; i++) *H += p[i] * p[i] / (2 * system->mass[i]);
     return status;
 }
 
 /* H = p.v - L(q, v). */
-static tvi_status lagrangian_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
+static tvi_status lagrangian_energy(const tvi_system *system, double *block, double t, const double q[],
+                                    const double p[], double *H)
 {
     double *v = malloc((size_t)system->n * sizeof *v);
     if (!v) return TVI_ENOMEM;
     tvi_status status = tvi_velocity(system, t, q, p, v);
-    if (status == TVI_OK) status = energy_value(system, t, q, v, H);
+    if (status == TVI_OK) status = energy_value(system, block, t, q, v, H);
     *H = -*H;
     for (int i = 0; status == TVI_OK && i < system->n; i++) *H += p[i] * v[i];
     free(v);
     return status;
+}
+
+tvi_status tvi_energy_in(const tvi_system *system, double *block, double t, const double q[], const double p[],
+                         double *H)
+{
+    tvi_status status;
+    switch (system->form) {
+    case TVI_SEPARABLE: status = separable_energy(system, block, t, q, p, H); break;
+    case TVI_LAGRANGIAN: status = lagrangian_energy(system, block, t, q, p, H); break;
+    default: status = energy_value(system, block, t, q, p, H);
+    }
+    return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
 }
 
 tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
@@ -83,14 +93,11 @@ tvi_status tvi_energy(const tvi_system *system, double t, const double q[], cons
     if (!system || !q || !p || !H) return TVI_EINVAL;
     if (!system->energy) return TVI_EUNSUPPORTED;
     if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p)) return TVI_ENONFINITE;
-    double energy = 0;
-    tvi_status status;
-    switch (system->form) {
-    case TVI_SEPARABLE: status = separable_energy(system, t, q, p, &energy); break;
-    case TVI_LAGRANGIAN: status = lagrangian_energy(system, t, q, p, &energy); break;
-    default: status = energy_value(system, t, q, p, &energy);
-    }
-    if (status == TVI_OK && !isfinite(energy)) status = TVI_ENONFINITE;
+    double energy = 0, *block = malloc((size_t)system->energy->slots * sizeof *block);
+    if (!block) return TVI_ENOMEM;
+    jet_tape_prepare(system->energy, block, 1, 1);
+    const tvi_status status = tvi_energy_in(system, block, t, q, p, &energy);
+    free(block);
     if (status == TVI_OK) *H = energy;
     return status;
 }

@@ -44,6 +44,7 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
     tvi_system *system = rec->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
     system->n = n;
+    system->stepped = system;
     system->mass = malloc(count * sizeof *system->mass);
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
     rec->q = malloc(3 * count * sizeof *rec->q);
@@ -324,6 +325,7 @@ static tvi_status lower(recording *rec, const statement *given)
     }
     if (given->force || given->base) return TVI_OK;
     system->energy_inputs = given->potential ? n : 2 * n;
+    system->stated = rec->scalar;
     system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &rec->scalar, JET_TAPE_VALUES);
     return system->energy ? TVI_OK : TVI_ENOMEM;
 }
@@ -384,6 +386,7 @@ tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *h
 void tvi_system_free(tvi_system *system)
 {
     if (!system) return;
+    if (system->stepped != system) tvi_system_free(system->stepped);
     jet_tape_free(system->field_series);
     jet_tape_free(system->field_values);
     jet_tape_free(system->bend_values);

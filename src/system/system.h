@@ -22,6 +22,7 @@ typedef struct {
  * Outputs of the field: separable F; Lagrangian L_q, L_v; Hamiltonian H_q, H_p. */
 struct tvi_system {
     int n;
+    tvi_system *stepped; /* what steps are made of: the system itself; of a rescaled one, K in n + 1 (rescaled.c) */
     tvi_form form;
     int inputs;       /* q and, unless separable, v or p: where the time stands, if it is used */
     bool uses_time;   /* the field depends on t */
@@ -38,6 +39,7 @@ struct tvi_system {
     tvi_second *second;      /* [seconds] which they are */
     int seconds;
     jet_tape *energy;   /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
+    jet stated;         /* V, L or H, in the graph; not of a force, nor of a lift */
     double energy_sign; /* separable from a Lagrangian: the energy tape gives -V */
     int energy_inputs;  /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
 };
@@ -48,6 +50,11 @@ struct tvi_system {
  * shares nothing with the system. *out is NULL on failure. */
 typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
 TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
+
+/* tvi_energy of a state that is finite, in a block of the system's energy tape that is ready (jet_tape_prepare).
+ * Allocates for a Lagrangian only. */
+TVI_NODISCARD tvi_status tvi_energy_in(const tvi_system *system, double *block, double t, const double q[],
+                                       const double p[], double *H);
 
 /* Writes the time to all lanes of order 0 of a block of a tape whose first inputs are the system's. */
 static inline void tvi_system_set_time(const tvi_system *system, double *x, int lanes, const double t[])

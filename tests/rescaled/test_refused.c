@@ -1,0 +1,191 @@
+/* test_refused.c - what is refused: systems, methods, and time scales that are none. */
+#include "rescaled.h"
+
+#include <math.h>
+#include <string.h>
+
+static void force(const jet q[], jet t, jet out[], void *ctx)
+{
+    (void)t, (void)ctx;
+    out[0] = jet_neg(q[0]);
+}
+
+/* L_vv depends on q; v^2 / 2 - q^2 / 2 is separable. */
+static jet curved(const jet q[], const jet v[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(jet_add(1, jet_sqr(q[0])), jet_sqr(v[0]));
+}
+
+static jet flat(const jet q[], const jet v[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(0.5, jet_sub(jet_mul(2, jet_sqr(v[0])), jet_sqr(q[0])));
+}
+
+static jet spring(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(0.5, jet_sqr(q[0]));
+}
+
+static jet slope(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return q[0];
+}
+
+/* g = ctx, a number. */
+static jet number(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const double *value = ctx;
+    (void)q, (void)p, (void)t;
+    return jet_const(*value);
+}
+
+/* Positive for q > 0 only. */
+static jet position(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_mul(2, q[0]);
+}
+
+static jet reciprocal(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_exp(jet_mul(800, q[0]));
+}
+
+static jet unset(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)p, (void)t, (void)ctx;
+    jet value = {0};
+    memset(&value, 0, sizeof value);
+    return jet_div(value, 0);
+}
+
+/* The base is freed; returns the status of the rescaled one, which must be NULL unless it is asked for. */
+static tvi_status rescale(tvi_system *base, tvi_rescale_fn *g, void *ctx, tvi_system **out)
+{
+    tvi_system *rescaled;
+    const tvi_status status = tvi_system_rescaled(&rescaled, base, g, ctx);
+    ck_assert_int_eq(status == TVI_OK, rescaled != NULL);
+    tvi_system_free(base);
+    if (out) *out = rescaled;
+    else tvi_system_free(rescaled);
+    return status;
+}
+
+static tvi_system *of_potential(tvi_potential_fn *potential)
+{
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, potential, NULL), TVI_OK);
+    return system;
+}
+
+START_TEST(systems)
+{
+    tvi_system *system, *rescaled;
+    ck_assert_int_eq(tvi_system_force(&system, 1, NULL, force, NULL), TVI_OK);
+    ck_assert_int_eq(rescale(system, NULL, NULL, NULL), TVI_EUNSUPPORTED);
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, curved, NULL), TVI_OK);
+    ck_assert_int_eq(rescale(system, NULL, NULL, NULL), TVI_EUNSUPPORTED);
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, flat, NULL), TVI_OK);
+    ck_assert_int_eq(rescale(system, NULL, NULL, &rescaled), TVI_OK);
+    ck_assert_int_eq(tvi_system_dimension(rescaled), 1);
+    ck_assert_int_eq(rescale(rescaled, NULL, NULL, NULL), TVI_EUNSUPPORTED);
+    ck_assert_int_eq(rescale(of_potential(slope), NULL, NULL, NULL), TVI_EDOMAIN);
+    ck_assert_int_eq(tvi_system_rescaled(NULL, NULL, NULL, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, NULL, NULL, NULL), TVI_EINVAL);
+    ck_assert_ptr_null(rescaled);
+}
+END_TEST
+
+/* The energy, momenta and velocities are those of the system: here of a Lagrangian, M = 2. */
+START_TEST(energy_is_that_of_the_system)
+{
+    tvi_system *system, *rescaled;
+    const double q = 3, p = 5;
+    double H, v, back;
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, flat, NULL), TVI_OK);
+    ck_assert_int_eq(rescale(system, NULL, NULL, &rescaled), TVI_OK);
+    ck_assert_int_eq(tvi_energy(rescaled, 0, &q, &p, &H), TVI_OK);
+    ck_assert_double_eq_tol(H, 25.0 / 4 + 9.0 / 2, 4e-15);
+    ck_assert_int_eq(tvi_velocity(rescaled, 0, &q, &p, &v), TVI_OK);
+    ck_assert_double_eq_tol(v, 2.5, 1e-15);
+    ck_assert_int_eq(tvi_momentum(rescaled, 0, &q, &v, &back), TVI_OK);
+    ck_assert_double_eq_tol(back, 5, 2e-15);
+    tvi_system_free(rescaled);
+}
+END_TEST
+
+START_TEST(numbers_that_are_no_scale)
+{
+    double values[] = {0, -1, NAN, INFINITY};
+    const tvi_status expected[] = {TVI_EDOMAIN, TVI_EDOMAIN, TVI_ENONFINITE, TVI_ENONFINITE};
+    ck_assert_int_eq(rescale(of_potential(spring), number, &values[_i], NULL), expected[_i]);
+}
+END_TEST
+
+START_TEST(jets_that_are_no_scale) { ck_assert_int_eq(rescale(of_potential(spring), unset, NULL, NULL), TVI_EDOMAIN); }
+END_TEST
+
+/* A step where g is negative, zero or too large is refused, and the state is as it was. */
+static void check_step(tvi_rescale_fn *g, double q0, tvi_status expected)
+{
+    static const char *const names[] = {"galerkin", "poincare", "right", "left", "taylor"};
+    for (int i = 0; i < 5; i++) {
+        state start = {.q = {q0}, .p = {0.5}};
+        tvi_system *system;
+        ck_assert_int_eq(rescale(of_potential(spring), g, NULL, &system), TVI_OK);
+        run r = open_run(system, names[i], 6, &start);
+        ck_assert_int_eq(run_steps(&r, 0.1, 1), expected);
+        ck_assert(memcmp(&r.x, &start, sizeof start) == 0);
+        ck_assert_int_eq(tvi_dense(r.integrator, 0.5, start.q, start.p), TVI_EINVAL);
+        r.x.q[0] = g == position ? 0.5 : -0.01; /* and it goes on where there is a scale */
+        ck_assert_int_eq(run_steps(&r, 0.01, 1), TVI_OK);
+        close_run(&r);
+    }
+}
+
+START_TEST(steps_without_a_scale)
+{
+    check_step(position, -1, TVI_EDOMAIN);
+    check_step(position, 0, TVI_EDOMAIN);
+    check_step(reciprocal, 1, TVI_ENONFINITE);
+}
+END_TEST
+
+/* Type I has no generating function, and Stormer-Verlet no mass. */
+START_TEST(methods)
+{
+    static const char *const refused[] = {"tvi",       "start",         "end",           "midpoint",
+                                          "both-ends", "symmetric-tvi", "stormer-verlet"};
+    tvi_system *system;
+    ck_assert_int_eq(rescale(of_potential(spring), NULL, NULL, &system), TVI_OK);
+    for (int i = 0; i < 7; i++) {
+        tvi_options options;
+        tvi_integrator *integrator;
+        const char *why = NULL;
+        ck_assert_int_eq(tvi_options_named(refused[i], 2, &options), TVI_OK);
+        ck_assert_int_eq(tvi_options_check(system, &options, &why), TVI_EUNSUPPORTED);
+        ck_assert_ptr_nonnull(strstr(why, i < 6 ? "degenerate" : "mass"));
+        ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_EUNSUPPORTED);
+    }
+    tvi_system_free(system);
+}
+END_TEST
+
+Suite *suite_refused(void)
+{
+    Suite *suite = suite_create("refused");
+    TCase *tests = tcase_create("refused");
+    tcase_add_test(tests, systems);
+    tcase_add_test(tests, energy_is_that_of_the_system);
+    tcase_add_loop_test(tests, numbers_that_are_no_scale, 0, 4);
+    tcase_add_test(tests, jets_that_are_no_scale);
+    tcase_add_test(tests, steps_without_a_scale);
+    tcase_add_test(tests, methods);
+    suite_add_tcase(suite, tests);
+    return suite;
+}

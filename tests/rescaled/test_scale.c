@@ -1,0 +1,149 @@
+/* test_scale.c - the automatic time scale, against closed forms, other coordinates and other units. */
+#include "rescaled.h"
+#include "system/system.h"
+
+#include <float.h>
+#include <math.h>
+
+/* g at a state: dt/ds = K_e. */
+static double scale_at(const tvi_system *rescaled, const state *x)
+{
+    const int n = tvi_system_dimension(rescaled);
+    double q[MOST_N + 1], p[MOST_N + 1], v[MOST_N + 1], H;
+    for (int i = 0; i < n; i++) q[i] = x->q[i], p[i] = x->p[i];
+    ck_assert_int_eq(tvi_energy(rescaled, x->t, x->q, x->p, &H), TVI_OK);
+    q[n] = x->t, p[n] = -H;
+    ck_assert_int_eq(tvi_velocity(rescaled->stepped, 0, q, p, v), TVI_OK);
+    return v[n];
+}
+
+static jet kepler_in_space(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(jet_pow(jet_dot(q, q, 3), -0.5));
+}
+
+/* All along an orbit: V_qq has the eigenvalues -2 / r^3, 1 / r^3 and, in space, 1 / r^3. */
+START_TEST(automatic_of_kepler)
+{
+    tvi_system *in_plane = rescaled_system(2, NULL, kepler, NULL);
+    tvi_system *in_space = rescaled_system(3, NULL, kepler_in_space, NULL);
+    for (int k = 0; k < 64; k++) {
+        const state x = kepler_at(0.99, 0.1 * k);
+        const double r = hypot(x.q[0], x.q[1]), tilt = 0.7;
+        const state tilted = {
+            x.t, {x.q[0], cos(tilt) * x.q[1], sin(tilt) * x.q[1]}, {x.p[0], cos(tilt) * x.p[1], sin(tilt) * x.p[1]}};
+        ck_assert_double_eq_tol(scale_at(in_plane, &x) / (pow(r, 1.5) * pow(5, -0.25)), 1, 1e-14);
+        ck_assert_double_eq_tol(scale_at(in_space, &tilted) / (pow(r, 1.5) * pow(6, -0.25)), 1, 1e-14);
+    }
+    tvi_system_free(in_plane);
+    tvi_system_free(in_space);
+}
+END_TEST
+
+/* The frequencies of two springs, 2 and 3, whatever the masses: (2^4 + 3^4)^(-1/4). */
+static jet springs(const jet q[], jet t, void *ctx)
+{
+    const double *mass = ctx;
+    (void)t;
+    return jet_add(jet_mul(2 * mass[0], jet_sqr(q[0])), jet_mul(4.5 * mass[1], jet_sqr(q[1])));
+}
+
+START_TEST(automatic_of_springs)
+{
+    double mass[] = {3, 0.125};
+    tvi_system *base, *rescaled;
+    const state x = {0.5, {1, 2}, {3, 4}};
+    ck_assert_int_eq(tvi_system_potential(&base, 2, mass, springs, mass), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, NULL, NULL), TVI_OK);
+    ck_assert_double_eq_tol(scale_at(rescaled, &x), pow(97, -0.25), 1e-15);
+    tvi_system_free(rescaled);
+    tvi_system_free(base);
+}
+END_TEST
+
+/* Kepler where q = Q + P / 4, p = P: linear and canonical, and no longer separable. */
+static jet sheared(const jet Q[], const jet P[], jet t, void *ctx)
+{
+    jet q[2];
+    for (int i = 0; i < 2; i++) q[i] = jet_add(Q[i], jet_mul(0.25, P[i]));
+    return jet_add(jet_mul(0.5, jet_dot(P, P, 2)), kepler(q, t, ctx));
+}
+
+START_TEST(automatic_of_a_hamiltonian)
+{
+    tvi_system *base, *rescaled;
+    ck_assert_int_eq(tvi_system_hamiltonian(&base, 2, sheared, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, NULL, NULL), TVI_OK);
+    for (int k = 1; k < 64; k++) {
+        state x = kepler_at(0.9, 0.1 * k);
+        const double expected = pow(hypot(x.q[0], x.q[1]), 1.5) * pow(5, -0.25);
+        for (int i = 0; i < 2; i++) x.q[i] -= 0.25 * x.p[i];
+        ck_assert_double_eq_tol(scale_at(rescaled, &x) / expected, 1, 2e-14);
+    }
+    tvi_system_free(rescaled);
+    tvi_system_free(base);
+}
+END_TEST
+
+/* The driven problem in units of length, mass and time, stated as the user of those units would. */
+typedef struct {
+    double length, mass, time;
+} units;
+
+static jet driven_in(const jet q[], jet t, void *ctx)
+{
+    const units *u = ctx;
+    jet x[2];
+    for (int i = 0; i < 2; i++) x[i] = jet_mul(q[i], u->length);
+    return jet_mul(driven(x, jet_mul(t, u->time), NULL), u->mass * u->time * u->time / (u->length * u->length));
+}
+
+static state run_in(const units *u, double h, long steps)
+{
+    tvi_system *base, *rescaled;
+    const double mass[] = {u->mass * driven_mass[0], u->mass * driven_mass[1]};
+    state x = driven_start();
+    for (int i = 0; i < 2; i++) {
+        x.q[i] /= u->length;
+        x.p[i] *= u->mass * u->time / u->length;
+    }
+    x.t /= u->time;
+    ck_assert_int_eq(tvi_system_potential(&base, 2, mass, driven_in, (void *)u), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, NULL, NULL), TVI_OK);
+    run r = open_run(rescaled, NULL, 0, &x);
+    ck_assert_int_eq(run_steps(&r, h, steps), TVI_OK);
+    x = r.x;
+    for (int i = 0; i < 2; i++) {
+        x.q[i] *= u->length;
+        x.p[i] /= u->mass * u->time / u->length;
+    }
+    x.t *= u->time;
+    close_run(&r);
+    tvi_system_free(base);
+    return x;
+}
+
+/* The same trajectory to roundoff, of steps of the same size: h is a phase. */
+START_TEST(units_do_not_matter)
+{
+    static const units others[] = {{7, 1, 1}, {1, 0.3, 1}, {1, 1, 86400}, {1e-11, 1e30, 3e7}};
+    const units first = {1, 1, 1};
+    const state expected = run_in(&first, 0.5, 40);
+    ck_assert(expected.t > 2);
+    const state x = run_in(&others[_i], 0.5, 40);
+    ck_assert_double_le(state_distance(2, &x, &expected), 1e-12);
+}
+END_TEST
+
+Suite *suite_scale(void)
+{
+    Suite *suite = suite_create("scale");
+    TCase *tests = tcase_create("automatic");
+    tcase_add_test(tests, automatic_of_kepler);
+    tcase_add_test(tests, automatic_of_springs);
+    tcase_add_test(tests, automatic_of_a_hamiltonian);
+    tcase_add_loop_test(tests, units_do_not_matter, 0, 4);
+    suite_add_tcase(suite, tests);
+    return suite;
+}

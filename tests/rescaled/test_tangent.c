@@ -1,0 +1,106 @@
+/* test_tangent.c - the tangent of the flow at equal time, of steps in s. */
+#include "rescaled.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ROWS = 4 };
+
+/* The largest difference of two Jacobians, relative to the elements. */
+static double matrix_distance(double a[ROWS][ROWS], double b[ROWS][ROWS])
+{
+    double most = 0, size = 0;
+    for (int i = 0; i < ROWS; i++)
+        for (int j = 0; j < ROWS; j++) {
+            most = fmax(most, fabs(a[i][j] - b[i][j]));
+            size = fmax(size, fabs(b[i][j]));
+        }
+    return most / size;
+}
+
+static void identity(double M[ROWS][ROWS])
+{
+    memset(M, 0, sizeof(double[ROWS][ROWS]));
+    for (int i = 0; i < ROWS; i++) M[i][i] = 1;
+}
+
+/* By steps of equal time to the time that the steps in s have led to. */
+static void flow_tangent(tvi_potential_fn *potential, const double mass[], const state *start, double t,
+                         double M[ROWS][ROWS])
+{
+    enum { STEPS = 2000 };
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, 2, mass, potential, NULL), TVI_OK);
+    run r = open_run(system, NULL, 0, start);
+    identity(M);
+    for (int step = 0; step < STEPS; step++)
+        ck_assert_int_eq(tvi_step_tangent(r.integrator, (t - start->t) / STEPS, &r.x.t, r.x.q, r.x.p, &M[0][0], ROWS),
+                         TVI_OK);
+    close_run(&r);
+}
+
+static void check_tangent(tvi_potential_fn *potential, const double mass[], tvi_rescale_fn *g, const state *start,
+                          const served *method, double h, double tolerance)
+{
+    double M[ROWS][ROWS], exact[ROWS][ROWS];
+    run r = open_run(rescaled_system(2, mass, potential, g), method->name, method->order, start);
+    run plain = open_run(rescaled_system(2, mass, potential, g), method->name, method->order, start);
+    identity(M);
+    for (int step = 0; step < 40; step++)
+        ck_assert_int_eq(tvi_step_tangent(r.integrator, h, &r.x.t, r.x.q, r.x.p, &M[0][0], ROWS), TVI_OK);
+    ck_assert_int_eq(run_steps(&plain, h, 40), TVI_OK);
+    ck_assert(memcmp(&plain.x, &r.x, sizeof r.x) == 0); /* bit for bit the steps without */
+    flow_tangent(potential, mass, start, r.x.t, exact);
+    ck_assert_double_le(matrix_distance(M, exact), tolerance);
+    ck_assert_double_ge(matrix_distance(M, exact), 1e-16);
+    close_run(&r);
+    close_run(&plain);
+}
+
+static const served accurate[] = {
+    {"galerkin", 16, false}, {"poincare", 16, false}, {"right", 16, false}, {"taylor", 20, false}};
+
+START_TEST(tangent_of_kepler)
+{
+    const state start = kepler_start(0.6);
+    check_tangent(kepler, NULL, kepler_scale, &start, &accurate[_i], 0.1, 1e-11);
+}
+END_TEST
+
+/* With explicit time, and g of q, p and t. */
+START_TEST(tangent_of_the_driven_problem)
+{
+    const state start = driven_start();
+    check_tangent(driven, driven_mass, driven_scale, &start, &accurate[_i], 0.1, 1e-11);
+    check_tangent(driven, driven_mass, NULL, &start, &accurate[_i], 0.1, 1e-9);
+}
+END_TEST
+
+/* A tangent along the flow stays one: (q', p') is carried to (q', p'). */
+START_TEST(flow_is_carried_along)
+{
+    run r = open_kepler(0.9, NULL, NULL, 0);
+    double D[ROWS] = {r.x.p[0], r.x.p[1], -pow(r.x.q[0], -2), 0};
+    for (int step = 0; step < 60; step++) {
+        ck_assert_int_eq(tvi_step_tangent(r.integrator, 0.4, &r.x.t, r.x.q, r.x.p, D, 1), TVI_OK);
+        const double radius = hypot(r.x.q[0], r.x.q[1]), force = -pow(radius, -3);
+        for (int i = 0; i < 2; i++) {
+            ck_assert_double_eq_tol(D[i], r.x.p[i], 1e-11 * hypot(r.x.p[0], r.x.p[1]));
+            ck_assert_double_eq_tol(D[2 + i], force * r.x.q[i], 1e-11 * fabs(force) * radius);
+        }
+    }
+    close_run(&r);
+}
+END_TEST
+
+Suite *suite_tangent(void)
+{
+    Suite *suite = suite_create("tangent");
+    TCase *tests = tcase_create("tangent");
+    tcase_add_loop_test(tests, tangent_of_kepler, 0, 4);
+    tcase_add_loop_test(tests, tangent_of_the_driven_problem, 0, 4);
+    tcase_add_test(tests, flow_is_carried_along);
+    tcase_set_timeout(tests, 60);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
