@@ -43,6 +43,11 @@ typedef struct {
 enum { TVI_SAMPLES = 8 };
 extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */
 
+/* Components first .. end - 1 of a vector. */
+typedef struct {
+    int first, end;
+} tvi_range;
+
 typedef struct {
     /* Lays out the stepper's work in the arena; NULL while the arena only measures. What a step leaves to the next one
      * is taken from the arena's history, which is as it was again after a step that failed, and all zeros before a
@@ -55,9 +60,10 @@ typedef struct {
     tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
     /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
     void (*dense)(void *work, double theta, double dq[], double dp[]);
-    /* The states at all tvi_sample_place, from the one at the start: q, p [n][TVI_SAMPLES]. NULL: by dense, one after
-     * the other. */
-    void (*sample)(void *work, const double q_start[], const double p_start[], double *q, double *p);
+    /* The states at all tvi_sample_place, from the one at the start: q, p [n][TVI_SAMPLES], of[0] of q and of[1] of p.
+     * NULL: by dense, one after the other. */
+    void (*sample)(void *work, const tvi_range of[2], const double q_start[], const double p_start[], double *q,
+                   double *p);
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_composed, tvi_stepper_galerkin;

@@ -241,20 +241,18 @@ static void sample_by_dense(tvi_integrator *it, double *q, double *p, double *t)
     }
 }
 
-void tvi_sample(tvi_integrator *it, double *x)
+void tvi_sample(tvi_integrator *it, const tvi_range of[2], double *x)
 {
     const int n = it->system->n, end = TVI_SAMPLES - 1;
     double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
     if (it->stepper->sample && it->stepped == it->system) {
-        it->stepper->sample(it->work, it->start.q, it->start.p, q, p);
+        it->stepper->sample(it->work, of, it->start.q, it->start.p, q, p);
         for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_place[k] * it->h);
     } else {
         sample_by_dense(it, q, p, t);
     }
-    for (int i = 0; i < n; i++) {
-        q[i * TVI_SAMPLES + end] = it->now.q[i];
-        p[i * TVI_SAMPLES + end] = it->now.p[i];
-    }
+    for (int i = of[0].first; i < of[0].end; i++) q[i * TVI_SAMPLES + end] = it->now.q[i];
+    for (int i = of[1].first; i < of[1].end; i++) p[i * TVI_SAMPLES + end] = it->now.p[i];
     t[end] = it->now.q[n];
 }
 

@@ -48,7 +48,8 @@ void tvi_integrator_take_back(tvi_integrator *integrator, double *t, double q[],
 TVI_NODISCARD tvi_status tvi_state_at(tvi_integrator *integrator, double theta, double *t, double q[], double p[]);
 
 /* The states at the sample places of the last step (stepper.h), as a tape with a lane for each wants them: q, p and t
- * in x [2n + 1][TVI_SAMPLES]. The one at the end is that of the step. They may not be finite. */
-void tvi_sample(tvi_integrator *integrator, double *x);
+ * in x [2n + 1][TVI_SAMPLES], of[0] of q, of[1] of p, and t; what else is there may be overwritten. The one at the end
+ * is that of the step. They may not be finite. */
+void tvi_sample(tvi_integrator *integrator, const tvi_range of[2], double *x);
 
 #endif

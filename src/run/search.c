@@ -231,7 +231,7 @@ static tvi_status sample_events(tvi_search *s)
 {
     const long step = s->it->stats.steps;
     const bool continues = s->step > 0 && *s->it->continued && step == s->step + 1;
-    tvi_sample(s->it, s->samples);
+    tvi_sample(s->it, s->of_state, s->samples);
     tvi_status status = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES) ? TVI_OK : TVI_EDOMAIN;
     for (int which = 0; which < s->count && status == TVI_OK; which++) {
         double *g = s->of[which].g;
@@ -260,6 +260,27 @@ static double *make_block(const jet_tape *tape, int lanes)
     return block;
 }
 
+/* From the first component that is used to the last one. */
+static tvi_range used_range(const bool used[], int n)
+{
+    tvi_range range = {0, n};
+    while (range.end > 0 && !used[range.end - 1]) range.end--;
+    while (range.first < range.end && !used[range.first]) range.first++;
+    return range;
+}
+
+/* The tape of all events, and what it uses of the state. */
+static tvi_status join_events(tvi_search *s, const tvi_event *const events[])
+{
+    bool used[2 * TVI_MAX_DIMENSION + 1];
+    const int n = s->it->system->n;
+    const tvi_status status = tvi_event_join(&s->tape, events, s->count, used);
+    if (status != TVI_OK) return status;
+    s->of_state[0] = used_range(used, n);
+    s->of_state[1] = used_range(used + n, n);
+    return TVI_OK;
+}
+
 tvi_status tvi_search_open(tvi_search *s, tvi_integrator *it, const tvi_event *const events[], int count)
 {
     const size_t some = (size_t)count;
@@ -272,7 +293,7 @@ tvi_status tvi_search_open(tvi_search *s, tvi_integrator *it, const tvi_event *c
         s->of[which] = (tvi_watch){.event = events[which], .block = make_block(events[which]->tape, 1)};
         if (!s->of[which].block) return TVI_ENOMEM;
     }
-    const tvi_status status = tvi_event_join(&s->tape, events, count);
+    const tvi_status status = join_events(s, events);
     if (status == TVI_OK) s->samples = make_block(s->tape, TVI_SAMPLES);
     return status == TVI_OK && !s->samples ? TVI_ENOMEM : status;
 }

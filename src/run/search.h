@@ -23,12 +23,13 @@ typedef struct {
 typedef struct {
     tvi_integrator *it;
     int count;
-    tvi_watch *of;   /* [count] */
-    long step;       /* of the integrator, the last one searched; 0: none */
-    jet_tape *tape;  /* of all events, */
-    double *samples; /* and its block: it begins with the inputs [2n + 1][TVI_SAMPLES] */
-    double *state;   /* [2n + 1] */
-    tvi_root *roots; /* of the step at hand */
+    tvi_watch *of;         /* [count] */
+    long step;             /* of the integrator, the last one searched; 0: none */
+    jet_tape *tape;        /* of all events, */
+    double *samples;       /* and its block: it begins with the inputs [2n + 1][TVI_SAMPLES], */
+    tvi_range of_state[2]; /* of which those of q and of p are used */
+    double *state;         /* [2n + 1] */
+    tvi_root *roots;       /* of the step at hand */
     int found;
 } tvi_search;
 

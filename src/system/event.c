@@ -71,12 +71,31 @@ static tvi_status record_again(const tvi_event *const events[], int count, jet_g
     return status;
 }
 
-tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count)
+/* The inputs that the values are made of. */
+static tvi_status find_used(const jet_graph *graph, int inputs, int count, const jet value[], bool used[])
+{
+    const int nodes = jet_graph_count(graph);
+    bool *needed = calloc((size_t)nodes, sizeof *needed);
+    if (!needed) return TVI_ENOMEM;
+    for (int i = 0; i < count; i++) needed[value[i].node->index] = true;
+    for (int i = nodes - 1; i >= 0; i--) {
+        const struct jet_node *z = jet_graph_node(graph, i);
+        if (z->a) needed[z->a->index] |= needed[i];
+        if (z->b) needed[z->b->index] |= needed[i];
+        for (int term = 0; term < z->count; term++) needed[z->terms[term].node->index] |= needed[i];
+    }
+    memcpy(used, needed, (size_t)inputs * sizeof *used);
+    free(needed);
+    return TVI_OK;
+}
+
+tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count, bool used[])
 {
     const int inputs = 2 * events[0]->n + 1;
     jet_graph *graph = jet_graph_create(inputs);
     jet *jets = calloc(2 * (size_t)inputs + (size_t)count, sizeof *jets);
     tvi_status status = graph && jets ? record_again(events, count, graph, inputs, jets) : TVI_ENOMEM;
+    if (status == TVI_OK) status = find_used(graph, inputs, count, jets + 2 * inputs, used);
     *out = status == TVI_OK ? jet_tape_create(graph, inputs, count, jets + 2 * inputs, JET_TAPE_VALUES) : NULL;
     if (status == TVI_OK && !*out) status = TVI_ENOMEM;
     free(jets);

@@ -17,6 +17,7 @@ struct tvi_event {
 /* g at the state x [2n + 1], q, p and t; block is one of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g);
 /* A tape of all of them, of one dimension: inputs q, p, t; outputs g, by event. */
-TVI_NODISCARD tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count);
+/* used [2n + 1]: the inputs that they depend on. */
+TVI_NODISCARD tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count, bool used[]);
 
 #endif

@@ -56,13 +56,18 @@ START_TEST(samples_are_the_curve)
     const pairing *x = &pairings[_i / 2];
     const int n = x->scene->n, end = TVI_SAMPLES - 1;
     run r = run_open(x->scene, x->method, x->order);
+    const tvi_range all[] = {{0, n}, {0, n}}, last[] = {{n - 1, n}, {n - 1, n}};
     double sample[2 * MOST_N + 1][TVI_SAMPLES], now[2 * MOST_N + 1], start[2 * MOST_N];
+    double part[2 * MOST_N + 1][TVI_SAMPLES];
     for (int step = 0; step < 5; step++) {
         const double t = r.x.t, h = (_i % 2 ? -1 : 1) * x->h * (1 + 0.25 * (step == 3));
         memcpy(start, r.x.q, (size_t)n * sizeof *start);
         memcpy(start + n, r.x.p, (size_t)n * sizeof *start);
         ck_assert_int_eq(run_steps(&r, h, 1), TVI_OK);
-        tvi_sample(r.integrator, sample[0]);
+        tvi_sample(r.integrator, all, sample[0]);
+        tvi_sample(r.integrator, last, part[0]);
+        for (int i = n - 1; i < 2 * n; i += n) ck_assert_mem_eq(part[i], sample[i], sizeof *part);
+        ck_assert_mem_eq(part[2 * n], sample[2 * n], sizeof *part);
         for (int k = 0; k < TVI_SAMPLES; k++) {
             const double theta = (k + 1) / (double)TVI_SAMPLES;
             ck_assert_int_eq(tvi_dense(r.integrator, theta, now, now + n), TVI_OK);
