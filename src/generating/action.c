@@ -85,11 +85,12 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
     tvi_quadrature_nodes(options->quadrature, points, s, weight);
     for (int i = 0; i < points; i++) { /* from [-1, 1] to the span */
+        const bool at_end = s[i] == -1 || s[i] == 1;
         s[i] = span.from + (span.to - span.from) * (1 + s[i]) / 2;
         weight[i] *= (span.to - span.from) / 2;
         action->s[i] = (double)s[i];
         action->weight[i] = (double)weight[i];
-        fill_powers(action, i, s[i], action->s[i] == span.from || action->s[i] == span.to);
+        fill_powers(action, i, s[i], at_end);
     }
     for (int k = 0; action->by_parts && k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++)

@@ -28,7 +28,9 @@ typedef struct tvi_closure {
     int n;
     tvi_span span;
     tvi_curve curve;
-    tvi_combination q_from, q_to, q_rise, q_mean; /* q-, q+, q+ - q-, (q- + q+)/2 */
+    tvi_combination q_from, q_to, q_rise,
+        q_mean; /* q-, q+, q+ - q-, and (to q- - from q+)/(to - from), which has no Q_1
+                                                     in it: at the midpoint the mean of the ends */
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
     double *seed_Q, *seed_U;                      /* [top + 1][n] of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */

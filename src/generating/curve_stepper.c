@@ -122,7 +122,8 @@ static void prepare(void *taken)
         tvi_combination_set_powers(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
         tvi_combination_set_powers(ends[of_momentum][1], &c->curve, of_momentum, degree, 1, to, 0, 0);
         tvi_combination_set_powers(ends[of_momentum][2], &c->curve, of_momentum, degree, 1, to, -1, from);
-        tvi_combination_set_powers(ends[of_momentum][3], &c->curve, of_momentum, degree, 0.5, to, 0.5, from);
+        tvi_combination_set_powers(ends[of_momentum][3], &c->curve, of_momentum, degree, -from / (to - from), to,
+                                   to / (to - from), from);
     }
     tvi_combination_set_powers(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre(w);

@@ -12,14 +12,15 @@ void tvi_close_momenta(tvi_closure *c, const double d0[], const double rise[])
     }
 }
 
-/* In the mean and half the difference of the ends the matrix is I + O(h):
- *     ((G+ + G-)/2)^T (d1 - d0) + (G+ - G-)^T (d1 + d0)/2 = D_z. */
+/* With the mean M of G- and G+ that has no Q_1 in it, and R = G+ - G-, the matrix is I + O(h):
+ *     M^T (d1 - d0) + R^T (to d1 - from d0)/(to - from) = D_z. */
 tvi_status tvi_close_type1(tvi_closure *c)
 {
     const tvi_status status = tvi_close_full(c, &c->q_mean, &c->q_rise);
     if (status != TVI_OK) return status;
+    const double part = c->span.to / (c->span.to - c->span.from);
     double *rise = c->D, *mean = c->D + c->n;
-    for (int i = 0; i < c->n; i++) mean[i] -= rise[i] / 2; /* d0 */
+    for (int i = 0; i < c->n; i++) mean[i] -= part * rise[i]; /* d0 */
     tvi_close_momenta(c, mean, rise);
     return TVI_OK;
 }

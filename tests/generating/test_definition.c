@@ -233,7 +233,7 @@ enum { STENCIL = 4, ROWS_MAX = 17, COLUMNS_MAX = 8 };
 static void differentiate(vector_function *f, const void *self, int rows, int columns, const real at[],
                           real J[ROWS_MAX][COLUMNS_MAX])
 {
-    const real d = 0.002L;
+    const real d = 0x1p-8L; /* z + s d and its multiples are exact */
     real z[COLUMNS_MAX], y[ROWS_MAX];
     memcpy(z, at, (size_t)columns * sizeof *z);
     for (int column = 0; column < columns; column++) {
