@@ -10,12 +10,12 @@ do-coverage:
 check-coverage: ; $(REPORT) "95 of 100 lines of ad and src are run by the tests" $(LOG) $(DO)
 run-cov:
 	rm -rf $(BUILD)
-	$(MAKE) --no-print-directory -s $(JOBS) $(addprefix $(BUILD)/check/,tvi ad generating events)
+	$(MAKE) --no-print-directory -s $(JOBS) $(addprefix $(BUILD)/check/,library ad generating events)
 	$(MAKE) --no-print-directory -s run-covered >$(BUILD)/tests.log 2>&1 || { tail -n 25 $(BUILD)/tests.log; exit 1; }
 	tests/coverage.sh 95 $(BUILD)
 run-covered:
 	for set in avx2 base best; do TVI_ISA=$$set CK_FORK=no $(BUILD)/check/ad || exit 1; done
-	$(IN_ONE_GO) 'input,faults,stepping,closed forms,products,linear' $(BUILD)/check/tvi
+	$(IN_ONE_GO) 'input,faults,stepping,closed forms,products,linear' $(BUILD)/check/library
 	$(IN_ONE_GO) 'forms,serves,points,dense,galerkin,references,states,statements,geometry' $(BUILD)/check/generating
 	CK_FORK=no $(BUILD)/check/events
 
@@ -23,8 +23,7 @@ run-covered:
 # and why some are off. Not tests/ad/test_record.c, whose macros nested twenty deep clang-tidy never ends with. SOURCES=files
 # for some of them.
 PACKAGES_ANALYSE := 'clang-tidy:command -v clang-tidy' 'cppcheck:command -v cppcheck'
-SOURCES          ?= $(filter-out tests/ad/test_record.c $(patsubst $(BUILD)/%.o,%.c,$(NO_CLANG)),$(wildcard ad/*.c src/*/*.c bench/*.c bench/*/*.c \
-                    tests/*.c tests/*/*.c))
+SOURCES          ?= $(filter-out tests/ad/test_record.c $(patsubst $(BUILD)/%.o,%.c,$(NO_CLANG)),$(wildcard ad/*.c src/*/*.c bench/*/*.c tests/*/*.c))
 # suppressed: arrays that a loop fills, which cppcheck believes may run no time
 CPPCHECK         := cppcheck -q --std=c11 --error-exitcode=1 --inline-suppr --suppress=missingIncludeSystem \
                     --suppress=uninitvar:bench/baselines/solar_rows.h --suppress=uninitvar:src/galerkin/loops.c \

@@ -8,7 +8,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 grep -v '^#' "$file" | while read -r scene method order h written; do
-    counted=$(bench/instructions.sh "$program" base "$scene" "$method" "$order" "$h" </dev/null | awk '/^library/ { print $2 }')
+    counted=$(bench/steps/instructions.sh "$program" base "$scene" "$method" "$order" "$h" </dev/null | awk '/^library/ { print $2 }')
     [ "$counted" ] || { echo "$scene: nothing was counted" >&2; exit 1; }
     echo "$scene $method $order $h $counted $written"
 done >"$work/counted" || exit 1

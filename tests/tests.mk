@@ -6,7 +6,7 @@
 # The longest stand first, so that two jobs end together.
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
-CHECKS  := check-generating check-tests $(patsubst %,check-%,$(filter-out generating,$(FOLDERS))) check-valgrind \
+CHECKS  := check-generating check-library $(patsubst %,check-%,$(filter-out generating library,$(FOLDERS))) check-valgrind \
            check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
            check-symbols check-names check-floors check-instructions check-examples
 LONG    := check-sanitizers check-coverage check-optimized check-base check-threads
@@ -30,15 +30,15 @@ REPORT = +@tests/report.sh
 LOG    = $(BUILD)/check/$@.log
 DO     = $(MAKE) -s --no-print-directory do-$(@:check-%=%)
 
-# ---- The test programs: tests/*.c, and one for each folder with a main.c ------------------------------------------------
+# ---- The test programs: one for each folder with a main.c ---------------------------------------------------------------
 
 # what uses quadruple precision, which only gcc compiles, is called so
 quad_of       = $(foreach source,$(1),$(if $(findstring quad,$(notdir $(source))),$(source)))
 objects_of    = $(patsubst %.c,$(BUILD)/%.o,$(1))
-TEST_SOURCES := $(wildcard tests/*.c $(FOLDERS:%=tests/%/*.c))
+TEST_SOURCES := $(wildcard tests/problems/*.c $(FOLDERS:%=tests/%/*.c))
 TEST_OBJECTS := $(call objects_of,$(TEST_SOURCES))
 QUAD_OBJECTS := $(call objects_of,$(call quad_of,$(TEST_SOURCES)))
-PROGRAMS     := $(addprefix $(BUILD)/check/,tvi $(FOLDERS))
+PROGRAMS     := $(addprefix $(BUILD)/check/,$(FOLDERS))
 
 CHECK_CFLAGS = $(shell pkg-config --cflags check)
 CHECK_LIBS   = $(shell pkg-config --libs check) -lquadmath $(LIBS)
@@ -54,7 +54,7 @@ $(QUAD_OBJECTS): $(BUILD)/%.o: %.c
 	$(QUADCC) $(QUAD_FLAGS) -c -o $@ $<
 
 # what the programs take from each other and from the bench
-HELPERS := $(call objects_of,tests/problems.c bench/quad.c $(wildcard bench/scenes/*.c bench/baselines/*.c) \
+HELPERS := $(call objects_of,tests/problems/problems.c $(filter-out %/reference.c,$(wildcard bench/references/*.c)) $(wildcard bench/scenes/*.c bench/baselines/*.c) \
             $(filter-out %/stability.c,$(wildcard bench/stability/*.c)))
 $(BUILD)/check/helpers.a: $(HELPERS)
 	@mkdir -p $(@D) && rm -f $@
@@ -66,17 +66,16 @@ define program
 $(BUILD)/check/$(1): $(call objects_of,$(wildcard tests/$(1)/*.c)) $(call library_of,$(1))
 endef
 $(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
-$(BUILD)/check/tvi: $(call objects_of,$(wildcard tests/*.c)) $(call library_of,)
-$(BUILD)/check/tvi: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+$(BUILD)/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
 
-test-programs: $(PROGRAMS) $(BUILD)/bench/steps
+test-programs: $(PROGRAMS) $(BUILD)/bench/steps/steps
 $(PROGRAMS):
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
 
-check-tests: ; $(REPORT) "tests of the library" $(LOG) $(DO)
-do-tests: $(BUILD)/check/tvi
-	$<
+# the one of tests/library by its older name, too
+check-tests: check-library
+.PHONY: check-tests
 
 $(FOLDERS:%=check-%): check-%: ; $(REPORT) "tests/$*" $(LOG) $(DO)
 $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
@@ -85,8 +84,8 @@ $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 # what integrates, without the wider vectors that this machine may have (tests/ad runs every instruction set)
 check-base: ; $(REPORT) "the base instruction set" $(LOG) $(DO)
 do-base: export TVI_ISA = base
-do-base: $(addprefix $(BUILD)/check/,tvi events generating)
-	tests/suites.sh 'closed forms,order,structure,stepping,products,linear' $(BUILD)/check/tvi
+do-base: $(addprefix $(BUILD)/check/,library events generating)
+	tests/suites.sh 'closed forms,order,structure,stepping,products,linear' $(BUILD)/check/library
 	$(BUILD)/check/events
 	tests/suites.sh 'forms,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
 
@@ -101,15 +100,15 @@ IN_ONE_GO  := CK_FORK=no tests/suites.sh
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(addprefix $(BUILD)/check/,tvi ad generating fuzz)
-	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/tvi
+do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating fuzz)
+	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
 	$(BUILD)/check/fuzz
 
 check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)
-do-valgrind: $(addprefix $(BUILD)/check/,tvi ad)
-	$(IN_ONE_GO) 'input/systems,input/functions,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/tvi
+do-valgrind: $(addprefix $(BUILD)/check/,library ad)
+	$(IN_ONE_GO) 'input/systems,input/functions,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape' $(VALGRIND) $(BUILD)/check/ad
 
 # two threads on one system, library and all
@@ -146,8 +145,8 @@ fuzz-steps: need-check
 # Read by both compilers, compiled by neither: the objects named are not made. And by gcc as it optimizes, which knows more
 # of what may be uninitialized or out of bounds.
 
-BENCH_SOURCES := $(wildcard bench/*.c bench/*/*.c)
-NO_CLANG      := $(QUAD_OBJECTS) $(call objects_of,$(call quad_of,$(BENCH_SOURCES)) bench/reference.c)
+BENCH_SOURCES := $(wildcard bench/*/*.c)
+NO_CLANG      := $(QUAD_OBJECTS) $(call objects_of,$(wildcard bench/references/*.c))
 
 check-warnings-gcc:
 	$(REPORT) "no warnings from gcc" $(LOG) \
@@ -175,13 +174,13 @@ STRICT := -Wall -Wextra -Wpedantic -Wconversion -Werror
 
 # each header alone, in C and in C++, and a program in C++
 check-headers: ; $(REPORT) "headers in C and C++" $(LOG) $(DO)
-do-headers: tests/header.cpp $(BUILD)/libtvi.a
+do-headers: tests/library/header.cpp $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	for header in jet tvi; do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
 	    for compiler in 'gcc -std=c11' 'clang -std=c11' 'g++ -std=c++11 -x c++' 'clang++ -std=c++11 -x c++'; do \
 	        $$compiler $(STRICT) -Iinclude -fsyntax-only $(BUILD)/check/$$header.c || exit 1; done; done
 	for compiler in g++ clang++; do \
-	    $$compiler -std=c++17 $(STRICT) -Iinclude -o $(BUILD)/check/header tests/header.cpp $(BUILD)/libtvi.a $(LIBS) && \
+	    $$compiler -std=c++17 $(STRICT) -Iinclude -o $(BUILD)/check/header tests/library/header.cpp $(BUILD)/libtvi.a $(LIBS) && \
 	    $(BUILD)/check/header || exit 1; done
 
 # programs outside, with what is installed
@@ -225,13 +224,13 @@ do-floors:
 	tests/floors.sh
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
-INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps tests/instructions.txt
+INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps/steps tests/instructions.txt
 COMPILED_BY   = '$(shell $(CC) --version | head -n 1), $(CFLAGS), $(shell $(CC) -dumpmachine)'
 check-instructions: ; $(REPORT) "instructions of a step" $(LOG) $(DO)
-do-instructions: $(BUILD)/bench/steps
+do-instructions: $(BUILD)/bench/steps/steps
 	$(INSTRUCTIONS) compare $(COMPILED_BY)
 instructions: need-check
-	@$(MAKE) --no-print-directory $(BUILD)/bench/steps
+	@$(MAKE) --no-print-directory $(BUILD)/bench/steps/steps
 	$(INSTRUCTIONS) renew $(COMPILED_BY)
 .PHONY: instructions
 

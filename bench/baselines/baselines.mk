@@ -14,19 +14,19 @@ BASELINE_OBJECTS   = $(patsubst %.c,$(BUILD)/%.o,$(filter-out %/peers.c,$(wildca
 # the sweep of the baselines only; PEERS=folder: Gauss collocation against another program of it, folder/gauss, instead
 compare: need-library
 ifdef PEERS
-	@$(MAKE) --no-print-directory $(BUILD)/bench/peers
-	$(BUILD)/bench/peers $(PEERS)
+	@$(MAKE) --no-print-directory $(BUILD)/bench/baselines/peers
+	$(BUILD)/bench/baselines/peers $(PEERS)
 else
-	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/sweep
-	$(BUILD)/bench/sweep --baselines --out $(BUILD)/bench/baselines --budget $(or $(BUDGET),60) $(if $(SCENE),--scene $(SCENE))
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/sweep/sweep
+	$(BUILD)/bench/sweep/sweep --baselines --out $(BUILD)/bench/baselines --budget $(or $(BUDGET),60) $(if $(SCENE),--scene $(SCENE))
 endif
 .PHONY: compare
 
-$(BUILD)/bench/peers: $(BUILD)/bench/baselines/peers.o $(BUILD)/bench/run.o $(BASELINE_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+$(BUILD)/bench/baselines/peers: $(BUILD)/bench/baselines/peers.o $(BUILD)/bench/runs/run.o $(BASELINE_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
 $(BUILD)/check/baselines: CHECK_LIBS += $(BASELINE_LIBS)
 
 $(BUILD)/bench/baselines/%.o: bench/baselines/%.c
 	@mkdir -p $(@D)
-	$(CC) $(TOOL) $(CFLAGS) $(BASELINE_FLAGS) $(BASELINE_DEFINES) -DBASELINE_FLAGS='"$(BASELINE_FLAGS)"' -MMD -c -o $@ $<
+	$(CC) $(TOOL) $(CFLAGS) $(BASELINE_FLAGS) $(BASELINE_DEFINES) -DBASELINE_FLAGS='"$(BASELINE_FLAGS)"' -MMD -MP -c -o $@ $<

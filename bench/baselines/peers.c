@@ -1,6 +1,6 @@
 /* peers.c - Gauss collocation of order 16 against another program of it: peers DIR runs DIR/gauss
  * in turns with ours. */
-#include "run.h"
+#include "runs/run.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
  * lower ones too, and the Jacobians of them all with respect to the 2n numbers at the centre. */
 #include "generating/curve.h"
 #include "experiment.h"
-#include "run.h"
+#include "runs/run.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 #include "experiment.h"
-#include "report.h"
+#include "runs/report.h"
 
 #include <errno.h>
 #include <math.h>

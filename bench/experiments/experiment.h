@@ -4,7 +4,7 @@
 #ifndef EXPERIMENT_H
 #define EXPERIMENT_H
 
-#include "run.h"
+#include "runs/run.h"
 
 #include <stdio.h>
 

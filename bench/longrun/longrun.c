@@ -6,7 +6,7 @@
  * times in equal ratios; H and H0 are means over a window of steps. */
 #include "longrun.h"
 #include "baselines/gauss_tableau.h"
-#include "sweep.h"
+#include "runs/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -7,13 +7,13 @@ PERFORMANCE_SHARED    = $(patsubst %,$(PERFORMANCE_DIR)/%.o,turns bodies curves 
 
 # ONE=name for one of them
 performance: need-bench need-check
-	@$(MAKE) --no-print-directory -s $(PERFORMANCE_PROGRAMS) $(BUILD)/bench/steps
+	@$(MAKE) --no-print-directory -s $(PERFORMANCE_PROGRAMS) $(BUILD)/bench/steps/steps
 	@for name in $(or $(ONE),$(PERFORMANCE)); do \
 	    OPENBLAS_NUM_THREADS=1 $(PERFORMANCE_DIR)/$$name $(PERFORMANCE_DIR) || exit 1; done
 	@[ -n "$(ONE)" ] || { echo '| | |'; echo '|---|---|'; \
 	    sed -n 's/^# \(processor\|compiler\|flags\|flags of the baselines\|widest instruction set\): \(.*\)/| \1 | \2 |/p' \
 	        $(PERFORMANCE_DIR)/work_precision.csv; } >$(PERFORMANCE_DIR)/machine.md
-	@[ -n "$(ONE)" ] || bench/performance/profile.sh $(BUILD)/bench/steps >$(PERFORMANCE_DIR)/profile.md
+	@[ -n "$(ONE)" ] || bench/performance/profile.sh $(BUILD)/bench/steps/steps >$(PERFORMANCE_DIR)/profile.md
 	@[ -n "$(ONE)" ] || gnuplot -c bench/performance/performance.gp $(PERFORMANCE_DIR) bench/experiments
 	@for file in $(or $(ONE:%=$(PERFORMANCE_DIR)/%.md),$(PERFORMANCE_DIR)/*.md); do echo && cat $$file; done
 

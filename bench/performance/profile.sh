@@ -1,7 +1,7 @@
 #!/bin/sh
 # profile.sh PROGRAM
 # Where the instructions of a step go, in percent of all of it, LAPACK and libm included: a table of the steps of
-# tests/instructions.txt, counted by callgrind with TVI_ISA=avx2 (valgrind knows no AVX-512). PROGRAM: see bench/instructions.sh.
+# tests/instructions.txt, counted by callgrind with TVI_ISA=avx2 (valgrind knows no AVX-512). PROGRAM: see bench/steps/instructions.sh.
 #   expansion     the Taylor curve
 #   node forces   the function at the nodes of the quadrature
 #   gradient      seeds of the discrete action's gradient, without the forces, and their product with the Jacobian matrices
@@ -17,7 +17,7 @@ echo '| scene | method, h | instructions | expansion, % | node forces, % | gradi
 echo '|---|---|---|---|---|---|---|---|---|---|'
 grep -v '^#' tests/instructions.txt | while read -r scene method order h rest; do
     echo "profile: $scene" >&2
-    bench/instructions.sh "$program" avx2 "$scene" "$method" "$order" "$h" </dev/null |
+    bench/steps/instructions.sh "$program" avx2 "$scene" "$method" "$order" "$h" </dev/null |
         awk -v head="| $scene | $method $order, $h |" '
             $1 == "total" { total = $2 }
             $1 != "call" { next }
@@ -25,9 +25,9 @@ grep -v '^#' tests/instructions.txt | while read -r scene method order h rest; d
             callee == "tvi_curve_expand" { expansion += n }
             callee == "values" && caller !~ /^series$|legendre/ { forces += n }
             callee == "tvi_action_seed" || callee == "tvi_curve_pull" { gradient += n }
-            callee == "tvi_curve_pull" && caller ~ /^tvi_close/ { closing -= n }
+            callee == "tvi_curve_pull" && caller ~ /^(tvi_)?close/ { closing -= n }
             callee == "tvi_curve_differentiate" { jacobians += n }
-            callee ~ /^tvi_close_(type[123]|poincare)/ { closing += n }
+            callee ~ /^(tvi_)?close_(type[123]|poincare)/ && caller !~ /^close_type/ { closing += n }
             callee == "tvi_newton_solve" { corrector += n }
             callee == "residual" { corrector -= n }
             function cell(n) { printf " %.1f |", 100 * n / total; rest -= n }

@@ -3,7 +3,7 @@
  *
  *   targets DIR */
 #include "experiments/experiment.h"
-#include "sweep.h"
+#include "runs/sweep.h"
 #include "turns.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
 #include "turns.h"
 
-#include "run.h"
+#include "runs/run.h"
 #include "system/system.h"
 
 #include <math.h>

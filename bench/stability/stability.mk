@@ -4,8 +4,8 @@ STABILITY_OBJECTS = $(patsubst %.c,$(BUILD)/%.o,$(wildcard bench/stability/*.c) 
 STABILITY         = $(BUILD)/bench/stability
 
 stability: need-bench
-	@$(MAKE) --no-print-directory $(BUILD)/bench/break
-	$(BUILD)/bench/break --out $(STABILITY)
+	@$(MAKE) --no-print-directory $(STABILITY)/break
+	$(STABILITY)/break --out $(STABILITY)
 	gnuplot -c bench/stability/plot.gp $(STABILITY)
 	@echo "Tables and plots: $(STABILITY)/*.md, *.csv, *.png, *.svg"
 
@@ -17,5 +17,5 @@ stability-docs: need-bench
 
 $(BUILD)/check/stability: CHECK_LIBS += $(BASELINE_LIBS)
 
-$(BUILD)/bench/break: $(STABILITY_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
+$(STABILITY)/break: $(STABILITY_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)

@@ -4,7 +4,7 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-static tvi_status close_equations(tvi_closure *c)
+static tvi_status close_poincare(tvi_closure *c)
 {
     const tvi_status status = tvi_close_full(c, &c->q_mean, &c->u_mean);
     if (status != TVI_OK) return status;
@@ -30,5 +30,5 @@ const tvi_descriptor tvi_poincare = {
     .quadrature = TVI_ANY_QUADRATURE,
     .pairs_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {-1, 1, 0.5}, .action = TVI_ACTION_HAMILTON, .has_top_momentum = true, .close = close_equations},
+    .curve = {.span = {-1, 1, 0.5}, .action = TVI_ACTION_HAMILTON, .has_top_momentum = true, .close = close_poincare},
 };

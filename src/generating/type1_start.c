@@ -4,7 +4,7 @@
 #include "method/list.h"
 
 /* z = (q0, v), G- = (I, 0), G+ = (A, B):  B^T d1 = D_v,  d1 - d0 = D_q - (A - I)^T d1. */
-static tvi_status close_equations(tvi_closure *c)
+static tvi_status close_type1_start(tvi_closure *c)
 {
     const int n = c->n;
     double *rise = c->D, *d1 = c->D + n;
@@ -27,5 +27,5 @@ const tvi_descriptor tvi_type1_start = {
     .quadrature = TVI_ANY_QUADRATURE,
     .pairs_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_LAGRANGE, .close = close_equations},
+    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_LAGRANGE, .close = close_type1_start},
 };

@@ -3,7 +3,7 @@
 #include "method/list.h"
 
 /* z = (w, p1), q- = q0, p1 = p+:  (q-_w)^T d0 = -D_w,  p0 = p- + d0,  q1 = w - D_p - (q-_p)^T d0. */
-static tvi_status close_equations(tvi_closure *c)
+static tvi_status close_type2_end(tvi_closure *c)
 {
     const int n = c->n;
     double *minus_d0 = c->D, *rise_u = c->D + n;
@@ -30,5 +30,5 @@ const tvi_descriptor tvi_type2_end = {
     .quadrature = TVI_ANY_QUADRATURE,
     .pairs_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {-1, 0, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+    .curve = {.span = {-1, 0, 1}, .action = TVI_ACTION_HAMILTON, .close = close_type2_end, .is_rough = true},
 };

@@ -3,7 +3,7 @@
 #include "method/list.h"
 
 /* z = (q0, w), p1 = p+:  (p+_w)^T l = -D_w,  q1 = q+ + l,  p0 = p- - D_q - (p+_q)^T l. With u = kappa p: l / kappa. */
-static tvi_status close_equations(tvi_closure *c)
+static tvi_status close_type2_start(tvi_closure *c)
 {
     const int n = c->n;
     double *from_p = c->D, *minus_l = c->D + n;
@@ -30,7 +30,7 @@ const tvi_descriptor tvi_type2_start = {
     .quadrature = TVI_ANY_QUADRATURE,
     .pairs_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_HAMILTON, .close = close_type2_start, .is_rough = true},
 };
 
 const tvi_preset tvi_svhd = {"svhd",

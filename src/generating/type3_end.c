@@ -3,7 +3,7 @@
 #include "method/list.h"
 
 /* z = (q1, w), p- = p0:  (p-_w)^T l = D_w,  q0 = q- + l,  p1 = w + D_q - (p-_q)^T l. */
-static tvi_status close_equations(tvi_closure *c)
+static tvi_status close_type3_end(tvi_closure *c)
 {
     const int n = c->n;
     double *rise_p = c->D, *l = c->D + n;
@@ -30,5 +30,5 @@ const tvi_descriptor tvi_type3_end = {
     .quadrature = TVI_ANY_QUADRATURE,
     .pairs_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {-1, 0, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+    .curve = {.span = {-1, 0, 1}, .action = TVI_ACTION_HAMILTON, .close = close_type3_end, .is_rough = true},
 };

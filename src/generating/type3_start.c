@@ -3,7 +3,7 @@
 #include "method/list.h"
 
 /* z = (w, p0), q1 = q+:  (q+_w)^T d = D_w,  p1 = p+ + d,  q0 = w + D_p - (q+_p)^T d. */
-static tvi_status close_equations(tvi_closure *c)
+static tvi_status close_type3_start(tvi_closure *c)
 {
     const int n = c->n;
     double *d = c->D, *from_u = c->D + n;
@@ -30,5 +30,5 @@ const tvi_descriptor tvi_type3_start = {
     .quadrature = TVI_ANY_QUADRATURE,
     .pairs_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_HAMILTON, .close = close_equations, .is_rough = true},
+    .curve = {.span = {0, 1, 1}, .action = TVI_ACTION_HAMILTON, .close = close_type3_start, .is_rough = true},
 };

@@ -3,7 +3,7 @@
 #define TESTS_BASELINES_H
 
 #include "baselines/baseline.h"
-#include "problems.h"
+#include "problems/problems.h"
 
 #include <check.h>
 
@@ -12,8 +12,8 @@ Suite *suite_structure(void);
 Suite *suite_forces(void);
 Suite *suite_galerkin(void);
 
-/* The problems of tests/problems.h with a plain force, and two more: the Fermi-Pasta-Ulam chain and the Solar System,
- * whose masses differ; t_end is short. */
+/* The problems of tests/problems/problems.h with a plain force, and two more: the Fermi-Pasta-Ulam chain and the Solar
+ * System, whose masses differ; t_end is short. */
 enum { BASELINE_PROBLEMS = 5 };
 extern const test_problem *const baseline_problems[BASELINE_PROBLEMS];
 

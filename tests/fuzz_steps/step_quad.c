@@ -2,7 +2,7 @@
 #include "step_quad.h"
 #include "method/method.h"
 
-#include "quad.h"
+#include "references/quad.h"
 
 #include <quadmath.h>
 #include <string.h>

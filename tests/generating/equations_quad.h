@@ -2,7 +2,7 @@
 #ifndef TESTS_GENERATING_EQUATIONS_QUAD_H
 #define TESTS_GENERATING_EQUATIONS_QUAD_H
 
-#include "quad.h"
+#include "references/quad.h"
 #include "scene.h"
 
 enum { EQUATIONS_MOST = 4 }; /* degrees of freedom */

@@ -3,7 +3,7 @@
 #ifndef TESTS_GENERATING_MODELS_H
 #define TESTS_GENERATING_MODELS_H
 
-#include "problems.h"
+#include "problems/problems.h"
 
 /* ---- Problems ---------------------------------------------------------------------------------------------------- */
 

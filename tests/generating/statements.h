@@ -2,7 +2,7 @@
 #ifndef TESTS_GENERATING_STATEMENTS_H
 #define TESTS_GENERATING_STATEMENTS_H
 
-#include "problems.h"
+#include "problems/problems.h"
 
 enum { CHAIN_N = 3 };
 extern const double chain_masses[CHAIN_N];

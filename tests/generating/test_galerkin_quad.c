@@ -2,8 +2,8 @@
  * (gcc only). */
 #include "equations_quad.h"
 #include "generating.h"
-#include "problems.h"
-#include "quad.h"
+#include "problems/problems.h"
+#include "references/quad.h"
 
 #include <math.h>
 #include <quadmath.h>

@@ -5,7 +5,7 @@
  *
  * --method, --baselines: only these. */
 #include "summary.h"
-#include "sweep.h"
+#include "runs/sweep.h"
 
 #include <stdlib.h>
 #include <string.h>

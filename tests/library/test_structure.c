@@ -1,6 +1,6 @@
 /* test_structure.c - what a variational integrator keeps: momentum, reversibility, energy (docs/method.md sections 3 to
  * 6). Every property has a control that must fail it. The symplectic form is in generating/test_geometry.c. */
-#include "problems.h"
+#include "problems/problems.h"
 #include "suites.h"
 
 #include <float.h>

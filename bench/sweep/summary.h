@@ -3,7 +3,7 @@
 #ifndef SUMMARY_H
 #define SUMMARY_H
 
-#include "report.h"
+#include "runs/report.h"
 
 /* Four tables, printed and written to DIR/summary_*.md: by energy error and by position error, of all methods and of
  * the symplectic ones. The fastest are the cheapest runs of the sweep at or below the error, and are run again in turns

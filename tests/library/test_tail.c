@@ -1,6 +1,6 @@
 /* test_tail.c - tvi_stats.tail: what it is, that it knows neither units nor an origin, that components which do nothing
  * do not raise it, and that it tells wrong steps from right ones. */
-#include "problems.h"
+#include "problems/problems.h"
 #include "suites.h"
 
 #include <float.h>

@@ -9,6 +9,7 @@
 #include <quadmath.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { DIGITS = 25, ROUNDS = 6, COARSE_DEGREE = 30, FINE_DEGREE = 36 };
 
@@ -103,15 +104,22 @@ static bool make_reference(const scene *problem)
     return true;
 }
 
-int main(void)
+/* All of them as references.h, or that of one scene alone. */
+int main(int count, char **arguments)
 {
-    printf("/* references.h - q then p of each scene at its t_end. Printed by bench/reference.c: do not edit. */\n"
-           "#ifndef REFERENCES_H\n#define REFERENCES_H\n/* clang-format off */\n");
-    for (const scene *const *s = scenes; *s; s++)
-        if (!make_reference(*s)) {
-            fprintf(stderr, "%s: no reference\n", (*s)->name);
-            return EXIT_FAILURE;
-        }
-    printf("\n#endif\n");
-    return EXIT_SUCCESS;
+    const char *only = count > 1 ? arguments[1] : NULL;
+    bool made = false;
+    if (!only)
+        printf("/* references.h - q then p of each scene at its t_end. Printed by bench/references/reference.c: do not "
+               "edit. "
+               "*/\n#ifndef REFERENCES_H\n#define REFERENCES_H\n/* clang-format off */\n");
+    for (const scene *const *s = scenes; *s; s++) {
+        if (only && strcmp(only, (*s)->name) != 0) continue;
+        made = make_reference(*s);
+        if (!made) fprintf(stderr, "%s: no reference\n", (*s)->name);
+        if (!made) return EXIT_FAILURE;
+    }
+    if (only && !made) fprintf(stderr, "%s: no such scene\n", only);
+    if (!only) printf("\n#endif\n");
+    return made ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,7 +1,7 @@
 /* test_quad.c - the library's type I and Taylor steps against the same methods from their definition in quadruple
- * precision (bench/quad.h). gcc only. */
-#include "problems.h"
-#include "quad.h"
+ * precision (bench/references/quad.h). gcc only. */
+#include "problems/problems.h"
+#include "references/quad.h"
 #include "suites.h"
 
 #include <float.h>

@@ -1,7 +1,7 @@
 /* test_products.c - Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of many
  * bodies against those of few, which use matrices. */
 #include "generating/curve.h"
-#include "problems.h"
+#include "problems/problems.h"
 #include "suites.h"
 
 #include <float.h>

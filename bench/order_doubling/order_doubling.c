@@ -2,8 +2,8 @@
  * tables of docs/order-doubling.md to a folder, and errors.csv for its picture.
  *
  *   order_doubling DIR */
-#include "run.h"
-#include "sweep.h"
+#include "runs/run.h"
+#include "runs/sweep.h"
 
 #include <errno.h>
 #include <math.h>

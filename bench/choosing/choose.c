@@ -2,7 +2,7 @@
  * given position errors. Writes the tables of docs/choosing.md and README.md to a folder.
  *
  *   choose DIR [BUDGET in seconds] */
-#include "sweep.h"
+#include "runs/sweep.h"
 
 #include <errno.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 #!/bin/sh
 # instructions.sh PROGRAM ISA SCENE METHOD ORDER H
-# The instructions of one step, counted by callgrind over ten steps of PROGRAM (bench/steps.c) with TVI_ISA=ISA, a line each:
+# The instructions of one step, counted by callgrind over ten steps of PROGRAM (bench/steps/steps.c) with TVI_ISA=ISA, a line each:
 #     library N            of the functions of PROGRAM itself, without what they call in shared libraries
 #     total N              of all
 #     call CALLER NAME N   of the function called NAME, and all that it calls, where CALLER calls it

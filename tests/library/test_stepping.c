@@ -1,6 +1,6 @@
 /* test_stepping.c - the corrector's passes and options (docs/method.md section 5), and steps that follow one another:
  * varying, backward, continued, reset. */
-#include "problems.h"
+#include "problems/problems.h"
 #include "suites.h"
 
 #include <float.h>

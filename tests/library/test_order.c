@@ -1,6 +1,6 @@
 /* test_order.c - the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3 and
  * 4). */
-#include "problems.h"
+#include "problems/problems.h"
 #include "suites.h"
 
 #include <math.h>
