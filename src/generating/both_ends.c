@@ -460,7 +460,7 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-static const tvi_stepper stepper = {take, prepare, step, dense, NULL};
+static const tvi_stepper stepper = {take, prepare, step, dense, NULL, false};
 
 const tvi_descriptor tvi_type1_both_ends = {
     .method = TVI_TYPE1,

@@ -408,4 +408,4 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-const tvi_stepper tvi_stepper_curve = {take, prepare, step, dense, NULL};
+const tvi_stepper tvi_stepper_curve = {take, prepare, step, dense, NULL, false};

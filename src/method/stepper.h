@@ -64,6 +64,9 @@ typedef struct {
      * NULL: by dense, one after the other. */
     void (*sample)(void *work, const tvi_range of[2], const double q_start[], const double p_start[], double *q,
                    double *p);
+    /* The end of a step, and its derivative by the step's size, are those of the solution but for parts of the size of
+     * the square of the tail, where the degree is more than 1. */
+    bool is_superconvergent;
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_composed, tvi_stepper_galerkin;

@@ -4,6 +4,7 @@
  * solution, steps of a part of h (between.h), so that the state of an event is as good as that of a step. */
 #include "run/between.h"
 #include "run/search.h"
+#include "system/rates.h"
 #include "algebra/sizes.h"
 
 #include <float.h>
@@ -27,6 +28,7 @@ enum { KEPT = 32 };
 typedef struct {
     tvi_search seen;
     tvi_between between;
+    tvi_rates rates;       /* of the field */
     int size;              /* of a state */
     double *base, base_at; /* the last step of a part of h, and where */
     double *rate, reach;   /* the slope that leads on from it, and how far */
@@ -56,18 +58,26 @@ static tvi_status set_slopes(locator *s, int which, double theta, double *slope,
     return status;
 }
 
-/* The slopes at the root on the curve. Its guess is good where the slope leads no further than a short way, short also
- * beside the distance from a and b. */
+/* Whether there is a guess inside, clear of the ends. */
+static bool has_guess(const tvi_root *r) { return r->guess > r->a + CHORD && r->guess < r->b - CHORD; }
+
+/* Whether the way from a place is short, also beside the distance from a and b: then it is good. */
+static bool is_short(const tvi_root *r, double from, double way)
+{
+    return fabs(way) <= fmin(LEAST_WAY, NEAR * fmin(from + way - r->a, r->b - (from + way)));
+}
+
+/* The slopes at the root on the curve. */
 static tvi_status find_on_curve(locator *s, const tvi_root *r, double *theta, double *slope)
 {
     double ahead = 0;
     *theta = r->guess;
-    if (r->guess > r->a + CHORD && r->guess < r->b - CHORD) {
+    if (has_guess(r)) {
         const tvi_status status = set_slopes(s, r->which, r->guess, slope, &ahead);
         if (status != TVI_OK) return status;
         *theta += ahead;
         for (int i = 0; i < s->size; i++) s->middle[i] += ahead * s->rate[i];
-        if (fabs(ahead) <= fmin(LEAST_WAY, NEAR * fmin(*theta - r->a, r->b - *theta))) return TVI_OK;
+        if (is_short(r, r->guess, ahead)) return TVI_OK;
     }
     const tvi_status status = tvi_search_zero(&s->seen, r, theta);
     return status == TVI_OK ? set_slopes(s, r->which, *theta, slope, &ahead) : status;
@@ -91,20 +101,26 @@ static double time_distance(const locator *s)
     return tvi_ratio(fabs(s->base[t] - s->middle[t]), fabs(s->base[t]) + fabs(s->rate[t]));
 }
 
+/* The last state of s->between, at theta. */
+static void copy_between(locator *s, double theta)
+{
+    const size_t n = (size_t)s->seen.it->system->n;
+    memcpy(s->base, s->between.q, n * sizeof *s->base);
+    memcpy(s->base + n, s->between.p, n * sizeof *s->base);
+    s->base[2 * n] = s->between.t;
+    s->base_at = theta;
+}
+
 /* The state at theta, by a step of a part of h; or from the one that such a step led to, where the curve's slope leads
  * on without an error that shows. */
 static tvi_status near_solution(locator *s, double theta, double x[])
 {
     const int n = s->seen.it->system->n;
-    const size_t bytes = (size_t)n * sizeof *x;
     if (fabs(theta - s->base_at) > s->reach) {
         const tvi_status status = tvi_between_state(&s->between, theta == 1 ? s->seen.it->h : theta * s->seen.it->h);
         if (status != TVI_OK) return status;
-        memcpy(s->base, s->between.q, bytes);
-        memcpy(s->base + n, s->between.p, bytes);
-        s->base[2 * n] = s->between.t;
+        copy_between(s, theta);
         const double apart = fmax(fmax(distance_of(s, 0, n), distance_of(s, n, n)), time_distance(s));
-        s->base_at = theta;
         s->reach = s->is_inside ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
     }
     for (int i = 0; i < s->size; i++) x[i] = s->base[i] + (theta - s->base_at) * s->rate[i];
@@ -131,6 +147,82 @@ static tvi_status polish(locator *s, tvi_root *r, double x[])
     return status;
 }
 
+/* ---- By rates ---------------------------------------------------------------------------------------------------- */
+
+/* s->rate, by the part of the step, at a state. */
+static tvi_status rates_at(locator *s, const double x[])
+{
+    const int last = s->size - 1;
+    const double h = s->seen.it->h;
+    const tvi_status status = tvi_rates_at(&s->rates, x, s->rate);
+    for (int i = 0; i < last; i++) s->rate[i] *= h;
+    s->rate[last] = h;
+    return status;
+}
+
+/* x [2n + 1] = s->base + way s->rate, and g there. */
+static tvi_status value_ahead(locator *s, int which, double way, double x[], double *g)
+{
+    for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
+    return tvi_search_value(&s->seen, which, x, g);
+}
+
+/* From s->base, a state of the method, to the zero of g, by a way that its rates tell, and again: the second one is
+ * roundoff of the first. Where the way is not nothing, the rates are those of its middle. */
+static tvi_status follow_rates(locator *s, tvi_root *r, double way, double slope, double x[])
+{
+    double g, last;
+    tvi_status status = TVI_OK;
+    if (fabs(way) > REACH) {
+        for (int i = 0; i < s->size; i++) s->trial[i] = s->base[i] + way / 2 * s->rate[i];
+        status = rates_at(s, s->trial);
+    }
+    if (status == TVI_OK) status = value_ahead(s, r->which, way, x, &g);
+    if (status != TVI_OK) return status;
+    r->theta = s->base_at + way;
+    way -= g / slope;
+    status = value_ahead(s, r->which, way, s->trial, &last);
+    if (status != TVI_OK || !(fabs(last) < fabs(g))) return status;
+    r->theta = s->base_at + way;
+    memcpy(x, s->trial, (size_t)s->size * sizeof *x);
+    return TVI_OK;
+}
+
+/* The event at a guess that is good (find_on_curve), where the method's rates are good enough for the way from there:
+ * one step of a part of h. */
+static tvi_status polish_by_rates(locator *s, tvi_root *r, double x[], bool *is_done)
+{
+    double g = 0, before = 0, after = 0;
+    const double h = s->seen.it->h;
+    tvi_status status = tvi_between_state(&s->between, r->guess * h);
+    if (status != TVI_OK) return status;
+    copy_between(s, r->guess);
+    status = rates_at(s, s->base);
+    if (status == TVI_OK) status = tvi_search_value(&s->seen, r->which, s->base, &g);
+    if (status == TVI_OK) status = value_ahead(s, r->which, -CHORD, s->trial, &before);
+    if (status == TVI_OK) status = value_ahead(s, r->which, CHORD, s->trial, &after);
+    const double slope = (after - before) / (2 * CHORD), way = -g / slope;
+    const double tail = fmax(s->seen.it->stats.tail, s->between.partial->stats.tail), error = STEEPER * tail * tail;
+    *is_done = status == TVI_OK && fabs(way) * error <= DBL_EPSILON / 8 && is_short(r, r->guess, way);
+    return *is_done ? follow_rates(s, r, way, slope, x) : status;
+}
+
+/* Whether the method follows the field, but for the square of the tail. */
+static bool knows_rates(const locator *s)
+{
+    const tvi_integrator *it = s->seen.it;
+    return s->rates.block && it->stepped == it->system && it->stepper->is_superconvergent && it->options.degree > 1;
+}
+
+/* An event of the step, and x, its state. */
+static tvi_status find_event(locator *s, tvi_root *r, double x[])
+{
+    bool is_done = false;
+    tvi_status status = TVI_OK;
+    if (has_guess(r) && knows_rates(s)) status = polish_by_rates(s, r, x, &is_done);
+    return is_done || status != TVI_OK ? status : polish(s, r, x);
+}
+
 /* ---- The run ---------------------------------------------------------------------------------------------------- */
 
 /* In the order of time, and of the events where that is equal. */
@@ -154,7 +246,7 @@ static tvi_status locate_events(locator *s)
 {
     tvi_status status = tvi_search_step(&s->seen);
     for (int i = 0; i < s->seen.found && status == TVI_OK; i++)
-        status = polish(s, &s->seen.roots[i], kept_state(s, s->seen.roots[i].number));
+        status = find_event(s, &s->seen.roots[i], kept_state(s, s->seen.roots[i].number));
     sort_roots(s);
     return status;
 }
@@ -167,7 +259,7 @@ static tvi_status tell_events(locator *s, double *t, double q[], double p[], tvi
     for (int i = 0; i < s->seen.found && status == TVI_OK; i++) {
         tvi_root *r = &s->seen.roots[i];
         double *x = kept_state(s, r->number);
-        if (r->number >= KEPT) status = polish(s, r, x);
+        if (r->number >= KEPT) status = find_event(s, r, x);
         if (status != TVI_OK) return status;
         const bool ends = on_event && on_event(r->which, x[2 * n], x, x + n, ctx) != 0;
         if (!ends && !s->seen.of[r->which].event->terminal) continue;
@@ -183,6 +275,7 @@ static tvi_status tell_events(locator *s, double *t, double q[], double p[], tvi
 static void close_locator(locator *s)
 {
     tvi_search_close(&s->seen);
+    tvi_rates_close(&s->rates);
     free(s->base);
     if (s->between.partial) tvi_between_close(&s->between);
 }
@@ -191,7 +284,8 @@ static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *
 {
     const int size = 2 * it->system->n + 1;
     *s = (locator){.size = size};
-    const tvi_status status = tvi_search_open(&s->seen, it, events, count);
+    tvi_status status = tvi_search_open(&s->seen, it, events, count);
+    if (status == TVI_OK) status = tvi_rates_open(&s->rates, it->system);
     if (status != TVI_OK) return status;
     s->base = calloc((size_t)size * (4 + KEPT + 1), sizeof *s->base);
     if (!s->base) return TVI_ENOMEM;

@@ -1,0 +1,34 @@
+/* rates.c - q' and p' by the field: p / m and F, or H_p and -H_q. */
+#include "system/rates.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system)
+{
+    *rates = (tvi_rates){.system = system};
+    if (system->form == TVI_LAGRANGIAN) return TVI_OK;
+    rates->block = malloc((size_t)system->field_values->slots * sizeof *rates->block);
+    if (!rates->block) return TVI_ENOMEM;
+    jet_tape_prepare(system->field_values, rates->block, 1, 1);
+    return TVI_OK;
+}
+
+void tvi_rates_close(tvi_rates *rates) { free(rates->block); }
+
+tvi_status tvi_rates_at(tvi_rates *rates, const double x[], double rate[])
+{
+    const tvi_system *system = rates->system;
+    const jet_tape *tape = system->field_values;
+    const int n = system->n, *output = tape->output;
+    const double *block = rates->block;
+    memcpy(rates->block, x, (size_t)system->inputs * sizeof *x);
+    tvi_system_set_time(system, rates->block, 1, &x[2 * n]);
+    if (!jet_sweep_values(tape, rates->block, 1)) return TVI_EDOMAIN;
+    for (int i = 0; i < n; i++) {
+        const bool has_masses = system->form == TVI_SEPARABLE;
+        rate[i] = has_masses ? x[n + i] / system->mass[i] : block[output[n + i]];
+        rate[n + i] = has_masses ? block[output[i]] : -block[output[i]];
+    }
+    return TVI_OK;
+}
