@@ -30,12 +30,12 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
     tvi_curve_take(&x.curve, &arena, system, top, true);
     tvi_curve_prepare(&x.curve);
     double z[2 * BASELINE_N_MAX];
-    x.curve.tau = s->steps[3];
+    const double tau = s->steps[3];
     for (int i = 0; i < s->n; i++) {
         z[i] = s->q[i];
-        z[s->n + i] = x.curve.tau * s->p[i] / (s->mass ? s->mass[i] : 1);
+        z[s->n + i] = tau * s->p[i] / (s->mass ? s->mass[i] : 1);
     }
-    tvi_curve_set(&x.curve, z);
+    tvi_curve_set(&x.curve, tau, z);
     return x;
 }
 

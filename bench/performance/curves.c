@@ -48,10 +48,10 @@ open_curve *curve_open(const tvi_system *system, int N, const double q[], const 
     lay_out(c, &arena, system, &options);
     tvi_curve_prepare(&c->curve);
     tvi_action_prepare(&c->action, system, &options, (tvi_span){-1, 1, 0.5}, N);
-    c->curve.tau = h / 2;
+    c->tau = h / 2;
     for (int i = 0; i < system->n; i++) {
         c->z[i] = q[i];
-        c->z[system->n + i] = c->curve.tau * p[i] / system->mass[i];
+        c->z[system->n + i] = c->tau * p[i] / system->mass[i];
     }
     curve_expand(c);
     return c;
@@ -66,7 +66,7 @@ void curve_close(open_curve *c)
 void curve_expand(void *opened)
 {
     open_curve *c = opened;
-    tvi_curve_set(&c->curve, c->z);
+    tvi_curve_set(&c->curve, c->tau, c->z);
     insist(tvi_curve_expand(&c->curve, 0), "an expansion");
 }
 

@@ -3,14 +3,14 @@
 #ifndef CURVES_H
 #define CURVES_H
 
-#include "generating/action.h"
+#include "generating/products.h"
 
 typedef struct {
     void *memory;
     tvi_curve curve;
     tvi_action action;
     double *seed_Q, *seed_U, *D; /* [top + 1][n], and the gradient [2n] */
-    double *z;                   /* [2n] */
+    double tau, *z;              /* z [2n] */
 } open_curve;
 
 /* Of degree N, from (q, p) as the middle of a step h; Jacobians as products. What fails ends the program. */

@@ -273,8 +273,7 @@ static tvi_status close_equations(work *w)
 static tvi_status expand(work *w, side *x, const double z[], double centre)
 {
     w->stats->expansions++;
-    x->curve.tau = w->tau;
-    tvi_curve_set(&x->curve, z);
+    tvi_curve_set(&x->curve, w->tau, z);
     return tvi_curve_expand(&x->curve, centre);
 }
 

@@ -9,19 +9,30 @@
 
 #include "generating/action.h"
 
-enum { TVI_MOST_ITERATIONS = 40 };
+/* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
+typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
-/* Equations with a transposed Jacobian A^T x = b, solved by its products. */
+/* Equations A^T x = D_z with Jacobians of the curve's ends: with the n x n block `half` of one, or with all of two. */
 typedef struct {
-    double *x;                          /* [2n] the solution; that of the last pass is the guess of the next */
-    double *r;                          /* [2n] D - A^T x, all of it */
-    double *s, *v;                      /* [TVI_MOST_ITERATIONS][2n] directions, and A^T times them */
-    double square[TVI_MOST_ITERATIONS]; /* of v */
-    double *scratch;                    /* [2n] */
-    double *size;                       /* [n] what the unknowns' errors are measured by */
-    int last;                           /* the order of the curve to which products are made */
-    bool has_guess;
-} tvi_iteration;
+    const tvi_combination *first, *second; /* second NULL: one */
+    tvi_half half;
+} tvi_transposed;
+
+/* How they are solved; the generating functions do not know. (matrices.c, products.c) */
+typedef struct {
+    void (*take)(struct tvi_closure *closure, tvi_arena *arena);
+    void (*begin)(struct tvi_closure *closure); /* a step: what was kept is of another one */
+    /* The corrections from the curve at z and its seeds. scale [2n]: the natural sizes of z. */
+    tvi_status (*close)(struct tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats);
+    /* D [2n]: x where the equations stand, and elsewhere what is left of D_z. TVI_ESINGULAR, TVI_ENONFINITE,
+     * TVI_ENOCONV. */
+    tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed *equations);
+    /* For the corrector, one of the two: J = d(q-, u-)/dz [2n][2n], or false where the last one still serves; or
+     * correction <- J^-1 correction, nearly. */
+    bool (*jacobian)(struct tvi_closure *closure, double matrix[]);
+    void (*correct)(struct tvi_closure *closure, double correction[]);
+} tvi_solver;
+extern const tvi_solver tvi_by_matrices, tvi_by_products;
 
 typedef struct tvi_closure {
     const tvi_system *system;
@@ -32,33 +43,26 @@ typedef struct tvi_closure {
         q_mean; /* q-, q+, q+ - q-, and (to q- - from q+)/(to - from), which has no Q_1
                                                      in it: at the midpoint the mean of the ends */
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
+    int p_degree;                                 /* of the momentum */
+    double *p_size, *P;                           /* [n] sum_k |P_k|, and scratch */
+    tvi_close_fn *close;                          /* the generating function's */
     double *seed_Q, *seed_U;                      /* [top + 1][n] of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */
-    double *G;                                    /* [n][2n] scratch for Jacobians of the ends */
-    tvi_factor half;                              /* n x n */
-    tvi_factor full;                              /* 2n x 2n */
-    bool is_fresh;                                /* the Jacobians are new: the factors must be, too */
-    tvi_iteration iteration;                      /* instead of factors where the Jacobians are had as products */
-    double *from_q, *from_p, *rise_q, *rise_p;    /* [n] the corrections */
+    const tvi_solver *solver;
+    void *solving;                             /* what it needs */
+    double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
 } tvi_closure;
 
-/* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
-typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
-
-/* With D = D_z: solves J^T x = D for the half of D that belongs to the n x n block J of the combination's Jacobian,
- * leaves x there, and takes the other block's part from the other half. One such matrix a generating function: its
- * factor is kept as long as the Jacobians are. TVI_ESINGULAR, TVI_ENONFINITE, TVI_ENOCONV. */
+/* Solves J^T x = D_z for the half of D_z that belongs to the n x n block J of the combination's Jacobian. In D, x is in
+ * that half, and what the other block leaves of D_z in the other. Statuses of tvi_solver. */
 TVI_NODISCARD tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half);
 
-/* With D = D_z: solves [J1; J2]^T (x, y) = D in place. */
+/* Solves [J1; J2]^T (x, y) = D_z: D is (x, y). */
 TVI_NODISCARD tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first,
                                         const tvi_combination *second);
 
-/* Takes what the closing needs from the arena, for Jacobians as the curve has them. */
-void tvi_close_take(tvi_closure *closure, tvi_arena *arena);
-
-/* correction <- J^-1 correction, nearly, J = d(q-, u-)/dz of a separable system, by one product. */
-void tvi_close_correct(tvi_closure *closure, double correction[]);
+/* Sets p_size. */
+void tvi_close_measure(tvi_closure *closure);
 
 /* Type I: p0 = p- + d0 and p1 - p0 = (p+ - p-) + rise, [n] each; the curve joins q0 to q1. */
 void tvi_close_momenta(tvi_closure *closure, const double d0[], const double rise[]);

@@ -9,20 +9,10 @@
  *
  * each with the field evaluated as a power series along the curve, one order after the other. */
 #include "generating/curve.h"
-#include "algebra/sizes.h"
 #include "algebra/tail.h"
 
 #include <math.h>
 #include <string.h>
-
-/* The n from which a system has products. They are cheaper from about 6 on (docs/performance.md), but stiff systems of
- * few bodies at large steps do better with matrices, which can be made anew by differences. */
-enum { PRODUCTS_FROM = 8 };
-
-tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
-{
-    return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_FROM ? TVI_JACOBIAN_PRODUCTS : TVI_JACOBIAN_MATRICES;
-}
 
 void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians)
 {
@@ -81,17 +71,18 @@ void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *c
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
-void tvi_curve_set(tvi_curve *curve, const double z[])
+void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
 {
     const int n = curve->n;
+    curve->tau = tau;
     memcpy(tvi_curve_input(curve, 0), z, (size_t)n * sizeof *z);
     switch (curve->system->form) {
     case TVI_SEPARABLE:
         memcpy(tvi_curve_input(curve, 1), z + n, (size_t)n * sizeof *z);
-        for (int i = 0; i < n; i++) curve->kappa[i] = curve->tau / curve->system->mass[i];
+        for (int i = 0; i < n; i++) curve->kappa[i] = tau / curve->system->mass[i];
         break;
     case TVI_LAGRANGIAN:
-        for (int i = 0; i < n; i++) (tvi_curve_input(curve, 0) + curve->n)[i] = z[n + i] / curve->tau;
+        for (int i = 0; i < n; i++) (tvi_curve_input(curve, 0) + curve->n)[i] = z[n + i] / tau;
         break;
     case TVI_HAMILTONIAN: memcpy((tvi_curve_input(curve, 0) + curve->n), z + n, (size_t)n * sizeof *z); break;
     }
@@ -212,14 +203,6 @@ void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, d
             for (int i = 0; i < n; i++) out[i] += weight * coefficient[i];
         }
     }
-}
-
-int tvi_curve_order_below(const tvi_curve *curve, double part)
-{
-    const double bound = part * tvi_largest(curve->n, tvi_curve_input(curve, 0), 1);
-    int k = 1;
-    while (k < curve->top && tvi_largest(curve->n, tvi_curve_input(curve, k), 1) > bound) k++;
-    return k;
 }
 
 /* p = |P_0| + sum k |P_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */

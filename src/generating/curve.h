@@ -38,8 +38,6 @@ typedef struct {
 } tvi_combination;
 
 void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians);
-/* What suits the system: matrices where n is small. Products are for separable systems alone. */
-tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
 static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
 void tvi_curve_prepare(tvi_curve *curve); /* once, when the memory is there */
 
@@ -51,8 +49,8 @@ void tvi_combination_set(tvi_combination *combination, const tvi_curve *curve, b
 void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *curve, bool of_momentum, int degree,
                                 double a, double at, double b, double from);
 
-/* Sets z; tau must be set before. */
-void tvi_curve_set(tvi_curve *curve, const double z[]);
+/* Sets tau and z. */
+void tvi_curve_set(tvi_curve *curve, double tau, const double z[]);
 
 /* Expands from z. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR (L_vv). */
 TVI_NODISCARD tvi_status tvi_curve_expand(tvi_curve *curve, double centre);
@@ -104,19 +102,6 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
 /* out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]; seeds [top + 1][n]. seed_U may be NULL, and is
  * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
-
-/* Products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of combinations
- * times x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top: a rough
- * product costs O(last^2). */
-void tvi_curve_clear_seeds(tvi_curve *curve, int last);
-void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[]);
-void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[]);
-void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[]);
-/* The first order k with max_i |Q_k| <= part max_i |Q_0|, or top: where products are good to about that part. */
-int tvi_curve_order_below(const tvi_curve *curve, double part);
-/* Products: out[n] += factor K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre, of a curve with top >= 2: one of
- * lower degree has never evaluated its force. */
-void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[]);
 
 /* tvi_stats.tail, for P and Q to these degrees: see tail.h. 0 where p' has one term only. */
 double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree);

@@ -1,6 +1,6 @@
-/* jacobian.c - the Jacobians of a curve with respect to its centre data: as matrices, by tangents in all directions, or
- * as products with vectors, by one tangent or one adjoint sweep (curve.h). */
-#include "generating/curve.h"
+/* jacobian.c - the Jacobians of a curve with respect to its centre data, as matrices, by tangents in all directions;
+ * what is made of them, or of products.h. */
+#include "generating/products.h"
 
 #include <string.h>
 
@@ -150,38 +150,25 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     }
 }
 
-/* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
-
-/* dx of one lane along dz. */
-static void sweep_direction(tvi_curve *curve, const double dz[])
-{
-    const size_t n = (size_t)curve->n, order = tvi_curve_slots(curve);
-    const block one = {1, order, 0};
-    memset(curve->dx, 0, ((size_t)curve->top + 1) * order * sizeof *curve->dx);
-    memcpy(curve->dx, dz, n * sizeof *dz);
-    memcpy(curve->dx + order, dz + n, n * sizeof *dz);
-    differentiate_separable(curve, &one);
-}
+/* ---- Products with vectors --------------------------------------------------------------------------------------- */
 
 void tvi_curve_aim(tvi_curve *curve, const double dz[])
 {
-    if (tvi_curve_has_products(curve)) sweep_direction(curve, dz);
+    if (tvi_curve_has_products(curve)) tvi_products_aim(curve, dz);
     else memcpy(curve->dz, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
 void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
     const size_t n = (size_t)curve->n, directions = 2 * n;
-    const bool products = tvi_curve_has_products(curve);
+    if (tvi_curve_has_products(curve)) {
+        tvi_products_push(curve, combination, out);
+        return;
+    }
     memset(out, 0, n * sizeof *out);
     for (int k = curve->top; k >= 0; k--) {
         const double weight = combination->weight[k];
         if (weight == 0) continue;
-        if (products) {
-            const double *dQ = curve->dx + (size_t)k * tvi_curve_slots(curve);
-            for (size_t i = 0; i < n; i++) out[i] += weight * dQ[i];
-            continue;
-        }
         const double *dC = jacobians(curve, combination) + (size_t)k * n * directions;
         for (size_t i = 0; i < n; i++) {
             double sum = 0;
@@ -200,67 +187,13 @@ static void pull_rows(const tvi_curve *curve, const double jacobian[], const dou
     }
 }
 
-static double *adjoint_of_Q(const tvi_curve *curve, int k) { return curve->bar + (size_t)k * tvi_curve_slots(curve); }
-
-static void clear_adjoints(tvi_curve *curve, int orders)
-{
-    memset(curve->bar, 0, (size_t)orders * tvi_curve_slots(curve) * sizeof *curve->bar);
-}
-
-void tvi_curve_clear_seeds(tvi_curve *curve, int last) { clear_adjoints(curve, last + 1); }
-
-void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[])
-{
-    for (int k = 0; k <= last; k++) {
-        const double *seed = seed_Q + (size_t)k * (size_t)curve->n;
-        double *bar = adjoint_of_Q(curve, k);
-        for (int i = 0; i < curve->n; i++) bar[i] += seed[i];
-    }
-}
-
-void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[])
-{
-    for (int k = 0; k <= last; k++) {
-        const double weight = factor * combination->weight[k];
-        double *bar = adjoint_of_Q(curve, k);
-        for (int i = 0; weight != 0 && i < curve->n; i++) bar[i] += weight * x[i];
-    }
-}
-
-/* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
-void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[])
-{
-    const tvi_system *system = curve->system;
-    const size_t n = (size_t)curve->n;
-    for (int k = last - 2; k >= 0; k--) {
-        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
-        double *bar = adjoint_of_Q(curve, k);
-        for (size_t i = 0; i < n; i++) bar[system->field_series->output[i]] += factor / system->mass[i] * above[i];
-        jet_sweep_adjoints(system->field_series, curve->x, curve->bar, k, last - 2);
-    }
-    memcpy(out, adjoint_of_Q(curve, 0), n * sizeof *out);
-    memcpy(out + n, adjoint_of_Q(curve, 1), n * sizeof *out);
-}
-
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
     if (tvi_curve_has_products(curve)) {
-        tvi_curve_clear_seeds(curve, curve->top);
-        tvi_curve_add_seeds(curve, curve->top, seed_Q);
-        tvi_curve_pull_seeds(curve, curve->top, out);
+        tvi_products_pull(curve, seed_Q, out);
         return;
     }
     memset(out, 0, 2 * (size_t)curve->n * sizeof *out);
     if (curve->dU && seed_U) pull_rows(curve, curve->dU, seed_U, out);
     pull_rows(curve, curve->dQ, seed_Q, out);
-}
-
-void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[])
-{
-    const jet_tape *tape = curve->system->field_series;
-    clear_adjoints(curve, 1);
-    for (int i = 0; i < curve->n; i++)
-        curve->bar[tape->output[i]] += curve->tau * curve->tau / curve->system->mass[i] * x[i];
-    jet_sweep_adjoints(tape, curve->x, curve->bar, 0, 0);
-    for (int i = 0; i < curve->n; i++) out[i] += factor * curve->bar[i];
 }

@@ -171,8 +171,7 @@ static expansion expand(const test_problem *problem)
         z[i] = start.q[i];
         z[n + i] = TAU * start.p[i] / problem_mass(problem, i);
     }
-    e.curve.tau = TAU;
-    tvi_curve_set(&e.curve, z);
+    tvi_curve_set(&e.curve, TAU, z);
     ck_assert_int_eq(tvi_curve_expand(&e.curve, start.t), TVI_OK);
     tvi_curve_differentiate(&e.curve);
     return e;

@@ -1,6 +1,6 @@
 /* test_products.c - Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of many
  * bodies against those of few, which use matrices. */
-#include "generating/curve.h"
+#include "generating/products.h"
 #include "problems/problems.h"
 #include "suites.h"
 
@@ -42,12 +42,12 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     tvi_curve_prepare(&x.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];
-    x.curve.tau = problem->t_end / 50;
+    const double tau = problem->t_end / 50;
     for (int i = 0; i < system->n; i++) {
         z[i] = start.q[i];
-        z[system->n + i] = x.curve.tau * start.p[i] / system->mass[i];
+        z[system->n + i] = tau * start.p[i] / system->mass[i];
     }
-    tvi_curve_set(&x.curve, z);
+    tvi_curve_set(&x.curve, tau, z);
     ck_assert_int_eq(tvi_curve_expand(&x.curve, start.t), TVI_OK);
     tvi_combination_set_powers(&x.q, &x.curve, false, DEGREE, 1, 0.9, -1, 0);
     tvi_combination_set_powers(&x.u, &x.curve, true, DEGREE - 1, 1, -0.8, 0, 0);
