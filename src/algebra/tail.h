@@ -33,13 +33,14 @@ static inline double tvi_tail_share(const tvi_tail_part *part, bool has_masses)
     return (has_masses ? part->movement : part->momentum) * part->movement;
 }
 
-/* Less the roundoff of a force, which is that of the positions that it is made of, relative to how far they move. */
+/* Less the roundoff of a force, which is that of the positions that it is made of, relative to how far they move. What
+ * is 0 / 0 counts as 0. */
 static inline double tvi_tail_ratio(const tvi_tail_part *part)
 {
-    const double roundoff = 32 * DBL_EPSILON;
-    double ratio = part->last_p > 0 ? part->last_p / part->momentum : 0;
-    if (part->last_q > ratio * part->movement) ratio = part->last_q / part->movement;
-    return ratio * part->movement > roundoff * part->place ? ratio - roundoff * part->place / part->movement : 0;
+    const double roundoff = 32 * DBL_EPSILON * part->place / part->movement;
+    double ratio = part->last_p / part->momentum;
+    if (part->last_q > 0) ratio = part->last_q / part->movement <= ratio ? ratio : part->last_q / part->movement;
+    return ratio - roundoff > 0 ? ratio - roundoff : ratio > 0 && part->place == 0 ? ratio : 0;
 }
 
 static inline void tvi_tail_look(tvi_tail_survey *survey, const tvi_tail_part *part, bool has_masses)
@@ -57,10 +58,10 @@ static inline bool tvi_tail_is_known(const tvi_tail_survey *survey)
     return survey->share >= TVI_TAIL_LEAST * survey->largest;
 }
 
-static inline double tvi_tail_of(const tvi_tail_part *part, bool has_masses, double largest)
+static inline double tvi_tail_of(double ratio, double share, double largest)
 {
-    const double share = tvi_tail_share(part, has_masses), least = TVI_TAIL_LEAST * largest;
-    return tvi_tail_ratio(part) * (share < least ? share / least : 1);
+    const double least = TVI_TAIL_LEAST * largest;
+    return ratio * (share < least ? share / least : 1);
 }
 
 #endif

@@ -60,16 +60,34 @@ void tvi_galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const d
     }
 }
 
-/* The integral of P_k(2 r - 1) is I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2); that of I_k in turn is
- * s^2 / 2, (I_{k+1} - I_{k-1}) / (4 k + 2). Where s is small these differences lose digits, which a double has not. */
+/* I_k = int_0^s P_k(2 r - 1) dr, k <= points: I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2). */
+static void set_integrals(const galerkin_dense *dense, long double s, long double I[])
+{
+    long double P[MAX_POINTS + 2];
+    set_legendre(dense, dense->points + 1, s, P);
+    I[0] = s;
+    for (int k = 1; k <= dense->points; k++) I[k] = (P[k + 1] - P[k - 1]) * dense->integral[k];
+}
+
+void tvi_galerkin_dense_once(const galerkin_dense *dense, long double s, const long double node[], long double once[])
+{
+    long double P[MAX_POINTS + 1], I[MAX_POINTS + 1];
+    set_integrals(dense, s, I);
+    for (int j = 0; j < dense->points; j++) {
+        set_legendre(dense, dense->points, node[j], P);
+        once[j] = 0;
+        for (int k = dense->points - 1; k >= 0; k--) once[j] += (2 * k + 1) * P[k] * I[k];
+    }
+}
+
+/* The integral of I_k in turn is s^2 / 2, (I_{k+1} - I_{k-1}) / (4 k + 2). Where s is small these differences lose
+ * digits, which a double has not. */
 void tvi_galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[])
 {
     const int m = dense->points;
-    long double P[MAX_POINTS + 2], I[MAX_POINTS + 1];
+    long double I[MAX_POINTS + 1];
     double first[MAX_POINTS], second[MAX_POINTS];
-    set_legendre(dense, m + 1, s, P);
-    I[0] = s;
-    for (int k = 1; k <= m; k++) I[k] = (P[k + 1] - P[k - 1]) * dense->integral[k];
+    set_integrals(dense, s, I);
     for (int k = 0; k < m; k++) {
         first[k] = (double)I[k];
         second[k] = (double)(k > 0 ? (I[k + 1] - I[k - 1]) * dense->integral[k] : I[0] * I[0] / 2);

@@ -21,6 +21,8 @@ void tvi_galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points
 void tvi_galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long double node[]);
 /* P[k][i] = P_k(2 s_i - 1), k < points, i < lanes. */
 void tvi_galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const double s[], double *P);
+/* once[j] = int_0^s l_j / b_j, from the Gauss nodes. */
+void tvi_galerkin_dense_once(const galerkin_dense *dense, long double s, const long double node[], long double once[]);
 /* once[j] = int_0^s l_j / b_j and twice[j] = int_0^s (s - r) l_j(r) / b_j dr. */
 void tvi_galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[]);
 

@@ -32,6 +32,14 @@ static void prepare(galerkin_field *field)
     }
 }
 
+void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x)
+{
+    const int lanes = field->nodes.lanes;
+    for (int i = 0; i < tvi_system_outputs(field->system); i++)
+        for (int lane = 0; lane < lanes; lane++)
+            x[tape->output[i] * lanes + lane] += tvi_roundoff_sign(field->noise, field->noise->change[i]);
+}
+
 static tvi_status start(galerkin_field *field, const tvi_origin *origin)
 {
     const galerkin_nodes *nodes = &field->nodes;

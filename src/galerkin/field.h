@@ -5,7 +5,9 @@
 
 #include "galerkin/loops.h"
 #include "method/stepper.h"
+#include "system/roundoff.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct galerkin_form galerkin_form;
@@ -17,13 +19,14 @@ typedef struct {
     const galerkin_loops *loops;
     int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
-    int rows;       /* of nodes.x that a pass begins with */
-    double h;       /* of the nodes' weights and scales; 0: none yet */
-    double *b;      /* [lanes] */
-    int *slot;      /* [unknowns] where in nodes.x what drives each unknown is */
-    double *inputs; /* block of the field's tape, which has the time */
-    double *matrix; /* [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
-    double *ahead;  /* [j][i] what `predict` wants extrapolations multiplied by */
+    int rows;            /* of nodes.x that a pass begins with */
+    double h;            /* of the nodes' weights and scales; 0: none yet */
+    double *b;           /* [lanes] */
+    int *slot;           /* [unknowns] where in nodes.x what drives each unknown is */
+    double *inputs;      /* block of the field's tape, which has the time */
+    double *matrix;      /* [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
+    double *ahead;       /* [j][i] what `predict` wants extrapolations multiplied by */
+    tvi_roundoff *noise; /* what the values of the field are displaced by; NULL: they are not */
     int copies;
     int *copied; /* [copies] outputs of the tape that are inputs: they are copied behind its slots */
     void *own;   /* of the form */
@@ -39,7 +42,7 @@ struct galerkin_form {
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
     /* The unknowns by the impulses of earlier steps: impulses[step][u][j], extrapolation times ahead [steps][j][i]. */
     void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[]);
-    /* See galerkin_pass; NULL: by galerkin_evaluate. */
+    /* See tvi_galerkin_pass; NULL: by galerkin_evaluate. Not counted. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
 };
 
@@ -52,25 +55,35 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
     return field->system->form == TVI_SEPARABLE;
 }
 
+/* Displaces the outputs of a tape of the field in its block. */
+void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);
+
 /* Runs the tape at the unknowns, which are its inputs. */
 static inline tvi_status galerkin_evaluate(galerkin_field *field)
 {
     const jet_tape *tape = field->system->field_values;
     double *x = field->nodes.x;
     if (!jet_sweep_values(tape, x, field->nodes.lanes)) return TVI_EDOMAIN;
+    if (field->noise) tvi_galerkin_displace(field, tape, x);
     const size_t lanes = (size_t)field->nodes.lanes;
     for (int i = 0; i < field->copies; i++)
         memcpy(x + (size_t)(tape->slots + i) * lanes, x + (size_t)field->copied[i] * lanes, lanes * sizeof *x);
     return TVI_OK;
 }
 
-/* What drives the unknowns where they are, and they moved by it, as far as `move` says. Counts factorisations. */
-static inline tvi_status galerkin_pass(galerkin_field *field, double *moved, tvi_stats *stats)
+/* A pass: what drives the unknowns where they are, and they moved by it, as far as `move` says. Counts. */
+static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
-    if (field->form->pass) return field->form->pass(field, moved, stats);
-    const tvi_status status = galerkin_evaluate(field);
-    if (status == TVI_OK) *moved = field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
-    return status;
+    stats->force_evaluations += field->points;
+    if (field->form->pass) {
+        const tvi_status status = field->form->pass(field, moved, stats);
+        if (status != TVI_OK) return status;
+    } else {
+        if (galerkin_evaluate(field) != TVI_OK) return TVI_EDOMAIN;
+        *moved = field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
+    }
+    stats->passes++;
+    return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;
 }
 
 #endif

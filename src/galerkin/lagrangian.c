@@ -141,6 +141,7 @@ static bool sweep(galerkin_field *field, bool with_second)
     double *x = with_second ? w->second : w->values;
     if (with_second) memcpy(x, w->values, (size_t)tape->inputs * bytes);
     if (!jet_sweep_values(tape, x, lanes)) return false;
+    if (field->noise) tvi_galerkin_displace(field, tape, x);
     w->model.gradient = x;
     w->model.output = tape->output;
     for (int i = 0; i < 2 * n; i++) memcpy(row(field, 3 * n + i), x + (size_t)tape->output[i] * (size_t)lanes, bytes);

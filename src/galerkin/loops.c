@@ -19,34 +19,49 @@ JET_INLINE double sum_of(const double x[], size_t count)
     return sum[0];
 }
 
-/* even + odd = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
+/* sum[0][] + ... = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
+enum { CHAINS = 4 };
+#define CHAINS_OF(blocks) (lanes == 1 ? 1 : lanes == 2 || (blocks) > 2 ? 2 : CHAINS)
+
 #define SET_PRODUCT(V, blocks, matrix, impulse)                                                                        \
-    V even[MOST_BLOCKS], odd[MOST_BLOCKS] = {0};                                                                       \
-    for (int k = 0; k < (blocks); k++) even[k] = BLOCK_OF(V, matrix, k) * (impulse)[0];                                \
-    for (int k = 0; k < (blocks) && lanes > 1; k++) odd[k] = BLOCK_OF(V, (matrix) + lanes, k) * (impulse)[1];          \
-    ADD_PRODUCT(V, blocks, matrix, impulse, 2)
+    V sum[CHAINS][MOST_BLOCKS];                                                                                        \
+    for (int j = 0; j < CHAINS_OF(blocks); j++)                                                                        \
+        for (int k = 0; k < (blocks); k++) sum[j][k] = BLOCK_OF(V, (matrix) + j * lanes, k) * (impulse)[j];            \
+    ADD_PRODUCT(V, blocks, matrix, impulse, CHAINS_OF(blocks))
 
 #define ADD_PRODUCT(V, blocks, matrix, impulse, from)                                                                  \
     for (int j = (from); j < lanes; j++)                                                                               \
         for (int k = 0; k < (blocks); k++)                                                                             \
-            (j % 2 ? odd : even)[k] += BLOCK_OF(V, (matrix) + j * lanes, k) * (impulse)[j];
+            sum[j % CHAINS_OF(blocks)][k] += BLOCK_OF(V, (matrix) + j * lanes, k) * (impulse)[j];
 
+#define ADD_CHAINS(blocks)                                                                                             \
+    for (int half = CHAINS_OF(blocks) / 2; half > 0; half /= 2)                                                        \
+        for (int j = 0; j < half; j++)                                                                                 \
+            for (int k = 0; k < (blocks); k++) sum[j][k] += sum[j + half][k];
+
+#define WEIGH(V, blocks)                                                                                               \
+    for (int u = 0; u < unknowns; u++) {                                                                               \
+        const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                                \
+        double *of_u = impulse + u * lanes;                                                                            \
+        for (int k = 0; k < (blocks); k++) BLOCK_AT(V, of_u, k) = BLOCK_OF(V, weight, k) * BLOCK_OF(V, drive, k);      \
+    }
+
+/* Once all impulses are there, and none waits for the one before it. */
 #define MOVE(V, blocks)                                                                                                \
     {                                                                                                                  \
         V squares = {0};                                                                                               \
+        WEIGH(V, blocks)                                                                                               \
         for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, impulse += lanes) {                              \
-            const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                            \
-            for (int k = 0; k < (blocks); k++)                                                                         \
-                BLOCK_AT(V, impulse, k) = BLOCK_OF(V, weight, k) * BLOCK_OF(V, drive, k);                              \
             SET_PRODUCT(V, blocks, matrix, impulse)                                                                    \
+            ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++) {                                                                       \
-                const V place = start[u] + (BLOCK_OF(V, base, k) + scale[u] * (even[k] + odd[k]));                     \
+                const V place = start[u] + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                              \
                 const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
                 squares += change * change;                                                                            \
                 BLOCK_AT(V, x, k) = place;                                                                             \
             }                                                                                                          \
         }                                                                                                              \
-        sum = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                       \
+        moved = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                     \
     }
 
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
@@ -55,9 +70,9 @@ JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, 
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size,
                  *weight = nodes->weight;
     const int unknowns = nodes->unknowns;
-    double *x = nodes->x, *impulse = nodes->impulse, sum = 0;
+    double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
     ALL_LANES(lanes, MOVE)
-    return sum;
+    return moved;
 }
 
 static double move(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[])
@@ -73,8 +88,9 @@ static double move(const galerkin_nodes *nodes, const double *matrix, const doub
     for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, last += lanes, before += lanes) {                    \
         SET_PRODUCT(V, blocks, matrix, last)                                                                           \
         if (steps > 1) ADD_PRODUCT(V, blocks, matrix + lanes * lanes, before, 0)                                       \
+        ADD_CHAINS(blocks)                                                                                             \
         for (int k = 0; k < (blocks); k++)                                                                             \
-            BLOCK_AT(V, x, k) = start[u] + (BLOCK_OF(V, base, k) + scale[u] * (even[k] + odd[k]));                     \
+            BLOCK_AT(V, x, k) = start[u] + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                              \
     }
 
 JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
@@ -121,19 +137,52 @@ static void integrate(const galerkin_nodes *nodes, const double *factor, double 
 #undef CALL
 }
 
-#define BASE(V, S)                                                                                                     \
-    VECTOR(V, nodes->base, u) = (low[u] + OF_VECTOR(V, c, 0) * drift_low[u]) + OF_VECTOR(V, c, 0) * drift[u];
+#define SET_ALL(V, blocks)                                                                                             \
+    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, base, k) = (V){0} + low;
 
-JET_INLINE void set_base_lanes(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
-                               const double *drift_low, int lanes)
+#define DRIFT(V, blocks)                                                                                               \
+    for (int k = 0; k < (blocks); k++)                                                                                 \
+        BLOCK_AT(V, base, k) = (low + BLOCK_OF(V, c, k) * drift_low) + BLOCK_OF(V, c, k) * drift;
+
+JET_INLINE void start_lanes(const galerkin_nodes *nodes, int first, int count, const double q[], const double q_low[],
+                            int lanes)
 {
-    for (int u = 0; u < nodes->unknowns; u++) JET_BLOCKS(lanes, BASE, );
+    double *base = nodes->base + first * lanes;
+    for (int i = 0; i < count; i++, base += lanes) {
+        const double low = q_low[i];
+        nodes->start[first + i] = q[i];
+        ALL_LANES(lanes, SET_ALL)
+    }
 }
 
-static void set_base(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
-                     const double *drift_low)
+static void start(const galerkin_nodes *nodes, int n, const tvi_origin *origin){
+#define CALL(lanes)                                                                                                    \
+    start_lanes(nodes, 0, n, origin->q, origin->q_low, lanes), start_lanes(nodes, n, n, origin->p, origin->p_low, lanes)
+    FOR_LANES(nodes->lanes, CALL)
+#undef CALL
+}
+
+/* Rounded products with one and the same h are not on average right, if h is nearly a ratio of small numbers, such as
+ * 0.1: their errors repeat themselves, with a mean that many steps show. So they are exact. */
+JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin,
+                                     double *drifts, double *drifts_low, int lanes)
 {
-#define CALL(lanes) set_base_lanes(nodes, c, low, drift, drift_low, lanes)
+    double *base = nodes->base;
+    for (int u = 0; u < nodes->unknowns; u++, base += lanes) {
+        const double scale = nodes->scale[u], low = origin->q_low[u];
+        double rest;
+        const double drift = tvi_two_product(scale, origin->p[u], &rest);
+        const double drift_low = rest + scale * origin->p_low[u];
+        nodes->start[u] = origin->q[u];
+        drifts[u] = drift;
+        drifts_low[u] = drift_low;
+        ALL_LANES(lanes, DRIFT)
+    }
+}
+
+static void start_drifting(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
+                           double *drift_low){
+#define CALL(lanes) start_drifting_lanes(nodes, c, origin, drift, drift_low, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
 }
@@ -147,12 +196,10 @@ static void set_base(const galerkin_nodes *nodes, const double *c, const double 
             V sums[CHAINS] = {0};                                                                                      \
             for (int j = 0; j < lanes; j++)                                                                            \
                 sums[j % CHAINS] += row[j] * impulses[(size_t)u * (size_t)lanes + (size_t)j];                          \
-            *(V *)(out + u * places + here) = start[u] + (theta * drift[u] + scale[u] * TOTAL(sums));                  \
+            *(V *)(out + u * places + here) =                                                                          \
+                start[u] + (theta * drift[u] + scale[u] * ((sums[0] + sums[1]) + (sums[2] + sums[3])));                \
         }                                                                                                              \
     }
-
-enum { CHAINS = 4 };
-#define TOTAL(sum) ((sum[0] + sum[1]) + (sum[2] + sum[3]))
 
 JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
                             int lanes, int places)
@@ -171,5 +218,5 @@ static void place(const galerkin_places *p, const double *table, const double *i
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {move,     predict, integrate,
-                                                        set_base, place,   &JET_FOR_ISA(tvi_lagrangian_loops)};
+const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
+    move, predict, integrate, start, start_drifting, place, &JET_FOR_ISA(tvi_lagrangian_loops)};

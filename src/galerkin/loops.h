@@ -5,6 +5,7 @@
 #define TVI_SRC_GALERKIN_LOOPS_H
 
 #include "galerkin/lagrangian_loops.h"
+#include "method/stepper.h"
 
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12 };
@@ -42,9 +43,12 @@ typedef struct {
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
     /* sum[u][k] = sum_j factor_jk L_j of the last movement, compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const double *factor, double *sum);
-    /* base_i = low + c_i drift_low + c_i drift for all unknowns; c [lanes], the others [unknowns]. */
-    void (*set_base)(const galerkin_nodes *nodes, const double *c, const double *low, const double *drift,
-                     const double *drift_low);
+    /* start = (q, p) and base = (q_low, p_low) of the origin, n of each. */
+    void (*start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin);
+    /* start = q, drift + drift_low = scale (p + p_low) and base_i = q_low + c_i drift_low + c_i drift for all unknowns,
+     * c [lanes]. */
+    void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
+                           double *drift_low);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
     const lagrangian_loops *lagrangian;
 } galerkin_loops;

@@ -52,7 +52,7 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     double **const panels[] = {&action->momentum, &action->force, &action->on_q, &action->on_v, &action->on_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
     action->correction = tvi_arena_doubles(arena, n);
-    tvi_roundoff_take(&action->roundoff, arena, system, options->quadrature_points);
+    tvi_roundoff_take(&action->roundoff, arena, system);
 }
 
 /* The error of the quadrature for s^r on the span; exactly 0 below its order. */
@@ -97,6 +97,7 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
             action->by_parts[k * (top + 1) + j] =
                 j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
     jet_tape_prepare(system->field_values, action->x, 1, points);
+    tvi_roundoff_prepare(&action->roundoff, system);
     if (action->bend) jet_tape_prepare(system->bend_values, action->bend, 1, points);
 }
 
@@ -183,7 +184,7 @@ static bool is_roundoff(tvi_action *action, const tvi_curve *curve, double large
 {
     const int n = curve->n, points = action->points;
     tvi_roundoff *roundoff = &action->roundoff;
-    (void)tvi_roundoff_of_field(roundoff, curve->system, curve->system->field_values, action->x, points);
+    (void)tvi_roundoff_of_field(roundoff, curve->system, action->x, points, points);
     for (int i = 0; i < n; i++) {
         const double of_v = DBL_EPSILON * tvi_largest(points, action->on_v + i * points, 1);
         action->correction[i] = tvi_roundoff_sign(roundoff, roundoff->change[n + i] + of_v);

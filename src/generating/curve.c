@@ -228,7 +228,7 @@ double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree)
     double tail = 0;
     for (int i = 0; i < curve->n; i++) {
         const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
-        tail = fmax(tail, tvi_tail_of(&part, has_masses, survey.largest));
+        tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;
 }

@@ -161,6 +161,20 @@ static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, prog
     return true;
 }
 
+/* Whether the passes get nearer. Two passes count, too, where corrections of q follow from those of p and these from
+ * those of q, which are small and large in turns. Without a matrix to make anew passes go on as long as the largest
+ * unknowns do: what one body hands on to the next in each pass, to bodies that had nothing before, is the last to
+ * settle. */
+static bool contracts(const tvi_newton *newton, const tvi_equations *equations, const progress *at)
+{
+    const double twice = CONTRACTION * CONTRACTION;
+    const bool in_turns = equations->is_rough || !newton->has_matrix;
+    if (at->size.relative <= CONTRACTION * at->before.relative) return true;
+    if (in_turns && at->size.relative <= twice * at->earlier.relative) return true;
+    return !newton->has_matrix && (at->size.of_group <= CONTRACTION * at->before.of_group ||
+                                   at->size.of_group <= twice * at->earlier.of_group);
+}
+
 /* Whether the passes may end here. */
 static bool is_enough(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options, int count,
                       progress *at)
@@ -168,26 +182,12 @@ static bool is_enough(tvi_newton *newton, const tvi_equations *equations, const 
     if (options->passes > 0) return count == options->passes;
     const double goal = options->tolerance > 0 ? options->tolerance : ROUNDOFF;
     if (count == 1) return at->size.relative <= goal;
-    const bool contracts = at->size.relative <= CONTRACTION * at->before.relative;
-    if (!contracts && is_roundoff(newton, equations, at)) return true;
+    if (!contracts(newton, equations, at) && is_roundoff(newton, equations, at)) return true;
     if (options->tolerance > 0) return at->size.relative <= goal;
     learn(at);
     const bool was_expected = at->expected <= ROUNDOFF;
     expect(at);
     return at->expected <= ROUNDOFF && (!at->checks || was_expected);
-}
-
-/* Whether the passes get nearer. Without a matrix to make anew they go on as long as the largest unknowns do: what one
- * body hands on to the next in each pass, to bodies that had nothing before, is the last to settle. There two passes
- * count, too: where curves of the lowest degrees leave all to the corrections, those of q follow from those of p and
- * these from those of q, which are small and large in turns. */
-static bool contracts(const tvi_newton *newton, const progress *at)
-{
-    const double twice = CONTRACTION * CONTRACTION;
-    if (at->size.relative <= CONTRACTION * at->before.relative) return true;
-    return !newton->has_matrix &&
-           (at->size.of_group <= CONTRACTION * at->before.of_group ||
-            at->size.of_group <= twice * at->earlier.of_group || at->size.relative <= twice * at->earlier.relative);
 }
 
 /* One pass: correction = -K^-1 r(x). */
@@ -238,7 +238,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
-        refresh = count > 1 && options->passes == 0 && !contracts(newton, &at);
+        refresh = count > 1 && options->passes == 0 && !contracts(newton, equations, &at);
         if (refresh && refreshes == MAX_REFRESHES) return TVI_ENOCONV;
     }
     return TVI_ENOCONV;

@@ -17,7 +17,7 @@ void tvi_legendre_take(tvi_legendre *legendre, tvi_arena *arena, const tvi_syste
     legendre->moved = tvi_arena_doubles(arena, n);
     legendre->value = tvi_arena_doubles(arena, n);
     tvi_factor_take(&legendre->slope, arena, system->n);
-    tvi_roundoff_take(&legendre->roundoff, arena, system, 1);
+    tvi_roundoff_take(&legendre->roundoff, arena, system);
 }
 
 void tvi_legendre_prepare(tvi_legendre *legendre)
@@ -27,6 +27,7 @@ void tvi_legendre_prepare(tvi_legendre *legendre)
     jet_tape_prepare(tape, legendre->x, 1, 1);
     memset(legendre->dx, 0, (size_t)tape->slots * (size_t)n * sizeof *legendre->dx);
     for (int i = 0; i < n; i++) legendre->dx[(n + i) * n + i] = 1;
+    tvi_roundoff_prepare(&legendre->roundoff, legendre->system);
 }
 
 tvi_status tvi_legendre_state(tvi_legendre *legendre, double t, const double q[], const double x[], double y[])
@@ -107,7 +108,7 @@ static bool is_roundoff(tvi_legendre *legendre, const double y[], double largest
 {
     const tvi_system *system = legendre->system;
     tvi_roundoff *roundoff = &legendre->roundoff;
-    (void)tvi_roundoff_of_field(roundoff, system, system->field_series, legendre->x, 1);
+    (void)tvi_roundoff_of_field(roundoff, system, legendre->x, 1, 1);
     for (int i = 0; i < system->n; i++)
         legendre->moved[i] = tvi_roundoff_sign(roundoff, roundoff->change[system->n + i] + DBL_EPSILON * fabs(y[i]));
     tvi_factor_solve(&legendre->slope, legendre->moved);

@@ -1,20 +1,25 @@
 /* roundoff.c - how well the values of a field are known. */
 #include "system/roundoff.h"
+#include "algebra/sizes.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-enum { LEAST_SAMPLES = 4 }; /* of signs: in one alone the parts of a sum may cancel */
+enum { SAMPLES = 4 }; /* of signs: in one alone the parts of a sum may cancel */
 
-static int outputs_of(const tvi_system *system) { return system->form == TVI_SEPARABLE ? system->n : 2 * system->n; }
-
-void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system, int lanes)
+void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system)
 {
-    const size_t outputs = (size_t)outputs_of(system), width = (size_t)lanes;
-    roundoff->change = tvi_arena_doubles(arena, outputs);
-    roundoff->inputs = tvi_arena_doubles(arena, (size_t)system->inputs * width);
-    roundoff->outputs = tvi_arena_doubles(arena, outputs * width);
+    const size_t slots = (size_t)system->field_series->slots;
+    roundoff->change = tvi_arena_doubles(arena, (size_t)tvi_system_outputs(system));
+    roundoff->x = tvi_arena_doubles(arena, slots);
+    roundoff->dx = tvi_arena_doubles(arena, slots * SAMPLES);
+}
+
+void tvi_roundoff_prepare(tvi_roundoff *roundoff, const tvi_system *system)
+{
+    jet_tape_prepare(system->field_series, roundoff->x, 1, 1);
+    memset(roundoff->dx, 0, (size_t)system->field_series->slots * SAMPLES * sizeof *roundoff->dx);
 }
 
 double tvi_roundoff_sign(tvi_roundoff *roundoff, double size)
@@ -23,28 +28,91 @@ double tvi_roundoff_sign(tvi_roundoff *roundoff, double size)
     return roundoff->random >> 31 ? -size : size;
 }
 
-/* One sample: the block is run at inputs that have moved, and again where they were. */
-static void sample(tvi_roundoff *roundoff, const tvi_system *system, const jet_tape *tape, double *x, int lanes)
+/* Whether a run only multiplies by a power of two, which loses nothing. */
+static bool is_exact(const jet_tape *tape, const jet_run *run, int i)
 {
-    const size_t width = (size_t)lanes, row = width * sizeof *x;
-    for (size_t i = 0; i < (size_t)system->inputs * width; i++) x[i] += tvi_roundoff_sign(roundoff, DBL_EPSILON * x[i]);
-    const bool inside = jet_sweep_values(tape, x, lanes);
-    for (int i = 0; i < outputs_of(system); i++)
-        memcpy(roundoff->outputs + (size_t)i * width, x + (size_t)tape->output[i] * width, row);
-    memcpy(x, roundoff->inputs, (size_t)system->inputs * row);
-    if (!jet_sweep_values(tape, x, lanes) || !inside) return;
-    for (int i = 0; i < outputs_of(system); i++)
-        for (size_t lane = 0; lane < width; lane++)
-            roundoff->change[i] = fmax(roundoff->change[i], fabs(roundoff->outputs[(size_t)i * width + lane] -
-                                                                 x[(size_t)tape->output[i] * width + lane]));
+    int exponent;
+    return run->op == OP_LINEAR && run->terms == 1 && tape->base[run->first + i] == 0 &&
+           fabs(frexp(tape->term_coefficient[run->term + i], &exponent)) == 0.5;
 }
 
-int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, const jet_tape *tape, double *x, int lanes)
+/* What the roundoff of the operation that makes slot z + i of the run is relative to. */
+static double size_of(const jet_tape *tape, const jet_run *run, int i, const double *x)
 {
-    const int samples = (LEAST_SAMPLES + lanes - 1) / lanes;
+    const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
+    if (!is_linear && !is_products && run->op != OP_SQUARES) return fabs(x[run->z + i]);
+    if (is_exact(tape, run, i)) return 0;
+    double sum = is_linear ? fabs(tape->base[run->first + i]) : 0;
+    for (int term = 0; term < run->terms; term++) {
+        const int k = run->term + term + (is_linear ? i * run->terms : 0), at = is_linear ? 0 : i;
+        const double a = x[tape->term_slot[k] + at];
+        const double b = is_linear ? 1 : is_products ? x[tape->term_second[k] + at] : a;
+        sum += fabs(tape->term_coefficient[k] * a * b);
+    }
+    return sum;
+}
+
+/* dx of a slot moves by a unit of roundoff of the size, in each sample with another sign: the bits of a hash of its
+ * value's digits, so that neither units nor the order of slots count, and equal values are wrong alike. */
+static void disturb(tvi_roundoff *roundoff, int slot, double size)
+{
+    int exponent;
+    const double digits = frexp(fabs(roundoff->x[slot]), &exponent);
+    const uint64_t bits = jet_hash(JET_HASH_OF_NOTHING, &digits, sizeof digits);
+    for (int s = 0; s < SAMPLES && size > 0; s++)
+        roundoff->dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
+}
+
+/* The tangents of the samples: one run after the other, so that each adds its own roundoff. */
+static void sweep(tvi_roundoff *roundoff, const tvi_system *system)
+{
+    const jet_tape *tape = system->field_series;
+    memset(roundoff->dx, 0, (size_t)system->inputs * SAMPLES * sizeof *roundoff->dx);
+    for (int i = 0; i < system->inputs; i++) disturb(roundoff, i, fabs(roundoff->x[i]));
+    for (int r = 0; r < tape->runs; r++) {
+        jet_tape one = *tape;
+        one.run = tape->run + r;
+        one.runs = 1;
+        jet_sweep_tangents(&one, roundoff->x, roundoff->dx, 0, SAMPLES);
+        for (int i = 0; i < one.run->count; i++)
+            disturb(roundoff, one.run->z + i, size_of(tape, one.run, i, roundoff->x));
+    }
+}
+
+int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes, int points)
+{
+    const jet_tape *tape = system->field_series;
+    const int outputs = tvi_system_outputs(system);
     roundoff->random = 1;
-    memcpy(roundoff->inputs, x, (size_t)system->inputs * (size_t)lanes * sizeof *x);
-    memset(roundoff->change, 0, (size_t)outputs_of(system) * sizeof *roundoff->change);
-    for (int i = 0; i < samples; i++) sample(roundoff, system, tape, x, lanes);
-    return 2 * samples;
+    memset(roundoff->change, 0, (size_t)outputs * sizeof *roundoff->change);
+    for (int point = 0; point < points; point++) {
+        for (int i = 0; i < system->inputs + system->uses_time; i++) roundoff->x[i] = inputs[i * lanes + point];
+        if (!jet_sweep_values(tape, roundoff->x, 1)) continue;
+        sweep(roundoff, system);
+        for (int i = 0; i < outputs; i++)
+            roundoff->change[i] =
+                fmax(roundoff->change[i], tvi_largest(SAMPLES, roundoff->dx + tape->output[i] * SAMPLES, 1));
+    }
+    return points * (1 + SAMPLES);
+}
+
+static bool are_near(int n, double size, const double start[], const double *rows, int lanes, int points)
+{
+    for (int i = 0; i < n; i++)
+        for (int point = 0; point < points; point++)
+            if (!(fabs(rows[i * lanes + point] - start[i]) <= size)) return false;
+    return true;
+}
+
+enum { FASTER = 4 }; /* than the velocity at the start */
+
+bool tvi_roundoff_is_near(const tvi_system *system, double h, const double q_start[], const double p_start[],
+                          const double *q, const double *p, int lanes, int points)
+{
+    const int n = system->n;
+    const bool separable = system->form == TVI_SEPARABLE;
+    double way = 0;
+    for (int i = 0; separable && i < n; i++) way = fmax(way, fabs(h * p_start[i] / system->mass[i]));
+    return are_near(n, tvi_largest(n, q_start, 1) + FASTER * way, q_start, q, lanes, points) ||
+           (!separable && are_near(n, tvi_largest(n, p_start, 1), p_start, p, lanes, points));
 }

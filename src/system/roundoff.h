@@ -1,5 +1,6 @@
-/* roundoff.h - how well the values of a field are known: what a unit of roundoff in each of its inputs makes of them
- * (docs/method.md section 5). An iteration asks where its corrections shrink no more. */
+/* roundoff.h - how well the values of a field are known: what a unit of roundoff in each of its inputs, and in each
+ * operation on the way, makes of them (docs/method.md section 5). An iteration asks where its corrections shrink no
+ * more. */
 #ifndef TVI_SRC_SYSTEM_ROUNDOFF_H
 #define TVI_SRC_SYSTEM_ROUNDOFF_H
 
@@ -12,21 +13,30 @@ static const double TVI_ROUNDOFF_UNITS = 32;
 
 typedef struct {
     double *change;  /* [outputs of the field] the result */
-    double *inputs;  /* [inputs][lanes] as they were */
-    double *outputs; /* [outputs][lanes] where the inputs have moved */
+    double *x;       /* block of the field's series at one point */
+    double *dx;      /* its tangents, one for each sample of signs */
     unsigned random; /* state of a pseudo-random sequence, the same for each question: no step depends on others */
 } tvi_roundoff;
 
-/* lanes: of the blocks that are asked about. */
-void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system, int lanes);
+void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system);
+void tvi_roundoff_prepare(tvi_roundoff *roundoff, const tvi_system *system);
 
-/* change[i] = the most that output i of the field changes in a lane when each coordinate, velocity and momentum moves
- * by a unit of its own roundoff, one way or the other; not the time, which is the same in all passes of a step. The
- * tape is one of the field's. The block keeps its inputs, and has been run for them; returns how many values of the
- * field in each lane that cost. Where the field has no value so near, nothing is known, and the change is 0. */
-int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, const jet_tape *tape, double *x, int lanes);
+/* change[i] = the most that output i of the field changes at one of the points when each coordinate, velocity and
+ * momentum, and the result of each operation, moves by a unit of its own roundoff, one way or the other; not the time,
+ * which is the same in all passes of a step. A sum has the roundoff of its terms. inputs[i * lanes + point]: those of
+ * the field, then the time if it is used. Returns how many values of the field that cost. Where the field has no value,
+ * nothing is known, and the change is 0. */
+int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, const double *inputs, int lanes,
+                          int points);
 
 /* The next sign of the sequence, times size; after tvi_roundoff_of_field. */
 double tvi_roundoff_sign(tvi_roundoff *roundoff, double size);
+
+/* Whether q, rows [n][lanes], is no farther from the start at all points than this is from the origin and the velocity
+ * leads to; or the momentum than it is from 0. In a motion larger than that, roundoff has no other size than the motion;
+ * and passes that run off, to where the field is nothing but roundoff, have not arrived. Of a separable system p is not
+ * looked at, and may be NULL. */
+bool tvi_roundoff_is_near(const tvi_system *system, double h, const double q_start[], const double p_start[],
+                          const double *q, const double *p, int lanes, int points);
 
 #endif

@@ -56,6 +56,12 @@ TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *sys
 TVI_NODISCARD tvi_status tvi_energy_in(const tvi_system *system, double *block, double t, const double q[],
                                        const double p[], double *H);
 
+/* Of the field. */
+static inline int tvi_system_outputs(const tvi_system *system)
+{
+    return system->form == TVI_SEPARABLE ? system->n : 2 * system->n;
+}
+
 /* Writes the time to all lanes of order 0 of a block of a tape whose first inputs are the system's. */
 static inline void tvi_system_set_time(const tvi_system *system, double *x, int lanes, const double t[])
 {

@@ -330,17 +330,13 @@ double growth_of(const setting *s, long steps)
 
 /* ---- Limits ------------------------------------------------------------------------------------------------------ */
 
-/* Terms of the force that cancel have roundoff which does not show in the coordinates; and in frames that are moved,
- * methods of order 2 lose digits: the implicit midpoint rule where there are no matrices, and types II at the start and
- * III at the end with a momentum that is not M v. */
+/* In frames that are moved, methods of order 2 lose digits: types II at the start and III at the end with a momentum that
+ * is not M v; and truncated curves from both ends where the terms of the field cancel. */
 bool is_known_limit(const setting *s, const tvi_options *options)
 {
-    const bool is_small = s->amplitude < s->motion->most, is_moved = s->frame->move != 0;
-    const bool is_lowest = options->order == 2 && is_moved;
-    if (s->motion->cancels > 0 && is_small) return true;
-    if (is_lowest && options->method == TVI_POINCARE)
-        return s->n >= 8 && !s->motion->hamiltonian && !s->motion->lagrangian;
-    if (!is_lowest || strcmp(s->motion->name, "magnetic") != 0) return false;
+    if (options->order != 2 || s->frame->move == 0) return false;
+    if (options->expansion == TVI_AT_BOTH_ENDS) return s->motion->cancels > 0 && s->amplitude < s->motion->most;
+    if (strcmp(s->motion->name, "magnetic") != 0) return false;
     return (options->method == TVI_TYPE2 && options->expansion == TVI_AT_START) ||
            (options->method == TVI_TYPE3 && options->expansion == TVI_AT_END);
 }

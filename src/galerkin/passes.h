@@ -1,0 +1,32 @@
+/* passes.h - the passes of a Galerkin step, and when they may end (docs/method.md section 5). */
+#ifndef TVI_SRC_GALERKIN_PASSES_H
+#define TVI_SRC_GALERKIN_PASSES_H
+
+#include "galerkin/field.h"
+#include "system/roundoff.h"
+
+/* What the roundoff of a pass is measured with. */
+typedef struct {
+    tvi_roundoff of_field;
+    double *before, *displaced; /* [rows][lanes] */
+    double *base;               /* [unknowns][lanes] */
+} galerkin_probe;
+
+void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const galerkin_field *field);
+
+/* From the unknowns that the field has, until what is left of the equations is nothing, or as the options say.
+ * *slowest: how far passes contract, or 0: of an earlier step of the same size, then of this one. Sets stats->residual
+ * and counts. TVI_ENOCONV, TVI_ENONFINITE, and what the field fails with. */
+TVI_NODISCARD tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_options *options,
+                                              const tvi_origin *origin, double *slowest, tvi_stats *stats);
+
+/* Whether the nodes have not run off: roundoff.h. */
+bool tvi_galerkin_is_near(const galerkin_field *field, const tvi_origin *origin);
+
+/* The next pass, which moves the unknowns by *moved, and what it makes of the roundoff in what it begins with: a pass
+ * from displaced unknowns, with displaced values of the field, whose difference from it is roundoff. Both are squares
+ * as the passes have them. */
+TVI_NODISCARD tvi_status tvi_galerkin_measure(galerkin_field *field, galerkin_probe *probe, double *moved,
+                                              double *roundoff, tvi_stats *stats);
+
+#endif

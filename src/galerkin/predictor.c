@@ -1,0 +1,125 @@
+/* predictor.c - see predictor.h. */
+#include "galerkin/predictor.h"
+
+#include <math.h>
+
+enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
+
+void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int unknowns, int lanes)
+{
+    const size_t count = (size_t)unknowns, width = (size_t)lanes;
+    w->last = tvi_arena_history(arena, sizeof *w->last);
+    for (int i = 0; i < 2; i++) w->impulses[i] = tvi_arena_history(arena, count * width * sizeof(double));
+    w->from_two = tvi_arena_doubles(arena, 2 * width * width);
+    w->from_one = tvi_arena_doubles(arena, width * width);
+    w->led = tvi_arena_doubles(arena, count * width);
+    w->none = tvi_arena_doubles(arena, count + width);
+    w->one = tvi_arena_doubles(arena, count + width);
+}
+
+/* ---- Tables ------------------------------------------------------------------------------------------------------ */
+
+/* [k][i] of basis: polynomials of degree k, orthonormal on the first 2 m of 3 m points: the nodes of two steps, and of
+ * the next one. */
+static void set_basis(const galerkin_coefficients *a, int degree, long double basis[][3 * MAX_LANES])
+{
+    const int m = a->points;
+    for (int k = 0; k <= degree; k++) {
+        long double *now = basis[k];
+        for (int i = 0; i < 3 * m; i++) {
+            const long double s = a->exact_node[i % m] + (i < m ? 0 : i < 2 * m ? -1 : 1);
+            now[i] = k > 0 ? s * basis[k - 1][i] : 1;
+        }
+        for (int before = 0; before <= k; before++) { /* the last time: its own length */
+            long double product = 0;
+            /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): m >= 1 */
+            for (int i = 0; i < 2 * m; i++) product += now[i] * basis[before][i];
+            for (int i = 0; i < 3 * m && before < k; i++) now[i] -= product * basis[before][i];
+            for (int i = 0; i < 3 * m && before == k; i++) now[i] /= sqrtl(product);
+        }
+    }
+}
+
+/* column[i] += factor (b_next / b_before) ahead[next][i]: what the impulse at node `before` of an earlier step makes of
+ * the one at node `next`, if the factor is that of the drives. */
+static void add_ahead(const galerkin_coefficients *a, const double *ahead, long double factor, int before, int next,
+                      double *column)
+{
+    const double part = (double)(factor * a->exact_weight[next] / a->exact_weight[before]);
+    for (int i = 0; i < a->lanes; i++) column[i] += part * ahead[next * a->lanes + i];
+}
+
+/* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j). Of all degrees, 3m/2 was seen to save the most passes:
+ * above it roundoff grows by more than truncation falls. */
+static void set_from_two(galerkin_predictor *w, const galerkin_coefficients *a, const double *ahead)
+{
+    long double basis[2 * MAX_LANES][3 * MAX_LANES];
+    const int m = a->points, degree = m > 1 ? 3 * m / 2 : 1;
+    set_basis(a, degree, basis);
+    for (int point = 0; point < 2 * m; point++)
+        for (int next = 0; next < m; next++) {
+            long double factor = 0;
+            for (int k = 0; k <= degree; k++) factor += basis[k][2 * m + next] * basis[k][point];
+            double *column = w->from_two + (point / m * a->lanes + point % m) * a->lanes;
+            add_ahead(a, ahead, factor, point % m, next, column);
+        }
+}
+
+void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
+{
+    set_from_two(w, a, field->ahead);
+    for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
+}
+
+/* From a step of size h / ratio to one that begins after a part of it: node i is at part + ratio c_i there. */
+static void set_from_one(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
+                         const galerkin_loops *loops, double ratio, double part)
+{
+    if (ratio == w->ratio && part == w->part) return;
+    w->ratio = ratio;
+    w->part = part;
+    const int lanes = a->lanes;
+    const galerkin_places of_nodes = {lanes, lanes, a->points, a->c, w->none, w->none, w->one};
+    double place[MAX_LANES] = {0}, P[MAX_LANES * MAX_LANES] = {0};
+    for (int i = 0; i < lanes; i++) place[i] = part + ratio * a->c[i];
+    tvi_galerkin_dense_legendre(dense, lanes, place, P);
+    loops->place(&of_nodes, P, dense->of_node, w->from_one);
+    for (int j = 0; j < a->points; j++)
+        for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] *= ratio * a->b[i];
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+
+bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part)
+{
+    const galerkin_history *last = w->last;
+    if (last->h == 0) return false;
+    const double gap = t - (last->t + last->h), ratio = field->h / last->h;
+    const bool is_next = fabs(gap) < 0.25 * fabs(field->h);
+    *part = is_next ? 1 : 0;
+    return ratio <= 1.5 && (is_next ? ratio >= -2 : t == last->t && ratio > 0);
+}
+
+void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
+                              galerkin_field *field, double part)
+{
+    const galerkin_history *last = w->last;
+    const double *const impulses[] = {w->impulses[last->turn], w->impulses[!last->turn]};
+    if (part == 1 && field->h == last->h && field->h == last->h_before) {
+        field->form->predict(field, 2, w->from_two, impulses);
+    } else {
+        const galerkin_places to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};
+        const double *const led[] = {w->led};
+        set_from_one(w, a, dense, field->loops, field->h / last->h, part);
+        field->loops->place(&to, w->from_one, impulses[0], w->led);
+        field->form->predict(field, 1, field->ahead, led);
+    }
+}
+
+void tvi_galerkin_remember(galerkin_predictor *w, const galerkin_field *field, double t, double slowest)
+{
+    const int turn = !w->last->turn;
+    const size_t numbers = (size_t)field->nodes.unknowns * (size_t)field->nodes.lanes;
+    memcpy(w->impulses[turn], field->nodes.impulse, numbers * sizeof(double));
+    *w->last = (galerkin_history){field->h, w->last->h, t, slowest, turn};
+}

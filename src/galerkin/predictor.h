@@ -1,0 +1,38 @@
+/* predictor.h - the unknowns of a step by the impulses of the steps before (docs/method.md section 5). */
+#ifndef TVI_SRC_GALERKIN_PREDICTOR_H
+#define TVI_SRC_GALERKIN_PREDICTOR_H
+
+#include "galerkin/coefficients.h"
+#include "galerkin/field.h"
+
+/* The last two steps; in the arena's history. */
+typedef struct {
+    double h, h_before; /* 0: none */
+    double t;           /* where the last one began */
+    double slowest;     /* contraction of its passes, or of those before it; 0: not known */
+    int turn;           /* where its impulses are */
+} galerkin_history;
+
+typedef struct {
+    galerkin_history *last;
+    double *impulses[2]; /* in the history: [unknowns][lanes] of the last two steps, in turns */
+    double *from_two;    /* [2][j][i] extrapolation from the two steps before, all of one size */
+    double *from_one;    /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
+    double ratio, part;  /* ratio 0: none yet */
+    double *led;         /* [unknowns][lanes] what it leads to */
+    double *none, *one;  /* [unknowns + lanes] 0 and 1 */
+} galerkin_predictor;
+
+void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int unknowns, int lanes);
+void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field);
+
+/* Whether the step of the field's size from t begins where the last one ended, or began, after `part` of it, and its
+ * nodes are near those of that one. */
+bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part);
+/* Sets the field's unknowns. */
+void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
+                              galerkin_field *field, double part);
+/* What the step of size h from t leaves to the next ones: the impulses of the field, and how its passes contracted. */
+void tvi_galerkin_remember(galerkin_predictor *w, const galerkin_field *field, double t, double slowest);
+
+#endif
