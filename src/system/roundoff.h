@@ -33,9 +33,9 @@ int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, cons
 double tvi_roundoff_sign(tvi_roundoff *roundoff, double size);
 
 /* Whether q, rows [n][lanes], is no farther from the start at all points than this is from the origin and the velocity
- * leads to; or the momentum than it is from 0. In a motion larger than that, roundoff has no other size than the motion;
- * and passes that run off, to where the field is nothing but roundoff, have not arrived. Of a separable system p is not
- * looked at, and may be NULL. */
+ * leads to; or the momentum than it is from 0. In a motion larger than that, roundoff has no other size than the
+ * motion; and passes that run off, to where the field is nothing but roundoff, have not arrived. Of a separable
+ * system p is not looked at. */
 bool tvi_roundoff_is_near(const tvi_system *system, double h, const double q_start[], const double p_start[],
                           const double *q, const double *p, int lanes, int points);
 

@@ -330,8 +330,8 @@ double growth_of(const setting *s, long steps)
 
 /* ---- Limits ------------------------------------------------------------------------------------------------------ */
 
-/* In frames that are moved, methods of order 2 lose digits: types II at the start and III at the end with a momentum that
- * is not M v; and truncated curves from both ends where the terms of the field cancel. */
+/* In frames that are moved, methods of order 2 lose digits: types II at the start and III at the end with a momentum
+ * that is not M v; and truncated curves from both ends where the terms of the field cancel. */
 bool is_known_limit(const setting *s, const tvi_options *options)
 {
     if (options->order != 2 || s->frame->move == 0) return false;
