@@ -202,7 +202,7 @@ static tvi_status polish_by_rates(locator *s, tvi_root *r, double x[], bool *is_
     if (status == TVI_OK) status = value_ahead(s, r->which, -CHORD, s->trial, &before);
     if (status == TVI_OK) status = value_ahead(s, r->which, CHORD, s->trial, &after);
     const double slope = (after - before) / (2 * CHORD), way = -g / slope;
-    const double tail = fmax(s->seen.it->stats.tail, s->between.partial->stats.tail), error = STEEPER * tail * tail;
+    const double tail = fmax(s->seen.it->stats.tail, s->between.partial->stats.tail), error = tail * tail;
     *is_done = status == TVI_OK && fabs(way) * error <= DBL_EPSILON / 8 && is_short(r, r->guess, way);
     return *is_done ? follow_rates(s, r, way, slope, x) : status;
 }
