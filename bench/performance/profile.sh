@@ -25,7 +25,7 @@ grep -v '^#' tests/instructions.txt | while read -r scene method order h rest; d
             callee == "tvi_curve_expand" { expansion += n }
             callee == "values" && caller !~ /^series$|legendre/ { forces += n }
             callee == "tvi_action_seed" || callee == "tvi_curve_pull" { gradient += n }
-            callee == "tvi_curve_pull" && caller ~ /^(tvi_)?close/ { closing -= n }
+            callee == "tvi_curve_pull" && caller == "solve" { closing -= n }
             callee == "tvi_curve_differentiate" { jacobians += n }
             callee ~ /^(tvi_)?close_(type[123]|poincare)/ && caller !~ /^close_type/ { closing += n }
             callee == "tvi_newton_solve" { corrector += n }

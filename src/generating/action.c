@@ -9,97 +9,11 @@
  * what summation by parts of (p^T dg). leaves when the quadrature is not exact to its degree: with it every quadrature
  * serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 where p has degree q_degree - 1. */
 #include "generating/action.h"
-#include "algebra/quadrature.h"
 #include "algebra/sizes.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *options)
-{
-    return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
-}
-
-void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                     tvi_action_kind kind, int q_degree, int p_degree, int top)
-{
-    const size_t orders = (size_t)top + 1, points = (size_t)options->quadrature_points, n = (size_t)system->n;
-    memset(action, 0, sizeof *action);
-    action->kind = kind;
-    action->sweeps = system->field_values->sweeps;
-    action->orders = top + 1;
-    action->truncated = options->nodes == TVI_NODES_TRUNCATED;
-    action->q_degree = q_degree;
-    action->p_degree = p_degree;
-    action->points = options->quadrature_points;
-    action->has_velocity_defect = kind == TVI_ACTION_LAGRANGE && system->form != TVI_SEPARABLE;
-    action->has_momentum_defect =
-        kind == TVI_ACTION_HAMILTON && (system->form != TVI_SEPARABLE || p_degree >= q_degree);
-    action->s = tvi_arena_doubles(arena, points);
-    action->weight = tvi_arena_doubles(arena, points);
-    action->power = tvi_arena_doubles(arena, orders * points);
-    action->slope = tvi_arena_doubles(arena, orders * points);
-    action->node_power = tvi_arena_doubles(arena, orders * points);
-    action->weighted_power = tvi_arena_doubles(arena, orders * points);
-    action->weighted_slope = tvi_arena_doubles(arena, orders * points);
-    action->row = tvi_arena_doubles(arena, orders);
-    if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
-    action->x = tvi_arena_doubles(arena, (size_t)system->field_values->slots * points);
-    if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->truncated)
-        action->bend = tvi_arena_doubles(arena, (size_t)system->bend_values->slots * points);
-    action->P = tvi_arena_doubles(arena, orders * n);
-    double **const panels[] = {&action->momentum, &action->force, &action->on_q, &action->on_v, &action->on_p};
-    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
-    action->correction = tvi_arena_doubles(arena, n);
-    tvi_roundoff_take(&action->roundoff, arena, system);
-}
-
-/* The error of the quadrature for s^r on the span; exactly 0 below its order. */
-static double quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
-                               tvi_span span)
-{
-    if (r < order) return 0;
-    long double error = -(powl(span.to, r + 1) - powl(span.from, r + 1)) / (r + 1);
-    for (int i = 0; i < points; i++) error += weight[i] * powl(s[i], r);
-    return (double)error;
-}
-
-static void fill_powers(tvi_action *action, int node, long double s, bool at_end)
-{
-    for (int k = 0; k <= action->q_degree; k++) {
-        const int place = k * action->points + node;
-        const bool left_out = action->truncated && k == action->q_degree && !at_end;
-        action->power[place] = (double)powl(s, k);
-        action->slope[place] = k == 0 ? 0 : k * (double)powl(s, k - 1);
-        action->node_power[place] = left_out ? 0 : action->power[place];
-        action->weighted_power[node * action->orders + k] = action->weight[node] * action->power[place];
-        action->weighted_slope[node * action->orders + k] = action->weight[node] * action->slope[place];
-    }
-}
-
-void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span,
-                        int top)
-{
-    const int points = action->points, order = tvi_quadrature_order(options->quadrature, points);
-    long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
-    tvi_quadrature_nodes(options->quadrature, points, s, weight);
-    for (int i = 0; i < points; i++) { /* from [-1, 1] to the span */
-        const bool at_end = s[i] == -1 || s[i] == 1;
-        s[i] = span.from + (span.to - span.from) * (1 + s[i]) / 2;
-        weight[i] *= (span.to - span.from) / 2;
-        action->s[i] = (double)s[i];
-        action->weight[i] = (double)weight[i];
-        fill_powers(action, i, s[i], at_end);
-    }
-    for (int k = 0; action->by_parts && k <= action->q_degree; k++)
-        for (int j = 0; j <= action->p_degree; j++)
-            action->by_parts[k * (top + 1) + j] =
-                j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
-    jet_tape_prepare(system->field_values, action->x, 1, points);
-    tvi_roundoff_prepare(&action->roundoff, system);
-    if (action->bend) jet_tape_prepare(system->bend_values, action->bend, 1, points);
-}
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
@@ -110,6 +24,13 @@ static void at_nodes(const tvi_action *action, int degree, const double *first, 
     action->sweeps->combine(degree + 1, first, stride, action->points, table, row);
 }
 
+static void place_times(const tvi_action *action, const tvi_curve *curve, double *x)
+{
+    double *t = x + curve->system->inputs * action->points;
+    if (!curve->system->uses_time) return;
+    for (int node = 0; node < action->points; node++) t[node] = curve->centre + curve->tau * action->s[node];
+}
+
 /* q at the nodes into the inputs of a block; the time too. */
 static void place_positions(const tvi_action *action, const tvi_curve *curve, double *x)
 {
@@ -118,9 +39,7 @@ static void place_positions(const tvi_action *action, const tvi_curve *curve, do
     for (int i = 0; i < curve->n; i++)
         at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, action->node_power,
                  x + i * action->points);
-    double *t = x + system->inputs * action->points;
-    for (int node = 0; system->uses_time && node < action->points; node++)
-        t[node] = curve->centre + curve->tau * action->s[node];
+    place_times(action, curve, x);
 }
 
 /* v = g./tau at the nodes into the second input. */
@@ -233,7 +152,8 @@ static tvi_status force_terms(tvi_action *action, const tvi_curve *curve)
     return status;
 }
 
-tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve)
+/* From the positions in action->x, the velocities in on_v and the momenta: on_q = tau L_q, on_v = L_v - p. */
+static tvi_status lagrange_terms(tvi_action *action, tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     const int n = curve->n, points = action->points;
@@ -260,6 +180,17 @@ tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve)
     }
     subtract(action, n, action->momentum, action->on_v);
     return status;
+}
+
+tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                               const double p[])
+{
+    const size_t panel = (size_t)(curve->n * action->points) * sizeof *q;
+    memcpy(action->x, q, panel);
+    memcpy(action->on_v, v, panel);
+    memcpy(action->momentum, p, panel);
+    place_times(action, curve, action->x);
+    return lagrange_terms(action, curve);
 }
 
 /* On-curve: on_q = -tau H_q, on_p = g. - tau H_p. */
@@ -381,7 +312,7 @@ tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[]
     if (action->has_velocity_defect) place_velocities(action, curve, action->on_v);
     const tvi_status status = bent                                  ? bent_terms(action, curve)
                               : action->kind == TVI_ACTION_HAMILTON ? hamilton_terms(action, curve)
-                              : action->has_velocity_defect         ? tvi_action_lagrange(action, curve)
+                              : action->has_velocity_defect         ? lagrange_terms(action, curve)
                                                                     : force_terms(action, curve);
     if (status != TVI_OK) return status;
     seed_positions(action, n, seed_Q);

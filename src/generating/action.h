@@ -40,9 +40,10 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
  * TVI_ENONFINITE, TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */
 TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 
-/* The Lagrangian at the nodes: from the positions and the time in action->x, velocities in on_v and the curve's momenta
- * in `momentum`, on_q = tau L_q and on_v = L_v - p. Also for nodes that lie on no single curve. */
-TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve);
+/* The Lagrangian at nodes that lie on no single curve, at its times: from positions q, velocities v and momenta p,
+ * [n][points] each, on_q = tau L_q and on_v = L_v - p. */
+TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
+                                             const double p[]);
 
 /* Roundoff of q and p at the ends of a step of size h from (q, p), [n] each: what that of the field at the nodes of the
  * gradient last formed makes of them, and that of p itself; 0 where the motion is larger than q and p. Returns how many

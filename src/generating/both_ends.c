@@ -7,69 +7,29 @@
  * and with A0, B0 = da(1)/d(q0, v0), A1, B1 = db(-1)/d(q1, v1)
  *     B0^T l = R_v0,   B1^T m = R_v1,   p0 = p_a(0) - R_q0 + A0^T l - m,   p1 = p_b(0) + R_q1 + l - A1^T m.
  * Where the quadrature does not sum the derivative of dy^T pi exactly, the same is done with pi = 0. */
-#include "generating/action.h"
-#include "system/legendre.h"
-#include "generating/newton.h"
+#include "generating/both_ends.h"
 #include "algebra/quadrature.h"
 #include "method/list.h"
 
 #include <math.h>
 #include <string.h>
 
-/* What belongs to one of the two curves. */
-typedef struct {
-    tvi_curve curve;
-    tvi_action action;      /* tables of powers at the nodes; that of a evaluates the nodes of both */
-    double sign;            /* of the curve in a - b */
-    double end;             /* the scaled time of the other end: 1 or -1 */
-    tvi_combination to_end; /* a(1) - q0 or b(-1) - q1 */
-    tvi_combination near_u; /* U_0 */
-    tvi_combination q_dense, u_dense;
-    double *blend;      /* [points] w or 1 - w at the nodes */
-    double *seed;       /* [r + 1][n] */
-    double *R;          /* [2n] */
-    double *G;          /* [n][2n] Jacobian of to_end; the identity of Q_0 is not in it */
-    double *multiplier; /* [n] l or m */
-    double *dz;         /* [2n] what z lacks at the end of the passes */
-    tvi_factor factor;  /* B */
-} side;
-
-typedef struct {
-    const tvi_system *system;
-    const tvi_options *options;
-    tvi_stats *stats;
-    const tvi_origin *origin;
-    int n, degree, points;
-    double tau;
-    bool has_pi;
-    side a, b;
-    tvi_newton newton; /* unknowns v0, q1, v1, scaled as the z of the curves */
-    tvi_legendre legendre;
-    tvi_combination q_unit, z_unit; /* the centre data of a, a unit of scaled time later */
-    double *pi_rate;                /* [n][points] pi. */
-    double *row;                    /* [points] */
-    double *z;                      /* [2n] */
-    double *velocity;               /* [n] of the last predictor, Lagrangian; in the history */
-    double *from_p;                 /* [n] p0 - p_a(0) */
-    double *rise_p;                 /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
-    double *dq, *dp;                /* [n] of the last step */
-    double *shift;                  /* [n] */
-} work;
-
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static void take_side(side *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options, double sign)
+static void take_side(tvi_side *x, tvi_arena *arena, const tvi_system *system, const tvi_options *options, double sign)
 {
+    tvi_options plain = *options; /* y is never truncated */
+    plain.nodes = TVI_NODES_ON_CURVE;
     const int r = options->degree;
     const size_t n = (size_t)system->n;
     x->sign = x->end = sign;
     tvi_curve_take(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES);
-    tvi_action_take(&x->action, arena, system, options, TVI_ACTION_LAGRANGE, r, r - 1, r);
-    x->action.truncated = false; /* y is never truncated */
+    tvi_action_take(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r);
     tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(&x->curve, arena);
     x->blend = tvi_arena_doubles(arena, (size_t)options->quadrature_points);
+    x->P = tvi_arena_doubles(arena, (size_t)r * n);
     x->seed = tvi_arena_doubles(arena, ((size_t)r + 1) * n);
     x->R = tvi_arena_doubles(arena, 2 * n);
     x->G = tvi_arena_doubles(arena, n * 2 * n);
@@ -80,12 +40,12 @@ static void take_side(side *x, tvi_arena *arena, const tvi_system *system, const
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
-    work *taken = tvi_arena_take(arena, sizeof *taken);
-    work w = {.system = system,
-              .options = options,
-              .n = system->n,
-              .degree = options->degree,
-              .points = options->quadrature_points};
+    tvi_both_ends *taken = tvi_arena_take(arena, sizeof *taken);
+    tvi_both_ends w = {.system = system,
+                       .options = options,
+                       .n = system->n,
+                       .degree = options->degree,
+                       .points = options->quadrature_points};
     const size_t n = (size_t)system->n, points = (size_t)options->quadrature_points;
     take_side(&w.a, arena, system, options, 1);
     take_side(&w.b, arena, system, options, -1);
@@ -97,7 +57,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     }
     w.q_unit = tvi_combination_take(&w.a.curve, arena);
     w.z_unit = tvi_combination_take(&w.a.curve, arena);
-    w.pi_rate = tvi_arena_doubles(arena, n * points);
+    double **const panels[] = {&w.y, &w.v, &w.pi, &w.pi_rate, &w.on_q, &w.on_v, &w.apart};
+    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
     w.row = tvi_arena_doubles(arena, points);
     double **const vectors[] = {&w.z, &w.from_p, &w.rise_p, &w.dq, &w.dp, &w.shift};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++) *vectors[i] = tvi_arena_doubles(arena, 2 * n);
@@ -105,7 +66,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
-static void prepare_side(work *w, side *x, tvi_span span)
+static void prepare_side(tvi_both_ends *w, tvi_side *x, tvi_span span)
 {
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
@@ -118,7 +79,7 @@ static void prepare_side(work *w, side *x, tvi_span span)
 
 static void prepare(void *taken)
 {
-    work *w = taken;
+    tvi_both_ends *w = taken;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
     prepare_side(w, &w->a, (tvi_span){0, 1, 1});
@@ -132,112 +93,10 @@ static void prepare(void *taken)
     if (w->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
 }
 
-/* ---- The nodes --------------------------------------------------------------------------------------------------- */
-
-/* row = sum_{least <= k <= degree} coefficient_k table_k, coefficient_k at first + k * stride. */
-static void sum_at_nodes(work *w, int least, int degree, const double *first, size_t stride, const double *table)
-{
-    for (int node = 0; node < w->points; node++) w->row[node] = 0;
-    for (int k = degree; k >= least; k--)
-        for (int node = 0; node < w->points; node++)
-            w->row[node] += first[(size_t)k * stride] * table[k * w->points + node];
-}
-
-/* out += w a or (1 - w) b of the sums. */
-static void add_blended(work *w, const side *x, int degree, const double *first, size_t stride, const double *table,
-                        double out[])
-{
-    sum_at_nodes(w, 0, degree, first, stride, table);
-    for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
-}
-
-/* out -= a or += b: a - b, whose coefficients 0 nearly cancel; `apart` is what is left of them, a_0 - b_0. */
-static void add_difference(work *w, const side *x, int degree, const double *first, size_t stride, double apart,
-                           double out[])
-{
-    sum_at_nodes(w, 1, degree, first, stride, x->action.power);
-    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
-}
-
-/* The part of one curve in y, v (in s), pi and pi. of component i. */
-static void add_side_at_nodes(work *w, side *x, int i)
-{
-    tvi_action *nodes = &w->a.action;
-    const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
-    const double *Q = tvi_curve_Q(&x->curve, 0) + i, *P = x->action.P + i;
-    const double *power = x->action.power, *slope = x->action.slope;
-    const double q_apart = tvi_curve_Q(&w->a.curve, 0)[i] - tvi_curve_Q(&w->b.curve, 0)[i];
-    const double p_apart = w->a.action.P[i] - w->b.action.P[i];
-    add_blended(w, x, w->degree, Q, stride, power, nodes->x + place);
-    add_blended(w, x, w->degree, Q, stride, slope, nodes->on_v + place);
-    if (w->options->nodes == TVI_NODES_ON_CURVE)
-        add_difference(w, x, w->degree, Q, stride, q_apart, nodes->on_v + place);
-    add_blended(w, x, w->degree - 1, P, (size_t)w->n, power, nodes->momentum + place);
-    add_blended(w, x, w->degree - 1, P, (size_t)w->n, slope, w->pi_rate + place);
-    add_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->pi_rate + place);
-}
-
-static tvi_status evaluate_nodes(work *w)
-{
-    tvi_action *nodes = &w->a.action;
-    const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
-    double *const panels[] = {nodes->x, nodes->on_v, nodes->momentum, w->pi_rate};
-    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) memset(panels[i], 0, panel);
-    for (int k = 0; k < w->degree; k++) {
-        tvi_curve_momentum(&w->a.curve, k, w->a.action.P + k * w->n);
-        tvi_curve_momentum(&w->b.curve, k, w->b.action.P + k * w->n);
-    }
-    for (int i = 0; i < w->n; i++) {
-        add_side_at_nodes(w, &w->a, i);
-        add_side_at_nodes(w, &w->b, i);
-    }
-    for (int i = 0; i < w->n * w->points; i++) nodes->on_v[i] /= w->tau;
-    for (int node = 0; w->system->uses_time && node < w->points; node++)
-        nodes->x[w->system->inputs * w->points + node] = w->a.curve.centre + w->tau * nodes->s[node];
-    w->stats->force_evaluations += w->points;
-    return tvi_action_lagrange(nodes, &w->a.curve); /* on_q = tau L_q, on_v = L_v - pi */
-}
-
-/* The seeds of one curve. on_q and on_v are what multiplies dy_i and dv_i; `apart` what multiplies (da - db)_i. */
-static void seed_side(work *w, side *x, const double *on_q, const double *on_v, const double *apart)
-{
-    for (int i = 0; i < w->n; i++)
-        for (int k = 0; k <= w->degree; k++) {
-            const double *power = x->action.power + k * w->points, *slope = x->action.slope + k * w->points;
-            double sum = 0;
-            for (int node = 0; node < w->points; node++) {
-                const int place = i * w->points + node;
-                const double blended = x->blend[node] * (power[node] * on_q[place] + slope[node] * on_v[place]);
-                sum += w->a.action.weight[node] * (blended + x->sign * power[node] * apart[place]);
-            }
-            x->seed[k * w->n + i] = sum;
-        }
-}
-
-/* R of both curves. */
-static tvi_status gradient(work *w)
-{
-    const tvi_status status = evaluate_nodes(w);
-    if (status != TVI_OK) return status;
-    tvi_action *nodes = &w->a.action;
-    double *on_q = nodes->on_q, *on_v = nodes->on_v, *apart = nodes->on_p;
-    const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
-    for (int i = 0; i < w->n * w->points; i++) {
-        if (w->has_pi) on_q[i] -= w->pi_rate[i];
-        else on_v[i] += nodes->momentum[i];
-        apart[i] = on_curve ? -on_v[i] : w->has_pi ? nodes->momentum[i] : 0;
-    }
-    seed_side(w, &w->a, on_q, on_v, apart);
-    seed_side(w, &w->b, on_q, on_v, apart);
-    tvi_curve_pull(&w->a.curve, w->a.seed, NULL, w->a.R);
-    tvi_curve_pull(&w->b.curve, w->b.seed, NULL, w->b.R);
-    return TVI_OK;
-}
-
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* B^T multiplier = R_v;  out += sign (A - I)^T multiplier. */
-static tvi_status solve_multiplier(work *w, side *x)
+static tvi_status solve_multiplier(tvi_both_ends *w, tvi_side *x)
 {
     const size_t n = (size_t)w->n;
     tvi_curve_sum_jacobian(&x->curve, &x->to_end, x->G);
@@ -250,14 +109,14 @@ static tvi_status solve_multiplier(work *w, side *x)
 }
 
 /* Component j of (A - I)^T multiplier. */
-static double pulled(const work *w, const side *x, int j)
+static double pulled(const tvi_both_ends *w, const tvi_side *x, int j)
 {
     double sum = 0;
     for (int i = 0; i < w->n; i++) sum += x->G[i * 2 * w->n + j] * x->multiplier[i];
     return sum;
 }
 
-static tvi_status close_equations(work *w)
+static tvi_status close_equations(tvi_both_ends *w)
 {
     tvi_status status = solve_multiplier(w, &w->a);
     if (status == TVI_OK) status = solve_multiplier(w, &w->b);
@@ -270,7 +129,7 @@ static tvi_status close_equations(work *w)
     return TVI_OK;
 }
 
-static tvi_status expand(work *w, side *x, const double z[], double centre)
+static tvi_status expand(tvi_both_ends *w, tvi_side *x, const double z[], double centre)
 {
     w->stats->expansions++;
     tvi_curve_set(&x->curve, w->tau, z);
@@ -279,7 +138,7 @@ static tvi_status expand(work *w, side *x, const double z[], double centre)
 
 static void set_scale(void *self, double scale[])
 {
-    const work *w = self;
+    const tvi_both_ends *w = self;
     const int n = w->n;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 3 * (size_t)n * sizeof *scale);
@@ -300,7 +159,7 @@ static void set_scale(void *self, double scale[])
 }
 
 /* r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */
-static void form_residual(work *w, const double q1[], double r[])
+static void form_residual(tvi_both_ends *w, const double q1[], double r[])
 {
     const tvi_origin *origin = w->origin;
     const int n = w->n;
@@ -318,7 +177,7 @@ static void form_residual(work *w, const double q1[], double r[])
 
 static tvi_status residual(void *self, const double x[], double r[])
 {
-    work *w = self;
+    tvi_both_ends *w = self;
     const size_t n = (size_t)w->n;
     const double t = w->origin->t + w->origin->t_low;
     memcpy(w->z, w->origin->q, n * sizeof *x);
@@ -328,7 +187,7 @@ static tvi_status residual(void *self, const double x[], double r[])
     if (status != TVI_OK) return status;
     tvi_curve_differentiate(&w->a.curve);
     tvi_curve_differentiate(&w->b.curve);
-    status = gradient(w);
+    status = tvi_both_ends_gradient(w);
     if (status == TVI_OK) status = close_equations(w);
     if (status != TVI_OK) return status;
     form_residual(w, x + n, r);
@@ -339,7 +198,7 @@ static tvi_status residual(void *self, const double x[], double r[])
  *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
 static bool jacobian(void *self, double matrix[])
 {
-    const work *w = self;
+    const tvi_both_ends *w = self;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
     tvi_curve_sum_jacobian(&w->a.curve, &w->a.near_u, w->b.G);
@@ -358,7 +217,7 @@ static bool jacobian(void *self, double matrix[])
 /* What the field at the nodes makes of (a(1), b(-1), kappa p_a(0)). */
 static void residual_roundoff(void *self, double r[])
 {
-    work *w = self;
+    tvi_both_ends *w = self;
     const int n = w->n;
     double *of_u = r + 2 * n;
     w->stats->force_evaluations +=
@@ -370,7 +229,7 @@ static void residual_roundoff(void *self, double r[])
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 /* The curve a from (q0, p0), and its end as the data of b. */
-static tvi_status predict(work *w)
+static tvi_status predict(tvi_both_ends *w)
 {
     const size_t n = (size_t)w->n;
     const tvi_origin *origin = w->origin;
@@ -385,7 +244,7 @@ static tvi_status predict(work *w)
 }
 
 /* What z of the curves lacks: the low-order part of q0, and the last correction. */
-static void keep_missing(work *w)
+static void keep_missing(tvi_both_ends *w)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
     memcpy(w->a.dz, w->origin->q_low, bytes);
@@ -396,7 +255,7 @@ static void keep_missing(work *w)
 }
 
 /* dq = a(1) - q0;  kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
-static void increments(work *w, double dq[], double dp[])
+static void increments(tvi_both_ends *w, double dq[], double dp[])
 {
     const int n = w->n;
     tvi_curve_sum(&w->a.curve, &w->a.to_end, dq);
@@ -413,7 +272,7 @@ static void increments(work *w, double dq[], double dp[])
 
 static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
-    work *w = taken;
+    tvi_both_ends *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *dq;
     const tvi_equations equations = {.self = w,
                                      .residual = residual,
@@ -437,7 +296,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
 }
 
 /* dq += blend (x(at) - x(0)), dp the same with the momenta. */
-static void add_dense(work *w, side *x, double at, double blend, double dq[], double dp[])
+static void add_dense(tvi_both_ends *w, tvi_side *x, double at, double blend, double dq[], double dp[])
 {
     tvi_combination_set_powers(&x->q_dense, &x->curve, false, w->degree, 1, at, -1, 0);
     tvi_combination_set_powers(&x->u_dense, &x->curve, true, w->degree - 1, 1, at, -1, 0);
@@ -450,7 +309,7 @@ static void add_dense(work *w, side *x, double at, double blend, double dq[], do
 /* The blend of the curves, b from where the step ended. */
 static void dense(void *taken, double theta, double dq[], double dp[])
 {
-    work *w = taken;
+    tvi_both_ends *w = taken;
     for (int i = 0; i < w->n; i++) {
         dq[i] = theta * w->dq[i];
         dp[i] = theta * w->dp[i];

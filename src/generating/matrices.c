@@ -10,8 +10,8 @@
 /* What reused Jacobians may do to the state, relative to it: well below the roundoff of a step. */
 static const double STALE = DBL_EPSILON / 16;
 
-/* The Jacobians of the curve, and what is made of them. They are counted as they are taken, from 0 in each step: what is
- * made of them is valid where it is of the last ones. */
+/* The Jacobians of the curve, and what is made of them. They are counted as they are taken, from 0 in each step: what
+ * is of the last ones is valid. */
 typedef struct {
     double *z;       /* [2n] where they were taken */
     int taken;       /* how often, in this step */

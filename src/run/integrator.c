@@ -76,7 +76,7 @@ tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *it)
 
 void tvi_integrator_free(tvi_integrator *integrator)
 {
-    if (integrator) tvi_tangent_free(integrator->tangent);
+    if (integrator && integrator->tangent) integrator->free_tangent(integrator->tangent);
     free(integrator);
 }
 

@@ -14,7 +14,6 @@ typedef struct {
 
 /* What tvi_step_tangent needs, made when it is first called (tangent.c). */
 typedef struct tvi_tangent tvi_tangent;
-void tvi_tangent_free(tvi_tangent *tangent); /* NULL is allowed */
 
 struct tvi_integrator {
     const tvi_system *system;  /* the user's, of dimension n, */
@@ -32,7 +31,8 @@ struct tvi_integrator {
     double h, covered;           /* its size, and the time that it covers */
     double *dq, *dp;             /* [N + 1], [N] */
     double *energy;              /* a block of the tape of the energy; NULL: no step needs it */
-    tvi_tangent *tangent;        /* NULL: never asked for */
+    tvi_tangent *tangent;        /* NULL: never asked for; and what frees it */
+    void (*free_tangent)(tvi_tangent *tangent);
 };
 
 /* Makes the state the integrator's own, as every step begins; nothing where it is what the last one returned. */

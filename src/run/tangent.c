@@ -22,7 +22,7 @@ struct tvi_tangent {
     int columns;      /* that it has room for */
 };
 
-void tvi_tangent_free(tvi_tangent *tangent)
+static void free_tangent(tvi_tangent *tangent)
 {
     if (!tangent) return;
     tvi_integrator_free(tangent->integrator);
@@ -65,10 +65,11 @@ static tvi_status provide(tvi_integrator *it, int columns)
         tvi_tangent *tangent;
         const tvi_status status = create(&tangent, it);
         if (status != TVI_OK) {
-            tvi_tangent_free(tangent);
+            free_tangent(tangent);
             return status;
         }
         it->tangent = tangent;
+        it->free_tangent = free_tangent;
         it->stats.bytes += sizeof *tangent + 8 * (size_t)tangent->n * sizeof *tangent->Q + flow_bytes(it) +
                            tangent->integrator->stats.bytes;
     }

@@ -1,0 +1,54 @@
+/* both_ends.h - type I with a curve from each end: what its step and its nodes (both_ends_nodes.c) share. */
+#ifndef TVI_SRC_GENERATING_BOTH_ENDS_H
+#define TVI_SRC_GENERATING_BOTH_ENDS_H
+
+#include "generating/action.h"
+#include "generating/newton.h"
+#include "system/legendre.h"
+
+/* What belongs to one of the two curves. */
+typedef struct {
+    tvi_curve curve;
+    tvi_action action;      /* tables of powers at the nodes; that of a evaluates the nodes of both */
+    double *P;              /* [r][n] */
+    double sign;            /* of the curve in a - b */
+    double end;             /* the scaled time of the other end: 1 or -1 */
+    tvi_combination to_end; /* a(1) - q0 or b(-1) - q1 */
+    tvi_combination near_u; /* U_0 */
+    tvi_combination q_dense, u_dense;
+    double *blend;      /* [points] w or 1 - w at the nodes */
+    double *seed;       /* [r + 1][n] */
+    double *R;          /* [2n] */
+    double *G;          /* [n][2n] Jacobian of to_end; the identity of Q_0 is not in it */
+    double *multiplier; /* [n] l or m */
+    double *dz;         /* [2n] what z lacks at the end of the passes */
+    tvi_factor factor;  /* B */
+} tvi_side;
+
+typedef struct {
+    const tvi_system *system;
+    const tvi_options *options;
+    tvi_stats *stats;
+    const tvi_origin *origin;
+    int n, degree, points;
+    double tau;
+    bool has_pi;
+    tvi_side a, b;
+    tvi_newton newton; /* unknowns v0, q1, v1, scaled as the z of the curves */
+    tvi_legendre legendre;
+    tvi_combination q_unit, z_unit; /* the centre data of a, a unit of scaled time later */
+    double *y, *v, *pi, *pi_rate;   /* [n][points] at the nodes; pi. */
+    double *on_q, *on_v, *apart;    /* [n][points] what multiplies dy_i, dv_i and (da - db)_i */
+    double *row;                    /* [points] */
+    double *z;                      /* [2n] */
+    double *velocity;               /* [n] of the last predictor, Lagrangian; in the history */
+    double *from_p;                 /* [n] p0 - p_a(0) */
+    double *rise_p;                 /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
+    double *dq, *dp;                /* [n] of the last step */
+    double *shift;                  /* [n] */
+} tvi_both_ends;
+
+/* R of both curves, in defect form. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, TVI_ENOCONV. */
+TVI_NODISCARD tvi_status tvi_both_ends_gradient(tvi_both_ends *work);
+
+#endif

@@ -1,0 +1,99 @@
+/* both_ends_nodes.c - the gradient of the action on the blend of two curves (both_ends.c). */
+#include "generating/both_ends.h"
+
+#include <string.h>
+
+/* row = sum_{least <= k <= degree} coefficient_k table_k, coefficient_k at first + k * stride. */
+static void sum_at_nodes(tvi_both_ends *w, int least, int degree, const double *first, size_t stride,
+                         const double *table)
+{
+    for (int node = 0; node < w->points; node++) w->row[node] = 0;
+    for (int k = degree; k >= least; k--)
+        for (int node = 0; node < w->points; node++)
+            w->row[node] += first[(size_t)k * stride] * table[k * w->points + node];
+}
+
+/* out += w a or (1 - w) b of the sums. */
+static void add_blended(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
+                        const double *table, double out[])
+{
+    sum_at_nodes(w, 0, degree, first, stride, table);
+    for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
+}
+
+/* out -= a or += b: a - b, whose coefficients 0 nearly cancel; `apart` is what is left of them, a_0 - b_0. */
+static void add_difference(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
+                           double apart, double out[])
+{
+    sum_at_nodes(w, 1, degree, first, stride, x->action.power);
+    for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
+}
+
+/* The part of one curve in y, v (in s), pi and pi. of component i. */
+static void add_side_at_nodes(tvi_both_ends *w, tvi_side *x, int i)
+{
+    const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
+    const double *Q = tvi_curve_Q(&x->curve, 0) + i, *P = x->P + i;
+    const double *power = x->action.power, *slope = x->action.slope;
+    const double q_apart = tvi_curve_Q(&w->a.curve, 0)[i] - tvi_curve_Q(&w->b.curve, 0)[i];
+    const double p_apart = w->a.P[i] - w->b.P[i];
+    add_blended(w, x, w->degree, Q, stride, power, w->y + place);
+    add_blended(w, x, w->degree, Q, stride, slope, w->v + place);
+    if (w->options->nodes == TVI_NODES_ON_CURVE) add_difference(w, x, w->degree, Q, stride, q_apart, w->v + place);
+    add_blended(w, x, w->degree - 1, P, (size_t)w->n, power, w->pi + place);
+    add_blended(w, x, w->degree - 1, P, (size_t)w->n, slope, w->pi_rate + place);
+    add_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->pi_rate + place);
+}
+
+/* y, v, pi and pi. */
+static void place_nodes(tvi_both_ends *w)
+{
+    const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
+    double *const panels[] = {w->y, w->v, w->pi, w->pi_rate};
+    for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) memset(panels[i], 0, panel);
+    for (int k = 0; k < w->degree; k++) {
+        tvi_curve_momentum(&w->a.curve, k, w->a.P + k * w->n);
+        tvi_curve_momentum(&w->b.curve, k, w->b.P + k * w->n);
+    }
+    for (int i = 0; i < w->n; i++) {
+        add_side_at_nodes(w, &w->a, i);
+        add_side_at_nodes(w, &w->b, i);
+    }
+    for (int i = 0; i < w->n * w->points; i++) w->v[i] /= w->tau;
+}
+
+/* The seeds of one curve. */
+static void seed_side(const tvi_both_ends *w, tvi_side *x)
+{
+    for (int i = 0; i < w->n; i++)
+        for (int k = 0; k <= w->degree; k++) {
+            const double *power = x->action.power + k * w->points, *slope = x->action.slope + k * w->points;
+            double sum = 0;
+            for (int node = 0; node < w->points; node++) {
+                const int place = i * w->points + node;
+                const double blended = x->blend[node] * (power[node] * w->on_q[place] + slope[node] * w->on_v[place]);
+                sum += w->a.action.weight[node] * (blended + x->sign * power[node] * w->apart[place]);
+            }
+            x->seed[k * w->n + i] = sum;
+        }
+}
+
+tvi_status tvi_both_ends_gradient(tvi_both_ends *w)
+{
+    const tvi_action *nodes = &w->a.action;
+    const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
+    place_nodes(w);
+    w->stats->force_evaluations += w->points;
+    const tvi_status status = tvi_action_lagrange(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
+    if (status != TVI_OK) return status;
+    for (int i = 0; i < w->n * w->points; i++) {
+        w->on_q[i] = nodes->on_q[i] - (w->has_pi ? w->pi_rate[i] : 0);
+        w->on_v[i] = nodes->on_v[i] + (w->has_pi ? 0 : w->pi[i]);
+        w->apart[i] = on_curve ? -w->on_v[i] : w->has_pi ? w->pi[i] : 0;
+    }
+    seed_side(w, &w->a);
+    seed_side(w, &w->b);
+    tvi_curve_pull(&w->a.curve, w->a.seed, NULL, w->a.R);
+    tvi_curve_pull(&w->b.curve, w->b.seed, NULL, w->b.R);
+    return TVI_OK;
+}

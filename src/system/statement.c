@@ -1,0 +1,384 @@
+/* statement.c - records the user's function and lowers it to the tapes that the steppers run. */
+#include "system/system.h"
+#include "system/legendre.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* What the user gave: one of the four; or a system to lift. */
+typedef struct {
+    tvi_force_fn *force;
+    tvi_potential_fn *potential;
+    tvi_lagrangian_fn *lagrangian;
+    tvi_hamiltonian_fn *hamiltonian;
+    const double *mass;
+    void *ctx;
+    const tvi_system *base;
+    bool has_momenta; /* of the lift: it is not separable */
+} statement;
+
+/* A recording at work: jets of the graph, freed with it. */
+typedef struct {
+    tvi_system *system;
+    jet *q, *v, *r, t; /* inputs: coordinates; velocities or momenta; directions of the bend; time */
+    jet scalar;        /* V, L or H */
+    jet *field;        /* [2n] the system's */
+    jet *bend;         /* [2n] */
+    jet *second;       /* [2n + seconds] the field, then the system's second derivatives */
+} recording;
+
+static tvi_status check_masses(int n, const double mass[])
+{
+    for (int i = 0; mass && i < n; i++) {
+        if (!isfinite(mass[i])) return TVI_ENONFINITE;
+        if (mass[i] <= 0) return TVI_EINVAL;
+    }
+    return TVI_OK;
+}
+
+/* Inputs in the order q, v (or p), t, r; a force or a potential has neither v nor r. */
+static tvi_status open_recording(recording *rec, int n, const statement *given)
+{
+    const bool general = given->lagrangian || given->hamiltonian || given->has_momenta;
+    const size_t count = (size_t)n;
+    tvi_system *system = rec->system = calloc(1, sizeof *system);
+    if (!system) return TVI_ENOMEM;
+    system->n = n;
+    system->stepped = system;
+    system->mass = malloc(count * sizeof *system->mass);
+    system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
+    rec->q = malloc(3 * count * sizeof *rec->q);
+    rec->field = system->field = malloc(2 * count * sizeof *rec->field);
+    rec->bend = malloc(2 * count * sizeof *rec->bend);
+    if (!system->mass || !system->graph || !rec->q || !rec->field || !rec->bend) return TVI_ENOMEM;
+    rec->v = rec->q + n;
+    rec->r = rec->v + n;
+    const int inputs = general ? 2 * n : n;
+    for (int i = 0; i < inputs; i++) rec->q[i] = jet_graph_input(system->graph, i);
+    rec->t = jet_graph_input(system->graph, inputs);
+    for (int i = 0; i < n; i++) {
+        if (general) rec->r[i] = jet_graph_input(system->graph, inputs + 1 + i);
+        rec->field[i] = jet_unset();
+        system->mass[i] = given->mass ? given->mass[i] : 1;
+    }
+    return TVI_OK;
+}
+
+/* ---- The structure that is there --------------------------------------------------------------------------------- */
+
+/* Whether x = sum_j row_j v_j, v_j the input first + j: its coefficients, by one walk back through the graph. share is
+ * scratch for each node. */
+static bool is_linear_form(const jet_graph *graph, jet x, int first, int n, double share[], double row[])
+{
+    for (int j = 0; j < n; j++) row[j] = 0;
+    if (!x.node) return x.number == 0;
+    for (int i = 0; i <= x.node->index; i++) share[i] = 0;
+    share[x.node->index] = 1;
+    for (int i = x.node->index; i >= 0; i--) {
+        const struct jet_node *z = jet_graph_node(graph, i);
+        if (share[i] == 0) continue;
+        if (z->op == OP_INPUT && i >= first && i < first + n) row[i - first] = share[i];
+        else if (z->op != OP_LINEAR || z->number != 0) return false;
+        for (int term = 0; term < z->count; term++)
+            share[z->terms[term].node->index] += share[i] * z->terms[term].coefficient;
+    }
+    return true;
+}
+
+/* Marks the nodes that depend on one of the inputs first .. first + n - 1. */
+static void mark_dependents(const jet_graph *graph, int first, int n)
+{
+    for (int i = 0; i < jet_graph_count(graph); i++) {
+        struct jet_node *z = jet_graph_node(graph, i);
+        bool depends = z->op == OP_INPUT && i >= first && i < first + n;
+        depends = depends || (z->a && z->a->mark) || ((z->op == OP_MUL || z->op == OP_DIV) && z->b->mark);
+        for (int term = 0; term < z->count; term++) depends = depends || z->terms[term].node->mark;
+        z->mark = depends;
+    }
+}
+
+/* Whether the row is d_i at i, d_i > 0, and 0 elsewhere. */
+static bool is_diagonal(int n, const double row[], int i)
+{
+    for (int j = 0; j < n; j++)
+        if (j != i && row[j] != 0) return false;
+    return row[i] > 0 && isfinite(1 / row[i]);
+}
+
+/* Whether `linear` = diag(d) v with d > 0, and no component of `other` depends on v: then system->mass = d. */
+static tvi_status find_separable(recording *rec, const jet linear[], const jet other[], bool *separable)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n;
+    double *row = malloc(((size_t)n + (size_t)jet_graph_count(system->graph)) * sizeof *row);
+    if (!row) return TVI_ENOMEM;
+    *separable = true;
+    mark_dependents(system->graph, n, n);
+    for (int i = 0; i < n && *separable; i++) {
+        *separable = is_linear_form(system->graph, linear[i], n, n, row + n, row) && is_diagonal(n, row, i) &&
+                     !(other[i].node && other[i].node->mark);
+        system->mass[i] = row[i];
+    }
+    free(row);
+    return TVI_OK;
+}
+
+/* ---- From each statement to a form ------------------------------------------------------------------------------- */
+
+/* out[2n] = dx/d(q, v). */
+static tvi_status gradient(const recording *rec, jet x, jet out[])
+{
+    tvi_system *system = rec->system;
+    if (!jet_gradient(system->graph, x, 2 * system->n, out)) return TVI_ENOMEM;
+    tvi_status status = TVI_OK;
+    for (int i = 0; i < 2 * system->n && status == TVI_OK; i++) {
+        jet component = out[i]; /* a number among them stays one */
+        status = jet_graph_accept(system->graph, 1, &component);
+    }
+    return status;
+}
+
+/* F = -dV/dq; of a separable Hamiltonian, -dH/dq. */
+static tvi_status record_force(recording *rec)
+{
+    tvi_system *system = rec->system;
+    return jet_gradient(system->graph, jet_neg(rec->scalar), system->n, rec->field) ? TVI_OK : TVI_ENOMEM;
+}
+
+static tvi_status record_potential(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    rec->scalar = given->potential(rec->q, rec->t, given->ctx);
+    const tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
+    return status == TVI_OK ? record_force(rec) : status;
+}
+
+/* Room for the field, and for one row more of second derivatives. */
+static bool grow_second(recording *rec)
+{
+    tvi_system *system = rec->system;
+    const size_t room = (size_t)system->seconds + 2 * (size_t)system->n;
+    jet *jets = realloc(rec->second, (room + 2 * (size_t)system->n) * sizeof *jets);
+    if (jets) rec->second = jets;
+    tvi_second *second = realloc(system->second, room * sizeof *second);
+    if (second) system->second = second;
+    return jets && second;
+}
+
+/* The lower triangle of the second derivatives of L: gradients of the field's components. */
+static tvi_status record_second(recording *rec)
+{
+    tvi_system *system = rec->system;
+    const int rows = 2 * system->n;
+    for (int row = 0; row < rows; row++) {
+        if (!grow_second(rec)) return TVI_ENOMEM;
+        rec->second[row] = rec->field[row];
+        const tvi_status status = gradient(rec, rec->field[row], rec->bend);
+        if (status != TVI_OK) return status;
+        for (int column = 0; column <= row; column++) {
+            const jet x = rec->bend[column];
+            if (!x.node && x.number == 0) continue;
+            rec->second[rows + system->seconds] = x;
+            system->second[system->seconds++] = (tvi_second){row, column};
+        }
+    }
+    return jet_graph_accept(system->graph, rows + system->seconds, rec->second);
+}
+
+/* field = (L_q, L_v); separable where L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
+static tvi_status record_lagrangian(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    rec->scalar = given->lagrangian(rec->q, rec->v, rec->t, given->ctx);
+    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
+    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    bool separable = false;
+    if (status == TVI_OK) status = find_separable(rec, rec->field + system->n, rec->field, &separable);
+    system->energy_sign = -1;
+    if (separable || status != TVI_OK) return status;
+    system->form = TVI_LAGRANGIAN;
+    return record_second(rec);
+}
+
+/* bend = gradient of r.H_p. */
+static tvi_status record_bend(recording *rec)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n;
+    jet along = jet_dot(rec->r, rec->field + n, n);
+    tvi_status status = jet_graph_accept(system->graph, 1, &along);
+    if (status == TVI_OK) status = gradient(rec, along, rec->bend);
+    return status == TVI_OK ? jet_graph_accept(system->graph, 2 * n, rec->bend) : status;
+}
+
+/* field = (H_q, H_p); separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
+static tvi_status record_hamiltonian(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n;
+    rec->scalar = given->hamiltonian(rec->q, rec->v, rec->t, given->ctx);
+    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
+    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    bool separable = false;
+    if (status == TVI_OK) status = find_separable(rec, rec->field + n, rec->field, &separable);
+    if (status != TVI_OK) return status;
+    if (separable) {
+        for (int i = 0; i < n; i++) system->mass[i] = 1 / system->mass[i];
+        return record_force(rec);
+    }
+    system->form = TVI_HAMILTONIAN;
+    return record_bend(rec);
+}
+
+/* ---- The lift
+ * --------------------------------------------------------------------------------------------------------
+ */
+
+/* The inputs of the base among those of its lift, and the directions that they move in. */
+static void place_inputs(const recording *rec, const tvi_system *base, jet input[], jet direction[])
+{
+    const int n = base->n, inputs = jet_graph_inputs(base->graph), time = inputs == n + 1 ? n : 2 * n;
+    const bool momenta = rec->system->form == TVI_HAMILTONIAN;
+    for (int i = 0; i < inputs; i++) input[i] = direction[i] = jet_unset();
+    for (int i = 0; i < n; i++) {
+        input[i] = rec->q[i];
+        direction[i] = rec->q[n + i];
+        if (base->form == TVI_SEPARABLE) continue;
+        input[n + i] = rec->v[momenta ? n + i : i];
+        direction[n + i] = rec->v[momenta ? i : n + i];
+    }
+    input[time] = rec->t;
+    direction[time] = jet_const(0);
+}
+
+/* H_Q = ((H_q)', H_q), H_P = (H_p, (H_p)');  L_Q = ((L_q)', L_q), L_V = ((L_v)', L_v);  separable -H_q = F, H_p = M^-1
+ * p, or F and F'. */
+static void place_field(recording *rec, const tvi_system *base, const jet value[], const jet rate[])
+{
+    const int n = base->n;
+    const bool separable = base->form == TVI_SEPARABLE, swaps = base->form == TVI_LAGRANGIAN;
+    jet *field = rec->field;
+    for (int i = 0; i < n; i++) {
+        const bool paired = rec->system->form != TVI_SEPARABLE;
+        field[i] = !paired ? value[i] : separable ? jet_neg(rate[i]) : rate[i];
+        field[n + i] = !paired ? rate[i] : separable ? jet_neg(value[i]) : value[i];
+        if (!paired) continue;
+        const jet first = separable ? jet_div(rec->v[n + i], base->mass[i]) : value[n + i];
+        const jet second = separable ? jet_div(rec->v[i], base->mass[i]) : rate[n + i];
+        field[2 * n + i] = swaps ? second : first;
+        field[3 * n + i] = swaps ? first : second;
+    }
+}
+
+static tvi_status record_lift(recording *rec, const statement *given)
+{
+    const tvi_system *base = given->base;
+    tvi_system *system = rec->system;
+    system->regular = base->regular;
+    if (given->has_momenta) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
+    for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
+    const size_t inputs = (size_t)jet_graph_inputs(base->graph), outputs = (size_t)base->inputs;
+    jet *jets = malloc(2 * (inputs + outputs) * sizeof *jets);
+    if (!jets) return TVI_ENOMEM;
+    jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
+    place_inputs(rec, base, input, direction);
+    const bool lifted = jet_lift(base->graph, input, direction, base->inputs, base->field, value, rate);
+    if (lifted) place_field(rec, base, value, rate);
+    free(jets);
+    if (!lifted) return TVI_ENOMEM;
+    return system->form == TVI_HAMILTONIAN  ? record_bend(rec)
+           : system->form == TVI_LAGRANGIAN ? record_second(rec)
+                                            : TVI_OK;
+}
+
+static tvi_status record_statement(recording *rec, const statement *given)
+{
+    rec->system->energy_sign = 1;
+    if (given->base) return record_lift(rec, given);
+    if (given->lagrangian) return record_lagrangian(rec, given);
+    if (given->hamiltonian) return record_hamiltonian(rec, given);
+    if (given->potential) return record_potential(rec, given);
+    given->force(rec->q, rec->t, rec->field, given->ctx);
+    return TVI_OK;
+}
+
+static tvi_status lower(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n, outputs = system->form == TVI_SEPARABLE ? n : 2 * n;
+    const tvi_status status = jet_graph_accept(system->graph, outputs, rec->field);
+    if (status != TVI_OK) return status;
+    jet_graph_close(system->graph);
+    system->inputs = outputs;
+    system->field_series = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_SERIES);
+    system->field_values = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_VALUES);
+    if (!system->field_series || !system->field_values) return TVI_ENOMEM;
+    system->uses_time = system->field_series->inputs > outputs;
+    if (system->form == TVI_HAMILTONIAN) {
+        system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);
+        if (!system->bend_values) return TVI_ENOMEM;
+    }
+    if (system->form == TVI_LAGRANGIAN) {
+        system->second_values =
+            jet_tape_create(system->graph, outputs, outputs + system->seconds, rec->second, JET_TAPE_VALUES);
+        if (!system->second_values) return TVI_ENOMEM;
+    }
+    if (given->force || given->base) return TVI_OK;
+    system->energy_inputs = given->potential ? n : 2 * n;
+    system->stated = rec->scalar;
+    system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &rec->scalar, JET_TAPE_VALUES);
+    return system->energy ? TVI_OK : TVI_ENOMEM;
+}
+
+static tvi_status record_system(tvi_system **out, int n, const statement *given)
+{
+    *out = NULL;
+    recording rec = {0};
+    tvi_status status = open_recording(&rec, n, given);
+    if (status == TVI_OK) status = record_statement(&rec, given);
+    if (status == TVI_OK) status = lower(&rec, given);
+    if (status == TVI_OK && !given->base) status = tvi_legendre_probe(rec.system);
+    free(rec.q);
+    free(rec.bend);
+    free(rec.second);
+    if (status == TVI_OK) *out = rec.system;
+    else tvi_system_free(rec.system);
+    return status;
+}
+
+static tvi_status make_system(tvi_system **out, int n, const statement *given)
+{
+    if (!out) return TVI_EINVAL;
+    *out = NULL;
+    if (n < 1 || n > TVI_MAX_DIMENSION ||
+        (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian))
+        return TVI_EINVAL;
+    const tvi_status status = check_masses(n, given->mass);
+    return status == TVI_OK ? record_system(out, n, given) : status;
+}
+
+tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift)
+{
+    const bool has_momenta = system->form != TVI_SEPARABLE || lift == TVI_LIFT_PAIRED;
+    return record_system(out, 2 * system->n, &(statement){.base = system, .has_momenta = has_momenta});
+}
+
+tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx)
+{
+    return make_system(out, n, &(statement){.force = force, .mass = mass, .ctx = ctx});
+}
+
+tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential, void *ctx)
+{
+    return make_system(out, n, &(statement){.potential = potential, .mass = mass, .ctx = ctx});
+}
+
+tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx)
+{
+    return make_system(out, n, &(statement){.lagrangian = lagrangian, .ctx = ctx});
+}
+
+tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)
+{
+    return make_system(out, n, &(statement){.hamiltonian = hamiltonian, .ctx = ctx});
+}
