@@ -82,22 +82,29 @@ static bool allocate(lifting *l, int count)
     return l->needed && l->value && l->rate && l->term && l->coefficient;
 }
 
+static void lift_nodes(lifting *l, int count, const jet input[], const jet direction[])
+{
+    for (int i = 0; i < count; i++) {
+        const struct jet_node *z = jet_graph_node(l->from, i);
+        if (!l->needed[i]) continue;
+        l->value[i] = z->op == OP_INPUT ? input[i] : value_of(l, z);
+        l->rate[i] = z->op == OP_INPUT ? direction[i] : rate_of(l, z, l->value[i]);
+    }
+}
+
 bool jet_lift(const jet_graph *from, const jet input[], const jet direction[], int outputs, const jet output[],
               jet value[], jet rate[])
 {
     lifting l = {.from = from};
     const int count = jet_graph_count(from);
     const bool allocated = allocate(&l, count);
-    if (allocated) mark_needed(&l, count, outputs, output);
-    for (int i = 0; allocated && i < count; i++) {
-        const struct jet_node *z = jet_graph_node(from, i);
-        if (!l.needed[i]) continue;
-        l.value[i] = z->op == OP_INPUT ? input[i] : value_of(&l, z);
-        l.rate[i] = z->op == OP_INPUT ? direction[i] : rate_of(&l, z, l.value[i]);
-    }
-    for (int i = 0; allocated && i < outputs; i++) {
-        value[i] = l.value[output[i].node->index];
-        rate[i] = l.rate[output[i].node->index];
+    if (allocated) {
+        mark_needed(&l, count, outputs, output);
+        lift_nodes(&l, count, input, direction);
+        for (int i = 0; i < outputs; i++) {
+            value[i] = l.value[output[i].node->index];
+            rate[i] = l.rate[output[i].node->index];
+        }
     }
     free(l.needed);
     free(l.value);

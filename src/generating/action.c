@@ -263,7 +263,8 @@ static void seed_positions(tvi_action *action, int n, double seed[])
         const double *defect = action->on_q + i * points, *force = action->force + i * points;
         const double *row = over_nodes(action, action->weighted_power, defect);
         for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
-        for (int node = 0; action->truncated && node < points; node++)
+        if (!action->truncated) continue;
+        for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) *
                                (action->power[N * points + node] - action->node_power[N * points + node]);
     }
@@ -297,7 +298,8 @@ static void seed_by_parts(const tvi_action *action, const tvi_curve *curve, doub
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
             const double error = action->by_parts[k * (curve->top + 1) + j];
-            for (int i = 0; error != 0 && i < n; i++) seed[k * n + i] += error * action->P[j * n + i];
+            if (error == 0) continue;
+            for (int i = 0; i < n; i++) seed[k * n + i] += error * action->P[j * n + i];
         }
 }
 

@@ -81,11 +81,12 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
         action->weight[i] = (double)weight[i];
         fill_powers(action, i, s[i], at_end);
     }
-    for (int k = 0; action->by_parts && k <= action->q_degree; k++)
-        for (int j = 0; j <= action->p_degree; j++)
-            action->by_parts[k * (top + 1) + j] =
-                j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
     jet_tape_prepare(system->field_values, action->x, 1, points);
     tvi_roundoff_prepare(&action->roundoff, system);
     if (action->bend) jet_tape_prepare(system->bend_values, action->bend, 1, points);
+    if (!action->by_parts) return;
+    for (int k = 0; k <= action->q_degree; k++)
+        for (int j = 0; j <= action->p_degree; j++)
+            action->by_parts[k * (top + 1) + j] =
+                j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
 }

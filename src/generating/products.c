@@ -70,7 +70,8 @@ void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combin
     for (int k = 0; k <= last; k++) {
         const double weight = factor * combination->weight[k];
         double *bar = adjoint_of_Q(curve, k);
-        for (int i = 0; weight != 0 && i < curve->n; i++) bar[i] += weight * x[i];
+        if (weight == 0) continue;
+        for (int i = 0; i < curve->n; i++) bar[i] += weight * x[i];
     }
 }
 

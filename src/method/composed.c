@@ -72,7 +72,8 @@ static void dense(void *work, double theta, double dq[], double dp[])
     composed *c = work;
     const int half = theta > 0.5;
     c->stepper[half]->dense(c->work[half], 2 * theta - half, dq, dp);
-    for (int i = 0; half && i < c->n; i++) {
+    if (half == 0) return;
+    for (int i = 0; i < c->n; i++) {
         dq[i] += c->half_q[i];
         dp[i] += c->half_p[i];
     }

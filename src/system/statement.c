@@ -29,7 +29,8 @@ typedef struct {
 
 static tvi_status check_masses(int n, const double mass[])
 {
-    for (int i = 0; mass && i < n; i++) {
+    if (!mass) return TVI_OK;
+    for (int i = 0; i < n; i++) {
         if (!isfinite(mass[i])) return TVI_ENONFINITE;
         if (mass[i] <= 0) return TVI_EINVAL;
     }
