@@ -7,9 +7,9 @@
 #ifndef TVI_BENCH_QUAD_H
 #define TVI_BENCH_QUAD_H
 
+#include "references/recurrences_quad.h"
 #include "tvi.h"
 
-typedef __float128 quad;
 typedef struct quad_system quad_system;
 
 /* M q'' = F(q, t) as in tvi_system_force and tvi_system_potential. Numbers that the recording folds are rounded to

@@ -16,53 +16,12 @@ void quad_series_free(quad_series *s) { free(s->c); }
 
 /* ---- Coefficient k, by comparing coefficients -------------------------------------------------------------------- */
 
-/* z = a b. */
-static quad product(const quad *a, const quad *b, int k)
-{
-    quad sum = 0;
-    for (int j = 0; j <= k; j++) sum += a[j] * b[k - j];
-    return sum;
-}
-
-/* z b = a. */
-static quad quotient(const quad *a, const quad *b, const quad *z, int k)
-{
-    quad sum = a[k];
-    for (int j = 0; j < k; j++) sum -= z[j] * b[k - j];
-    return sum / b[0];
-}
-
-/* z z = a. */
-static quad root(const quad *a, const quad *z, int k)
-{
-    if (k == 0) return sqrtq(a[0]);
-    quad sum = a[k];
-    for (int j = 1; j < k; j++) sum -= z[j] * z[k - j];
-    return sum / (2 * z[0]);
-}
-
-/* z' = w a'. */
-static quad chain(const quad *a, const quad *w, int k)
-{
-    quad sum = 0;
-    for (int j = 1; j <= k; j++) sum += j * a[j] * w[k - j];
-    return sum / k;
-}
-
-/* w z' = a'. */
-static quad inverse_chain(const quad *a, const quad *w, const quad *z, int k)
-{
-    quad sum = k * a[k];
-    for (int j = 1; j < k; j++) sum -= j * z[j] * w[k - j];
-    return sum / (k * w[0]);
-}
-
 /* a z' = c z a', z = a^c; a product where c is 0, 1 or 2, so that a may be 0. */
 static quad power_of(const quad *a, const quad *z, quad c, int k)
 {
     if (c == 0) return k == 0;
     if (c == 1) return a[k];
-    if (c == 2) return product(a, a, k);
+    if (c == 2) return quad_product(a, a, k);
     if (k == 0) return powq(a[0], c);
     quad sum = 0;
     for (int j = 1; j <= k; j++) sum += (c * j - (k - j)) * a[j] * z[k - j];
@@ -76,19 +35,19 @@ static quad coefficient(const formula_node *x, quad (*all)[ORDERS], quad *z, int
     case X_NUMBER: return k ? 0 : x->number;
     case X_ADD: return a[k] + b[k];
     case X_SUB: return a[k] - b[k];
-    case X_MUL: return product(a, b, k);
-    case X_DIV: return quotient(a, b, z, k);
+    case X_MUL: return quad_product(a, b, k);
+    case X_DIV: return quad_quotient(a, b, z, k);
     case X_POW: return power_of(a, z, x->number, k);
     case X_NEG: return -a[k];
-    case X_SQRT: return root(a, z, k);
-    case X_EXP: return k ? chain(a, z, k) : expq(a[0]);
-    case X_LOG: return k ? inverse_chain(a, a, z, k) : logq(a[0]);
-    case X_SIN: return k ? chain(a, b, k) : sinq(a[0]);
-    case X_COS: return k ? -chain(a, b, k) : cosq(a[0]);
-    case X_SINH: return k ? chain(a, b, k) : sinhq(a[0]);
-    case X_COSH: return k ? chain(a, b, k) : coshq(a[0]);
-    case X_ASIN: return k ? inverse_chain(a, b, z, k) : asinq(a[0]);
-    case X_ATAN: return k ? inverse_chain(a, b, z, k) : atanq(a[0]);
+    case X_SQRT: return quad_root(a, z, k);
+    case X_EXP: return k ? quad_chain(a, z, k) : expq(a[0]);
+    case X_LOG: return k ? quad_inverse_chain(a, a, z, k) : logq(a[0]);
+    case X_SIN: return k ? quad_chain(a, b, k) : sinq(a[0]);
+    case X_COS: return k ? -quad_chain(a, b, k) : cosq(a[0]);
+    case X_SINH: return k ? quad_chain(a, b, k) : sinhq(a[0]);
+    case X_COSH: return k ? quad_chain(a, b, k) : coshq(a[0]);
+    case X_ASIN: return k ? quad_inverse_chain(a, b, z, k) : asinq(a[0]);
+    case X_ATAN: return k ? quad_inverse_chain(a, b, z, k) : atanq(a[0]);
     case X_ACOS: { /* -asin, but for its value */
         if (k == 0) return acosq(a[0]);
         quad sum = -k * a[k];
@@ -117,32 +76,6 @@ void quad_set(quad_series *s, quad t, const quad q[], const quad r[])
     s->c[TIME][0] = t;
     s->c[TIME][1] = 1;
     for (int k = 2; k < ORDERS; k++) s->c[TIME][k] = 0;
-}
-
-bool quad_solve(int n, quad *A, quad x[])
-{
-    for (int k = 0; k < n; k++) {
-        int pivot = k;
-        for (int i = k + 1; i < n; i++)
-            if (fabsq(A[i * n + k]) > fabsq(A[pivot * n + k])) pivot = i;
-        if (!(fabsq(A[pivot * n + k]) > 0)) return false;
-        for (int j = 0; j < n; j++) {
-            const quad kept = A[k * n + j];
-            A[k * n + j] = A[pivot * n + j], A[pivot * n + j] = kept;
-        }
-        const quad kept = x[k];
-        x[k] = x[pivot], x[pivot] = kept;
-        for (int i = k + 1; i < n; i++) {
-            const quad factor = A[i * n + k] / A[k * n + k];
-            for (int j = k; j < n; j++) A[i * n + j] -= factor * A[k * n + j];
-            x[i] -= factor * x[k];
-        }
-    }
-    for (int i = n - 1; i >= 0; i--) {
-        for (int j = i + 1; j < n; j++) x[i] -= A[i * n + j] * x[j];
-        x[i] /= A[i * n + i];
-    }
-    return true;
 }
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */

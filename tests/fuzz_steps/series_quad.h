@@ -4,10 +4,9 @@
 #define TESTS_FUZZ_STEPS_SERIES_QUAD_H
 
 #include "problem.h"
+#include "references/recurrences_quad.h"
 
 #include <stdbool.h>
-
-typedef __float128 quad;
 
 enum { ORDERS = 16 };
 
@@ -25,9 +24,6 @@ void quad_series_free(quad_series *s);
 void quad_set(quad_series *s, quad t, const quad q[], const quad r[]);
 /* Coefficient k of every node, from the inputs' up to k. */
 void quad_run(quad_series *s, int k);
-
-/* x <- A^-1 x by elimination with row pivots; A [n][n] is overwritten. */
-bool quad_solve(int n, quad *A, quad x[]);
 
 /* H_pp or L_vv at the numbers that are set, [n][n]: destroys the series from order 1 on. */
 void quad_bend(quad_series *s, quad *A);
