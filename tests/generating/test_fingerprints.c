@@ -9,38 +9,33 @@
 
 enum { N = 4 };
 
-/* row(name, one, other): functions of the coordinates q and the time t. */
-#define PAIRS(row)                                                                                                     \
-    row(operand_of_product, jet_mul(q[0], q[1]), jet_mul(q[0], q[2])) row(operand_of_square, jet_pow(q[0], 4),         \
-                                                                          jet_pow(q[1], 4))                            \
-        row(operand_of_sum, jet_sin(jet_add(q[0], q[1])), jet_sin(jet_add(q[0], q[2]))) row(                           \
-            operand_of_sum_of_products, PRODUCTS(q[0], 2, q[3]),                                                       \
-            PRODUCTS(q[0], 2, q[1])) row(operand_of_function, jet_sin(q[0]), jet_sin(q[3]))                            \
-            row(operand_of_power, jet_pow(q[1], -1.5),                                                                 \
-                jet_pow(q[2], -1.5)) row(dividend, jet_div(q[0], q[1]),                                                \
-                                         jet_div(q[2], q[1])) row(divisor, jet_div(q[0], q[1]), jet_div(q[0], q[2]))   \
-                row(coefficient, jet_mul(2, jet_mul(q[0], q[1])),                                                      \
-                    jet_mul(3, jet_mul(q[0], q[1]))) row(coefficient_in_sum, jet_exp(jet_add(q[0], jet_mul(2, q[1]))), \
-                                                         jet_exp(jet_add(q[0], jet_mul(3, q[1]))))                     \
-                    row(coefficient_in_sum_of_products, PRODUCTS(q[0], 2, q[3]),                                       \
-                        PRODUCTS(q[0], 2.5, q[3])) row(sign, jet_mul(q[0], q[1]), jet_neg(jet_mul(q[0], q[1])))        \
-                        row(last_bit, jet_mul(0.25, jet_sqr(q[0])), jet_mul(0.25 + DBL_EPSILON / 4, jet_sqr(q[0])))    \
-                            row(number, jet_cos(jet_add(q[0], 1)), jet_cos(jet_add(q[0], 2)))                          \
-                                row(number_or_none, jet_cos(jet_add(q[0], 1)), jet_cos(jet_add(q[0], q[1])))           \
-                                    row(constant, jet_div(1, jet_sqr(q[0])), jet_div(2, jet_sqr(q[0])))                \
-                                        row(exponent, jet_pow(q[0], -1.5), jet_pow(q[0], -2.5))                        \
-                                            row(integer_exponent, jet_pow(q[0], 3), jet_pow(q[0], 4))                  \
-                                                row(function, jet_sinh(q[0]), jet_cosh(q[0]))                          \
-                                                    row(order_of_operands, jet_div(q[0], q[1]), jet_div(q[1], q[0]))   \
-                                                        row(order_of_forces, jet_mul(q[0], jet_sqr(q[1])),             \
-                                                            jet_mul(q[1], jet_sqr(q[0])))                              \
-                                                            row(use_of_time, jet_mul(q[0], jet_sin(q[1])),             \
-                                                                jet_mul(q[0], jet_sin(t)))                             \
-                                                                row(force_of_time, jet_mul(2, q[0]), jet_mul(t, q[0])) \
-                                                                    row(time_added, jet_sqr(q[0]),                     \
-                                                                        jet_sqr(jet_add(q[0], t)))                     \
-                                                                        row(one_term_more, jet_sqr(q[0]),              \
-                                                                            jet_add(jet_sqr(q[0]), jet_sqr(q[1])))
+/* ROW(name, one, other): functions of the coordinates q and the time t. */
+#define PAIRS(ROW)                                                                                                     \
+    ROW(operand_of_product, jet_mul(q[0], q[1]), jet_mul(q[0], q[2]))                                                  \
+    ROW(operand_of_square, jet_pow(q[0], 4), jet_pow(q[1], 4))                                                         \
+    ROW(operand_of_sum, jet_sin(jet_add(q[0], q[1])), jet_sin(jet_add(q[0], q[2])))                                    \
+    ROW(operand_of_sum_of_products, PRODUCTS(q[0], 2, q[3]), PRODUCTS(q[0], 2, q[1]))                                  \
+    ROW(operand_of_function, jet_sin(q[0]), jet_sin(q[3]))                                                             \
+    ROW(operand_of_power, jet_pow(q[1], -1.5), jet_pow(q[2], -1.5))                                                    \
+    ROW(dividend, jet_div(q[0], q[1]), jet_div(q[2], q[1]))                                                            \
+    ROW(divisor, jet_div(q[0], q[1]), jet_div(q[0], q[2]))                                                             \
+    ROW(coefficient, jet_mul(2, jet_mul(q[0], q[1])), jet_mul(3, jet_mul(q[0], q[1])))                                 \
+    ROW(coefficient_in_sum, jet_exp(jet_add(q[0], jet_mul(2, q[1]))), jet_exp(jet_add(q[0], jet_mul(3, q[1]))))        \
+    ROW(coefficient_in_sum_of_products, PRODUCTS(q[0], 2, q[3]), PRODUCTS(q[0], 2.5, q[3]))                            \
+    ROW(sign, jet_mul(q[0], q[1]), jet_neg(jet_mul(q[0], q[1])))                                                       \
+    ROW(last_bit, jet_mul(0.25, jet_sqr(q[0])), jet_mul(0.25 + DBL_EPSILON / 4, jet_sqr(q[0])))                        \
+    ROW(number, jet_cos(jet_add(q[0], 1)), jet_cos(jet_add(q[0], 2)))                                                  \
+    ROW(number_or_none, jet_cos(jet_add(q[0], 1)), jet_cos(jet_add(q[0], q[1])))                                       \
+    ROW(constant, jet_div(1, jet_sqr(q[0])), jet_div(2, jet_sqr(q[0])))                                                \
+    ROW(exponent, jet_pow(q[0], -1.5), jet_pow(q[0], -2.5))                                                            \
+    ROW(integer_exponent, jet_pow(q[0], 3), jet_pow(q[0], 4))                                                          \
+    ROW(function, jet_sinh(q[0]), jet_cosh(q[0]))                                                                      \
+    ROW(order_of_operands, jet_div(q[0], q[1]), jet_div(q[1], q[0]))                                                   \
+    ROW(order_of_forces, jet_mul(q[0], jet_sqr(q[1])), jet_mul(q[1], jet_sqr(q[0])))                                   \
+    ROW(use_of_time, jet_mul(q[0], jet_sin(q[1])), jet_mul(q[0], jet_sin(t)))                                          \
+    ROW(force_of_time, jet_mul(2, q[0]), jet_mul(t, q[0]))                                                             \
+    ROW(time_added, jet_sqr(q[0]), jet_sqr(jet_add(q[0], t)))                                                          \
+    ROW(one_term_more, jet_sqr(q[0]), jet_add(jet_sqr(q[0]), jet_sqr(q[1])))
 #define PRODUCTS(a, c, b) jet_add(jet_mul(a, q[2]), jet_mul(c, jet_mul(q[1], b)))
 
 typedef jet function(const jet q[], jet t);
