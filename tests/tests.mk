@@ -9,7 +9,7 @@ FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-generating check-library $(patsubst %,check-%,$(filter-out generating library,$(FOLDERS))) check-valgrind \
            check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
            check-symbols check-names check-floors check-instructions check-examples
-LONG    := check-sanitizers check-coverage check-optimized check-base check-threads
+LONG    := check-sanitizers check-coverage check-optimized check-equilibria check-base check-threads
 .PHONY: check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
@@ -88,6 +88,11 @@ do-base: $(addprefix $(BUILD)/check/,library events generating)
 	tests/suites.sh 'closed forms,order,structure,stepping,products,linear' $(BUILD)/check/library
 	$(BUILD)/check/events
 	tests/suites.sh 'forms,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
+
+# 20,000 steps of every method about every equilibrium at 1 and at 100
+check-equilibria: ; $(REPORT) "long runs about equilibria" $(LOG) $(DO)
+do-equilibria: $(BUILD)/check/stability
+	TVI_EQUILIBRIA=all tests/suites.sh equilibria/springs $<
 
 # ---- Memory and undefined behaviour: the same programs, some of their suites -------------------------------------------
 

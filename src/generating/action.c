@@ -9,6 +9,7 @@
  * what summation by parts of (p^T dg). leaves when the quadrature is not exact to its degree: with it every quadrature
  * serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 where p has degree q_degree - 1. */
 #include "generating/action.h"
+#include "algebra/passes.h"
 #include "algebra/sizes.h"
 
 #include <float.h>
@@ -118,9 +119,11 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
 {
     const jet_tape *tape = curve->system->field_values;
     const int n = curve->n, points = action->points;
-    double *p = action->x + n * points, before = INFINITY;
+    double *p = action->x + n * points;
+    tvi_passes passes = TVI_NO_PASSES;
     memcpy(p, action->momentum, (size_t)(n * points) * sizeof *p);
     const double size = tvi_largest(n * points, p, 1);
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 1, .roundoff = STALLED * size};
     tvi_status status = tvi_curve_factor_slope(curve);
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         status = run_field(action, curve);
@@ -136,10 +139,10 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
             }
         }
         if (!isfinite(largest)) return TVI_ENONFINITE;
-        if (largest <= DBL_EPSILON * size) return run_field(action, curve);
-        if (largest >= before && (largest <= STALLED * size || is_roundoff(action, curve, largest)))
+        tvi_passes_add(&passes, largest);
+        const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule);
+        if (verdict == TVI_PASSES_MAY_END || (verdict == TVI_PASSES_STUCK && is_roundoff(action, curve, largest)))
             return run_field(action, curve);
-        before = largest;
     }
     return status == TVI_OK ? TVI_ENOCONV : status;
 }

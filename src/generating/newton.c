@@ -1,5 +1,6 @@
 /* newton.c - the corrector. */
 #include "generating/newton.h"
+#include "algebra/passes.h"
 #include "system/roundoff.h"
 
 #include <float.h>
@@ -108,30 +109,29 @@ static void fill_scale(tvi_newton *newton)
 
 /* What the passes have shown so far. */
 typedef struct {
-    correction_size size, before; /* of the last two corrections */
-    correction_size earlier;      /* of the one before them */
-    double contraction;           /* of the last correction, 0: none yet */
-    double expected;              /* what the next correction should be; INFINITY: nobody knows */
-    double slack, seen;           /* in this step: believed, and of the last correction */
-    bool checks;                  /* one more pass than seems needed, to see how far the expectation can be trusted */
+    tvi_passes relative, of_group; /* of the corrections, as correction_size has them */
+    double contraction;            /* of the last correction, 0: none yet */
+    double expected;               /* what the next correction should be; INFINITY: nobody knows */
+    double slack, seen;            /* in this step: believed, and of the last correction */
+    bool checks;                   /* one more pass than seems needed, to see how far the expectation can be trusted */
 } progress;
 
 /* The correction times the slower of the last two contractions, and the slack: passes that gain little in the
  * directions where the first correction was small make later contractions slower than the first one. */
 static void expect(progress *at)
 {
-    const double contraction = fmin(at->size.relative / fmin(at->before.relative, 1), 1);
-    at->expected = fmax(at->slack, at->seen) * fmax(contraction, at->contraction) * at->size.relative;
+    const double contraction = fmin(at->relative.size / fmin(at->relative.before, 1), 1);
+    at->expected = fmax(at->slack, at->seen) * fmax(contraction, at->contraction) * at->relative.size;
     at->contraction = contraction;
 }
 
 /* The slack that one correction shows is believed when the next one contracts again: one that was roundoff does not. */
 static void learn(progress *at)
 {
-    const bool contracts = at->size.relative <= CONTRACTION * at->before.relative;
+    const bool contracts = tvi_passes_contract(&at->relative, CONTRACTION);
     if (contracts) at->slack = fmin(fmax(at->slack, at->seen), MOST_SLACK);
-    const double slack = fmax(at->slack, at->seen) * at->size.relative / at->expected; /* 0: nothing was expected */
-    at->seen = contracts && at->size.relative > NOISE ? slack : 0;
+    const double slack = fmax(at->slack, at->seen) * at->relative.size / at->expected; /* 0: nothing was expected */
+    at->seen = contracts && at->relative.size > NOISE ? slack : 0;
 }
 
 /* The reach of the unknowns: their scales, and that of which the roundoff of the residual is the part STAGNATION.
@@ -153,7 +153,7 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
 /* Whether corrections that no longer shrink are roundoff. */
 static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, progress *at)
 {
-    if (at->size.of_group <= STAGNATION) return true;
+    if (at->of_group.size <= STAGNATION) return true;
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
     find_reach(newton, equations);
     if (measure(newton, newton->reach).of_group > STAGNATION) return false;
@@ -169,10 +169,10 @@ static bool contracts(const tvi_newton *newton, const tvi_equations *equations, 
 {
     const double twice = CONTRACTION * CONTRACTION;
     const bool in_turns = equations->is_rough || !newton->has_matrix;
-    if (at->size.relative <= CONTRACTION * at->before.relative) return true;
-    if (in_turns && at->size.relative <= twice * at->earlier.relative) return true;
-    return !newton->has_matrix && (at->size.of_group <= CONTRACTION * at->before.of_group ||
-                                   at->size.of_group <= twice * at->earlier.of_group);
+    if (tvi_passes_contract(&at->relative, CONTRACTION)) return true;
+    if (in_turns && tvi_passes_contract_in_two(&at->relative, twice)) return true;
+    return !newton->has_matrix &&
+           (tvi_passes_contract(&at->of_group, CONTRACTION) || tvi_passes_contract_in_two(&at->of_group, twice));
 }
 
 /* Whether the passes may end here. */
@@ -181,9 +181,9 @@ static bool is_enough(tvi_newton *newton, const tvi_equations *equations, const 
 {
     if (options->passes > 0) return count == options->passes;
     const double goal = options->tolerance > 0 ? options->tolerance : ROUNDOFF;
-    if (count == 1) return at->size.relative <= goal;
+    if (count == 1) return at->relative.size <= goal;
     if (!contracts(newton, equations, at) && is_roundoff(newton, equations, at)) return true;
-    if (options->tolerance > 0) return at->size.relative <= goal;
+    if (options->tolerance > 0) return at->relative.size <= goal;
     learn(at);
     const bool was_expected = at->expected <= ROUNDOFF;
     expect(at);
@@ -219,7 +219,9 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
 {
     tvi_newton_history *history = newton->history;
     const int max_passes = options->max_passes > 0 ? options->max_passes : MAX_PASSES;
-    progress at = {.expected = INFINITY,
+    progress at = {.relative = TVI_NO_PASSES,
+                   .of_group = TVI_NO_PASSES,
+                   .expected = INFINITY,
                    .slack = fmax(history->slack, 1),
                    .checks = history->solves++ % CHECK_EVERY == 0 || equations->is_rough};
     int refreshes = 0;
@@ -229,10 +231,10 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
-        at.earlier = at.before;
-        at.before = at.size;
-        at.size = measure(newton, newton->scale);
-        stats->residual = at.size.relative;
+        const correction_size size = measure(newton, newton->scale);
+        tvi_passes_add(&at.relative, size.relative);
+        tvi_passes_add(&at.of_group, size.of_group);
+        stats->residual = size.relative;
         if (is_enough(newton, equations, options, count, &at)) {
             history->slack = fmax(history->slack, at.slack);
             return TVI_OK;

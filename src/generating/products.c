@@ -1,6 +1,7 @@
 /* products.c - see products.h. Products with the Jacobians of a curve are had by one tangent or one adjoint sweep, and
  * equations with them are solved by generalised conjugate residuals. */
 #include "generating/products.h"
+#include "algebra/passes.h"
 #include "algebra/sizes.h"
 #include "generating/newton.h"
 
@@ -271,7 +272,8 @@ static tvi_status iterate(tvi_closure *c, const tvi_transposed *a)
     iteration *it = iteration_of(c);
     const int count = unknowns(c, a);
     const int last = rough_order(c);
-    double before = INFINITY, goal = ENOUGH;
+    double goal = ENOUGH;
+    tvi_passes passes = TVI_NO_PASSES;
     form_remainder(c, a);
     if (!it->has_guess) memset(it->x, 0, (size_t)count * sizeof *it->x);
     for (int step = 0; step < MOST_ITERATIONS; step++) {
@@ -281,9 +283,10 @@ static tvi_status iterate(tvi_closure *c, const tvi_transposed *a)
         const double size = measure(c, a, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (step == 0) goal = fmax(ENOUGH, ROUGH * size);
-        const double contraction = step > 0 ? size / before : 1;
-        before = size;
-        if (size * fmin(contraction, 1) <= goal || (contraction > 0.5 && size <= STALLED * measure(c, a, it->x))) {
+        tvi_passes_add(&passes, size);
+        const double contraction = step > 0 ? fmin(tvi_passes_contraction(&passes), 1) : 1;
+        const tvi_passes_rule rule = {goal / contraction, 0.5, STALLED * measure(c, a, it->x)};
+        if (tvi_passes_judge(&passes, &rule) == TVI_PASSES_MAY_END) {
             if (a->second) add(count, 1, s, it->x); /* nothing else of r is needed */
             else minimise(c, last, a, step);
             it->has_guess = true;

@@ -1,5 +1,6 @@
 /* legendre.c - between velocities and momenta, at a point. */
 #include "system/legendre.h"
+#include "algebra/passes.h"
 #include "algebra/sizes.h"
 
 #include <float.h>
@@ -116,11 +117,12 @@ static bool is_roundoff(tvi_legendre *legendre, const double y[], double largest
 }
 
 /* Whether this correction is the last. */
-static bool is_last(tvi_legendre *legendre, const double x[], const double y[], double before, double largest)
+static bool is_last(tvi_legendre *legendre, const double x[], const double y[], const tvi_passes *passes)
 {
     const double size = tvi_largest(legendre->system->n, x, 1);
-    if (largest <= DBL_EPSILON * size) return true;
-    return largest >= before && (largest <= STALLED * size || is_roundoff(legendre, y, largest));
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 1, .roundoff = STALLED * size};
+    const tvi_passes_verdict verdict = tvi_passes_judge(passes, &rule);
+    return verdict == TVI_PASSES_MAY_END || (verdict == TVI_PASSES_STUCK && is_roundoff(legendre, y, passes->size));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
@@ -130,7 +132,8 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
         return TVI_OK;
     }
-    double before = INFINITY, reach = tvi_largest(n, y, 1);
+    double reach = tvi_largest(n, y, 1);
+    tvi_passes passes = TVI_NO_PASSES;
     bool was_singular = false;
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
     if (status == TVI_OK) reach = fmax(reach, tvi_largest(n, legendre->value, 1));
@@ -139,9 +142,8 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         const bool is_singular = status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0;
         if (status != TVI_OK && !is_singular) return status;
         was_singular |= is_singular;
-        const double largest = tvi_largest(n, legendre->correction, 1);
-        const bool last = !is_singular && is_last(legendre, x, y, before, largest);
-        before = largest;
+        tvi_passes_add(&passes, tvi_largest(n, legendre->correction, 1));
+        const bool last = !is_singular && is_last(legendre, x, y, &passes);
         status = move(legendre, t, q, y, last ? INFINITY : distance(legendre, y), x);
         if (last && status == TVI_OK) return distance(legendre, y) <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
     }
