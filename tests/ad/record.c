@@ -224,3 +224,10 @@ void check_series(const char *what, int degree, const double got[], const double
                       got[k], want[k], error, bound);
     }
 }
+
+int operations_of(const jet_tape *tape, jet_op op)
+{
+    int count = 0;
+    for (int i = 0; i < tape->runs; i++) count += tape->run[i].op == op ? tape->run[i].count : 0;
+    return count;
+}

@@ -55,4 +55,7 @@ void set_lane(int count, int degree, int lanes, int lane, const double one[], do
 /* Asserts that the error is within the bound. */
 void check_series(const char *what, int degree, const double got[], const double want[], double bound);
 
+/* How many operations of a kind a tape has. */
+int operations_of(const jet_tape *tape, jet_op op);
+
 #endif

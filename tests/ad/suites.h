@@ -18,6 +18,10 @@ Suite *isa_suite(void);
 Suite *gradient_suite(void);
 Suite *hash_suite(void);
 
+/* Cases of the suites "record" and "tape" that have files of their own. */
+void add_sharing(Suite *suite);
+void add_runs(Suite *suite);
+
 /* An empty case of the suite. */
 static inline TCase *add_case(Suite *suite, const char *name)
 {

@@ -8,5 +8,6 @@ Suite *suite_events(void);
 Suite *suite_search(void);
 Suite *suite_times(void);
 Suite *suite_progress(void);
+void add_refusals(TCase *tcase); /* to the suite of events */
 
 #endif

@@ -1,58 +1,10 @@
-/* test_events.c - what is told of events: all, once, in order, at their time, in a state as good as that of a step; and
- * what is refused. */
+/* test_events.c - what is told of events: all, once, in order, at their time, in a state as good as that of a step. */
+#include "diary.h"
 #include "events.h"
-#include "runs.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
-
-enum { MOST_TOLD = 4096 };
-
-/* What the observers were told. */
-typedef struct {
-    int count, which[MOST_TOLD], stop_at; /* stop_at: the event, from 1, that ends the run; 0: none */
-    point at[MOST_TOLD];
-    int n;
-    long steps, last_step[MOST_TOLD]; /* the step told before each event */
-} diary;
-
-static int note_step(long step, double t, const double q[], const double p[], void *ctx)
-{
-    (void)t, (void)q, (void)p;
-    ((diary *)ctx)->steps = step;
-    return 0;
-}
-
-static int note_event(int which, double t, const double q[], const double p[], void *ctx)
-{
-    diary *d = ctx;
-    ck_assert_int_lt(d->count, MOST_TOLD);
-    point *x = &d->at[d->count];
-    *x = (point){.t = t};
-    memcpy(x->q, q, (size_t)d->n * sizeof *q);
-    memcpy(x->p, p, (size_t)d->n * sizeof *p);
-    d->last_step[d->count] = d->steps;
-    d->which[d->count++] = which;
-    return d->count == d->stop_at;
-}
-
-static tvi_event *event_of(int n, tvi_direction direction, bool terminal, tvi_event_fn *g, void *ctx)
-{
-    tvi_event *event = NULL;
-    ck_assert_int_eq(tvi_event_create(&event, n, direction, terminal, g, ctx), TVI_OK);
-    return event;
-}
-
-/* A run of `steps` steps with the events, which are freed. */
-static tvi_status watch(run *r, double h, long steps, tvi_event *events[], int count, diary *d)
-{
-    d->n = tvi_system_dimension(r->system);
-    const tvi_status status = tvi_integrate_events(r->integrator, h, steps, (const tvi_event *const *)events, count,
-                                                   &r->x.t, r->x.q, r->x.p, note_step, note_event, d);
-    for (int i = 0; i < count; i++) tvi_event_free(events[i]);
-    return status;
-}
 
 /* ---- States as good as those of steps ---------------------------------------------------------------------------- */
 
@@ -365,132 +317,6 @@ START_TEST(an_event_is_a_new_state)
 }
 END_TEST
 
-/* ---- Refusals ---------------------------------------------------------------------------------------------------- */
-
-static jet kept;
-static jet constant(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)p, (void)t;
-    kept = q[0];
-    return jet_const(*(const double *)ctx);
-}
-
-static jet of_another(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)q, (void)p, (void)t, (void)ctx;
-    return kept;
-}
-
-static jet root_of(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)p, (void)t;
-    return jet_sqrt(jet_add(q[0], *(const double *)ctx));
-}
-
-static jet overflow(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)p, (void)q, (void)ctx;
-    return jet_exp(jet_mul(5000, t));
-}
-
-static jet log_of_minus_one(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)p, (void)q, (void)t, (void)ctx;
-    return jet_log(-1);
-}
-
-START_TEST(bad_events_are_refused)
-{
-    double nan_value = NAN, one = 1;
-    tvi_event *event = (tvi_event *)&nan_value, *good = event_of(1, TVI_EITHER, false, constant, &one);
-    const struct {
-        int n, direction;
-        tvi_event_fn *g;
-        double *ctx;
-        tvi_status status;
-    } rows[] = {{0, 0, constant, &one, TVI_EINVAL},
-                {-1, 0, constant, &one, TVI_EINVAL},
-                {TVI_MAX_DIMENSION + 1, 0, constant, &one, TVI_EINVAL},
-                {1, 2, constant, &one, TVI_EINVAL},
-                {1, -2, constant, &one, TVI_EINVAL},
-                {1, 0, NULL, &one, TVI_EINVAL},
-                {1, 0, of_another, NULL, TVI_EINVAL},
-                {1, 0, constant, &nan_value, TVI_ENONFINITE},
-                {1, 0, log_of_minus_one, NULL, TVI_EDOMAIN}};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        event = (tvi_event *)&nan_value;
-        ck_assert_int_eq(
-            tvi_event_create(&event, rows[i].n, (tvi_direction)rows[i].direction, false, rows[i].g, rows[i].ctx),
-            rows[i].status);
-        ck_assert_ptr_null(event);
-    }
-    ck_assert_int_eq(tvi_event_create(NULL, 1, TVI_EITHER, false, constant, &one), TVI_EINVAL);
-    tvi_event_free(good);
-    tvi_event_free(NULL);
-}
-END_TEST
-
-START_TEST(bad_calls_are_refused)
-{
-    double one = 1;
-    run r = run_open(&scene_kepler, NULL, 0);
-    tvi_event *good = event_of(2, TVI_EITHER, false, constant, &one),
-              *other = event_of(1, TVI_EITHER, false, constant, &one);
-    const tvi_event *const events[] = {good, good}, *const mixed[] = {good, other}, *const missing[] = {good, NULL};
-    const point start = r.x;
-    double *const t = &r.x.t, *const q = r.x.q, *const p = r.x.p;
-    tvi_integrator *const it = r.integrator;
-#define CALL(it, h, steps, events, count, t, q, p)                                                                     \
-    tvi_integrate_events(it, h, steps, events, count, t, q, p, NULL, NULL, NULL)
-    const tvi_status refused[] = {
-        CALL(NULL, 0.1, 1, events, 2, t, q, p),  CALL(it, 0, 1, events, 2, t, q, p),
-        CALL(it, NAN, 1, events, 2, t, q, p),    CALL(it, 0.1, -1, events, 2, t, q, p),
-        CALL(it, 0.1, 1, NULL, 2, t, q, p),      CALL(it, 0.1, 1, events, -1, t, q, p),
-        CALL(it, 0.1, 1, events, 2, NULL, q, p), CALL(it, 0.1, 1, events, 2, t, NULL, p),
-        CALL(it, 0.1, 1, events, 2, t, q, NULL), CALL(it, 0.1, 1, mixed, 2, t, q, p),
-        CALL(it, 0.1, 1, missing, 2, t, q, p),   CALL(it, 0.1, -1, NULL, 0, t, q, p),
-        CALL(it, 0, 0, events, 2, t, q, p),      CALL(it, INFINITY, 0, events, 2, t, q, p),
-        CALL(it, 0.1, 0, events, 2, NULL, q, p), CALL(it, 0.1, 0, events, 2, t, NULL, p),
-        CALL(it, 0.1, 0, events, 2, t, q, NULL), CALL(it, 0.1, 0, missing, 2, t, q, p),
-    };
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
-        ck_assert_msg(refused[i] == TVI_EINVAL, "call %zu", i);
-    ck_assert(same_point(&r.x, &start));
-    ck_assert_int_eq(CALL(it, 0.1, 0, events, 2, t, q, p), TVI_OK);
-    ck_assert(same_point(&r.x, &start));
-    ck_assert_int_eq(CALL(it, 0.1, 3, events, 2, t, q, p), TVI_OK);
-    run same = run_open(&scene_kepler, NULL, 0);
-    ck_assert_int_eq(
-        tvi_integrate_events(same.integrator, 0.1, 3, NULL, 0, &same.x.t, same.x.q, same.x.p, NULL, NULL, NULL),
-        TVI_OK);
-    ck_assert(same_point(&r.x, &same.x));
-#undef CALL
-    tvi_event_free(good);
-    tvi_event_free(other);
-    run_close(&r);
-    run_close(&same);
-}
-END_TEST
-
-/* An event without a value ends the run after the step. */
-START_TEST(events_without_value)
-{
-    static diary d;
-    double shift = -0.5;
-    d = (diary){0};
-    for (int which = 0; which < 2; which++) {
-        run r = run_open(&scene_kepler, NULL, 0), plain = run_open(&scene_kepler, NULL, 0);
-        tvi_event *event = event_of(2, TVI_EITHER, false, which ? overflow : root_of, &shift);
-        ck_assert_int_eq(watch(&r, 0.25, 100, &event, 1, &d), which ? TVI_ENONFINITE : TVI_EDOMAIN);
-        ck_assert_int_eq(d.count, 0);
-        ck_assert_int_eq(run_steps(&plain, 0.25, tvi_integrator_stats(r.integrator)->steps), TVI_OK);
-        ck_assert(same_point(&r.x, &plain.x));
-        run_close(&r);
-        run_close(&plain);
-    }
-}
-END_TEST
-
 Suite *suite_events(void)
 {
     Suite *suite = suite_create("events");
@@ -504,9 +330,7 @@ Suite *suite_events(void)
     tcase_add_test(tcase, at_the_ends_of_steps);
     tcase_add_loop_test(tcase, terminal_events_end_the_run, 0, 2 * PAIRINGS);
     tcase_add_loop_test(tcase, an_event_is_a_new_state, 0, 2);
-    tcase_add_test(tcase, bad_events_are_refused);
-    tcase_add_test(tcase, bad_calls_are_refused);
-    tcase_add_test(tcase, events_without_value);
+    add_refusals(tcase);
     suite_add_tcase(suite, tcase);
     return suite;
 }
