@@ -66,6 +66,7 @@ $(SWEEP_PROGRAMS): $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 
 # what callgrind runs is steps
 SCENE_PROGRAMS := $(BUILD)/bench/choosing/tails $(BUILD)/bench/steps/steps
+$(BUILD)/bench/choosing/tails: $(BUILD)/bench/stability/cases.o
 $(SCENE_PROGRAMS): %: %.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
 
