@@ -62,13 +62,13 @@ $(BUILD)/bench/sweep/sweep: $(BUILD)/bench/sweep/bench.o $(BUILD)/bench/sweep/su
 $(BUILD)/bench/chaos/chaos: $(BUILD)/bench/experiments/experiment.o
 $(filter-out %/sweep,$(SWEEP_PROGRAMS)): %: %.o
 $(SWEEP_PROGRAMS): $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+	$(CC) $(CFLAGS) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(BASELINE_LIBS) $(LIBS)
 
 # what callgrind runs is steps
 SCENE_PROGRAMS := $(BUILD)/bench/choosing/tails $(BUILD)/bench/steps/steps
 $(BUILD)/bench/choosing/tails: $(BUILD)/bench/stability/cases.o
 $(SCENE_PROGRAMS): %: %.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
+	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS)
 
 REFERENCE_SOURCES := $(wildcard bench/references/*.c)
 REFERENCE_OBJECTS := $(REFERENCE_SOURCES:%.c=$(BUILD)/%.o)
