@@ -224,9 +224,10 @@ check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_"
 do-names: $(BUILD)/libtvi.a
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
-check-floors: ; $(REPORT) "floors: no include goes up" $(LOG) $(DO)
+check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large" $(LOG) $(DO)
 do-floors:
 	tests/floors.sh
+	tests/sizes.sh
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps/steps tests/instructions.txt
