@@ -112,6 +112,7 @@ typedef enum {
 enum { TVI_PREDICT_ONLY = -1 };
 enum { TVI_MAX_DEGREE = 100 }; /* of the Taylor curve */
 enum { TVI_MAX_NODES = 10 };   /* of the Galerkin curve */
+#define TVI_MAX_TAIL 1.0       /* of a step, unless the options say else */
 
 /* All zero but method, expansion and order is a sensible choice. */
 typedef struct {
@@ -127,6 +128,8 @@ typedef struct {
     double tolerance;      /* stop when a relative correction is not above it; 0 = roundoff */
     int passes;            /* 0 = until converged; k > 0 = exactly k corrections; TVI_PREDICT_ONLY = none */
     int max_passes;        /* 0 = the library's bound */
+    double max_tail;       /* a step whose tvi_stats.tail is larger is refused, and one that changes the energy by what
+                              no step does (docs/stability.md); 0 = TVI_MAX_TAIL; < 0: no step is */
 } tvi_options;
 
 /* What a user who does not choose should get: symmetric, on-curve, the fastest at equal error over the scenes of the
@@ -155,7 +158,8 @@ const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* 
  *   TVI_EINVAL      NULL, h = 0 or not finite
  *   TVI_ENONFINITE  a state that is not finite, or a step that overflows
  *   TVI_EDOMAIN     the function was evaluated outside its domain
- *   TVI_ENOCONV     the corrector did not converge, TVI_ESINGULAR its matrix is singular: the step is too large */
+ *   TVI_ENOCONV     the corrector did not converge, TVI_ESINGULAR its matrix is singular: the step is too large
+ *   TVI_ETOOLARGE   its equations were solved, but it is wrong: tvi_options.max_tail */
 TVI_NODISCARD tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
 
 /* Forgets the last step. It is forgotten by itself when t, q, p are not bitwise what the last successful step returned;
@@ -248,7 +252,8 @@ typedef struct {
      * largest of all coordinates. Above 0.1 the step is too large, below 0.01 it seldom is (docs/choosing.md). 0 where
      * the force has one term only: degrees 1 and 2, one node, Stormer-Verlet */
     double tail;
-    size_t bytes; /* of memory held by the integrator */
+    double largest_tail; /* of the steps since the integrator was made or reset, also of one that was refused */
+    size_t bytes;        /* of memory held by the integrator */
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 

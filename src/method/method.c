@@ -78,6 +78,7 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
         return refuse(TVI_EINVAL, "tolerance is negative or not finite", why);
     if (options->passes < TVI_PREDICT_ONLY) return refuse(TVI_EINVAL, "passes is below TVI_PREDICT_ONLY", why);
     if (options->max_passes < 0) return refuse(TVI_EINVAL, "max_passes is negative", why);
+    if (isnan(options->max_tail)) return refuse(TVI_EINVAL, "max_tail is not a number", why);
     return TVI_OK;
 }
 
@@ -155,6 +156,7 @@ tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, co
         return refuse(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
     const char *reason = system ? misfit(descriptor, system) : NULL;
     if (reason) return refuse(TVI_EUNSUPPORTED, reason, why);
+    if (options->max_tail == 0) options->max_tail = TVI_MAX_TAIL;
     const bool order_was_asked = options->degree == 0;
     status = resolve_degree(options, descriptor, why);
     if (status != TVI_OK) return status;

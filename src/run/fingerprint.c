@@ -21,7 +21,7 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
 /* The fields in their order; the options have gaps between them. One that is left out is a missing initialiser. */
 #define OPTION_FIELDS(field)                                                                                           \
     field(method) field(expansion) field(nodes) field(order) field(degree) field(compose_adjoint) field(quadrature)    \
-        field(quadrature_points) field(tolerance) field(passes) field(max_passes)
+        field(quadrature_points) field(tolerance) field(passes) field(max_passes) field(max_tail)
 #define VALUE(field) options->field,
 #define HASH(field)  sum = jet_hash(sum, &copy.field, sizeof copy.field);
 

@@ -3,6 +3,7 @@
 #include "run/integrator.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
+#include "run/guard.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -27,7 +28,10 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     for (size_t i = 0; i < 2; i++) *vectors[i] = tvi_arena_doubles(arena, dimension + i);
     for (size_t i = 0; i < 4; i++) *history[i] = tvi_arena_history(arena, (dimension + i % 2) * sizeof(double));
     laid.continues = tvi_arena_history(arena, sizeof *laid.continues);
-    if (laid.stepped != system) laid.energy = tvi_arena_doubles(arena, (size_t)system->energy->slots);
+    laid.kept = tvi_arena_history(arena, sizeof *laid.kept);
+    const bool uses_energy = laid.stepped != system || options->max_tail >= 0;
+    if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
+    laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
     laid.of_state = arena->remembered;
     laid.work = stepper->take(arena, laid.stepped, options);
     laid.history = arena->history;
@@ -55,7 +59,7 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     arena = (tvi_arena){.base = memory, .history = memory + arena.used};
     *out = lay_out(&arena, system, resolved, stepper);
     stepper->prepare((*out)->work);
-    if ((*out)->energy) jet_tape_prepare(system->energy, (*out)->energy, 1, 1);
+    if ((*out)->energy.block) tvi_energy_prepare(&(*out)->energy);
     return TVI_OK;
 }
 
@@ -92,7 +96,9 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator)
 
 void tvi_integrator_reset(tvi_integrator *integrator)
 {
-    if (integrator) *integrator->continues = false;
+    if (!integrator) return;
+    *integrator->continues = false;
+    integrator->stats.largest_tail = 0;
 }
 
 /* Whether the state is bitwise what the last successful step returned. */
@@ -108,7 +114,7 @@ static tvi_status set_energy(tvi_integrator *it)
 {
     const int n = it->system->n;
     double H;
-    const tvi_status status = tvi_energy_in(it->system, it->energy, it->now.q[n], it->now.q, it->now.p, &H);
+    const tvi_status status = tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &H);
     if (status == TVI_OK) it->now.p[n] = -H;
     return status;
 }
@@ -122,7 +128,8 @@ tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], 
     memcpy(it->now.q, q, (size_t)n * sizeof *q);
     memcpy(it->now.p, p, (size_t)n * sizeof *p);
     it->now.q[n] = t;
-    return it->energy ? set_energy(it) : TVI_OK;
+    tvi_guard_begin(it);
+    return it->stepped != it->system ? set_energy(it) : TVI_OK;
 }
 
 /* The state of the steps, as the user has it. */
@@ -155,7 +162,7 @@ static tvi_status check_increments(const tvi_integrator *it, double h)
         if (!isfinite(it->now.q[i] + it->dq[i])) return TVI_ENONFINITE;
     for (int i = 0; i < dimension; i++)
         if (!isfinite(it->now.p[i] + it->dp[i])) return TVI_ENONFINITE;
-    return (it->dq[it->system->n] > 0) == (h > 0) ? TVI_OK : TVI_ENOCONV;
+    return (it->dq[it->system->n] > 0) == (h > 0) ? TVI_OK : TVI_ETOOLARGE;
 }
 
 /* The step from the integrator's own state. */
@@ -163,11 +170,13 @@ static tvi_status step(tvi_integrator *it, double h)
 {
     const tvi_run_state *now = &it->now;
     const int dimension = it->stepped->n;
+    const tvi_stats stats = it->stats;
     tvi_arena_copy(it->before, it->history, it->remembered);
     const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
     tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     it->dq[dimension] = h;
     if (status == TVI_OK) status = check_increments(it, h);
+    if (status == TVI_OK) status = tvi_guard_step(it, &stats);
     if (status == TVI_OK) advance(it, h);
     else tvi_arena_copy(it->history, it->before, it->remembered);
     return status;

@@ -3,6 +3,7 @@
 #define TVI_SRC_RUN_INTEGRATOR_H
 
 #include "method/stepper.h"
+#include "system/energy.h"
 
 /* A state as the steps have it, N = n of the system that they are made of: the user's q[n], p[n] and the time are q[i],
  * p[i], i < n, and q[n]. What the steps move in is q[N]: the time, or the s of a rescaled system, whose p[n] is e. Low:
@@ -11,6 +12,12 @@ typedef struct {
     double *q, *q_low; /* [N + 1] */
     double *p, *p_low; /* [N] */
 } tvi_run_state;
+
+/* The energy of a run: its size at the start, and its value now. */
+typedef struct {
+    double scale, H;
+    long is_known; /* H */
+} tvi_kept_energy;
 
 /* What tvi_step_tangent needs, made when it is first called (tangent.c). */
 typedef struct tvi_tangent tvi_tangent;
@@ -30,7 +37,9 @@ struct tvi_integrator {
     bool has_dense;              /* the work holds the last step */
     double h, covered;           /* its size, and the time that it covers */
     double *dq, *dp;             /* [N + 1], [N] */
-    double *energy;              /* a block of the tape of the energy; NULL: no step needs it */
+    tvi_energy_work energy;      /* its block is NULL where no step asks for it */
+    double *end;                 /* [2 N + 1] q and p at the end of a step (guard.c) */
+    tvi_kept_energy *kept;       /* in the history */
     tvi_tangent *tangent;        /* NULL: never asked for; and what frees it */
     void (*free_tangent)(tvi_tangent *tangent);
 };

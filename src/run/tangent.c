@@ -55,7 +55,9 @@ static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
     const tvi_status status = tvi_system_lift(&tangent->system, it->stepped, lift);
     if (status != TVI_OK) return status;
     tangent->paired = tangent->system->form != TVI_SEPARABLE;
-    return tvi_integrator_create(&tangent->integrator, tangent->system, &it->options);
+    tvi_options options = it->options;
+    options.max_tail = -1; /* the step itself is looked at */
+    return tvi_integrator_create(&tangent->integrator, tangent->system, &options);
 }
 
 /* Makes the integrator's tangent at its first use, and room for the columns. */

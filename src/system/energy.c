@@ -1,5 +1,5 @@
 /* energy.c - what is asked of a system outside of steps: energy, momenta, velocities. */
-#include "system/legendre.h"
+#include "system/energy.h"
 #include "algebra/sizes.h"
 
 #include <math.h>
@@ -38,54 +38,82 @@ tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], co
     return transform(system, t, q, p, v, false);
 }
 
-/* The value of the energy tape at (q, second, t), in a block of it; second NULL: zeros. */
-static tvi_status energy_value(const tvi_system *system, double *block, double t, const double q[],
-                               const double second[], double *value)
+/* ---- The energy -------------------------------------------------------------------------------------------------- */
+
+void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
-    const jet_tape *tape = system->energy;
+    work->system = system;
+    work->block = tvi_arena_doubles(arena, (size_t)system->energy->slots);
+    if (system->form != TVI_LAGRANGIAN) return;
+    tvi_legendre_take(&work->legendre, arena, system);
+    work->velocity = tvi_arena_doubles(arena, (size_t)system->n);
+}
+
+void tvi_energy_prepare(tvi_energy_work *work)
+{
+    jet_tape_prepare(work->system->energy, work->block, 1, 1);
+    if (work->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&work->legendre);
+}
+
+/* The value of the energy tape at (q, second, t); second NULL: what the block holds. */
+static tvi_status energy_value(tvi_energy_work *work, double t, const double q[], const double second[], double *value)
+{
+    const tvi_system *system = work->system;
     const size_t n = (size_t)system->n;
-    memcpy(block, q, n * sizeof *q);
-    if (second) memcpy(block + n, second, n * sizeof *q);
-    if (tape->inputs > system->energy_inputs) block[system->energy_inputs] = t;
-    const bool inside = jet_sweep_values(tape, block, 1);
-    *value = block[tape->output[0]];
+    double *x = work->block;
+    memcpy(x, q, n * sizeof *q);
+    if (second) memcpy(x + n, second, n * sizeof *q);
+    if (system->energy->inputs > system->energy_inputs) x[system->energy_inputs] = t;
+    const bool inside = jet_sweep_values(system->energy, x, 1);
+    *value = x[system->energy->output[0]];
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* V is the energy tape at v = 0 or p = 0, up to the sign. */
-static tvi_status separable_energy(const tvi_system *system, double *block, double t, const double q[],
-                                   const double p[], double *H)
+/* V is the energy tape at v = 0 or p = 0, up to the sign; zeros are what its block holds there. */
+static tvi_status separable_energy(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
 {
-    const tvi_status status = energy_value(system, block, t, q, NULL, H);
+    const tvi_system *system = work->system;
+    const tvi_status status = energy_value(work, t, q, NULL, H);
     *H *= system->energy_sign;
     for (int i = 0; i < system->n; i++) *H += p[i] * p[i] / (2 * system->mass[i]);
     return status;
 }
 
 /* H = p.v - L(q, v). */
-static tvi_status lagrangian_energy(const tvi_system *system, double *block, double t, const double q[],
-                                    const double p[], double *H)
+static tvi_status lagrangian_energy(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
 {
-    double *v = malloc((size_t)system->n * sizeof *v);
-    if (!v) return TVI_ENOMEM;
-    tvi_status status = tvi_velocity(system, t, q, p, v);
-    if (status == TVI_OK) status = energy_value(system, block, t, q, v, H);
+    double *v = work->velocity;
+    tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
+    if (status == TVI_OK) status = energy_value(work, t, q, v, H);
     *H = -*H;
-    for (int i = 0; status == TVI_OK && i < system->n; i++) *H += p[i] * v[i];
-    free(v);
+    for (int i = 0; status == TVI_OK && i < work->system->n; i++) *H += p[i] * v[i];
     return status;
 }
 
-tvi_status tvi_energy_in(const tvi_system *system, double *block, double t, const double q[], const double p[],
-                         double *H)
+tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
 {
     tvi_status status;
-    switch (system->form) {
-    case TVI_SEPARABLE: status = separable_energy(system, block, t, q, p, H); break;
-    case TVI_LAGRANGIAN: status = lagrangian_energy(system, block, t, q, p, H); break;
-    default: status = energy_value(system, block, t, q, p, H);
+    switch (work->system->form) {
+    case TVI_SEPARABLE: status = separable_energy(work, t, q, p, H); break;
+    case TVI_LAGRANGIAN: status = lagrangian_energy(work, t, q, p, H); break;
+    default: status = energy_value(work, t, q, p, H);
     }
     return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
+}
+
+/* Work in memory of its own, which is to be freed. */
+static void *create_work(tvi_energy_work *work, const tvi_system *system)
+{
+    tvi_arena arena = {0};
+    *work = (tvi_energy_work){0};
+    tvi_energy_take(work, &arena, system);
+    char *memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    if (!memory) return NULL;
+    memset(memory, 0, arena.used);
+    arena = (tvi_arena){.base = memory};
+    tvi_energy_take(work, &arena, system);
+    tvi_energy_prepare(work);
+    return memory;
 }
 
 tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
@@ -93,11 +121,12 @@ tvi_status tvi_energy(const tvi_system *system, double t, const double q[], cons
     if (!system || !q || !p || !H) return TVI_EINVAL;
     if (!system->energy) return TVI_EUNSUPPORTED;
     if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p)) return TVI_ENONFINITE;
-    double energy = 0, *block = malloc((size_t)system->energy->slots * sizeof *block);
-    if (!block) return TVI_ENOMEM;
-    jet_tape_prepare(system->energy, block, 1, 1);
-    const tvi_status status = tvi_energy_in(system, block, t, q, p, &energy);
-    free(block);
+    double energy = 0;
+    tvi_energy_work work;
+    void *memory = create_work(&work, system);
+    if (!memory) return TVI_ENOMEM;
+    const tvi_status status = tvi_energy_of(&work, t, q, p, &energy);
+    free(memory);
     if (status == TVI_OK) *H = energy;
     return status;
 }

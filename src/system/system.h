@@ -51,11 +51,6 @@ struct tvi_system {
 typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
 TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
 
-/* tvi_energy of a state that is finite, in a block of the system's energy tape that is ready (jet_tape_prepare).
- * Allocates for a Lagrangian only. */
-TVI_NODISCARD tvi_status tvi_energy_in(const tvi_system *system, double *block, double t, const double q[],
-                                       const double p[], double *H);
-
 /* Of the field. */
 static inline int tvi_system_outputs(const tvi_system *system)
 {

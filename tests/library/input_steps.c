@@ -108,7 +108,10 @@ END_TEST
 START_TEST(steps_below_the_time)
 {
     tvi_system *system = create_scene(&scene_henon_heiles_12);
-    tvi_integrator *integrator = create_integrator(system, &methods[_i]);
+    tvi_options options = options_of(&methods[_i]);
+    tvi_integrator *integrator;
+    options.max_tail = -1; /* for the lowest orders 1/4 is too large */
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
     const double start = 18014398509481984.0; /* 2^54 */
     state s = {start, SOUND};
     for (int step = 0; step < 16; step++) {
@@ -241,7 +244,8 @@ END_TEST
 
 static bool is_step_failure(tvi_status status)
 {
-    return status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR || status == TVI_ENONFINITE;
+    return status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR || status == TVI_ENONFINITE ||
+           status == TVI_ETOOLARGE;
 }
 
 /* h = 1e-3 .. 1e6 and back: each step is made with a finite result or fails with a reason. */
@@ -392,7 +396,8 @@ START_TEST(failures_leave_no_trace)
     for (size_t i = 0; i < sizeof before / sizeof *before; i++)
         for (size_t j = 0; j < sizeof h / sizeof *h; j++) count[failing_run(&x, before[i], h[j], plain)]++;
     const long tries = sizeof before / sizeof *before;
-    const long failed = count[TVI_ENOCONV] + count[TVI_EDOMAIN] + count[TVI_ESINGULAR] + count[TVI_ENONFINITE];
+    const long failed =
+        count[TVI_ENOCONV] + count[TVI_EDOMAIN] + count[TVI_ESINGULAR] + count[TVI_ENONFINITE] + count[TVI_ETOOLARGE];
     ck_assert_int_eq(count[TVI_EINVAL], tries);
     /* DBL_MAX at least; far from the centre of Kepler a step of low order may be as large */
     ck_assert_int_ge(failed, x.problem == &scene_kepler && x.m->order <= 2 ? 0 : tries);

@@ -26,6 +26,7 @@ static tvi_integrator *open_method(const tvi_system *system, int method)
     tvi_options options;
     tvi_integrator *it;
     ck_assert_int_eq(tvi_options_named(methods[method].name, methods[method].order, &options), TVI_OK);
+    options.max_tail = -1;
     ck_assert_int_eq(tvi_integrator_create(&it, system, &options), TVI_OK);
     return it;
 }

@@ -118,12 +118,12 @@ test_state problem_start(const test_problem *problem)
 
 tvi_options options_type1(tvi_expansion expansion, tvi_nodes nodes, int degree)
 {
-    return (tvi_options){.method = TVI_TYPE1, .expansion = expansion, .nodes = nodes, .degree = degree};
+    return (tvi_options){.method = TVI_TYPE1, .expansion = expansion, .nodes = nodes, .degree = degree, .max_tail = -1};
 }
 
-tvi_options options_taylor(int degree) { return (tvi_options){.method = TVI_TAYLOR, .degree = degree}; }
+tvi_options options_taylor(int degree) { return (tvi_options){.method = TVI_TAYLOR, .degree = degree, .max_tail = -1}; }
 
-tvi_options options_verlet(void) { return (tvi_options){.method = TVI_STORMER_VERLET, .order = 2}; }
+tvi_options options_verlet(void) { return (tvi_options){.method = TVI_STORMER_VERLET, .order = 2, .max_tail = -1}; }
 
 runner runner_open(const test_problem *problem, const tvi_options *options)
 {

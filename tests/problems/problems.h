@@ -43,6 +43,7 @@ typedef struct {
 
 test_state problem_start(const test_problem *problem);
 
+/* Of methods as they are defined: no step is refused as too large. */
 tvi_options options_type1(tvi_expansion expansion, tvi_nodes nodes, int degree);
 tvi_options options_taylor(int degree);
 tvi_options options_verlet(void);

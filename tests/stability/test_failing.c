@@ -16,7 +16,8 @@ static bool has_force(const hard_case *c) { return c != &kepler_tiny && c != &ke
 
 static bool is_step_failure(tvi_status status)
 {
-    return status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR || status == TVI_ENONFINITE;
+    return status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR || status == TVI_ENONFINITE ||
+           status == TVI_ETOOLARGE;
 }
 
 /* The passes of one step: the bound, by default 64 or the Galerkin curve's 100; for each half of a composition, and

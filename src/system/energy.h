@@ -1,0 +1,20 @@
+/* energy.h - the energy of a state, in memory that its caller has taken. */
+#ifndef TVI_SRC_SYSTEM_ENERGY_H
+#define TVI_SRC_SYSTEM_ENERGY_H
+
+#include "system/legendre.h"
+
+typedef struct {
+    const tvi_system *system;
+    double *block;         /* of the tape of the energy */
+    tvi_legendre legendre; /* of a Lagrangian, as is */
+    double *velocity;      /* [n] where Newton's method starts, and its result */
+} tvi_energy_work;
+
+/* Of a system that has an energy. */
+void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
+void tvi_energy_prepare(tvi_energy_work *work);
+/* tvi_energy of a state that is finite. */
+TVI_NODISCARD tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H);
+
+#endif
