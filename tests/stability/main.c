@@ -74,6 +74,7 @@ int main(void)
     srunner_add_suite(runner, suite_extremes());
     srunner_add_suite(runner, suite_lowest());
     srunner_add_suite(runner, suite_equilibria());
+    srunner_add_suite(runner, suite_guard());
     srunner_run_all(runner, CK_ENV);
     const int failed = srunner_ntests_failed(runner);
     srunner_free(runner);

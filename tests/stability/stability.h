@@ -11,6 +11,7 @@ Suite *suite_limits(void);
 Suite *suite_extremes(void);
 Suite *suite_lowest(void);
 Suite *suite_equilibria(void);
+Suite *suite_guard(void);
 
 extern const hard_case *const all_cases[]; /* those of the search, the chains, and the largest and smallest states */
 extern const hard_method all_methods[];    /* every named method at orders that it has */
