@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-/* More than this part of its scale no step may change the energy by; and a step that is closer to the solution, relative
- * to the largest coordinate and momentum, is right. */
+/* The part of the energy that a step may change; and how close to the solution, relative to the largest coordinate and
+ * momentum, a step is right. */
 static const double WRONG = 0.05, RIGHT = 1e-3;
 
 static const struct {
