@@ -213,16 +213,15 @@ static double tail(const galerkin *w, const tvi_origin *origin, const double dp[
 
 static void set_increments(const galerkin *w, double dq[], double dp[])
 {
-    for (int u = 0; u < w->field.nodes.unknowns; u++) {
-        const double *sum = w->sum + u * SUMS;
-        if (galerkin_is_second_order(&w->field)) {
-            dp[u] = sum[SUM_ONCE];
-            double rest;
-            const double rise = tvi_two_product(w->field.nodes.scale[u], sum[SUM_TWICE], &rest);
-            dq[u] = w->drift[u] + (rise + (w->drift_low[u] + rest));
-        } else {
-            *(u < w->n ? &dq[u] : &dp[u - w->n]) = w->field.nodes.scale[u] * sum[SUM_ONCE];
-        }
+    const galerkin_nodes *nodes = &w->field.nodes;
+    const double *sum = w->sum;
+    if (galerkin_is_second_order(&w->field)) {
+        w->field.loops->end_drifting(nodes, sum, w->drift, w->drift_low, dq, dp);
+        return;
+    }
+    for (int i = 0; i < w->n; i++) {
+        dq[i] = nodes->scale[i] * sum[i * SUMS + SUM_ONCE];
+        dp[i] = nodes->scale[w->n + i] * sum[(w->n + i) * SUMS + SUM_ONCE];
     }
 }
 

@@ -4,6 +4,7 @@
 #include "method/stepper.h"
 #include "vector.h"
 
+#include <math.h>
 #include <stddef.h>
 
 #define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + here))
@@ -170,9 +171,8 @@ JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *
     double *base = nodes->base;
     for (int u = 0; u < nodes->unknowns; u++, base += lanes) {
         const double scale = nodes->scale[u], low = origin->q_low[u];
-        double rest;
-        const double drift = tvi_two_product(scale, origin->p[u], &rest);
-        const double drift_low = rest + scale * origin->p_low[u];
+        const double drift = scale * origin->p[u];
+        const double drift_low = fma(scale, origin->p[u], -drift) + scale * origin->p_low[u];
         nodes->start[u] = origin->q[u];
         drifts[u] = drift;
         drifts_low[u] = drift_low;
@@ -181,10 +181,20 @@ JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *
 }
 
 static void start_drifting(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
-                           double *drift_low){
+                           double *drift_low)
+{
 #define CALL(lanes) start_drifting_lanes(nodes, c, origin, drift, drift_low, lanes)
     FOR_LANES(nodes->lanes, CALL)
 #undef CALL
+}
+
+static void end_drifting(const galerkin_nodes *nodes, const double *sum, const double *drift, const double *drift_low,
+                         double dq[], double dp[])
+{
+    for (int u = 0; u < nodes->unknowns; u++, sum += SUMS) {
+        dq[u] = drift[u] + fma(nodes->scale[u], sum[SUM_TWICE], drift_low[u]);
+        dp[u] = sum[SUM_ONCE];
+    }
 }
 
 #define PLACE(V, S)                                                                                                    \
@@ -219,4 +229,4 @@ static void place(const galerkin_places *p, const double *table, const double *i
 }
 
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
-    move, predict, integrate, start, start_drifting, place, &JET_FOR_ISA(tvi_lagrangian_loops)};
+    move, predict, integrate, start, start_drifting, end_drifting, place, &JET_FOR_ISA(tvi_lagrangian_loops)};

@@ -49,6 +49,9 @@ typedef struct {
      * c [lanes]. */
     void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
                            double *drift_low);
+    /* dq = drift + drift_low + scale SUM_TWICE, dp = SUM_ONCE, from what `integrate` made. */
+    void (*end_drifting)(const galerkin_nodes *nodes, const double *sum, const double *drift, const double *drift_low,
+                         double dq[], double dp[]);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
     const lagrangian_loops *lagrangian;
 } galerkin_loops;

@@ -5,22 +5,12 @@
 #include "algebra/arena.h"
 #include "system/system.h"
 
-#include <math.h>
-
 /* a + b = sum + *rest, exactly (two-sum). */
 static inline double tvi_two_sum(double a, double b, double *rest)
 {
     const double sum = a + b, part = sum - a;
     *rest = (a - (sum - part)) + (b - part);
     return sum;
-}
-
-/* a b = product + *rest, exactly. */
-static inline double tvi_two_product(double a, double b, double *rest)
-{
-    const double product = a * b;
-    *rest = fma(a, b, -product);
-    return product;
 }
 
 /* (x, low) <- x + low + d: what is lost is of the size of low's roundoff. */
