@@ -57,6 +57,12 @@ static bool shrinks_no_more(const tvi_passes *passes)
     return passes->size >= passes->before && passes->size >= passes->earlier;
 }
 
+/* The last bits go to and fro, and nothing else moves. */
+static bool is_cycle(const tvi_passes *passes)
+{
+    return passes->size == passes->before && passes->size == passes->earlier;
+}
+
 /* Whether the passes may end here, or do no more than roundoff. */
 static bool is_enough(const galerkin_field *field, const tvi_options *o, galerkin_progress *at)
 {
@@ -67,7 +73,7 @@ static bool is_enough(const galerkin_field *field, const tvi_options *o, galerki
     else if (moved <= FAR * count) is_last |= is_converged(at, count, field->form->is_newton);
     if (shrinks_no_more(&at->passes)) {
         if (moved > MAYBE_ROUNDOFF * count) at->is_stuck = true;
-        else is_last |= !contracts(at);
+        else is_last |= !contracts(at) || is_cycle(&at->passes);
     }
     return is_last;
 }
