@@ -286,4 +286,4 @@ static void sample(void *work, const tvi_range of[2], const double q_start[], co
     follow_curve(w, of, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, q_start, p_start, q, p);
 }
 
-const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense, sample, true};
+const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense, sample, true, NULL};

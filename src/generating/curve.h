@@ -106,4 +106,13 @@ void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U
 /* tvi_stats.tail, for P and Q to these degrees: see tail.h. 0 where p' has one term only. */
 double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree);
 
+/* ---- Steps that adapt (reach.c) ---------------------------------------------------------------------------------- */
+
+/* The largest s at which the curve, of Q and P to these degrees, serves a tolerance; INFINITY where it is exact.
+ * scratch [n]. */
+double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, double tolerance, double scratch[]);
+
+/* The same curve in s / factor: tau and its coefficients, of q and p. */
+void tvi_curve_rescale(tvi_curve *curve, double factor);
+
 #endif

@@ -27,6 +27,7 @@ typedef struct {
     double *z;                          /* [2n] predictor */
     double *dz;                         /* [2n] what z lacks at the end of the passes */
     double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
+    double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
     double *shift;                      /* [n] */
 } work;
 
@@ -75,6 +76,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
         tvi_legendre_take(&w.legendre, arena, system);
         w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
     }
+    if (!expanded->close) w.chosen = tvi_arena_history(arena, sizeof *w.chosen);
     w.shift = tvi_arena_doubles(arena, n);
     w.z = tvi_arena_doubles(arena, 2 * n);
     w.dz = tvi_arena_doubles(arena, 2 * n);
@@ -277,6 +279,13 @@ static void increments(work *w, const tvi_combination *q_rise, const tvi_combina
     }
 }
 
+/* From the curve to what the step returns. */
+static void finish(work *w, double dq[], double dp[])
+{
+    increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
+    w->stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree, w->closure.p_degree);
+}
+
 static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     work *w = taken;
@@ -286,8 +295,56 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     tvi_status status = predict(w);
     if (status == TVI_OK) status = w->corrects ? correct(w) : expand(w, w->z, centre(w));
     if (status != TVI_OK) return status;
-    increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
-    stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree, w->closure.p_degree);
+    finish(w, dq, dp);
+    return TVI_OK;
+}
+
+/* ---- Steps that adapt -------------------------------------------------------------------------------------------- */
+
+/* A size from a curve of tau lies within tau times or over this. */
+static const double WIDE = 16;
+enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
+
+/* The curve from the start of the step, whose tau is a power of 2 near its reach, or near the farthest it may go; from
+ * a good guess that is one expansion. *reach is what serves the tolerance, without sign. */
+static tvi_status expand_within(work *w, double tolerance, double guess, double most, double *reach)
+{
+    const tvi_curve *curve = &w->closure.curve;
+    int exponent, highest;
+    (void)frexp(guess, &exponent);
+    (void)frexp(most, &highest);
+    for (int count = 0; count < MOST_EXPANSIONS; count++) {
+        w->tau = copysign(ldexp(1, exponent), most);
+        tvi_status status = predict(w);
+        if (status == TVI_OK) status = expand(w, w->z, centre(w));
+        if (status != TVI_OK && status != TVI_ENONFINITE) return status;
+        double part = 0; /* where the coefficients overflow */
+        if (status == TVI_OK) part = tvi_curve_reach(curve, w->q_degree, w->closure.p_degree, tolerance, w->shift);
+        *reach = part * fabs(w->tau);
+        if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
+        const int wanted = part == 0 ? -4 * WIDE_BITS : isfinite(part) ? ilogb(part) : highest - exponent;
+        exponent = exponent + wanted < highest ? exponent + wanted : highest;
+    }
+    return TVI_ENOCONV;
+}
+
+static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin, double dq[],
+                              double dp[], tvi_stats *stats)
+{
+    work *w = taken;
+    double reach;
+    w->origin = origin;
+    w->stats = stats;
+    const tvi_status status = expand_within(w, tolerance, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
+    if (status != TVI_OK) return status;
+    if (reach < fabs(*h)) {
+        *h = copysign(reach, *h);
+        *w->chosen = reach;
+        if (origin->t + *h == origin->t) return TVI_ENOCONV;
+    }
+    tvi_curve_rescale(&w->closure.curve, *h / w->tau);
+    w->tau = *h;
+    finish(w, dq, dp);
     return TVI_OK;
 }
 
@@ -302,4 +359,5 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-const tvi_stepper tvi_stepper_curve = {take, prepare, step, dense, NULL, false};
+const tvi_stepper tvi_stepper_curve = {take, prepare, step, dense, NULL, false, NULL};
+const tvi_stepper tvi_stepper_taylor = {take, prepare, step, dense, NULL, false, step_within};

@@ -11,6 +11,6 @@ const tvi_descriptor tvi_taylor = {
     .least_degree = 2,
     .most_degree = TVI_MAX_DEGREE,
     .serves = &tvi_serves_all,
-    .stepper = &tvi_stepper_curve,
+    .stepper = &tvi_stepper_taylor,
     .curve = {.span = {0, 1, 1}},
 };

@@ -57,8 +57,12 @@ typedef struct {
     /* The end of a step, and its derivative by the step's size, are those of the solution but for parts of the size of
      * the square of the tail, where the degree is more than 1. */
     bool is_superconvergent;
+    /* A step whose error serves the relative tolerance, of at most *h, which becomes its size. NULL: the method has no
+     * such step. */
+    tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin, double dq[],
+                              double dp[], tvi_stats *stats);
 } tvi_stepper;
 
-extern const tvi_stepper tvi_stepper_curve, tvi_stepper_composed, tvi_stepper_galerkin;
+extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;
 
 #endif

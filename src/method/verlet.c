@@ -76,7 +76,7 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-static const tvi_stepper stepper = {take, prepare, step, dense, NULL, false};
+static const tvi_stepper stepper = {take, prepare, step, dense, NULL, false, NULL};
 
 static const tvi_service service = {TVI_SERVES_SEPARABLE,
                                     "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

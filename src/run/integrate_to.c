@@ -5,8 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-/* What is left of the way to t_end, with the low-order part of the time. */
-static double rest_of(const tvi_integrator *it, double t_end)
+double tvi_time_left(const tvi_integrator *it, double t_end)
 {
     const int n = it->system->n;
     return (t_end - it->now.q[n]) - it->now.q_low[n];
@@ -25,8 +24,7 @@ static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[
     return status;
 }
 
-/* Where the time is t_end but for roundoff, that goes to its low-order part. */
-static void end_at(tvi_integrator *it, double t_end, double *t)
+void tvi_end_at(tvi_integrator *it, double t_end, double *t)
 {
     const int n = it->system->n;
     it->now.q_low[n] += it->now.q[n] - t_end;
@@ -37,11 +35,11 @@ static void end_at(tvi_integrator *it, double t_end, double *t)
 static tvi_status step_towards(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
                                bool *is_last)
 {
-    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t)), rest = rest_of(it, t_end);
+    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t)), rest = tvi_time_left(it, t_end);
     *is_last = it->stepped == it->system && fabs(rest) <= fabs(h) + roundoff;
     tvi_status status = tvi_step(it, *is_last ? rest : h, t, q, p);
     if (status != TVI_OK || *is_last) return status;
-    const double left = rest_of(it, t_end);
+    const double left = tvi_time_left(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
     return fabs(left) > roundoff && *is_last ? shorten(it, t_end, t, q, p) : status;
 }
@@ -55,7 +53,7 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
     bool is_last = *t == t_end;
     for (long step = 1; !is_last && status == TVI_OK; step++) {
         status = step_towards(it, h, t_end, t, q, p, &is_last);
-        if (status == TVI_OK && is_last) end_at(it, t_end, t);
+        if (status == TVI_OK && is_last) tvi_end_at(it, t_end, t);
         if (status == TVI_OK && observer && observer(step, *t, q, p, ctx) != 0) status = TVI_ESTOPPED;
     }
     return status;

@@ -165,15 +165,18 @@ static tvi_status check_increments(const tvi_integrator *it, double h)
     return (it->dq[it->system->n] > 0) == (h > 0) ? TVI_OK : TVI_ETOOLARGE;
 }
 
-/* The step from the integrator's own state. */
-static tvi_status step(tvi_integrator *it, double h)
+/* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
+static tvi_status step(tvi_integrator *it, double tolerance, double h)
 {
+    const tvi_stepper *stepper = it->stepper;
     const tvi_run_state *now = &it->now;
     const int dimension = it->stepped->n;
     const tvi_stats stats = it->stats;
     tvi_arena_copy(it->before, it->history, it->remembered);
     const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
-    tvi_status status = it->stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
+    tvi_status status = tolerance > 0
+                            ? stepper->step_within(it->work, tolerance, &h, &origin, it->dq, it->dp, &it->stats)
+                            : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     it->dq[dimension] = h;
     if (status == TVI_OK) status = check_increments(it, h);
     if (status == TVI_OK) status = tvi_guard_step(it, &stats);
@@ -184,11 +187,16 @@ static tvi_status step(tvi_integrator *it, double h)
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
+    return tvi_step_within(it, 0, h, t, q, p);
+}
+
+tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
+{
     if (!it) return TVI_EINVAL;
     it->has_dense = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
-    if (status == TVI_OK) status = step(it, h);
+    if (status == TVI_OK) status = step(it, tolerance, h);
     if (status != TVI_OK) return status;
     copy_out(it, t, q, p);
     it->stats.steps++;

@@ -50,6 +50,15 @@ TVI_NODISCARD tvi_status tvi_integrator_begin(tvi_integrator *integrator, double
 /* Another one for the same system and options, which has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *integrator);
 
+/* tvi_step, with a tolerance > 0 of a size that serves it, of at most h (stepper.h); integrator->h is its size. */
+TVI_NODISCARD tvi_status tvi_step_within(tvi_integrator *integrator, double tolerance, double h, double *t, double q[],
+                                         double p[]);
+
+/* What is left of the way to t_end, with the low-order part of the time. */
+double tvi_time_left(const tvi_integrator *integrator, double t_end);
+/* Where the time is t_end but for roundoff, that goes to its low-order part. */
+void tvi_end_at(tvi_integrator *integrator, double t_end, double *t);
+
 /* Undoes the last step, and gives the state that it started from. */
 void tvi_integrator_take_back(tvi_integrator *integrator, double *t, double q[], double p[]);
 

@@ -7,6 +7,8 @@
 Suite *suite_events(void);
 Suite *suite_search(void);
 Suite *suite_times(void);
+Suite *suite_tolerance(void);
+Suite *suite_tolerance_runs(void);
 Suite *suite_progress(void);
 void add_refusals(TCase *tcase); /* to the suite of events */
 

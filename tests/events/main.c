@@ -1,11 +1,12 @@
-/* main.c - events, results at given times, and the bar. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every Check
- * program. */
+/* main.c - events, results at given times, runs to a tolerance, and the bar. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK
+ * choose, as in every Check program. */
 #include "events.h"
 
 #include <stddef.h>
 #include <stdlib.h>
 
-static Suite *(*const suites[])(void) = {suite_events, suite_search, suite_times, suite_progress};
+static Suite *(*const suites[])(void) = {suite_events,    suite_search,         suite_times,
+                                         suite_tolerance, suite_tolerance_runs, suite_progress};
 
 int main(void)
 {

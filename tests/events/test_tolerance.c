@@ -1,0 +1,192 @@
+/* test_tolerance.c - runs of "taylor" to a tolerance: their error, and the sizes of their steps. */
+#include "events.h"
+#include "tolerance.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- The error --------------------------------------------------------------------------------------------------- */
+
+/* What roundoff adds at the end, as measured with orders 19 to 30, where it is more than 100 times 1e-15. */
+static const struct {
+    const scene *scene;
+    double roundoff;
+} smooth[] = {
+    {&scene_pendulum, 0},     {&scene_kepler, 5e-12}, {&scene_henon_heiles_12, 0}, {&scene_henon_heiles_8, 2e-12},
+    {&scene_fpu, 0},          {&scene_solar, 2e-12},  {&scene_double_pendulum, 0}, {&scene_magnetic, 0},
+    {&scene_nonseparable, 0}, {&scene_vortices, 0},   {&scene_degenerate, 0},
+};
+enum { SMOOTH = sizeof smooth / sizeof *smooth };
+
+static const double tolerances[] = {1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15};
+enum { TOLERANCES = sizeof tolerances / sizeof *tolerances };
+
+/* Within a factor 100 of the tolerance; and not by steps that are too small. One expansion a step, but for the first.
+ */
+START_TEST(error_within_tolerance)
+{
+    const scene *s = smooth[_i].scene;
+    for (int i = 0; i < TOLERANCES; i++) {
+        const double tolerance = tolerances[i];
+        orbit o = open_scene(s, suited_order(tolerance));
+        ck_assert_int_eq(go(&o, tolerance, s->t_end, NULL, NULL), TVI_OK);
+        ck_assert(o.t == s->t_end);
+        const double error = error_of(&o, s->reference, s->reference + s->n);
+        ck_assert_msg(error <= 100 * tolerance + smooth[_i].roundoff, "%s, %g: %g", s->name, tolerance, error);
+        ck_assert_msg(error >= tolerance / 1e5 || tolerance < 1e-11, "%s, %g: %g", s->name, tolerance, error);
+        ck_assert_int_le(tvi_integrator_stats(o.integrator)->expansions, steps_of(&o) + 8);
+        close_orbit(&o);
+    }
+}
+END_TEST
+
+/* Another order than the one that suits serves the tolerance too. */
+START_TEST(error_with_other_orders)
+{
+    static const int orders[] = {10, 16, 30, 60, 99};
+    const scene *s = &scene_henon_heiles_12;
+    for (size_t i = 0; i < sizeof orders / sizeof *orders; i++) {
+        orbit o = open_scene(s, orders[i]);
+        ck_assert_int_eq(go(&o, 1e-10, s->t_end, NULL, NULL), TVI_OK);
+        const double error = error_of(&o, s->reference, s->reference + s->n);
+        ck_assert_msg(error <= 1e-8 && error >= 1e-15, "order %d: %g", orders[i], error);
+        close_orbit(&o);
+    }
+}
+END_TEST
+
+/* ---- The size of a step ------------------------------------------------------------------------------------------ */
+
+/* q = 1 / (1 - t): all q_k are 1, p_k = k + 1. */
+static jet pole(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(-0.5, jet_pow(q[0], 4));
+}
+
+static double pole_step(double tolerance, int order)
+{
+    const double part = tolerance * exp(-5);
+    double h = pow(part, 1.0 / (order + 1)); /* q, whose movement does not exceed its size */
+    for (int k = order; k > order - 3; k--) {
+        const double of_p = pow(part, (double)k / order) / (k + 1);
+        h = fmin(h, fmax(pow(of_p, 1.0 / k), pow(2 * of_p, 1.0 / (k - 1))));
+    }
+    return h;
+}
+
+static int stop_at_once(long step, double t, const double q[], const double p[], void *ctx)
+{
+    (void)t, (void)q, (void)p, (void)ctx;
+    return step == 1;
+}
+
+START_TEST(sizes_of_steps)
+{
+    for (int i = 0; i < TOLERANCES; i++) {
+        const double tolerance = tolerances[i];
+        for (int order = 7; order <= 37; order += 10) {
+            orbit o = open_potential(pole, order, 1, 1);
+            ck_assert_int_eq(go(&o, tolerance, 0.9, stop_at_once, NULL), TVI_ESTOPPED);
+            ck_assert_double_eq_tol(o.t, pole_step(tolerance, order), 1e-13);
+            close_orbit(&o);
+        }
+    }
+}
+END_TEST
+
+/* The same with a light mass, beside a heavy body whose momentum is much larger and does not change. */
+static const double pole_mass[] = {1e-12, 1};
+
+static jet light_pole(const jet q[], jet t, void *ctx) { return jet_mul(pole_mass[0], pole(q, t, ctx)); }
+
+START_TEST(masses_do_not_show)
+{
+    orbit o = {.n = 2, .q = {1, 0}, .p = {pole_mass[0], pole_mass[1]}};
+    ck_assert_int_eq(tvi_system_potential(&o.system, 2, pole_mass, light_pole, NULL), TVI_OK);
+    open_integrator(&o, "taylor", 13);
+    ck_assert_int_eq(go(&o, 1e-10, 0.9, stop_at_once, NULL), TVI_ESTOPPED);
+    ck_assert_double_eq_tol(o.t, pole_step(1e-10, 13), 1e-13);
+    close_orbit(&o);
+}
+END_TEST
+
+/* The step knows no units: Kepler in lengths of 1000, times of 1e-3 and back. */
+static jet kepler_in_units(const jet q[], jet t, void *ctx)
+{
+    (void)t;
+    return jet_mul(-*(const double *)ctx, jet_pow(jet_add(jet_sqr(q[0]), jet_sqr(q[1])), -0.5));
+}
+
+START_TEST(units_do_not_show)
+{
+    static const double length[] = {1, 1000, 1e-5}, duration[] = {1, 1e-3, 1e7};
+    double plain[4];
+    for (int i = 0; i < 3; i++) {
+        const double speed = length[i] / duration[i];
+        double strength = speed * speed * length[i];
+        orbit o = {.n = 2, .q = {length[i], 0}, .p = {0, 1.2 * speed}};
+        ck_assert_int_eq(tvi_system_potential(&o.system, 2, NULL, kepler_in_units, &strength), TVI_OK);
+        open_integrator(&o, "taylor", 13);
+        ck_assert_int_eq(go(&o, 1e-10, 20 * duration[i], NULL, NULL), TVI_OK);
+        const double x[] = {o.q[0] / length[i], o.q[1] / length[i], o.p[0] / speed, o.p[1] / speed};
+        if (i == 0) memcpy(plain, x, sizeof x);
+        for (int k = 0; k < 4; k++) ck_assert_double_eq_tol(x[k], plain[k], 1e-13);
+        close_orbit(&o);
+    }
+}
+END_TEST
+
+static jet constant_force(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(q[0]);
+}
+
+static jet growing_force(const jet q[], jet t, void *ctx)
+{
+    (void)ctx;
+    return jet_neg(jet_mul(q[0], t));
+}
+
+static jet airy(const jet q[], jet t, void *ctx)
+{
+    (void)ctx;
+    return jet_neg(jet_mul(jet_mul(0.5, jet_sqr(q[0])), t));
+}
+
+/* Curves with few coefficients: at rest at 0, and those of which two in three are 0. */
+START_TEST(coefficients_that_are_zero)
+{
+    orbit o = open_potential(constant_force, 12, 0, 0);
+    ck_assert_int_eq(go(&o, 1e-12, 10, NULL, NULL), TVI_OK);
+    ck_assert_double_eq_tol(o.q[0], 50, 1e-12);
+    ck_assert_double_eq_tol(o.p[0], 10, 1e-12);
+    close_orbit(&o);
+    o = open_potential(growing_force, 12, 0, 0);
+    ck_assert_int_eq(go(&o, 1e-12, 6, NULL, NULL), TVI_OK);
+    ck_assert_double_eq_tol(o.q[0], 36, 1e-11);
+    close_orbit(&o);
+    for (int order = 12; order <= 14; order++) { /* Ai(-3) / Ai(0) by q'' = t q back from 0 */
+        o = open_potential(airy, order, 0.3550280538878172, -0.2588194037928068);
+        ck_assert_int_eq(go(&o, 1e-12, -3, NULL, NULL), TVI_OK);
+        ck_assert_double_eq_tol(o.q[0], -0.3788142936776581, 1e-11);
+        close_orbit(&o);
+    }
+}
+END_TEST
+
+Suite *suite_tolerance(void)
+{
+    Suite *suite = suite_create("tolerance");
+    TCase *error = tcase_create("error"), *size = tcase_create("size");
+    tcase_add_loop_test(error, error_within_tolerance, 0, SMOOTH);
+    tcase_add_test(error, error_with_other_orders);
+    tcase_add_test(size, sizes_of_steps);
+    tcase_add_test(size, masses_do_not_show);
+    tcase_add_test(size, units_do_not_show);
+    tcase_add_test(size, coefficients_that_are_zero);
+    suite_add_tcase(suite, error);
+    suite_add_tcase(suite, size);
+    return suite;
+}

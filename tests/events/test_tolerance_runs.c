@@ -1,0 +1,191 @@
+/* test_tolerance_runs.c - runs of "taylor" to a tolerance: where they end, what is seen on the way, and what is
+ * refused. */
+#include "events.h"
+#include "tolerance.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- Where a run ends -------------------------------------------------------------------------------------------- */
+
+static jet no_force(const jet q[], jet t, void *ctx)
+{
+    (void)q, (void)t, (void)ctx;
+    return jet_const(0);
+}
+
+/* The curve is exact: one step, whose size is rounded, to an end that is not. */
+START_TEST(free_motion)
+{
+    orbit o = open_potential(no_force, 12, 1, 2);
+    ck_assert_int_eq(go(&o, 1e-12, 20, NULL, NULL), TVI_OK);
+    ck_assert(o.t == 20 && o.q[0] == 41);
+    ck_assert_int_eq(go(&o, 1e-12, 1e-9, NULL, NULL), TVI_OK);
+    ck_assert(o.t == 1e-9);
+    ck_assert_double_eq_tol(o.q[0], 1 + 2e-9, 1e-14);
+    ck_assert_int_eq(steps_of(&o), 2);
+    close_orbit(&o);
+}
+END_TEST
+
+START_TEST(ends_at_a_time)
+{
+    static const double ends[] = {1e-9, 0.7, 3, 3 + 4 * DBL_EPSILON, 20, -5, 0};
+    const scene *s = &scene_kepler;
+    orbit o = open_scene(s, 15);
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        ck_assert_int_eq(go(&o, 1e-12, ends[i], NULL, NULL), TVI_OK);
+        ck_assert(o.t == ends[i]);
+    }
+    ck_assert_double_le(error_of(&o, s->q, s->p), 1e-10); /* back at the start */
+    const long steps = steps_of(&o);
+    ck_assert_int_eq(go(&o, 1e-12, 0, NULL, NULL), TVI_OK);
+    ck_assert_int_eq(steps_of(&o), steps); /* it is there */
+    close_orbit(&o);
+}
+END_TEST
+
+typedef struct {
+    orbit *of, *fixed;
+    double before, error;
+} dense_check;
+
+/* tvi_dense in the middle of a step is the state of a run that ends there. */
+static int look_inside(long step, double t, const double q[], const double p[], void *ctx)
+{
+    (void)step, (void)q, (void)p;
+    dense_check *d = ctx;
+    orbit inside = *d->of;
+    ck_assert_int_eq(tvi_dense(d->of->integrator, 0.5, inside.q, inside.p), TVI_OK);
+    ck_assert_int_eq(go(d->fixed, 1e-14, (d->before + t) / 2, NULL, NULL), TVI_OK);
+    d->error = fmax(d->error, error_of(&inside, d->fixed->q, d->fixed->p));
+    d->before = t;
+    return 0;
+}
+
+START_TEST(dense_output)
+{
+    orbit o = open_scene(&scene_kepler, 13), fixed = open_scene(&scene_kepler, 18);
+    dense_check d = {.of = &o, .fixed = &fixed};
+    ck_assert_int_eq(go(&o, 1e-10, 6, look_inside, &d), TVI_OK);
+    ck_assert_double_le(d.error, 1e-9);
+    ck_assert_double_ge(d.error, 1e-14);
+    close_orbit(&o);
+    close_orbit(&fixed);
+}
+END_TEST
+
+static int stop_at_seven(long step, double t, const double q[], const double p[], void *ctx)
+{
+    (void)t, (void)q, (void)p, (void)ctx;
+    return step == 7;
+}
+
+/* Stopped, saved, and gone on with elsewhere, bit for bit the run without. */
+START_TEST(goes_on)
+{
+    orbit o = open_scene(&scene_kepler, 13), other = open_scene(&scene_kepler, 13),
+          plain = open_scene(&scene_kepler, 13);
+    size_t size;
+    ck_assert_int_eq(go(&o, 1e-10, 20, stop_at_seven, NULL), TVI_ESTOPPED);
+    ck_assert_int_eq(steps_of(&o), 7);
+    ck_assert_int_eq(tvi_state_save(o.integrator, NULL, &size), TVI_OK);
+    void *bytes = malloc(size);
+    ck_assert_int_eq(tvi_state_save(o.integrator, bytes, &size), TVI_OK);
+    ck_assert_int_eq(tvi_state_load(other.integrator, bytes, size), TVI_OK);
+    ck_assert_int_eq(tvi_state_last(other.integrator, &other.t, other.q, other.p), TVI_OK);
+    free(bytes);
+    orbit *const all[] = {&o, &other, &plain};
+    for (int i = 0; i < 3; i++) {
+        ck_assert_int_eq(go(all[i], 1e-10, 20, NULL, NULL), TVI_OK);
+        ck_assert_int_eq(steps_of(all[i]), steps_of(&o));
+        ck_assert(memcmp(all[i]->q, o.q, sizeof o.q) == 0 && memcmp(all[i]->p, o.p, sizeof o.p) == 0);
+    }
+    for (int i = 0; i < 3; i++) close_orbit(all[i]);
+}
+END_TEST
+
+/* ---- Refused ----------------------------------------------------------------------------------------------------- */
+
+static jet attraction(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(jet_pow(q[0], -1));
+}
+
+/* From rest at 1 the collision is at pi / sqrt(8): the steps shrink on the way there, and end. */
+START_TEST(collision)
+{
+    orbit o = open_potential(attraction, 13, 1, 0);
+    ck_assert_int_eq(go(&o, 1e-10, 2, NULL, NULL), TVI_ENOCONV);
+    ck_assert_double_eq_tol(o.t, acos(-1) / sqrt(8), 1e-8);
+    ck_assert(o.q[0] > 0 && o.q[0] < 1e-8);
+    ck_assert_int_le(steps_of(&o), 1000);
+    close_orbit(&o);
+}
+END_TEST
+
+static void expect_refused(orbit *o, double tolerance, double t_end, tvi_status expected)
+{
+    const orbit was = *o;
+    ck_assert_int_eq(go(o, tolerance, t_end, NULL, NULL), expected);
+    ck_assert(memcmp(&was, o, sizeof was) == 0);
+    ck_assert_int_eq(steps_of(o), 0);
+}
+
+START_TEST(refused_values)
+{
+    static const double bad[] = {0, -1e-10, 1, INFINITY, NAN, 1e-16, 1e-300};
+    orbit o = open_scene(&scene_kepler, 13);
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) expect_refused(&o, bad[i], 1, TVI_EINVAL);
+    expect_refused(&o, 1e-10, INFINITY, TVI_EINVAL);
+    expect_refused(&o, 1e-10, NAN, TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrate_tolerance(NULL, 1e-10, 1, &o.t, o.q, o.p, NULL, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrate_tolerance(o.integrator, 1e-10, 1, NULL, o.q, o.p, NULL, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrate_tolerance(o.integrator, 1e-10, 1, &o.t, NULL, o.p, NULL, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrate_tolerance(o.integrator, 1e-10, 1, &o.t, o.q, NULL, NULL, NULL), TVI_EINVAL);
+    o.q[1] = INFINITY;
+    expect_refused(&o, 1e-10, 1, TVI_ENONFINITE);
+    o.q[0] = o.q[1] = 0;
+    expect_refused(&o, 1e-10, 1, TVI_EDOMAIN);
+    close_orbit(&o);
+}
+END_TEST
+
+START_TEST(refused_methods)
+{
+    static const char *const names[] = {"galerkin", "start",    "midpoint", "both-ends",
+                                        "right",    "poincare", "tvi",      "stormer-verlet"};
+    orbit o = open_scene(&scene_kepler, 2);
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        tvi_integrator_free(o.integrator);
+        open_integrator(&o, names[i], 2);
+        expect_refused(&o, 1e-10, 1, TVI_EUNSUPPORTED);
+    }
+    tvi_system *const plain = o.system;
+    tvi_integrator_free(o.integrator);
+    ck_assert_int_eq(tvi_system_rescaled(&o.system, plain, NULL, NULL), TVI_OK);
+    open_integrator(&o, "taylor", 13);
+    expect_refused(&o, 1e-10, 1, TVI_EUNSUPPORTED);
+    tvi_system_free(plain);
+    close_orbit(&o);
+}
+END_TEST
+
+Suite *suite_tolerance_runs(void)
+{
+    Suite *suite = suite_create("tolerance runs");
+    TCase *ends = tcase_create("ends"), *refused = tcase_create("refused");
+    tcase_add_test(ends, free_motion);
+    tcase_add_test(ends, ends_at_a_time);
+    tcase_add_test(ends, dense_output);
+    tcase_add_test(ends, goes_on);
+    tcase_add_test(refused, collision);
+    tcase_add_test(refused, refused_values);
+    tcase_add_test(refused, refused_methods);
+    suite_add_tcase(suite, ends);
+    suite_add_tcase(suite, refused);
+    return suite;
+}
