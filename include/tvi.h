@@ -236,10 +236,10 @@ TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, 
  * runs: it is not symplectic, and its energy drifts. Of the last coefficients x_k of the curve of order N, rho is the
  * least (|x_0| / |x_k|)^(1/k), the largest component each, of q and p apart; h = rho (tolerance / e^5)^(1/N). The order
  * that suits a tolerance is N = ceil(1 - ln(tolerance) / 2), where h = rho e^(-2 - 3/N): 8 for 1e-6, 13 for 1e-10, 19
- * for 1e-15 (Jorba and Zou, Experimental Mathematics 14 (2005)); another one costs more. A step's error is some
- * hundredths of the tolerance, and the error of a run has been at most 100 times the tolerance, or roundoff
- * (docs/choosing.md). The size is chosen before the step is summed: a step costs one expansion, and none is rejected.
- * The observer is called after each step, and may ask tvi_dense.
+ * for 1e-15 (Jorba and Zou, Experimental Mathematics 14 (2005)); one half as large again is a little faster where the
+ * system is small. A step's error is some hundredths of the tolerance, and the error of a run over tens of revolutions
+ * at most 100 times the tolerance, or roundoff (docs/adaptive.md). The size is chosen before the step is summed: a step
+ * costs one expansion, and none is rejected for its size. The observer is called after each step, and may ask tvi_dense.
  *   TVI_EINVAL       NULL, a tolerance below DBL_EPSILON or not below 1, t_end that is not finite
  *   TVI_EUNSUPPORTED another method, a rescaled system
  *   others           as tvi_integrate; TVI_ENOCONV: the step is below roundoff of t, as before a collision */

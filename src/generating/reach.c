@@ -1,7 +1,7 @@
 /* reach.c - how far a Taylor curve serves, by its last coefficients (Jorba and Zou, A software package for the
  * numerical integration of ODEs by means of high-order Taylor methods, Experimental Mathematics 14 (2005), section 3):
  * the step whose last term, of degree M, is a part tolerance / e^5 of the state. With M = 1 - ln(tolerance) / 2 that is
- * their step, the radius of convergence over e^2, times e^(-3/M); with another M it costs more. Their state is one
+ * their step, the radius of convergence over e^2, times e^(-3/M). Their state is one
  * vector, their tolerance absolute where that is below 1, and their coefficients the last two. Here q and p are
  * measured apart, each by its size or by its movement in the step, so that no unit shows and a body may start at rest
  * or at 0. */
