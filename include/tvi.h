@@ -239,7 +239,8 @@ TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, 
  * for 1e-15 (Jorba and Zou, Experimental Mathematics 14 (2005)); one half as large again is a little faster where the
  * system is small. A step's error is some hundredths of the tolerance, and the error of a run over tens of revolutions
  * at most 100 times the tolerance, or roundoff (docs/adaptive.md). The size is chosen before the step is summed: a step
- * costs one expansion, and none is rejected for its size. The observer is called after each step, and may ask tvi_dense.
+ * costs one expansion, and none is rejected for its size. The observer is called after each step, and may ask
+ * tvi_dense.
  *   TVI_EINVAL       NULL, a tolerance below DBL_EPSILON or not below 1, t_end that is not finite
  *   TVI_EUNSUPPORTED another method, a rescaled system
  *   others           as tvi_integrate; TVI_ENOCONV: the step is below roundoff of t, as before a collision */
