@@ -112,8 +112,9 @@ JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const doub
     double *const x = f->x;
     const double *a = f->lu;
     for (int i = 0; i < f->n; i++) JET_BLOCKS(lanes, MISSING, );
-    for (size_t j = 0; f->exchanges && j < (size_t)f->n; j++)
-        EACH_LANE exchange(1, x + j * stride + w, x + (size_t)f->pivot[j * stride + w] * stride + w, stride);
+    if (f->exchanges)
+        for (size_t j = 0; j < (size_t)f->n; j++)
+            EACH_LANE exchange(1, x + j * stride + w, x + (size_t)f->pivot[j * stride + w] * stride + w, stride);
     for (int i = 0; i < f->n; i++, a += row) JET_BLOCKS(lanes, FORWARD, );
     for (int i = f->n - 1; i >= 0; i--) {
         a -= row;

@@ -300,7 +300,8 @@ tvi_status tvi_search_open(tvi_search *s, tvi_integrator *it, const tvi_event *c
 
 void tvi_search_close(tvi_search *s)
 {
-    for (int which = 0; s->of && which < s->count; which++) free(s->of[which].block);
+    if (s->of)
+        for (int which = 0; which < s->count; which++) free(s->of[which].block);
     free(s->of);
     free(s->samples);
     jet_tape_free(s->tape);

@@ -112,7 +112,8 @@ bool tvi_roundoff_is_near(const tvi_system *system, double h, const double q_sta
     const int n = system->n;
     const bool separable = system->form == TVI_SEPARABLE;
     double way = 0;
-    for (int i = 0; separable && i < n; i++) way = fmax(way, fabs(h * p_start[i] / system->mass[i]));
+    if (separable)
+        for (int i = 0; i < n; i++) way = fmax(way, fabs(h * p_start[i] / system->mass[i]));
     return are_near(n, tvi_largest(n, q_start, 1) + FASTER * way, q_start, q, lanes, points) ||
            (!separable && are_near(n, tvi_largest(n, p_start, 1), p_start, p, lanes, points));
 }
