@@ -246,6 +246,11 @@ TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, 
  *   others           as tvi_integrate; TVI_ENOCONV: the step is below roundoff of t, as before a collision */
 TVI_NODISCARD tvi_status tvi_integrate_tolerance(tvi_integrator *integrator, double tolerance, double t_end, double *t,
                                                  double q[], double p[], tvi_observer *observer, void *ctx);
+/* The same steps, with events as in tvi_integrate_events. */
+TVI_NODISCARD tvi_status tvi_integrate_tolerance_events(tvi_integrator *integrator, double tolerance, double t_end,
+                                                        const tvi_event *const events[], int count, double *t,
+                                                        double q[], double p[], tvi_observer *observer,
+                                                        tvi_event_observer *on_event, void *ctx);
 
 /* A ready-made observer for long runs: where the standard error is a terminal it draws a bar there, elsewhere nothing.
  * ctx is a tvi_progress_bar, {.steps = steps}. An observer of your own in it is called after each step, with its ctx.

@@ -2,6 +2,7 @@
  *
  * From the place of a root on the curve of the step (search.h) chords lead to the zero of g on the method's own
  * solution, steps of a part of h (between.h), so that the state of an event is as good as that of a step. */
+#include "run/locate.h"
 #include "run/between.h"
 #include "run/search.h"
 #include "system/rates.h"
@@ -25,7 +26,7 @@ static const double REACH = 2e-9, STEEPER = 32;
 enum { KEPT = 32 };
 
 /* States are [2n + 1]: q, p, t. */
-typedef struct {
+typedef struct tvi_locator {
     tvi_search seen;
     tvi_between between;
     tvi_rates rates;       /* of the field */
@@ -251,8 +252,7 @@ static tvi_status locate_events(locator *s)
     return status;
 }
 
-/* Tells the events of the last step; where one ends the run, t, q, p are its state. */
-static tvi_status tell_events(locator *s, double *t, double q[], double p[], tvi_event_observer *on_event, void *ctx)
+tvi_status tvi_locator_tell(locator *s, double *t, double q[], double p[], tvi_event_observer *on_event, void *ctx)
 {
     tvi_status status = locate_events(s);
     const int n = s->seen.it->system->n;
@@ -272,12 +272,14 @@ static tvi_status tell_events(locator *s, double *t, double q[], double p[], tvi
     return status;
 }
 
-static void close_locator(locator *s)
+void tvi_locator_close(locator *s)
 {
+    if (!s) return;
     tvi_search_close(&s->seen);
     tvi_rates_close(&s->rates);
     free(s->base);
     if (s->between.partial) tvi_between_close(&s->between);
+    free(s);
 }
 
 static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *const events[], int count)
@@ -294,22 +296,39 @@ static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *
     return tvi_between_open(&s->between, it, true);
 }
 
+tvi_status tvi_locator_open(locator **out, tvi_integrator *it, const tvi_event *const events[], int count)
+{
+    *out = malloc(sizeof **out);
+    if (!*out) return TVI_ENOMEM;
+    const tvi_status status = open_locator(*out, it, events, count);
+    if (status == TVI_OK) return status;
+    tvi_locator_close(*out);
+    *out = NULL;
+    return status;
+}
+
+bool tvi_events_fit(const tvi_integrator *it, const tvi_event *const events[], int count)
+{
+    if (count < 0 || (count > 0 && !events)) return false;
+    for (int which = 0; which < count; which++)
+        if (!events[which] || events[which]->n != it->system->n) return false;
+    return true;
+}
+
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
                                 double *t, double q[], double p[], tvi_observer *observer, tvi_event_observer *on_event,
                                 void *ctx)
 {
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0 || count < 0 || (count > 0 && !events))
-        return TVI_EINVAL;
-    for (int which = 0; which < count; which++)
-        if (!events[which] || events[which]->n != it->system->n) return TVI_EINVAL;
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0) return TVI_EINVAL;
+    if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
     if (count == 0) return tvi_integrate(it, h, steps, t, q, p, observer, ctx);
-    locator s;
-    tvi_status status = open_locator(&s, it, events, count);
+    locator *s;
+    tvi_status status = tvi_locator_open(&s, it, events, count);
     for (long step = 1; step <= steps && status == TVI_OK; step++) {
         status = tvi_step(it, h, t, q, p);
-        if (status == TVI_OK) status = tell_events(&s, t, q, p, on_event, ctx);
+        if (status == TVI_OK) status = tvi_locator_tell(s, t, q, p, on_event, ctx);
         if (status == TVI_OK && observer && observer(step, *t, q, p, ctx) != 0) status = TVI_ESTOPPED;
     }
-    close_locator(&s);
+    tvi_locator_close(s);
     return status;
 }

@@ -107,6 +107,77 @@ START_TEST(goes_on)
 }
 END_TEST
 
+/* ---- Events ------------------------------------------------------------------------------------------------------ */
+
+/* q.p: 0 at the ends of the long axis. */
+static jet radial(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_dot(q, p, 2);
+}
+
+typedef struct {
+    int count, stop_at;
+    double way, error;
+} passages;
+
+/* Kepler from (1, 0), (0, 0.8), the far end, of energy -0.68: pericentres after 1/2, 3/2, ... of the period. */
+static int at_pericentre(int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)which, (void)p;
+    passages *seen = ctx;
+    const double a = 1 / 1.36, period = 2 * acos(-1) * a * sqrt(a);
+    seen->error = fmax(seen->error, fabs(t - seen->way * (seen->count + 0.5) * period));
+    seen->error = fmax(seen->error, fabs(hypot(q[0], q[1]) - (2 * a - 1)));
+    return ++seen->count == seen->stop_at;
+}
+
+/* Located to the run's own accuracy, either way; the steps are those without events. */
+START_TEST(events_on_the_way)
+{
+    const double way = _i ? -1 : 1, tolerance = 1e-12, t_end = way * 20;
+    tvi_event *event;
+    ck_assert_int_eq(tvi_event_create(&event, 2, _i ? TVI_FALLING : TVI_RISING, false, radial, NULL), TVI_OK);
+    const tvi_event *events[] = {event};
+    orbit o = open_scene(&scene_kepler, 15), plain = open_scene(&scene_kepler, 15);
+    passages seen = {.way = way};
+    ck_assert_int_eq(tvi_integrate_tolerance_events(o.integrator, tolerance, t_end, events, 1, &o.t, o.q, o.p, NULL,
+                                                    at_pericentre, &seen),
+                     TVI_OK);
+    ck_assert_int_eq(seen.count, 5);
+    ck_assert_double_le(seen.error, 100 * tolerance);
+    ck_assert_int_eq(go(&plain, tolerance, t_end, NULL, NULL), TVI_OK);
+    ck_assert(memcmp(o.q, plain.q, sizeof o.q) == 0 && memcmp(o.p, plain.p, sizeof o.p) == 0);
+    close_orbit(&o);
+    close_orbit(&plain);
+    tvi_event_free(event);
+}
+END_TEST
+
+/* An observer ends the run at its event. */
+START_TEST(events_end_the_run)
+{
+    tvi_event *event;
+    ck_assert_int_eq(tvi_event_create(&event, 2, TVI_RISING, false, radial, NULL), TVI_OK);
+    const tvi_event *events[] = {event};
+    orbit o = open_scene(&scene_kepler, 15);
+    passages seen = {.way = 1, .stop_at = 2};
+    ck_assert_int_eq(
+        tvi_integrate_tolerance_events(o.integrator, 1e-12, 20, events, 1, &o.t, o.q, o.p, NULL, at_pericentre, &seen),
+        TVI_ESTOPPED);
+    ck_assert_int_eq(seen.count, 2);
+    ck_assert_double_le(fabs(o.q[0] * o.p[0] + o.q[1] * o.p[1]), 1e-14);
+    const orbit was = o;
+    events[0] = NULL;
+    ck_assert_int_eq(
+        tvi_integrate_tolerance_events(o.integrator, 1e-12, 20, events, 1, &o.t, o.q, o.p, NULL, at_pericentre, &seen),
+        TVI_EINVAL);
+    ck_assert(memcmp(&was, &o, sizeof o) == 0);
+    close_orbit(&o);
+    tvi_event_free(event);
+}
+END_TEST
+
 /* ---- Refused ----------------------------------------------------------------------------------------------------- */
 
 static jet attraction(const jet q[], jet t, void *ctx)
@@ -182,6 +253,8 @@ Suite *suite_tolerance_runs(void)
     tcase_add_test(ends, ends_at_a_time);
     tcase_add_test(ends, dense_output);
     tcase_add_test(ends, goes_on);
+    tcase_add_loop_test(ends, events_on_the_way, 0, 2);
+    tcase_add_test(ends, events_end_the_run);
     tcase_add_test(refused, collision);
     tcase_add_test(refused, refused_values);
     tcase_add_test(refused, refused_methods);
