@@ -1,4 +1,5 @@
 #include "cases.h"
+#include "gravity.h"
 
 #define TWO_PI 6.2831853071795864769
 #define FINE   1.1892071150027211 /* 2^(1/4) */
@@ -33,7 +34,7 @@ static jet spring(const jet q[], jet t, void *ctx)
     return jet_add(jet_mul(0.5e4, jet_sqr(stretch)), q[1]);
 }
 
-/* V = -sum_{i<j} m_i m_j / |q_i - q_j| in the plane. */
+/* Bodies in the plane. */
 enum { MOST_BODIES = 3 };
 typedef struct {
     int bodies;
@@ -43,15 +44,8 @@ typedef struct {
 static jet attract(const jet q[], jet t, void *ctx)
 {
     const attraction *a = ctx;
-    jet term[MOST_BODIES * (MOST_BODIES - 1) / 2];
-    int pairs = 0;
     (void)t;
-    for (int i = 1; i < a->bodies; i++)
-        for (int j = 0; j < i; j++) {
-            const jet d[2] = {jet_sub(q[2 * i], q[2 * j]), jet_sub(q[2 * i + 1], q[2 * j + 1])};
-            term[pairs++] = jet_mul(-a->mass[i] * a->mass[j], jet_pow(jet_dot(d, d, 2), -0.5));
-        }
-    return jet_sum(term, pairs);
+    return gravity_potential(q, a->bodies, 2, a->mass);
 }
 
 /* ---- Kepler, from apocentre, a = 1: q = 1 + e, p = sqrt((1 - e)/(1 + e)), H0 = -1/2 ------------------------------ */
