@@ -18,6 +18,7 @@
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
 # make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md
+# make adaptive  fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of docs/adaptive.md
 # make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute;
 #                 make experiments-docs puts them into docs/experiments.md and docs/experiments
 # make references bench/scenes/references.h anew, in quadruple precision
@@ -115,6 +116,7 @@ include bench/bench.mk
 include bench/experiments/experiments.mk
 include bench/performance/performance.mk
 include bench/longrun/longrun.mk
+include bench/adaptive/adaptive.mk
 
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 
