@@ -53,6 +53,7 @@ static bool linear_table(const table_command *at)
             tvi_integrator *integrator;
             if (order > 8 && order % 4 != 0) continue;
             if (tvi_options_named(linear_names[i], order, &options) != TVI_OK) continue;
+            options.max_tail = -1; /* steps that are too large are looked for */
             if (tvi_integrator_create(&integrator, system, &options) != TVI_OK) continue;
             const linear_limit limit = linear_search(integrator, LINEAR_MOST);
             write_limit(md, csv, linear_names[i], tvi_integrator_options(integrator), &limit);
@@ -76,8 +77,9 @@ static bool linear_curves(const table_command *at)
     for (size_t i = 0; i < sizeof curves / sizeof *curves; i++) {
         tvi_options options;
         tvi_integrator *integrator;
-        if (!hard_options(&curves[i], &options) || tvi_integrator_create(&integrator, system, &options) != TVI_OK)
-            return false;
+        if (!hard_options(&curves[i], &options)) return false;
+        options.max_tail = -1;
+        if (tvi_integrator_create(&integrator, system, &options) != TVI_OK) return false;
         fprintf(csv, "%s\"%s %d\"\n", i ? "\n\n" : "", curves[i].name, curves[i].order);
         for (double z = 0.005; z < 8; z += 0.005) {
             step_matrix M;
