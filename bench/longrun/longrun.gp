@@ -21,7 +21,7 @@ $library << END
 "outer Solar System 400 galerkin" "h = 400" #222222 11
 "magnetic bottle 0.1 galerkin" "magnetic bottle" #009E73 5
 "elastic pendulum 0.1 galerkin" "elastic pendulum" #7FC97F 4
-"double pendulum 0.03125 galerkin" "double pendulum" #AA5599 13
+"double pendulum 0.015625 galerkin" "double pendulum" #AA5599 13
 END
 $control << END
 "Kepler 0.1 galerkin rounded coefficients" "Kepler, h = 0.1, rounded coefficients" #D55E00 7
