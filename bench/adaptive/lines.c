@@ -47,7 +47,7 @@ const adaptive_line adaptive_lines[] = {
     {&hard_pythagorean, POINCARE, .h = 0.2, TIMED},
     {&hard_pythagorean, RIGHT, .h = 0.04, TIMED},
     {&hard_pythagorean, TOLERANCE, TIMED},
-    {NULL},
+    {.of = NULL},
 };
 
 const adaptive_line adaptive_errors[] = {
@@ -58,11 +58,11 @@ const adaptive_line adaptive_errors[] = {
     {&hard_kepler_99, OWN, .h = S_99 / 10},
     {&hard_kepler_90, TOLERANCE},
     {&hard_kepler_99, TOLERANCE},
-    {NULL},
+    {.of = NULL},
 };
 
 const adaptive_line adaptive_steps[] = {
     {&hard_pythagorean, OWN, .h = 0.2963},
     {&hard_pythagorean, AUTOMATIC, .h = 0.2634},
-    {NULL},
+    {.of = NULL},
 };
