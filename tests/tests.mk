@@ -9,7 +9,7 @@ FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-generating check-library $(patsubst %,check-%,$(filter-out generating library,$(FOLDERS))) check-valgrind \
            check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
            check-symbols check-names check-floors check-instructions check-examples
-LONG    := check-sanitizers check-coverage check-optimized check-equilibria check-base check-threads
+LONG    := check-sanitizers check-coverage check-equilibria check-optimized check-base check-threads
 .PHONY: check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
