@@ -166,12 +166,13 @@ check-warnings-clang:
 	    $(MAKE) -s --no-print-directory do-warnings-clang BUILD=$(BUILD)/read CC=clang CFLAGS='-Werror -fsyntax-only'
 do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
 
-# .clang-format, and its 120 columns in comments too, which it leaves as they are
+# .clang-format, and its 120 columns in comments too, which it leaves as they are; the width of prose
 FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addprefix $(folder)/,*.[ch] *.cpp */*.[ch] */*.cpp */*/*.[ch]))))
 check-formatting: ; $(REPORT) "formatting" $(LOG) $(DO)
 do-formatting:
 	clang-format --dry-run -Werror $(FORMATTED)
 	! grep -nE '^.{121,}' $(FORMATTED)
+	awk -f tests/prose.awk README.md docs/*.md docs/*/*.md
 
 # ---- What users get ----------------------------------------------------------------------------------------------------
 
