@@ -21,7 +21,7 @@ extern const adaptive_line adaptive_lines[];  /* rows of the table */
 extern const adaptive_line adaptive_errors[]; /* curves of the picture: error against time */
 extern const adaptive_line adaptive_steps[];  /* step against time */
 
-/* The distance of q[0], q[1] from the solution; NAN where it is not known. */
+/* The distance of q from the solution, the 2-norm; NAN where it is not known. */
 double adaptive_error(const hard_scene *of, double t, const double q[]);
 
 #endif

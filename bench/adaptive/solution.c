@@ -30,9 +30,12 @@ static void kepler_position(const scene *s, double t, long double q[2])
 
 double adaptive_error(const hard_scene *of, double t, const double q[])
 {
-    long double exact[2];
-    if (!of->q_end) kepler_position(&of->scene, t, exact);
-    else if (t == of->scene.t_end) exact[0] = of->q_end[0], exact[1] = of->q_end[1];
-    else return NAN;
-    return (double)hypotl(q[0] - exact[0], q[1] - exact[1]);
+    const scene *s = &of->scene;
+    long double exact[2], sum = 0;
+    if (!s->reference) {
+        kepler_position(s, t, exact);
+        return (double)hypotl(q[0] - exact[0], q[1] - exact[1]);
+    }
+    for (int i = 0; i < s->n; i++) sum += powl(q[i] - s->reference[i], 2);
+    return t == s->t_end ? (double)sqrtl(sum) : NAN;
 }

@@ -6,12 +6,12 @@
 #include "scene.h"
 
 typedef struct {
-    scene scene; /* no steps; no reference, but: */
+    scene scene; /* no steps; reference NULL: Kepler from pericentre at (q[0], 0), which has a closed form */
     tvi_rescale_fn *scale;
-    const double *q_end; /* [2] q[0] and q[1] at t_end; NULL: Kepler from pericentre at (q[0], 0), which has a closed
-                            form */
 } hard_scene;
 
-extern const hard_scene hard_kepler_90, hard_kepler_99, hard_kepler_999, hard_pythagorean;
+extern const hard_scene hard_kepler_90, hard_kepler_99, hard_kepler_999, hard_pythagorean, hard_comet, hard_sitnikov,
+    hard_three_planets;
+extern const hard_scene *const hard_scenes[]; /* all of them; NULL ends */
 
 #endif

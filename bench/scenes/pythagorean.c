@@ -1,5 +1,6 @@
 #include "gravity.h"
 #include "hard.h"
+#include "references.h"
 
 /* Burrau's problem: masses 3, 4, 5 at rest in the corners opposite to the sides 3, 4, 5 of a triangle. The closest of
  * its encounters is at 4.1e-4; at t = 60 the lightest body leaves. To t = 70. */
@@ -18,7 +19,6 @@ static jet scale(const jet q[], const jet p[], jet t, void *ctx)
     return gravity_scale(q, BODIES, AXES, mass);
 }
 
-/* q_end is that of the lightest body; double precision goes no further than these digits. */
 const hard_scene hard_pythagorean = {
     .scene = {.name = "pythagorean",
               .title = "Pythagorean three bodies",
@@ -28,7 +28,7 @@ const hard_scene hard_pythagorean = {
               .q = (const double[]){1, 3, -2, -1, 1, -1},
               .p = (const double[]){0, 0, 0, 0, 0, 0},
               .t_end = 70,
-              .energy_scale = 12.8},
+              .energy_scale = 12.8,
+              .reference = reference_pythagorean},
     .scale = scale,
-    .q_end = (const double[]){6.93346, 20.26180},
 };

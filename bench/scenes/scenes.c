@@ -1,4 +1,4 @@
-#include "scene.h"
+#include "hard.h"
 
 #include <string.h>
 
@@ -8,6 +8,11 @@ const scene *const scenes[] = {
 
 const scene *const general_scenes[] = {
     &scene_double_pendulum, &scene_magnetic, &scene_nonseparable, &scene_vortices, &scene_degenerate, NULL,
+};
+
+const hard_scene *const hard_scenes[] = {
+    &hard_kepler_90, &hard_kepler_99, &hard_kepler_999,    &hard_pythagorean,
+    &hard_comet,     &hard_sitnikov,  &hard_three_planets, NULL,
 };
 
 const scene *scene_find(const char *name)

@@ -12,8 +12,9 @@ Suite *suite_orders(void);
 Suite *suite_times(void);
 Suite *suite_tangent(void);
 Suite *suite_refused(void);
+Suite *suite_scenes(void);
 
-enum { MOST_N = 6 };
+enum { MOST_N = 8 };
 
 /* n = 2, masses 1: V = -1/r. */
 jet kepler(const jet q[], jet t, void *ctx);

@@ -1,4 +1,5 @@
 /* test_orders.c - the order of every method that serves, two-sided, in (q, p) and t alike. */
+#include "hard.h"
 #include "rescaled.h"
 
 #include <math.h>
@@ -39,6 +40,16 @@ START_TEST(orders_on_kepler)
 }
 END_TEST
 
+/* With explicit time, as the next. */
+START_TEST(orders_on_sitnikovs_problem)
+{
+    tvi_system *system = rescaled_system(1, NULL, hard_sitnikov.scene.potential, hard_sitnikov.scale);
+    const state start = {0.4, {0.5}, {0.3}};
+    check_order(system, &start, &all_served[_i], 12);
+    tvi_system_free(system);
+}
+END_TEST
+
 START_TEST(orders_on_the_driven_problem)
 {
     tvi_system *system = rescaled_system(2, driven_mass, driven, driven_scale);
@@ -53,6 +64,7 @@ Suite *suite_orders(void)
     Suite *suite = suite_create("orders");
     TCase *tests = tcase_create("orders");
     tcase_add_loop_test(tests, orders_on_kepler, 0, SERVED);
+    tcase_add_loop_test(tests, orders_on_sitnikovs_problem, 0, SERVED);
     tcase_add_loop_test(tests, orders_on_the_driven_problem, 0, SERVED);
     tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);
