@@ -1,5 +1,7 @@
 /* graph.c - the graph of one recording: its nodes, found again by a hash table, and jets that stand for none. */
 #include "graph.h"
+#include "refusal.h"
+#include "rule.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -10,6 +12,7 @@ enum { CHUNK = 128 };
 
 struct jet_graph {
     bool open;
+    const char *name;   /* of its outputs */
     bool out_of_memory; /* some operation was lost: no output is accepted any more */
     int inputs, count, capacity;
     struct jet_node **nodes; /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
@@ -20,29 +23,33 @@ struct jet_graph {
 
 /* ---- Poison: an operation that could not be recorded, and the reason --------------------------------------------- */
 
-#define POISON(code, text) {.graph = NULL, .op = OP_CONST, .index = code},
-static const struct jet_node poison_nodes[TVI_STATUS_COUNT] = {TVI_STATUS_LIST(POISON)};
+#define POISON(reason, status, text) [reason] = {.op = OP_CONST, .index = status, .count = reason},
+#define OUTSIDE(code, name)          POISON(JET_OUTSIDE + code, TVI_EDOMAIN, )
+static const struct jet_node poison_nodes[] = {JET_REASON_LIST(POISON) JET_RULE_LIST(OUTSIDE)};
 
-jet jet_poison(tvi_status reason) { return jet_of_node((struct jet_node *)&poison_nodes[reason]); }
+jet jet_poison(jet_reason reason) { return jet_of_node((struct jet_node *)&poison_nodes[reason]); }
+
+jet jet_poison_at(jet_op op, double operand)
+{
+    return (jet){operand, (struct jet_node *)&poison_nodes[JET_OUTSIDE + (int)op]};
+}
 
 bool jet_is_poison(jet x) { return x.node && !x.node->graph; }
 
-jet jet_unset(void) { return jet_poison(TVI_EINVAL); }
-
-tvi_status jet_graph_of(int count, const jet x[], jet_graph **graph)
+jet jet_graph_of(int count, const jet x[], jet_graph **graph)
 {
     *graph = NULL;
     for (int i = 0; i < count; i++) {
-        if (jet_is_poison(x[i])) return (tvi_status)x[i].node->index; /* NOLINT(clang-analyzer-core.NullDereference) */
+        if (jet_is_poison(x[i])) return x[i];
         if (!x[i].node) {
-            if (!isfinite(x[i].number)) return TVI_ENONFINITE;
+            if (!isfinite(x[i].number)) return jet_poison(JET_NOT_FINITE);
             continue;
         }
-        if (*graph && x[i].node->graph != *graph) return TVI_EINVAL;
+        if (*graph && x[i].node->graph != *graph) return jet_poison(JET_FOREIGN);
         *graph = x[i].node->graph;
-        if (!(*graph)->open) return TVI_EINVAL;
+        if (!(*graph)->open) return jet_poison(JET_FOREIGN);
     }
-    return TVI_OK;
+    return jet_const(0);
 }
 
 /* ---- The graph --------------------------------------------------------------------------------------------------- */
@@ -57,6 +64,7 @@ int jet_graph_count(const jet_graph *graph) { return graph->count; }
 jet jet_graph_input(const jet_graph *graph, int i) { return jet_of_node(jet_graph_node(graph, i)); }
 long jet_graph_collisions(const jet_graph *graph) { return graph->collisions; }
 void jet_graph_close(jet_graph *graph) { graph->open = false; }
+void jet_graph_name(jet_graph *graph, const char *name) { graph->name = name; }
 void jet_graph_lose(jet_graph *graph) { graph->out_of_memory = true; }
 
 static uint64_t mix(uint64_t hash, uint64_t word)
@@ -157,7 +165,7 @@ jet jet_graph_record_jet(jet_graph *graph, struct jet_node wanted)
 {
     bool is_new;
     struct jet_node *node = jet_graph_record(graph, wanted, &is_new);
-    return node ? jet_of_node(node) : jet_poison(TVI_ENOMEM);
+    return node ? jet_of_node(node) : jet_poison(JET_NO_MEMORY);
 }
 
 jet_graph *jet_graph_create(int inputs)
@@ -165,6 +173,7 @@ jet_graph *jet_graph_create(int inputs)
     jet_graph *graph = calloc(1, sizeof *graph);
     if (!graph) return NULL;
     graph->open = true;
+    graph->name = "output";
     for (int i = 0; i < inputs; i++) (void)jet_graph_record_jet(graph, (struct jet_node){.op = OP_INPUT});
     graph->inputs = inputs;
     if (graph->out_of_memory) {
@@ -192,13 +201,11 @@ jet jet_graph_constant(jet_graph *graph, double value)
 tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[])
 {
     for (int i = 0; i < outputs; i++) {
-        if (!output[i].node && !isfinite(output[i].number)) return TVI_ENONFINITE;
-        if (!output[i].node) output[i] = jet_graph_constant(graph, output[i].number);
-        if (graph->out_of_memory) return TVI_ENOMEM;
-        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): no node means out of memory, above */
-        if (jet_is_poison(output[i])) return (tvi_status)output[i].node->index;
-        /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): no node means out of memory, above */
-        if (output[i].node->graph != graph) return TVI_EINVAL;
+        const bool is_number = !output[i].node && isfinite(output[i].number);
+        if (is_number) output[i] = jet_graph_constant(graph, output[i].number);
+        if (graph->out_of_memory) return jet_refuse_memory(TVI_ENOMEM);
+        if (!output[i].node || output[i].node->graph != graph)
+            return jet_refuse_output(graph->name, outputs, i, output[i]);
     }
     return TVI_OK;
 }

@@ -47,6 +47,18 @@ typedef enum {
 
 typedef struct jet_graph jet_graph;
 
+/* Why a jet stands for nothing; JET_OUTSIDE + op: the operation has no power series there. */
+#define JET_REASON_LIST(ROW)                                                                                           \
+    ROW(JET_UNSET, TVI_EINVAL, "was not set")                                                                          \
+    ROW(JET_FOREIGN, TVI_EINVAL, "is made of jets of another recording, or of one that has ended")                     \
+    ROW(JET_NO_FUNCTION, TVI_EINVAL, "is made by a function that does not exist")                                      \
+    ROW(JET_NO_MEMORY, TVI_ENOMEM, "is made by an operation that found no memory")                                     \
+    ROW(JET_NOT_FINITE, TVI_ENONFINITE, "is made of a number that is not finite")                                      \
+    ROW(JET_NOT_POSITIVE, TVI_EDOMAIN, "is made of a time scale that is not positive")
+#define JET_REASON_NAME(reason, status, text) reason,
+typedef enum { JET_REASON_LIST(JET_REASON_NAME) JET_OUTSIDE } jet_reason;
+#undef JET_REASON_NAME
+
 typedef struct jet_term {
     double coefficient;
     struct jet_node *node;
@@ -61,13 +73,15 @@ struct jet_node {
     struct jet_node *b; /* the second operand, NULL where there is none                     */
     struct jet_node *w; /* the partner, NULL where there is none                            */
     jet_term *terms;    /* LINEAR                                                           */
-    int count;          /* of terms                                                         */
+    int count;          /* of terms; of a poison node its jet_reason                        */
     int mark;           /* scratch of whoever walks the graph                               */
 };
 
 /* A new open graph whose first nodes are its inputs; NULL without memory. */
 jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
+/* What its outputs are called where they are refused: static text. */
+void jet_graph_name(jet_graph *graph, const char *name);
 void jet_graph_free(jet_graph *graph);
 
 /* The node equal to `wanted`, recorded now if it is new. Takes the terms of `wanted`. NULL without memory. */
@@ -87,14 +101,18 @@ struct jet_node *jet_graph_node(const jet_graph *graph, int index);
 
 static inline jet jet_of_node(struct jet_node *node) { return (jet){0, node}; }
 
-/* The open graph that all nodes among x belong to, NULL where all are numbers; or why an operation on x is refused. */
-tvi_status jet_graph_of(int count, const jet x[], jet_graph **graph);
-/* A jet of no graph that stands for the reason, as does whatever is made of it. */
-jet jet_poison(tvi_status reason);
+/* The open graph that all nodes among x belong to, NULL where all are numbers; returns the poison that an operation on
+ * x is to return, else a number. */
+jet jet_graph_of(int count, const jet x[], jet_graph **graph);
+/* A jet of no graph that stands for the reason, as does whatever is made of it. The status is in its node's index. */
+jet jet_poison(jet_reason reason);
+/* That of an operation outside its domain, and the operand that was there. */
+jet jet_poison_at(jet_op op, double operand);
 bool jet_is_poison(jet x);
 /* A jet that no operation has set: what outputs are filled with before the user's function runs. */
-jet jet_unset(void);
-/* Makes the jets outputs of the open graph: nodes of it stay, finite numbers become constant nodes; else why not. */
+static inline jet jet_unset(void) { return jet_poison(JET_UNSET); }
+/* Makes the jets outputs of the open graph: nodes of it stay, finite numbers become constant nodes; else why not,
+ * which jet_refusal says. */
 tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[]);
 
 /* op of its operands, from OP_SQRT on but OP_POW; where it has one, b is ignored. */

@@ -44,12 +44,12 @@ static bool terms_are_finite(const struct jet_node *sum)
 jet jet_linear(int count, const double coefficient[], const jet x[])
 {
     jet_graph *graph;
-    const tvi_status status = jet_graph_of(count, x, &graph);
-    if (status != TVI_OK) return jet_poison(status);
+    const jet refused = jet_graph_of(count, x, &graph);
+    if (refused.node) return refused;
     struct jet_node sum = {.op = OP_LINEAR};
     if (graph && !(sum.terms = calloc((size_t)count, sizeof *sum.terms))) {
         jet_graph_lose(graph);
-        return jet_poison(TVI_ENOMEM);
+        return jet_poison(JET_NO_MEMORY);
     }
     for (int i = 0; i < count; i++) {
         if (x[i].node) collect(&sum, coefficient[i], x[i].node);
@@ -60,7 +60,7 @@ jet jet_linear(int count, const double coefficient[], const jet x[])
     const bool is_number = sum.count == 0;
     const bool is_one_node = sum.count == 1 && sum.terms[0].coefficient == 1 && sum.number == 0;
     if (finite && !is_number && !is_one_node) return jet_graph_record_jet(graph, sum);
-    const jet result = !finite     ? jet_poison(TVI_ENONFINITE)
+    const jet result = !finite     ? jet_poison(JET_NOT_FINITE)
                        : is_number ? jet_const(sum.number)
                                    : jet_of_node(sum.terms[0].node);
     free(sum.terms);
@@ -74,8 +74,8 @@ jet jet_record_sub(jet a, jet b) { return jet_linear(2, (const double[]){1, -1},
 static jet out_of_memory(int count, const jet x[])
 {
     jet_graph *graph;
-    if (jet_graph_of(count, x, &graph) == TVI_OK && graph) jet_graph_lose(graph);
-    return jet_poison(TVI_ENOMEM);
+    if (!jet_graph_of(count, x, &graph).node && graph) jet_graph_lose(graph);
+    return jet_poison(JET_NO_MEMORY);
 }
 
 jet jet_sum(const jet x[], int count)
@@ -102,21 +102,21 @@ jet jet_dot(const jet x[], const jet y[], int count)
 
 /* ---- Products, quotients, powers, functions ---------------------------------------------------------------------- */
 
-static jet number_or_poison(double value) { return isfinite(value) ? jet_const(value) : jet_poison(TVI_ENONFINITE); }
+static jet number_or_poison(double value) { return isfinite(value) ? jet_const(value) : jet_poison(JET_NOT_FINITE); }
 
 /* The operation on numbers alone, by the rule's own value. */
 static jet fold(jet_op op, double c, double a, double b)
 {
     double z;
-    if (!jet_rules[op]->value(c, 1, &a, &b, &z)) return jet_poison(TVI_EDOMAIN);
+    if (!jet_rules[op]->value(c, 1, &a, &b, &z)) return jet_poison_at(op, op == OP_DIV ? b : a);
     return number_or_poison(z);
 }
 
 jet jet_record_mul(jet a, jet b)
 {
     jet_graph *graph;
-    const tvi_status status = jet_graph_of(2, (const jet[]){a, b}, &graph);
-    if (status != TVI_OK) return jet_poison(status);
+    const jet refused = jet_graph_of(2, (const jet[]){a, b}, &graph);
+    if (refused.node) return refused;
     if (!graph) return fold(OP_MUL, 0, a.number, b.number);
     if (!a.node) return jet_linear(1, &a.number, &b);
     if (!b.node) return jet_linear(1, &b.number, &a);
@@ -128,9 +128,9 @@ jet jet_record_mul(jet a, jet b)
 jet jet_record_div(jet a, jet b)
 {
     jet_graph *graph;
-    const tvi_status status = jet_graph_of(2, (const jet[]){a, b}, &graph);
-    if (status != TVI_OK) return jet_poison(status);
-    if (!b.node && b.number == 0) return jet_poison(TVI_EDOMAIN);
+    const jet refused = jet_graph_of(2, (const jet[]){a, b}, &graph);
+    if (refused.node) return refused;
+    if (!b.node && b.number == 0) return jet_poison_at(OP_DIV, b.number);
     if (!graph) return fold(OP_DIV, 0, a.number, b.number);
     if (!b.node) {
         const double reciprocal = 1 / b.number;
@@ -154,9 +154,9 @@ static jet integer_power(jet a, int count)
 jet jet_record_pow(jet a, double c)
 {
     jet_graph *graph;
-    const tvi_status status = jet_graph_of(1, &a, &graph);
-    if (status != TVI_OK) return jet_poison(status);
-    if (!isfinite(c)) return jet_poison(TVI_ENONFINITE);
+    const jet refused = jet_graph_of(1, &a, &graph);
+    if (refused.node) return refused;
+    if (!isfinite(c)) return jet_poison(JET_NOT_FINITE);
     const bool natural = c >= 0 && c == floor(c);
     if (!graph && natural) return number_or_poison(pow(a.number, c));
     if (!graph) return fold(OP_POW, c, a.number, 0);
@@ -201,7 +201,7 @@ static jet record_with_partner(jet_graph *graph, jet_op op, struct jet_node *a, 
 {
     bool is_new;
     struct jet_node *z = jet_graph_record(graph, (struct jet_node){.op = op, .a = a, .b = b}, &is_new);
-    if (!z) return jet_poison(TVI_ENOMEM);
+    if (!z) return jet_poison(JET_NO_MEMORY);
     if (is_new) {
         const jet w = partner(graph, z);
         if (jet_is_poison(w)) return w;
@@ -214,13 +214,13 @@ jet jet_record_op(jet_op op, jet a, jet b)
 {
     const int operands = jet_rules[op]->operands;
     jet_graph *graph;
-    const tvi_status status = jet_graph_of(operands, (const jet[]){a, b}, &graph);
-    if (status != TVI_OK) return jet_poison(status);
+    const jet refused = jet_graph_of(operands, (const jet[]){a, b}, &graph);
+    if (refused.node) return refused;
     if (!graph) return fold(op, 0, a.number, b.number);
     if (operands == 1) return record_with_partner(graph, op, a.node, NULL);
     if (!a.node) a = jet_graph_constant(graph, a.number);
     if (!b.node) b = jet_graph_constant(graph, b.number);
-    if (jet_is_poison(a) || jet_is_poison(b)) return jet_poison(TVI_ENOMEM);
+    if (jet_is_poison(a) || jet_is_poison(b)) return jet_poison(JET_NO_MEMORY);
     return record_with_partner(graph, op, a.node, b.node);
 }
 
@@ -232,7 +232,7 @@ jet jet_record_function(jet_function f, jet a)
         [JET_ATAN] = OP_ATAN,   [JET_SINH] = OP_SINH,   [JET_COSH] = OP_COSH,   [JET_TANH] = OP_TANH,
         [JET_ASINH] = OP_ASINH, [JET_ACOSH] = OP_ACOSH, [JET_ATANH] = OP_ATANH, [JET_ERF] = OP_ERF,
     };
-    if ((unsigned)f >= JET_FUNCTION_COUNT) return jet_poison(TVI_EINVAL);
+    if ((unsigned)f >= JET_FUNCTION_COUNT) return jet_poison(JET_NO_FUNCTION);
     if (f == JET_NEG) return jet_mul(-1, a);
     if (f == JET_SQR) return jet_mul(a, a);
     return jet_record_op(ops[f], a, jet_const(0));
@@ -241,6 +241,6 @@ jet jet_record_function(jet_function f, jet a)
 jet jet_record_function2(jet_function2 f, jet a, jet b)
 {
     static const jet_op ops[JET_FUNCTION2_COUNT] = {[JET_ATAN2] = OP_ATAN2, [JET_HYPOT] = OP_HYPOT};
-    if ((unsigned)f >= JET_FUNCTION2_COUNT) return jet_poison(TVI_EINVAL);
+    if ((unsigned)f >= JET_FUNCTION2_COUNT) return jet_poison(JET_NO_FUNCTION);
     return jet_record_op(ops[f], a, b);
 }

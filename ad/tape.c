@@ -99,6 +99,7 @@ static void lay_out(lowering *low, jet_tape *tape)
 {
     for (int i = 0; i < low->slots; i++) {
         const place *z = low->sorted[i];
+        tape->recorded[i] = z->node ? z->node->index + 1 - jet_graph_inputs(low->graph) : 0;
         if (z->op == OP_INPUT) tape->inputs++;
         else if (z->op == OP_CONST) tape->constant[tape->constants++] = z->node->number;
         else add_operation(low, tape, z);
@@ -123,9 +124,10 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
     tape->term_second = calloc(pairs + copies, sizeof *tape->term_second);
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
     tape->output = calloc((size_t)outputs + 1, sizeof *tape->output);
+    tape->recorded = calloc(nodes + copies, sizeof *tape->recorded);
     return low->needed && low->uses && low->places && low->levels && low->sorted && low->operands && tape->run &&
            tape->constant && tape->base && tape->term_slot && tape->term_second && tape->term_coefficient &&
-           tape->output;
+           tape->output && tape->recorded;
 }
 
 static void lower(lowering *low, jet_tape *tape, int inputs, int outputs, const jet output[])

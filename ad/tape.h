@@ -45,7 +45,8 @@ typedef struct {
     double *base;                 /* [rows] */
     int *term_slot, *term_second; /* [terms] */
     double *term_coefficient;
-    int *output; /* [outputs] slots */
+    int *output;   /* [outputs] slots */
+    int *recorded; /* [slots] 1, 2, ... in the order of recording; copies 0, inputs less */
 } jet_tape;
 
 /* The outputs are accepted by the graph. The first `inputs` inputs of the graph have slots 0..inputs-1; later ones
@@ -80,17 +81,21 @@ struct jet_sweeps {
 /* The widest that the machine has; the environment variable TVI_ISA = base or avx2 asks for less. */
 const jet_sweeps *jet_sweeps_choose(void);
 
+/* Sets the text of the refusal (refusal.h): the first operation of a block of values that is outside its domain.
+ * Returns false. */
+bool jet_refuse_sweep(const jet_tape *tape, const double *x, int lanes);
+
 /* Values of all slots from the inputs, order 0. false where an operation is outside its domain. */
 static inline bool jet_sweep_values(const jet_tape *tape, double *x, int lanes)
 {
-    return tape->sweeps->values(tape, x, lanes);
+    return tape->sweeps->values(tape, x, lanes) || jet_refuse_sweep(tape, x, lanes);
 }
 
 /* Coefficient k of all slots from orders 0..k of the inputs and 0..k-1 of all, k = 0, 1, 2, ... in turn: one order
  * costs O(k) an operation, so a series to degree N costs O(N^2). false at k = 0 as above. */
 static inline bool jet_sweep_series(const jet_tape *tape, double *x, int k, int lanes)
 {
-    return tape->sweeps->series(tape, x, k, lanes);
+    return tape->sweeps->series(tape, x, k, lanes) || jet_refuse_sweep(tape, x, lanes);
 }
 
 /* Tangents dx (lanes directions) of coefficient k along the one-lane series x, from dx of the inputs, k = 0, 1, 2,

@@ -7,11 +7,11 @@
 
 typedef struct {
     void *data;
-    size_t bytes; /* in use */
+    size_t bytes; /* in use, that the sweeps read */
 } array;
 
 /* All arrays but that of the runs. They are freed and hashed by this list: one that is left out leaks. */
-enum { ARRAYS = 6 };
+enum { ARRAYS = 7 };
 static void list_arrays(const jet_tape *tape, array list[ARRAYS])
 {
     const size_t terms = (size_t)tape->terms;
@@ -22,6 +22,7 @@ static void list_arrays(const jet_tape *tape, array list[ARRAYS])
         {tape->term_second, terms * sizeof *tape->term_second},
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
         {tape->output, (size_t)tape->outputs * sizeof *tape->output},
+        {tape->recorded, 0},
     };
     memcpy(list, all, sizeof all);
 }

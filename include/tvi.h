@@ -8,7 +8,8 @@
  *   3. Every function that can fail returns a tvi_status and then leaves what its arguments point to as it was.
  *   4. A system is read-only once made and may be shared between threads; an integrator is used by one thread at a
  *      time.
- *   5. The library prints nothing (but tvi_progress), never exits and has no global state. A step allocates nothing.
+ *   5. The library prints nothing (but tvi_progress), never exits and has no global state but the text of
+ *      tvi_last_error, one a thread. A step allocates nothing.
  * The mathematics and its notation are in docs/method.md.
  */
 #ifndef TVI_H
@@ -34,6 +35,10 @@ extern "C" {
 
 /* The text of a status: static, never NULL. */
 const char *tvi_status_string(tvi_status status);
+/* What was refused and where, for the last function of this thread that returned neither TVI_OK nor TVI_ESTOPPED: which
+ * argument, output, mass or option, which operation of the recording and its operand. Ask for it before another
+ * function is called. "" where nothing was refused yet; never NULL. The text is for people, and may change. */
+const char *tvi_last_error(void);
 
 /* ---- Systems: the user's function, recorded ---------------------------------------------------------------------- */
 

@@ -2,6 +2,7 @@
 #include "method/method.h"
 #include "algebra/quadrature.h"
 #include "method/list.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,7 +26,7 @@ enum { PRESETS = sizeof presets / sizeof *presets };
 
 static tvi_status refuse(tvi_status status, const char *reason, const char **why)
 {
-    if (why) *why = reason;
+    *why = reason;
     return status;
 }
 
@@ -145,7 +146,7 @@ static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_as
     return TVI_OK;
 }
 
-tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why)
+static tvi_status resolve(tvi_options *options, const tvi_system *system, const char **why)
 {
     tvi_status status = check_ranges(options, why);
     if (status != TVI_OK) return status;
@@ -165,6 +166,19 @@ tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, co
     case TVI_GAUSS_OF_DEGREE: return resolve_gauss_of_degree(options, why);
     default: return TVI_OK;
     }
+}
+
+tvi_status tvi_method_resolve(tvi_options *options, const tvi_system *system, const char **why)
+{
+    const tvi_options asked = *options;
+    const char *reason;
+    const tvi_status status = resolve(options, system, &reason);
+    if (status == TVI_OK) return status;
+    if (why) *why = reason;
+    const bool has_nodes = (unsigned)asked.nodes <= TVI_NODES_TRUNCATED;
+    const tvi_descriptor *descriptor = has_nodes ? tvi_method_of(&asked) : NULL;
+    return jet_refuse(status, "%s (%s, order = %d, degree = %d)", reason, descriptor ? descriptor->title : "no method",
+                      asked.order, asked.degree);
 }
 
 const tvi_stepper *tvi_method_stepper(const tvi_options *options)
@@ -189,7 +203,10 @@ tvi_options tvi_method_adjoint(const tvi_options *options)
 
 tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why)
 {
-    if (!system || !options) return refuse(TVI_EINVAL, "system or options is NULL", why);
+    if (!system || !options) {
+        if (why) *why = "system or options is NULL";
+        return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "options" : "system");
+    }
     tvi_options resolved = *options;
     return tvi_method_resolve(&resolved, system->stepped, why);
 }
@@ -206,18 +223,31 @@ static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int o
 
 static bool is_called(const char *own, const char *name) { return own && strcmp(own, name) == 0; }
 
+/* With the names that there are. */
+static tvi_status refuse_name(const char *name)
+{
+    tvi_status status = jet_refuse(TVI_EINVAL, "no method is called \"%.40s\"; there are", name);
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
+        for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
+            if ((*d)->nodes[nodes].name) status = jet_refuse(status, "%s %s,", jet_refusal(), (*d)->nodes[nodes].name);
+    for (int i = 0; i < PRESETS; i++) status = jet_refuse(status, "%s %s", jet_refusal(), presets[i]->name);
+    return status;
+}
+
 tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
 {
-    if (!name || !options) return TVI_EINVAL;
+    if (!name || !options) return jet_refuse(TVI_EINVAL, "%s is NULL", name ? "options" : "name");
     for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
         for (int nodes = 0; nodes <= TVI_NODES_TRUNCATED; nodes++)
             if (is_called((*d)->nodes[nodes].name, name)) return named(*d, (tvi_nodes)nodes, order, options);
     for (int i = 0; i < PRESETS; i++) {
-        if (!is_called(presets[i]->name, name) || order != presets[i]->options.order) continue;
+        if (!is_called(presets[i]->name, name)) continue;
+        if (order != presets[i]->options.order)
+            return jet_refuse(TVI_EINVAL, "%s has order %d, not %d", name, presets[i]->options.order, order);
         *options = presets[i]->options;
         return TVI_OK;
     }
-    return TVI_EINVAL;
+    return refuse_name(name);
 }
 
 enum { DEFAULT_ORDER = 16 }; /* of least cost over the scenes (docs/choosing.md) */

@@ -1,6 +1,7 @@
 /* between.c - the state inside a step, and results at given times. */
 #include "run/between.h"
 #include "algebra/sizes.h"
+#include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
@@ -17,7 +18,7 @@ tvi_status tvi_between_open(tvi_between *between, tvi_integrator *steps, bool kn
 {
     const size_t n = (size_t)steps->system->n;
     *between = (tvi_between){.steps = steps, .knows_step = knows_step, .q = calloc(2 * n, sizeof(double))};
-    if (!between->q) return TVI_ENOMEM;
+    if (!between->q) return jet_refuse_memory(TVI_ENOMEM);
     between->p = between->q + n;
     const tvi_status status = tvi_integrator_twin(&between->partial, steps);
     if (status != TVI_OK) free(between->q);
@@ -138,14 +139,14 @@ tvi_status tvi_between_time(tvi_between *between, double time)
     return status == TVI_OK ? correct(between, time, theta, theta * h) : status;
 }
 
-/* Finite, in the order of h, and none before t. */
-static bool are_in_order(double h, double t, const double times[], int count)
+/* The first that is not finite, or not in the order of h, or before t; count where there is none. */
+static int first_out_of_order(double h, double t, const double times[], int count)
 {
     for (int i = 0; i < count; i++) {
         const double before = i > 0 ? times[i - 1] : t;
-        if (!isfinite(times[i]) || (h > 0 ? times[i] < before : times[i] > before)) return false;
+        if (!isfinite(times[i]) || (h > 0 ? times[i] < before : times[i] > before)) return i;
     }
-    return true;
+    return count;
 }
 
 /* The observer is called at the times from the next on that are not after the last step. */
@@ -165,9 +166,12 @@ static tvi_status tell_times(tvi_between *between, const double times[], int cou
 tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
                             double p[], tvi_observer *observer, void *ctx)
 {
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || count < 0 || (count > 0 && !times)) return TVI_EINVAL;
-    if (!are_in_order(h, *t, times, count)) return TVI_EINVAL;
-    if (!tvi_all_finite(it->system->n, q) || !tvi_all_finite(it->system->n, p)) return TVI_ENONFINITE;
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || count < 0 || (count > 0 && !times))
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, count < 0 ? "count is negative" : "times is NULL");
+    const int n = it->system->n, first = first_out_of_order(h, *t, times, count);
+    if (first < count)
+        return jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
+    if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, *t, q, "p", p);
     int next = 0;
     for (; next < count && times[next] == *t; next++)
         if (observer && observer(next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;

@@ -3,6 +3,7 @@
  * last term of what drives the motion (tail.h), and the energy, where one is kept. The energy is computed where a step
  * may be wrong, or costs so much that this is nothing beside it. */
 #include "run/guard.h"
+#include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
@@ -79,8 +80,10 @@ tvi_status tvi_guard_step(tvi_integrator *it, const tvi_stats *before)
     const bool is_sure = stats->tail <= SURE_TAIL && stats->passes - before->passes <= SURE_PASSES &&
                          stats->expansions == before->expansions;
     it->stats.largest_tail = fmax(stats->largest_tail, stats->tail);
-    if (most >= 0 && stats->tail > most) return TVI_ETOOLARGE;
-    if (!is_sure && keeps_energy(it)) return loses_energy(it) ? TVI_ETOOLARGE : TVI_OK;
+    if (most >= 0 && stats->tail > most)
+        return jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", stats->tail, most);
+    if (!is_sure && keeps_energy(it))
+        return loses_energy(it) ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does") : TVI_OK;
     it->kept->is_known = false;
     return TVI_OK;
 }

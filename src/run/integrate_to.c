@@ -1,6 +1,7 @@
 /* integrate_to.c - a run that ends at a time, by a last shorter step. */
 #include "run/between.h"
 #include "algebra/sizes.h"
+#include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
@@ -47,8 +48,10 @@ static tvi_status step_towards(tvi_integrator *it, double h, double t_end, doubl
 tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
                             tvi_observer *observer, void *ctx)
 {
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || !isfinite(t_end)) return TVI_EINVAL;
-    if (h > 0 ? t_end < *t : t_end > *t) return TVI_EINVAL;
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || !isfinite(t_end))
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "t_end is not finite");
+    if (h > 0 ? t_end < *t : t_end > *t)
+        return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", h, *t, t_end);
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
     bool is_last = *t == t_end;
     for (long step = 1; !is_last && status == TVI_OK; step++) {

@@ -1,5 +1,6 @@
 /* integrate_tolerance.c - a run whose steps have the sizes that serve a tolerance. */
 #include "run/locate.h"
+#include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
@@ -22,9 +23,13 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
                                           const tvi_event *const events[], int count, double *t, double q[], double p[],
                                           tvi_observer *observer, tvi_event_observer *on_event, void *ctx)
 {
-    if (!it || !t || !q || !p || !is_tolerance(tolerance) || !isfinite(t_end)) return TVI_EINVAL;
+    if (!it || !t || !q || !p || !is_tolerance(tolerance) || !isfinite(t_end))
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1},
+                              is_tolerance(tolerance) ? "t_end is not finite"
+                                                      : "tolerance is below DBL_EPSILON or not below 1");
     if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
-    if (!it->stepper->step_within || it->stepped != it->system) return TVI_EUNSUPPORTED;
+    if (!it->stepper->step_within || it->stepped != it->system)
+        return jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
     tvi_locator *locator = NULL;
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
     if (status == TVI_OK && count > 0) status = tvi_locator_open(&locator, it, events, count);

@@ -4,6 +4,7 @@
 #include "method/method.h"
 #include "algebra/sizes.h"
 #include "run/guard.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -54,7 +55,7 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     (void)lay_out(&arena, system, resolved, stepper);
     const size_t bytes = arena.used + 2 * arena.remembered;
     char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
-    if (!memory) return TVI_ENOMEM;
+    if (!memory) return jet_refuse_memory(TVI_ENOMEM);
     memset(memory, 0, bytes);
     arena = (tvi_arena){.base = memory, .history = memory + arena.used};
     *out = lay_out(&arena, system, resolved, stepper);
@@ -65,9 +66,9 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
 
 tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options)
 {
-    if (!out) return TVI_EINVAL;
+    if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
-    if (!system) return TVI_EINVAL;
+    if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     tvi_options resolved = options ? *options : tvi_options_default();
     const tvi_status status = tvi_method_resolve(&resolved, system->stepped, NULL);
     return status == TVI_OK ? make(out, system, &resolved) : status;
@@ -116,14 +117,14 @@ static tvi_status set_energy(tvi_integrator *it)
     double H;
     const tvi_status status = tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &H);
     if (status == TVI_OK) it->now.p[n] = -H;
-    return status;
+    return tvi_refuse_as("energy", status);
 }
 
 tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], const double p[])
 {
     const int n = it->system->n;
     if (is_continued(it, t, q, p)) return TVI_OK;
-    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return TVI_ENONFINITE;
+    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
     tvi_arena_copy(it->history, NULL, it->remembered);
     memcpy(it->now.q, q, (size_t)n * sizeof *q);
     memcpy(it->now.p, p, (size_t)n * sizeof *p);
@@ -159,10 +160,11 @@ static tvi_status check_increments(const tvi_integrator *it, double h)
 {
     const int dimension = it->stepped->n;
     for (int i = 0; i <= dimension; i++)
-        if (!isfinite(it->now.q[i] + it->dq[i])) return TVI_ENONFINITE;
+        if (!isfinite(it->now.q[i] + it->dq[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
     for (int i = 0; i < dimension; i++)
-        if (!isfinite(it->now.p[i] + it->dp[i])) return TVI_ENONFINITE;
-    return (it->dq[it->system->n] > 0) == (h > 0) ? TVI_OK : TVI_ETOOLARGE;
+        if (!isfinite(it->now.p[i] + it->dp[i])) return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
+    const bool goes_the_way = (it->dq[it->system->n] > 0) == (h > 0);
+    return goes_the_way ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
 /* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
@@ -178,11 +180,12 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
                             ? stepper->step_within(it->work, tolerance, &h, &origin, it->dq, it->dp, &it->stats)
                             : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     it->dq[dimension] = h;
+    if (status != TVI_OK) status = tvi_refuse_as("corrector", status);
     if (status == TVI_OK) status = check_increments(it, h);
     if (status == TVI_OK) status = tvi_guard_step(it, &stats);
     if (status == TVI_OK) advance(it, h);
     else tvi_arena_copy(it->history, it->before, it->remembered);
-    return status;
+    return status == TVI_OK ? status : jet_refuse(status, "step of %g from t = %g: %s", h, origin.t, jet_refusal());
 }
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
@@ -192,9 +195,10 @@ tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double 
 
 tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
 {
-    if (!it) return TVI_EINVAL;
+    const tvi_run_arguments given = {it, t, q, p, h};
+    if (!it) return tvi_refuse_run(given, "");
     it->has_dense = false;
-    if (!t || !q || !p || h == 0 || !isfinite(h)) return TVI_EINVAL;
+    if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
     if (status == TVI_OK) status = step(it, tolerance, h);
     if (status != TVI_OK) return status;
@@ -224,7 +228,8 @@ tvi_status tvi_state_at(tvi_integrator *it, double theta, double *t, double q[],
         it->dq[i] += it->start.q[i];
         it->dp[i] += it->start.p[i];
     }
-    if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp)) return TVI_ENONFINITE;
+    if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp))
+        return jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
     memcpy(q, it->dq, (size_t)n * sizeof *q);
     memcpy(p, it->dp, (size_t)n * sizeof *p);
     *t = it->start.q[n] + (it->start.q_low[n] + it->dq[n]);
@@ -234,7 +239,9 @@ tvi_status tvi_state_at(tvi_integrator *it, double theta, double *t, double q[],
 tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 {
     double t;
-    if (!it || !q || !p || !(theta >= 0 && theta <= 1) || !it->has_dense) return TVI_EINVAL;
+    if (!it || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, &t, q, p, 1}, "");
+    if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
+    if (!it->has_dense) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
     return tvi_state_at(it, theta, &t, q, p);
 }
 
@@ -276,7 +283,8 @@ void tvi_sample(tvi_integrator *it, const tvi_range of[2], double *x)
 tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
                          tvi_observer *observer, void *ctx)
 {
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0) return TVI_EINVAL;
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0)
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "steps is negative");
     for (long step = 1; step <= steps; step++) {
         const tvi_status status = tvi_step(it, h, t, q, p);
         if (status != TVI_OK) return status;

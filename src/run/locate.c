@@ -7,6 +7,7 @@
 #include "run/search.h"
 #include "system/rates.h"
 #include "algebra/sizes.h"
+#include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
@@ -299,27 +300,33 @@ static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *
 tvi_status tvi_locator_open(locator **out, tvi_integrator *it, const tvi_event *const events[], int count)
 {
     *out = malloc(sizeof **out);
-    if (!*out) return TVI_ENOMEM;
+    if (!*out) return jet_refuse_memory(TVI_ENOMEM);
     const tvi_status status = open_locator(*out, it, events, count);
     if (status == TVI_OK) return status;
     tvi_locator_close(*out);
     *out = NULL;
-    return status;
+    return jet_refuse_memory(status);
 }
 
 bool tvi_events_fit(const tvi_integrator *it, const tvi_event *const events[], int count)
 {
-    if (count < 0 || (count > 0 && !events)) return false;
-    for (int which = 0; which < count; which++)
-        if (!events[which] || events[which]->n != it->system->n) return false;
-    return true;
+    if (count >= 0 && (count == 0 || events)) {
+        int which = 0;
+        while (which < count && events[which] && events[which]->n == it->system->n) which++;
+        if (which == count) return true;
+        (void)jet_refuse(TVI_EINVAL, "events[%d] is %s", which, events[which] ? "of another dimension" : "NULL");
+    } else {
+        (void)jet_refuse(TVI_EINVAL, count < 0 ? "count = %d is negative" : "events is NULL", count);
+    }
+    return false;
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
                                 double *t, double q[], double p[], tvi_observer *observer, tvi_event_observer *on_event,
                                 void *ctx)
 {
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0) return TVI_EINVAL;
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0)
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "steps is negative");
     if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
     if (count == 0) return tvi_integrate(it, h, steps, t, q, p, observer, ctx);
     locator *s;

@@ -3,6 +3,7 @@
 #include "run/search.h"
 #include "algebra/sizes.h"
 #include "vector.h"
+#include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
@@ -199,7 +200,7 @@ static tvi_status search_event(tvi_search *s, int which)
     double at[1 + TVI_SAMPLES] = {0}, *g = s->of[which].g;
     tvi_status status = TVI_OK;
     if (is_quiet(g)) return TVI_OK;
-    if (!tvi_all_finite(TVI_SAMPLES, g + 1)) return TVI_ENONFINITE;
+    if (!tvi_all_finite(TVI_SAMPLES, g + 1)) return tvi_refuse_as("event function", TVI_ENONFINITE);
     memcpy(at + 1, tvi_sample_place, sizeof tvi_sample_place);
     if (g[0] == 0) status = on_curve(s, which, at[0] = EDGE, &g[0]);
     else if (falls_first(g, 1)) status = look_at_end(s, which, false);
@@ -232,7 +233,8 @@ static tvi_status sample_events(tvi_search *s)
     const long step = s->it->stats.steps;
     const bool continues = s->step > 0 && *s->it->continued && step == s->step + 1;
     tvi_sample(s->it, s->of_state, s->samples);
-    tvi_status status = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES) ? TVI_OK : TVI_EDOMAIN;
+    const bool inside = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES);
+    tvi_status status = inside ? TVI_OK : tvi_refuse_as("event function", TVI_EDOMAIN);
     for (int which = 0; which < s->count && status == TVI_OK; which++) {
         double *g = s->of[which].g;
         g[0] = g[TVI_SAMPLES];

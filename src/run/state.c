@@ -7,6 +7,7 @@
  * leaves to the next (arena.h), so that nothing can be forgotten here. */
 #include "run/fingerprint.h"
 #include "run/integrator.h"
+#include "system/refuse.h"
 
 #include <string.h>
 
@@ -38,7 +39,9 @@ static identity identity_of(const tvi_integrator *it)
 
 tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
 {
-    if (!it || !size || (buffer && *size < state_size(it))) return TVI_EINVAL;
+    if (!it || !size) return jet_refuse(TVI_EINVAL, "%s is NULL", it ? "size" : "integrator");
+    if (buffer && *size < state_size(it))
+        return jet_refuse(TVI_EINVAL, "the buffer has %zu bytes, the state %zu", *size, state_size(it));
     *size = state_size(it);
     if (!buffer) return TVI_OK;
     const identity who = identity_of(it);
@@ -51,17 +54,31 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     return TVI_OK;
 }
 
+/* Why the bytes are no state of an integrator with this identity, or NULL. */
+static const char *misfit(const identity *own, const void *buffer, size_t size)
+{
+    identity who;
+    uint64_t checksum;
+    if (size < sizeof who + sizeof checksum) return "the bytes are too few for a state";
+    memcpy(&who, buffer, sizeof who);
+    memcpy(&checksum, (const char *)buffer + size - sizeof checksum, sizeof checksum);
+    if (memcmp(who.magic, own->magic, sizeof who.magic) != 0) return "the bytes are no state";
+    if (who.version != own->version) return "the state is of another version of the library";
+    if (checksum != jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum)) return "the state is damaged";
+    if (who.n != own->n) return "the state is of a system of another dimension";
+    if (who.system != own->system) return "the state is of another system";
+    return who.options != own->options || who.bytes != own->bytes ? "the state is of other options" : NULL;
+}
+
 tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
 {
-    if (!it || !buffer || size != state_size(it)) return TVI_EINVAL;
-    const identity who = identity_of(it);
+    if (!it || !buffer) return jet_refuse(TVI_EINVAL, "%s is NULL", it ? "buffer" : "integrator");
+    const identity own = identity_of(it);
+    const char *const reason = misfit(&own, buffer, size);
+    if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     const char *at = buffer;
-    uint64_t checksum;
-    memcpy(&checksum, at + size - sizeof checksum, sizeof checksum);
-    if (memcmp(at, &who, sizeof who) != 0 || checksum != jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum))
-        return TVI_EINVAL;
     const size_t bytes = it->stats.bytes;
-    memcpy(&it->stats, at += sizeof who, sizeof it->stats);
+    memcpy(&it->stats, at += sizeof own, sizeof it->stats);
     it->stats.bytes = bytes;
     tvi_arena_copy(it->history, at + sizeof it->stats, it->remembered);
     it->has_dense = false;
@@ -70,7 +87,8 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
 
 tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], double p[])
 {
-    if (!it || !t || !q || !p || !*it->continues) return TVI_EINVAL;
+    if (!it || !t || !q || !p || !*it->continues)
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "the integrator has made no step, or was reset");
     const size_t n = (size_t)it->system->n;
     memcpy(q, it->now.q, n * sizeof *q);
     memcpy(p, it->now.p, n * sizeof *p);

@@ -1,5 +1,5 @@
 /* status.c - the texts of the statuses. */
-#include "tvi.h"
+#include "system/refuse.h"
 
 #define STATUS_TEXT(code, text) [code] = text,
 
@@ -8,3 +8,5 @@ const char *tvi_status_string(tvi_status status)
     static const char *const texts[] = {TVI_STATUS_LIST(STATUS_TEXT)};
     return (unsigned)status < TVI_STATUS_COUNT ? texts[status] : "unknown status";
 }
+
+const char *tvi_last_error(void) { return jet_refusal(); }

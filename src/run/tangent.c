@@ -3,6 +3,7 @@
 #include "run/integrator.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -68,7 +69,7 @@ static tvi_status provide(tvi_integrator *it, int columns)
         const tvi_status status = create(&tangent, it);
         if (status != TVI_OK) {
             free_tangent(tangent);
-            return status;
+            return jet_refuse_memory(status);
         }
         it->tangent = tangent;
         it->free_tangent = free_tangent;
@@ -78,9 +79,8 @@ static tvi_status provide(tvi_integrator *it, int columns)
     tvi_tangent *tangent = it->tangent;
     if (columns <= tangent->columns) return TVI_OK;
     const size_t row = 2 * (size_t)it->system->n * sizeof *tangent->D;
-    if ((size_t)columns > SIZE_MAX / row) return TVI_ENOMEM;
-    double *D = realloc(tangent->D, (size_t)columns * row);
-    if (!D) return TVI_ENOMEM;
+    double *D = (size_t)columns > SIZE_MAX / row ? NULL : realloc(tangent->D, (size_t)columns * row);
+    if (!D) return jet_refuse_memory(TVI_ENOMEM);
     it->stats.bytes += (size_t)(columns - tangent->columns) * row;
     tangent->D = D;
     tangent->columns = columns;
@@ -184,17 +184,21 @@ static tvi_status move_column(const tvi_integrator *it, double h, const double D
         out[(size_t)row * stride] = dq[row];
         out[(size_t)(n + row) * stride] = dp[row];
     }
-    return status != TVI_OK || (tvi_all_finite(n, dq) && tvi_all_finite(n, dp)) ? status : TVI_ENONFINITE;
+    if (status != TVI_OK || (tvi_all_finite(n, dq) && tvi_all_finite(n, dp))) return status;
+    return jet_refuse(TVI_ENONFINITE, "a column of D overflows");
 }
 
 tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
 {
-    if (!it) return TVI_EINVAL;
+    const tvi_run_arguments given = {it, t, q, p, h};
+    if (!it) return tvi_refuse_run(given, "");
     it->has_dense = false;
-    if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h)) return TVI_EINVAL;
+    if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
+        return tvi_refuse_run(given, D ? "columns is not positive" : "D is NULL");
     const int n = it->system->n;
     for (int row = 0; row < 2 * n; row++)
-        if (!tvi_all_finite(columns, D + (size_t)row * (size_t)columns)) return TVI_ENONFINITE;
+        if (!tvi_all_finite(columns, D + (size_t)row * (size_t)columns))
+            return jet_refuse(TVI_ENONFINITE, "row %d of D is not finite", row);
     tvi_status status = provide(it, columns);
     if (status == TVI_OK) status = tvi_integrator_begin(it, *t, q, p);
     for (int i = 0; i < columns && status == TVI_OK; i++)

@@ -1,6 +1,7 @@
 /* energy.c - what is asked of a system outside of steps: energy, momenta, velocities. */
 #include "system/energy.h"
 #include "algebra/sizes.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,13 +11,15 @@
 static tvi_status transform(const tvi_system *system, double t, const double q[], const double in[], double out[],
                             bool to_momenta)
 {
-    if (!system || !q || !in || !out) return TVI_EINVAL;
+    const void *const given[] = {system, q, in, out};
+    const char *const name[] = {"system", "q", to_momenta ? "v" : "p", to_momenta ? "p" : "v"};
+    if (!system || !q || !in || !out) return tvi_refuse_null(4, given, name);
     const int n = system->n;
-    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, in)) return TVI_ENONFINITE;
+    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, in)) return tvi_refuse_state(n, t, q, name[2], in);
     tvi_legendre legendre;
     void *memory;
     tvi_status status = tvi_legendre_create(&legendre, system, &memory);
-    if (status != TVI_OK) return status;
+    if (status != TVI_OK) return jet_refuse_memory(status);
     double *result = calloc((size_t)n, sizeof *result);
     if (!result) status = TVI_ENOMEM;
     else if (to_momenta == (system->form != TVI_HAMILTONIAN)) status = tvi_legendre_state(&legendre, t, q, in, result);
@@ -25,7 +28,7 @@ static tvi_status transform(const tvi_system *system, double t, const double q[]
     if (status == TVI_OK) memcpy(out, result, (size_t)n * sizeof *out);
     free(result);
     free(memory);
-    return status;
+    return tvi_refuse_as(to_momenta ? "momenta of velocities" : "velocities of momenta", status);
 }
 
 tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[])
@@ -118,15 +121,18 @@ static void *create_work(tvi_energy_work *work, const tvi_system *system)
 
 tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
 {
-    if (!system || !q || !p || !H) return TVI_EINVAL;
-    if (!system->energy) return TVI_EUNSUPPORTED;
-    if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p)) return TVI_ENONFINITE;
+    if (!system || !q || !p || !H)
+        return tvi_refuse_null(4, (const void *const[]){system, q, p, H},
+                               (const char *const[]){"system", "q", "p", "H"});
+    if (!system->energy) return jet_refuse(TVI_EUNSUPPORTED, "a system made from a force has no energy");
+    if (!isfinite(t) || !tvi_all_finite(system->n, q) || !tvi_all_finite(system->n, p))
+        return tvi_refuse_state(system->n, t, q, "p", p);
     double energy = 0;
     tvi_energy_work work;
     void *memory = create_work(&work, system);
-    if (!memory) return TVI_ENOMEM;
+    if (!memory) return jet_refuse_memory(TVI_ENOMEM);
     const tvi_status status = tvi_energy_of(&work, t, q, p, &energy);
     free(memory);
     if (status == TVI_OK) *H = energy;
-    return status;
+    return tvi_refuse_as("energy", status);
 }

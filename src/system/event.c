@@ -1,5 +1,6 @@
 /* event.c - records the user's event functions. */
 #include "system/event.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -10,6 +11,7 @@ static tvi_status record(tvi_event *event, tvi_event_fn *g, void *ctx)
     const int n = event->n, inputs = 2 * n + 1;
     jet *state = calloc((size_t)inputs, sizeof *state);
     event->graph = jet_graph_create(inputs);
+    if (event->graph) jet_graph_name(event->graph, "event function");
     tvi_status status = state && event->graph ? TVI_OK : TVI_ENOMEM;
     for (int i = 0; i < inputs && status == TVI_OK; i++) state[i] = jet_graph_input(event->graph, i);
     if (status == TVI_OK) {
@@ -26,18 +28,21 @@ static tvi_status record(tvi_event *event, tvi_event_fn *g, void *ctx)
 
 tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, bool terminal, tvi_event_fn *g, void *ctx)
 {
-    if (!out) return TVI_EINVAL;
+    if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
-    if (n < 1 || n > TVI_MAX_DIMENSION || direction < TVI_FALLING || direction > TVI_RISING || !g) return TVI_EINVAL;
+    if (n < 1 || n > TVI_MAX_DIMENSION) return jet_refuse(TVI_EINVAL, "n = %d is not 1 .. %d", n, TVI_MAX_DIMENSION);
+    if (direction < TVI_FALLING || direction > TVI_RISING)
+        return jet_refuse(TVI_EINVAL, "direction = %d is not a tvi_direction", (int)direction);
+    if (!g) return jet_refuse(TVI_EINVAL, "the function is NULL");
     tvi_event *event = calloc(1, sizeof *event);
-    if (!event) return TVI_ENOMEM;
+    if (!event) return jet_refuse_memory(TVI_ENOMEM);
     event->n = n;
     event->direction = direction;
     event->terminal = terminal;
     const tvi_status status = record(event, g, ctx);
     if (status == TVI_OK) *out = event;
     else tvi_event_free(event);
-    return status;
+    return jet_refuse_memory(status);
 }
 
 void tvi_event_free(tvi_event *event)
@@ -51,9 +56,9 @@ void tvi_event_free(tvi_event *event)
 tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g)
 {
     memcpy(block, x, (2 * (size_t)event->n + 1) * sizeof *x);
-    if (!jet_sweep_values(event->tape, block, 1)) return TVI_EDOMAIN;
+    if (!jet_sweep_values(event->tape, block, 1)) return tvi_refuse_as("event function", TVI_EDOMAIN);
     *g = block[event->tape->output[0]];
-    return isfinite(*g) ? TVI_OK : TVI_ENONFINITE;
+    return isfinite(*g) ? TVI_OK : tvi_refuse_as("event function", TVI_ENONFINITE);
 }
 
 /* All outputs once more, in a graph of their own: equal parts of the events are computed once. */

@@ -2,6 +2,7 @@
 #include "system/legendre.h"
 #include "algebra/passes.h"
 #include "algebra/sizes.h"
+#include "system/refuse.h"
 
 #include <float.h>
 #include <math.h>
@@ -212,5 +213,6 @@ tvi_status tvi_legendre_probe(tvi_system *system)
     if (status == TVI_OK) free(memory);
     free(point);
     if (status != TVI_OK || !point) return TVI_ENOMEM;
-    return system->form == TVI_LAGRANGIAN && !system->regular ? TVI_ESINGULAR : TVI_OK;
+    if (system->regular || system->form != TVI_LAGRANGIAN) return TVI_OK;
+    return jet_refuse(TVI_ESINGULAR, "L_vv of the Lagrangian is singular at all of %d points", PROBES);
 }

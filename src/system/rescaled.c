@@ -3,6 +3,7 @@
  *     dq/ds = g H_p + (H+e) g_p,  dt/ds = g,  dp/ds = -g H_q - (H+e) g_q,  de/ds = -g H_t - (H+e) g_t.
  * Equal steps in s are symplectic in (q, t, p, e). K is recorded from the recording of the system, and so is H. */
 #include "system/system.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,13 +21,13 @@ static jet stated(const tvi_system *base, const jet q[], const jet second[], jet
 {
     const int n = base->n, inputs = jet_graph_inputs(base->graph), time = base->energy_inputs;
     jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* numbers 0 */
-    if (!input) return jet_poison(TVI_ENOMEM);
+    if (!input) return jet_poison(JET_NO_MEMORY);
     for (int i = 0; i < n; i++) input[i] = q[i];
     for (int i = n; i < time && second; i++) input[i] = second[i - n];
     input[time] = t;
     const bool lifted = jet_lift(base->graph, input, input + inputs, 1, &base->stated, &value, &rate);
     free(input);
-    return lifted ? value : jet_poison(TVI_ENOMEM);
+    return lifted ? value : jet_poison(JET_NO_MEMORY);
 }
 
 /* H = sum p_i^2 / (2 m_i) + V, where V is the stated function at p = 0 or v = 0, up to the sign; or stated itself. */
@@ -63,7 +64,7 @@ static bool gradient(jet_graph *graph, jet x, int n, int count, jet all[], jet r
 static bool second_derivatives(jet H, int n, int count, jet first[], jet all[], jet a[])
 {
     jet_graph *graph;
-    if (jet_graph_of(1, &H, &graph) != TVI_OK || !graph) return false;
+    if (jet_graph_of(1, &H, &graph).node || !graph) return false;
     bool derived = gradient(graph, H, n, count, all, first);
     for (int i = 0; i < count && derived; i++) derived = gradient(graph, first[i], n, count, all, a + i * count);
     return derived;
@@ -96,7 +97,7 @@ static jet automatic(const tvi_system *base, jet H)
     const bool separable = base->form == TVI_SEPARABLE;
     const int n = base->n, count = separable ? n : 2 * n;
     const size_t elements = (size_t)count * (size_t)count;
-    jet *a = malloc((3 * elements + (size_t)count + 2 * (size_t)n + 1) * sizeof *a), sum = jet_poison(TVI_ENOMEM);
+    jet *a = malloc((3 * elements + (size_t)count + 2 * (size_t)n + 1) * sizeof *a), sum = jet_poison(JET_NO_MEMORY);
     if (!a) return sum;
     jet *Ja = a + elements, *square = Ja + elements, *first = square + elements, *all = first + count;
     if (!H.node || jet_is_poison(H)) sum = H.node ? H : jet_const(0);
@@ -134,7 +135,7 @@ static bool is_positive(const struct jet_node *z)
 /* g, with TVI_EDOMAIN where it is not positive. */
 static jet positive(jet g)
 {
-    if (!g.node) return g.number > 0 ? g : jet_poison(isnan(g.number) ? TVI_ENONFINITE : TVI_EDOMAIN);
+    if (!g.node) return g.number > 0 ? g : jet_poison(isnan(g.number) ? JET_NOT_FINITE : JET_NOT_POSITIVE);
     return jet_is_poison(g) || is_positive(g.node) ? g : jet_sqr(jet_sqrt(g));
 }
 
@@ -154,10 +155,14 @@ static jet as_it_was(const jet q[], const jet p[], jet t, void *ctx) { return ha
 
 tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx)
 {
-    if (!out) return TVI_EINVAL;
+    if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
-    if (!system) return TVI_EINVAL;
-    if (!system->energy || system->form == TVI_LAGRANGIAN || system->stepped != system) return TVI_EUNSUPPORTED;
+    if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
+    const char *const unsupported = !system->energy                  ? "a force has no Hamiltonian: state the potential"
+                                    : system->form == TVI_LAGRANGIAN ? "state the Hamiltonian instead of the Lagrangian"
+                                    : system->stepped != system      ? "the system is rescaled already"
+                                                                     : NULL;
+    if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling r = {system, g, ctx};
     tvi_system *stepped, *rescaled;
     tvi_status status = tvi_system_hamiltonian(&stepped, system->n + 1, transformed, &r);

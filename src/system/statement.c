@@ -1,6 +1,7 @@
 /* statement.c - records the user's function and lowers it to the tapes that the steppers run. */
 #include "system/system.h"
 #include "system/legendre.h"
+#include "system/refuse.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -31,10 +32,16 @@ static tvi_status check_masses(int n, const double mass[])
 {
     if (!mass) return TVI_OK;
     for (int i = 0; i < n; i++) {
-        if (!isfinite(mass[i])) return TVI_ENONFINITE;
-        if (mass[i] <= 0) return TVI_EINVAL;
+        if (!isfinite(mass[i])) return jet_refuse(TVI_ENONFINITE, "mass[%d] = %g is not finite", i, mass[i]);
+        if (mass[i] <= 0) return jet_refuse(TVI_EINVAL, "mass[%d] = %g is not positive", i, mass[i]);
     }
     return TVI_OK;
+}
+
+/* What the function returns or sets. */
+static const char *name_of(const statement *given)
+{
+    return given->force ? "force" : given->potential ? "potential" : given->lagrangian ? "Lagrangian" : "Hamiltonian";
 }
 
 /* Inputs in the order q, v (or p), t, r; a force or a potential has neither v nor r. */
@@ -52,6 +59,7 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
     rec->field = system->field = malloc(2 * count * sizeof *rec->field);
     rec->bend = malloc(2 * count * sizeof *rec->bend);
     if (!system->mass || !system->graph || !rec->q || !rec->field || !rec->bend) return TVI_ENOMEM;
+    jet_graph_name(system->graph, name_of(given));
     rec->v = rec->q + n;
     rec->r = rec->v + n;
     const int inputs = general ? 2 * n : n;
@@ -344,16 +352,16 @@ static tvi_status record_system(tvi_system **out, int n, const statement *given)
     free(rec.second);
     if (status == TVI_OK) *out = rec.system;
     else tvi_system_free(rec.system);
-    return status;
+    return jet_refuse_memory(status);
 }
 
 static tvi_status make_system(tvi_system **out, int n, const statement *given)
 {
-    if (!out) return TVI_EINVAL;
+    if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
-    if (n < 1 || n > TVI_MAX_DIMENSION ||
-        (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian))
-        return TVI_EINVAL;
+    if (n < 1 || n > TVI_MAX_DIMENSION) return jet_refuse(TVI_EINVAL, "n = %d is not 1 .. %d", n, TVI_MAX_DIMENSION);
+    if (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian)
+        return jet_refuse(TVI_EINVAL, "the function is NULL");
     const tvi_status status = check_masses(n, given->mass);
     return status == TVI_OK ? record_system(out, n, given) : status;
 }

@@ -16,7 +16,15 @@ typedef struct {
 state start_of(const scene *s);
 bool state_is_finite(const state *s);
 void expect_same(const char *what, const state *is, const state *was); /* bit for bit */
-void expect(const char *what, tvi_status is, tvi_status wanted);
+void expect_status(const char *what, tvi_status is, tvi_status wanted);
+/* The call has the status, and where that is a refusal tvi_last_error is of this call, and names the culprit. */
+#define expect_refusal(what, call, wanted, culprit)                                                                    \
+    (begin_refusal(), expect_status(what, call, wanted), end_refusal(what, wanted, culprit))
+#define expect(what, call, wanted) expect_refusal(what, call, wanted, "")
+/* The culprit is what the case is called by. */
+#define refused(culprit, call, wanted) expect_refusal(culprit, call, wanted, culprit)
+void begin_refusal(void);
+void end_refusal(const char *what, tvi_status wanted, const char *culprit);
 
 /* Every method, at orders that it has. */
 typedef struct {
@@ -48,7 +56,7 @@ typedef struct {
 
 /* The system is made or not, as the status says. */
 void expect_system(const char *what, statement by, int n, const double mass[], const functions *f, void *ctx,
-                   tvi_status wanted);
+                   tvi_status wanted, const char *culprit);
 
 /* Problem and method of a loop over problem_count * method_count pairs. */
 typedef struct {
@@ -79,5 +87,6 @@ TCase *tcase_failed_steps(void);
 TCase *tcase_integrate(void);
 TCase *tcase_dense(void);
 TCase *tcase_stats(void);
+TCase *tcase_texts(void); /* in input_texts.c */
 
 #endif

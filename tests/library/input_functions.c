@@ -13,45 +13,46 @@ typedef struct {
     const char *name;
     make_jet *make;
     tvi_status status;
+    const char *culprit;
 } function_case;
 
-/* name, value as a function of the jet x, status of the system whose function returns it */
+/* name, value as a function of the jet x, status of the system whose function returns it, what tvi_last_error names */
 #define NO_VALUE_LIST(ROW)                                                                                             \
-    ROW(nan_constant, jet_const(NAN), TVI_ENONFINITE)                                                                  \
-    ROW(infinite_constant, jet_const(-INFINITY), TVI_ENONFINITE)                                                       \
-    ROW(nan_term, jet_add(x, NAN), TVI_ENONFINITE)                                                                     \
-    ROW(nan_factor, jet_mul(x, NAN), TVI_ENONFINITE)                                                                   \
-    ROW(infinite_factor, jet_mul(INFINITY, x), TVI_ENONFINITE)                                                         \
-    ROW(infinite_divisor, jet_div(x, INFINITY), TVI_ENONFINITE)                                                        \
-    ROW(nan_exponent, jet_pow(x, NAN), TVI_ENONFINITE)                                                                 \
-    ROW(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE)                                                       \
-    ROW(nan_exponent_of_number, jet_pow(2, NAN), TVI_ENONFINITE)                                                       \
-    ROW(overflow_of_product, jet_mul(1e200, 1e200), TVI_ENONFINITE)                                                    \
-    ROW(overflow_of_factor, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE)                                         \
-    ROW(overflow_of_number, jet_add(DBL_MAX, DBL_MAX), TVI_ENONFINITE)                                                 \
-    ROW(overflow_of_exp, jet_exp(1000), TVI_ENONFINITE)                                                                \
-    ROW(overflow_of_pow, jet_pow(10, 400), TVI_ENONFINITE)                                                             \
-    ROW(log_of_negative, jet_log(-1), TVI_EDOMAIN)                                                                     \
-    ROW(log_of_zero, jet_log(0), TVI_EDOMAIN)                                                                          \
-    ROW(sqrt_of_negative, jet_sqrt(-1), TVI_EDOMAIN)                                                                   \
-    ROW(sqrt_of_zero, jet_sqrt(0), TVI_EDOMAIN)                                                                        \
-    ROW(asin_of_one, jet_asin(1), TVI_EDOMAIN)                                                                         \
-    ROW(asin_of_minus_two, jet_asin(-2), TVI_EDOMAIN)                                                                  \
-    ROW(acos_of_minus_one, jet_acos(-1), TVI_EDOMAIN)                                                                  \
-    ROW(acos_of_two, jet_acos(2), TVI_EDOMAIN)                                                                         \
-    ROW(acosh_of_one, jet_acosh(1), TVI_EDOMAIN)                                                                       \
-    ROW(atanh_of_one, jet_atanh(1), TVI_EDOMAIN)                                                                       \
-    ROW(angle_of_zero, jet_atan2(0, 0), TVI_EDOMAIN)                                                                   \
-    ROW(hypot_of_zero, jet_hypot(0, 0), TVI_EDOMAIN)                                                                   \
-    ROW(hypot_with_nan, jet_hypot(x, NAN), TVI_ENONFINITE)                                                             \
-    ROW(overflow_of_hypot, jet_hypot(DBL_MAX, DBL_MAX), TVI_ENONFINITE)                                                \
-    ROW(fraction_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN)                                                                \
-    ROW(fraction_of_negative, jet_pow(-1, 0.5), TVI_EDOMAIN)                                                           \
-    ROW(inverse_of_zero, jet_pow(0, -1), TVI_EDOMAIN)                                                                  \
-    ROW(number_by_zero, jet_div(1, 0), TVI_EDOMAIN)                                                                    \
-    ROW(zero_by_zero, jet_div(0, 0), TVI_EDOMAIN)                                                                      \
-    ROW(jet_by_zero, jet_div(x, 0), TVI_EDOMAIN)                                                                       \
-    ROW(jet_by_minus_zero, jet_div(x, -0.0), TVI_EDOMAIN)
+    ROW(nan_constant, jet_const(NAN), TVI_ENONFINITE, "not finite")                                                    \
+    ROW(infinite_constant, jet_const(-INFINITY), TVI_ENONFINITE, "not finite")                                         \
+    ROW(nan_term, jet_add(x, NAN), TVI_ENONFINITE, "not finite")                                                       \
+    ROW(nan_factor, jet_mul(x, NAN), TVI_ENONFINITE, "not finite")                                                     \
+    ROW(infinite_factor, jet_mul(INFINITY, x), TVI_ENONFINITE, "not finite")                                           \
+    ROW(infinite_divisor, jet_div(x, INFINITY), TVI_ENONFINITE, "not finite")                                          \
+    ROW(nan_exponent, jet_pow(x, NAN), TVI_ENONFINITE, "not finite")                                                   \
+    ROW(infinite_exponent, jet_pow(x, INFINITY), TVI_ENONFINITE, "not finite")                                         \
+    ROW(nan_exponent_of_number, jet_pow(2, NAN), TVI_ENONFINITE, "not finite")                                         \
+    ROW(overflow_of_product, jet_mul(1e200, 1e200), TVI_ENONFINITE, "not finite")                                      \
+    ROW(overflow_of_factor, jet_mul(1e200, jet_mul(1e200, x)), TVI_ENONFINITE, "not finite")                           \
+    ROW(overflow_of_number, jet_add(DBL_MAX, DBL_MAX), TVI_ENONFINITE, "not finite")                                   \
+    ROW(overflow_of_exp, jet_exp(1000), TVI_ENONFINITE, "not finite")                                                  \
+    ROW(overflow_of_pow, jet_pow(10, 400), TVI_ENONFINITE, "not finite")                                               \
+    ROW(log_of_negative, jet_log(-1), TVI_EDOMAIN, "jet_log, which has")                                               \
+    ROW(log_of_zero, jet_log(0), TVI_EDOMAIN, "jet_log, which has")                                                    \
+    ROW(sqrt_of_negative, jet_sqrt(-1), TVI_EDOMAIN, "jet_sqrt, which has")                                            \
+    ROW(sqrt_of_zero, jet_sqrt(0), TVI_EDOMAIN, "jet_sqrt, which has")                                                 \
+    ROW(asin_of_one, jet_asin(1), TVI_EDOMAIN, "jet_asin, which has")                                                  \
+    ROW(asin_of_minus_two, jet_asin(-2), TVI_EDOMAIN, "jet_asin, which has")                                           \
+    ROW(acos_of_minus_one, jet_acos(-1), TVI_EDOMAIN, "jet_acos, which has")                                           \
+    ROW(acos_of_two, jet_acos(2), TVI_EDOMAIN, "jet_acos, which has")                                                  \
+    ROW(acosh_of_one, jet_acosh(1), TVI_EDOMAIN, "jet_acosh, which has")                                               \
+    ROW(atanh_of_one, jet_atanh(1), TVI_EDOMAIN, "jet_atanh, which has")                                               \
+    ROW(angle_of_zero, jet_atan2(0, 0), TVI_EDOMAIN, "jet_atan2, which has")                                           \
+    ROW(hypot_of_zero, jet_hypot(0, 0), TVI_EDOMAIN, "jet_hypot, which has")                                           \
+    ROW(hypot_with_nan, jet_hypot(x, NAN), TVI_ENONFINITE, "not finite")                                               \
+    ROW(overflow_of_hypot, jet_hypot(DBL_MAX, DBL_MAX), TVI_ENONFINITE, "not finite")                                  \
+    ROW(fraction_of_zero, jet_pow(0, 1.5), TVI_EDOMAIN, "jet_pow, which has")                                          \
+    ROW(fraction_of_negative, jet_pow(-1, 0.5), TVI_EDOMAIN, "jet_pow, which has")                                     \
+    ROW(inverse_of_zero, jet_pow(0, -1), TVI_EDOMAIN, "jet_pow, which has")                                            \
+    ROW(number_by_zero, jet_div(1, 0), TVI_EDOMAIN, "jet_div, which has no power series at 0")                         \
+    ROW(zero_by_zero, jet_div(0, 0), TVI_EDOMAIN, "jet_div, which has no power series at 0")                           \
+    ROW(jet_by_zero, jet_div(x, 0), TVI_EDOMAIN, "jet_div, which has no power series at 0")                            \
+    ROW(jet_by_minus_zero, jet_div(x, -0.0), TVI_EDOMAIN, "jet_div, which has no power series at -0")
 
 /* Operations on a jet `other` that poisons whatever it enters, even where its value would not matter. */
 #define POISONED_LIST(ROW)                                                                                             \
@@ -106,12 +107,12 @@ typedef struct {
         (void)x, (void)other;                                                                                          \
         return value;                                                                                                  \
     }
-#define MAKE_OF_THREE(name, value, status) MAKE(name, value)
-#define ROW(name, value)                   {#name, name, TVI_OK}, /* the status is that of `other` */
-#define ROW_OF_THREE(name, value, status)  {#name, name, status},
-NO_VALUE_LIST(MAKE_OF_THREE)
+#define MAKE_OF_FOUR(name, value, status, culprit) MAKE(name, value)
+#define ROW(name, value)                           {#name, name, TVI_OK, ""}, /* the status is that of `other` */
+#define ROW_OF_FOUR(name, value, status, culprit)  {#name, name, status, culprit},
+NO_VALUE_LIST(MAKE_OF_FOUR)
 POISONED_LIST(MAKE)
-static const function_case no_value[] = {NO_VALUE_LIST(ROW_OF_THREE)};
+static const function_case no_value[] = {NO_VALUE_LIST(ROW_OF_FOUR)};
 static const function_case poisoned[] = {POISONED_LIST(ROW)};
 enum { NO_VALUE_COUNT = sizeof no_value / sizeof *no_value, POISONED_COUNT = sizeof poisoned / sizeof *poisoned };
 
@@ -147,17 +148,17 @@ static jet made_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(jet_mul(p[0], p[1]), made_potential(q, t, ctx));
 }
 
-static void expect_function(const char *what, make_jet *make, jet other, tvi_status wanted)
+static void expect_function(const char *what, make_jet *make, jet other, tvi_status wanted, const char *culprit)
 {
     static const functions made = {made_force, made_potential, made_lagrangian, made_hamiltonian};
     recipe r = {make, other};
-    for (statement by = FORCE; by < STATEMENTS; by++) expect_system(what, by, 2, NULL, &made, &r, wanted);
+    for (statement by = FORCE; by < STATEMENTS; by++) expect_system(what, by, 2, NULL, &made, &r, wanted, culprit);
 }
 
 START_TEST(functions_without_value)
 {
     for (int i = 0; i < NO_VALUE_COUNT; i++)
-        expect_function(no_value[i].name, no_value[i].make, jet_const(0), no_value[i].status);
+        expect_function(no_value[i].name, no_value[i].make, jet_const(0), no_value[i].status, no_value[i].culprit);
 }
 END_TEST
 
@@ -165,10 +166,11 @@ END_TEST
 START_TEST(poison_goes_on)
 {
     for (int i = 0; i < POISONED_COUNT; i++) {
-        expect_function(poisoned[i].name, poisoned[i].make, jet_log(-1), TVI_EDOMAIN);
-        expect_function(poisoned[i].name, poisoned[i].make, jet_mul(1e200, 1e200), TVI_ENONFINITE);
+        expect_function(poisoned[i].name, poisoned[i].make, jet_log(-1), TVI_EDOMAIN,
+                        "jet_log, which has no power series at -1");
+        expect_function(poisoned[i].name, poisoned[i].make, jet_mul(1e200, 1e200), TVI_ENONFINITE, "not finite");
     }
-    expect_function("sound", sqr_other, jet_const(2), TVI_OK);
+    expect_function("sound", sqr_other, jet_const(2), TVI_OK, "");
 }
 END_TEST
 
@@ -178,7 +180,7 @@ static jet first_of(jet x, jet other)
     return x;
 }
 
-START_TEST(unused_poison) { expect_function("unused", first_of, jet_log(-1), TVI_OK); }
+START_TEST(unused_poison) { expect_function("unused", first_of, jet_log(-1), TVI_OK, ""); }
 END_TEST
 
 /* Keeps a jet of its recording in ctx. */
@@ -208,7 +210,8 @@ START_TEST(kept_jets)
     tvi_system *system;
     ck_assert_int_eq(tvi_system_potential(&system, 2, NULL, keeping, &kept), TVI_OK);
     const state before = ten_steps(system);
-    for (int i = 0; i < POISONED_COUNT; i++) expect_function(poisoned[i].name, poisoned[i].make, kept, TVI_EINVAL);
+    for (int i = 0; i < POISONED_COUNT; i++)
+        expect_function(poisoned[i].name, poisoned[i].make, kept, TVI_EINVAL, "another recording");
     const state after = ten_steps(system);
     expect_same("a closed recording", &after, &before);
     tvi_system_free(system);
@@ -245,8 +248,8 @@ static jet outer_potential(const jet q[], jet t, void *ctx)
 static void expect_nesting(const char *what, nesting nest, tvi_status outer, tvi_status inner)
 {
     tvi_system *system = NOT_NULL;
-    expect(what, tvi_system_potential(&system, 2, NULL, outer_potential, &nest), outer);
-    expect(what, nest.inner_status, inner);
+    expect_refusal(what, tvi_system_potential(&system, 2, NULL, outer_potential, &nest), outer, "another recording");
+    expect_status(what, nest.inner_status, inner);
     ck_assert((system != NULL) == (outer == TVI_OK));
     ck_assert((nest.inner != NULL) == (inner == TVI_OK));
     tvi_system_free(nest.inner);
@@ -288,16 +291,19 @@ START_TEST(unset_outputs)
     static const struct {
         int set;
         tvi_status status;
-    } cases[] = {{0, TVI_EINVAL}, {1, TVI_EINVAL}, {2, TVI_EINVAL}, {3, TVI_OK}};
+        const char *culprit;
+    } cases[] = {
+        {0, TVI_EINVAL, "force[0]"}, {1, TVI_EINVAL, "force[1]"}, {2, TVI_EINVAL, "force[0]"}, {3, TVI_OK, ""}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         tvi_system *system = NOT_NULL;
         int set = cases[i].set;
-        expect("unset", tvi_system_force(&system, 2, NULL, unset_force, &set), cases[i].status);
+        expect_refusal("unset", tvi_system_force(&system, 2, NULL, unset_force, &set), cases[i].status,
+                       cases[i].culprit);
         ck_assert((system != NULL) == (cases[i].status == TVI_OK));
         tvi_system_free(system);
     }
     tvi_system *system = NOT_NULL;
-    expect("read", tvi_system_force(&system, 2, NULL, unset_force, &(int){INT_MIN | 2}), TVI_EINVAL);
+    refused("force[0] was not set", tvi_system_force(&system, 2, NULL, unset_force, &(int){INT_MIN | 2}), TVI_EINVAL);
     ck_assert_ptr_null(system);
 }
 END_TEST
@@ -325,8 +331,9 @@ START_TEST(singular_lagrangians)
 {
     static tvi_lagrangian_fn *const singular[] = {linear_lagrangian, half_a_lagrangian, static_lagrangian};
     for (size_t i = 0; i < sizeof singular / sizeof *singular; i++)
-        expect_system("singular", LAGRANGIAN, 2, NULL, &(functions){.lagrangian = singular[i]}, NULL, TVI_ESINGULAR);
-    expect_system("mixed", LAGRANGIAN, 2, NULL, &(functions){.lagrangian = mixed_lagrangian}, NULL, TVI_OK);
+        expect_system("singular", LAGRANGIAN, 2, NULL, &(functions){.lagrangian = singular[i]}, NULL, TVI_ESINGULAR,
+                      "L_vv");
+    expect_system("mixed", LAGRANGIAN, 2, NULL, &(functions){.lagrangian = mixed_lagrangian}, NULL, TVI_OK, "");
 }
 END_TEST
 

@@ -39,9 +39,25 @@ void expect_same(const char *what, const state *is, const state *was)
     ck_assert_msg(memcmp(is, was, sizeof *is) == 0, "%s: the state was changed", what);
 }
 
-void expect(const char *what, tvi_status is, tvi_status wanted)
+void expect_status(const char *what, tvi_status is, tvi_status wanted)
 {
     ck_assert_msg(is == wanted, "%s: %s instead of %s", what, tvi_status_string(is), tvi_status_string(wanted));
+}
+
+/* The text is then that of a refusal before. */
+void begin_refusal(void)
+{
+    tvi_options options;
+    ck_assert_int_eq(tvi_options_named("before", 2, &options), TVI_EINVAL);
+    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "\"before\""));
+}
+
+void end_refusal(const char *what, tvi_status wanted, const char *culprit)
+{
+    const char *const text = tvi_last_error();
+    if (wanted == TVI_OK || wanted == TVI_ESTOPPED) return;
+    ck_assert_msg(*text && !strstr(text, "\"before\""), "%s: no text", what);
+    ck_assert_msg(strstr(text, culprit), "%s: \"%s\" does not name %s", what, text, culprit);
 }
 
 tvi_system *create_system(int n, tvi_potential_fn *potential)
@@ -133,10 +149,10 @@ static const functions harmonics = {harmonic_force, harmonic, harmonic_lagrangia
 static const functions no_functions;
 
 void expect_system(const char *what, statement by, int n, const double mass[], const functions *f, void *ctx,
-                   tvi_status wanted)
+                   tvi_status wanted, const char *culprit)
 {
     tvi_system *system = NOT_NULL;
-    expect(what, state_system(&system, by, n, mass, f, ctx), wanted);
+    expect_refusal(what, state_system(&system, by, n, mass, f, ctx), wanted, culprit);
     ck_assert_msg((system != NULL) == (wanted == TVI_OK), "%s: out", what);
     tvi_system_free(system);
 }
@@ -146,10 +162,10 @@ START_TEST(system_arguments)
     static const int sizes[] = {0, -1, INT_MIN, TVI_MAX_DIMENSION + 1, INT_MAX - 1, INT_MAX};
     for (statement by = FORCE; by < STATEMENTS; by++) {
         for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-            expect_system("n", by, sizes[i], NULL, &harmonics, NULL, TVI_EINVAL);
-        expect_system("no function", by, 2, NULL, &no_functions, NULL, TVI_EINVAL);
-        expect_system("sound", by, 2, NULL, &harmonics, NULL, TVI_OK);
-        expect("out", state_system(NULL, by, 2, NULL, &harmonics, NULL), TVI_EINVAL);
+            expect_system("n", by, sizes[i], NULL, &harmonics, NULL, TVI_EINVAL, "n = ");
+        expect_system("no function", by, 2, NULL, &no_functions, NULL, TVI_EINVAL, "function");
+        expect_system("sound", by, 2, NULL, &harmonics, NULL, TVI_OK, "");
+        refused("out", state_system(NULL, by, 2, NULL, &harmonics, NULL), TVI_EINVAL);
     }
     ck_assert_int_eq(tvi_system_dimension(NULL), 0);
     tvi_system_free(NULL);
@@ -177,7 +193,8 @@ START_TEST(masses)
             double mass[] = {1, 1};
             mass[place] = bad_masses[i].mass;
             for (statement by = FORCE; by <= POTENTIAL; by++)
-                expect_system(bad_masses[i].name, by, 2, mass, &harmonics, NULL, bad_masses[i].status);
+                expect_system(bad_masses[i].name, by, 2, mass, &harmonics, NULL, bad_masses[i].status,
+                              place ? "mass[1]" : "mass[0]");
         }
 }
 END_TEST
@@ -215,23 +232,25 @@ START_TEST(energy_without_value)
         const char *name;
         double t, q[2], p[2];
         tvi_status status;
+        const char *culprit;
     } cases[] = {
-        {"sound", 0, {1, 2}, {3, 4}, TVI_OK},
-        {"t NaN", NAN, {1, 2}, {3, 4}, TVI_ENONFINITE},
-        {"t infinite", INFINITY, {1, 2}, {3, 4}, TVI_ENONFINITE},
-        {"q NaN", 0, {NAN, 2}, {3, 4}, TVI_ENONFINITE},
-        {"q infinite", 0, {1, INFINITY}, {3, 4}, TVI_ENONFINITE},
-        {"p NaN", 0, {1, 2}, {3, NAN}, TVI_ENONFINITE},
-        {"p infinite", 0, {1, 2}, {-INFINITY, 4}, TVI_ENONFINITE},
-        {"log 0", 0, {0, 2}, {3, 4}, TVI_EDOMAIN},
-        {"log of negative", 0, {-1, 2}, {3, 4}, TVI_EDOMAIN},
-        {"V overflows", 0, {1, 1e100}, {3, 4}, TVI_ENONFINITE},
-        {"T overflows", 0, {1, 2}, {1e200, 4}, TVI_ENONFINITE},
+        {"sound", 0, {1, 2}, {3, 4}, TVI_OK, ""},
+        {"t NaN", NAN, {1, 2}, {3, 4}, TVI_ENONFINITE, "t = "},
+        {"t infinite", INFINITY, {1, 2}, {3, 4}, TVI_ENONFINITE, "t = "},
+        {"q NaN", 0, {NAN, 2}, {3, 4}, TVI_ENONFINITE, "q[0]"},
+        {"q infinite", 0, {1, INFINITY}, {3, 4}, TVI_ENONFINITE, "q[1]"},
+        {"p NaN", 0, {1, 2}, {3, NAN}, TVI_ENONFINITE, "p[1]"},
+        {"p infinite", 0, {1, 2}, {-INFINITY, 4}, TVI_ENONFINITE, "p[0]"},
+        {"log 0", 0, {0, 2}, {3, 4}, TVI_EDOMAIN, "no power series at 0"},
+        {"log of negative", 0, {-1, 2}, {3, 4}, TVI_EDOMAIN, "jet_log has no power series at -1: operation "},
+        {"V overflows", 0, {1, 1e100}, {3, 4}, TVI_ENONFINITE, "energy"},
+        {"T overflows", 0, {1, 2}, {1e200, 4}, TVI_ENONFINITE, "energy"},
     };
     tvi_system *system = create_mixed((statement)_i);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         double H = 42;
-        expect(cases[i].name, tvi_energy(system, cases[i].t, cases[i].q, cases[i].p, &H), cases[i].status);
+        expect_refusal(cases[i].name, tvi_energy(system, cases[i].t, cases[i].q, cases[i].p, &H), cases[i].status,
+                       cases[i].culprit);
         ck_assert_double_eq_tol(H, cases[i].status == TVI_OK ? 28.5 : 42, 1e-13);
     }
     tvi_system_free(system);
@@ -243,7 +262,7 @@ START_TEST(energy_of_a_force)
     tvi_system *system;
     double H = 42;
     ck_assert_int_eq(tvi_system_force(&system, 2, NULL, harmonic_force, NULL), TVI_OK);
-    expect("energy", tvi_energy(system, 0, (double[]){1, 0}, (double[]){0, 1}, &H), TVI_EUNSUPPORTED);
+    expect_refusal("energy", tvi_energy(system, 0, (double[]){1, 0}, (double[]){0, 1}, &H), TVI_EUNSUPPORTED, "force");
     ck_assert_double_eq(H, 42);
     tvi_system_free(system);
 }
@@ -254,10 +273,10 @@ START_TEST(energy_arguments)
     tvi_system *system = create_mixed((statement)_i);
     const double x[] = {1, 2};
     double H = 42;
-    expect("system", tvi_energy(NULL, 0, x, x, &H), TVI_EINVAL);
-    expect("q", tvi_energy(system, 0, NULL, x, &H), TVI_EINVAL);
-    expect("p", tvi_energy(system, 0, x, NULL, &H), TVI_EINVAL);
-    expect("H", tvi_energy(system, 0, x, x, NULL), TVI_EINVAL);
+    refused("system", tvi_energy(NULL, 0, x, x, &H), TVI_EINVAL);
+    refused("q", tvi_energy(system, 0, NULL, x, &H), TVI_EINVAL);
+    refused("p", tvi_energy(system, 0, x, NULL, &H), TVI_EINVAL);
+    refused("H", tvi_energy(system, 0, x, x, NULL), TVI_EINVAL);
     ck_assert_double_eq(H, 42);
     tvi_system_free(system);
 }
@@ -266,17 +285,18 @@ END_TEST
 typedef tvi_status legendre(const tvi_system *, double, const double[], const double[], double[]);
 static legendre *const transforms[] = {tvi_momentum, tvi_velocity};
 
-static void expect_no_legendre(const char *what, legendre *transform, const tvi_system *system, double t,
+static void expect_no_legendre(const char *culprit, legendre *transform, const tvi_system *system, double t,
                                const double q[], const double x[], tvi_status wanted)
 {
     double y[] = {42, 43};
-    expect(what, transform(system, t, q, x, y), wanted);
-    ck_assert_msg(y[0] == 42 && y[1] == 43, "%s: the output was changed", what);
+    refused(culprit, transform(system, t, q, x, y), wanted);
+    ck_assert_msg(y[0] == 42 && y[1] == 43, "%s: the output was changed", culprit);
 }
 
 START_TEST(legendre_arguments)
 {
     legendre *const transform = transforms[_i % 2];
+    const char *const in = _i % 2 ? "p is NULL" : "v is NULL", *const out = _i % 2 ? "v is NULL" : "p is NULL";
     tvi_system *system = create_mixed((statement)(_i / 2));
     const double q[] = {1, 2}, x[] = {1, 2};
     double y[2];
@@ -285,11 +305,11 @@ START_TEST(legendre_arguments)
     ck_assert_double_eq_tol(y[1], 2, 1e-15);
     expect_no_legendre("system", transform, NULL, 0, q, x, TVI_EINVAL);
     expect_no_legendre("q", transform, system, 0, NULL, x, TVI_EINVAL);
-    expect_no_legendre("in", transform, system, 0, q, NULL, TVI_EINVAL);
-    expect("out", transform(system, 0, q, x, NULL), TVI_EINVAL);
-    expect_no_legendre("t", transform, system, NAN, q, x, TVI_ENONFINITE);
-    expect_no_legendre("q", transform, system, 0, (double[]){1, INFINITY}, x, TVI_ENONFINITE);
-    expect_no_legendre("in", transform, system, 0, q, (double[]){1, NAN}, TVI_ENONFINITE);
+    expect_no_legendre(in, transform, system, 0, q, NULL, TVI_EINVAL);
+    refused(out, transform(system, 0, q, x, NULL), TVI_EINVAL);
+    expect_no_legendre("t = nan", transform, system, NAN, q, x, TVI_ENONFINITE);
+    expect_no_legendre("q[1]", transform, system, 0, (double[]){1, INFINITY}, x, TVI_ENONFINITE);
+    expect_no_legendre(_i % 2 ? "p[1]" : "v[1]", transform, system, 0, q, (double[]){1, NAN}, TVI_ENONFINITE);
     tvi_system_free(system);
 }
 END_TEST
@@ -299,7 +319,7 @@ START_TEST(legendre_of_masses)
     const double mass[] = {_i == 0 ? 1e10 : 1e-10, 1}, q[] = {1, 2};
     tvi_system *system;
     ck_assert_int_eq(tvi_system_potential(&system, 2, mass, harmonic, NULL), TVI_OK);
-    expect_no_legendre("overflow", transforms[_i], system, 0, q, (double[]){1e300, 1}, TVI_ENONFINITE);
+    expect_no_legendre("not finite", transforms[_i], system, 0, q, (double[]){1e300, 1}, TVI_ENONFINITE);
     tvi_system_free(system);
 }
 END_TEST
@@ -310,11 +330,12 @@ START_TEST(legendre_without_value)
 {
     const statement by = _i ? HAMILTONIAN : LAGRANGIAN;
     legendre *const stated = transforms[_i], *const solved = transforms[1 - _i];
+    const char *const name = "jet_div has no power series at 0"; /* of the derivative of the logarithm */
     tvi_system *system = create_mixed(by);
     expect_no_legendre("singular", solved, system, 0, (double[]){2, 1}, (double[]){1, 2}, TVI_ESINGULAR);
-    expect_no_legendre("domain", stated, system, 0, (double[]){0, 1}, (double[]){1, 2}, TVI_EDOMAIN);
-    expect_no_legendre("domain", solved, system, 0, (double[]){0, 1}, (double[]){1, 2}, TVI_EDOMAIN);
-    expect_no_legendre("overflow", stated, system, 0, (double[]){1e200, 1}, (double[]){1e200, 1}, TVI_ENONFINITE);
+    expect_no_legendre(name, stated, system, 0, (double[]){0, 1}, (double[]){1, 2}, TVI_EDOMAIN);
+    expect_no_legendre(name, solved, system, 0, (double[]){0, 1}, (double[]){1, 2}, TVI_EDOMAIN);
+    expect_no_legendre("not finite", stated, system, 0, (double[]){1e200, 1}, (double[]){1e200, 1}, TVI_ENONFINITE);
     tvi_system_free(system);
 }
 END_TEST
@@ -387,5 +408,6 @@ Suite *suite_input(void)
     suite_add_tcase(suite, tcase_integrate());
     suite_add_tcase(suite, tcase_dense());
     suite_add_tcase(suite, tcase_stats());
+    suite_add_tcase(suite, tcase_texts());
     return suite;
 }

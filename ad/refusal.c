@@ -1,0 +1,68 @@
+/* refusal.c - the texts of what is refused, and the operation that a sweep has failed at. */
+#include "refusal.h"
+#include "rule.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { TEXT_MAX = 512 };
+static _Thread_local char last[TEXT_MAX];
+
+tvi_status jet_refuse(tvi_status status, const char *format, ...)
+{
+    char text[TEXT_MAX];
+    va_list arguments;
+    va_start(arguments, format);
+    (void)vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    memcpy(last, text, sizeof text);
+    return status;
+}
+
+tvi_status jet_refuse_memory(tvi_status status)
+{
+    return status == TVI_ENOMEM ? jet_refuse(status, "out of memory") : status;
+}
+
+const char *jet_refusal(void) { return last; }
+
+#define NAME(op, name) [op] = #name,
+static const char *const names[OP_COUNT] = {JET_RULE_LIST(NAME)};
+#define REASON(reason, status, text) [reason] = text,
+static const char *const reasons[] = {JET_REASON_LIST(REASON)};
+
+tvi_status jet_refuse_output(const char *name, int outputs, int i, jet x)
+{
+    const bool is_poison = jet_is_poison(x);
+    const jet_reason reason = is_poison ? (jet_reason)x.node->count : x.node ? JET_FOREIGN : JET_NOT_FINITE;
+    const tvi_status status = is_poison ? (tvi_status)x.node->index : x.node ? TVI_EINVAL : TVI_ENONFINITE;
+    char called[64];
+    (void)snprintf(called, sizeof called, outputs > 1 ? "%s[%d]" : "%s", name, i);
+    if (reason < JET_OUTSIDE) return jet_refuse(status, "%s %s", called, reasons[reason]);
+    return jet_refuse(status, "%s is made of jet_%s, which has no power series at %g", called,
+                      names[reason - JET_OUTSIDE], x.number);
+}
+
+/* What an operation divides by, or its operand. */
+static double operand_of(const jet_run *run, const double *x, int lanes, int member)
+{
+    return x[(run->op == OP_DIV ? run->b : run->a) * lanes + member];
+}
+
+bool jet_refuse_sweep(const jet_tape *tape, const double *x, int lanes)
+{
+    double z;
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+        if (!names[run->op]) continue;
+        const double *a = x + (size_t)run->a * (size_t)lanes, *b = x + (size_t)run->b * (size_t)lanes;
+        for (int i = 0; i < run->count * lanes; i++) {
+            if (jet_rules[run->op]->value(run->c, 1, a + i, b + i, &z)) continue;
+            (void)jet_refuse(TVI_EDOMAIN, "jet_%s has no power series at %g: operation %d of the recording",
+                             names[run->op], operand_of(run, x, lanes, i), tape->recorded[run->z + i / lanes]);
+            return false;
+        }
+    }
+    return false;
+}

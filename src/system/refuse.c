@@ -1,0 +1,38 @@
+/* refuse.c - see refuse.h. */
+#include "system/refuse.h"
+
+#include <math.h>
+
+tvi_status tvi_refuse_null(int count, const void *const pointer[], const char *const name[])
+{
+    int i = 0;
+    while (i < count - 1 && pointer[i]) i++;
+    return jet_refuse(TVI_EINVAL, "%s is NULL", name[i]);
+}
+
+tvi_status tvi_refuse_run(tvi_run_arguments given, const char *other)
+{
+    const void *const pointer[] = {given.integrator, given.t, given.q, given.p};
+    static const char *const name[] = {"integrator", "t", "q", "p"};
+    for (int i = 0; i < 4; i++)
+        if (!pointer[i]) return tvi_refuse_null(4, pointer, name);
+    if (given.h == 0) return jet_refuse(TVI_EINVAL, "h is 0");
+    if (!isfinite(given.h)) return jet_refuse(TVI_EINVAL, "h = %g is not finite", given.h);
+    return jet_refuse(TVI_EINVAL, "%s", other);
+}
+
+tvi_status tvi_refuse_state(int n, double t, const double q[], const char *name, const double other[])
+{
+    if (!isfinite(t)) return jet_refuse(TVI_ENONFINITE, "t = %g is not finite", t);
+    for (int i = 0; i < n; i++) {
+        if (!isfinite(q[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] = %g is not finite", i, q[i]);
+        if (!isfinite(other[i])) return jet_refuse(TVI_ENONFINITE, "%s[%d] = %g is not finite", name, i, other[i]);
+    }
+    return TVI_OK;
+}
+
+tvi_status tvi_refuse_as(const char *what, tvi_status status)
+{
+    if (status == TVI_OK) return status;
+    return jet_refuse(status, "%s: %s", what, status == TVI_EDOMAIN ? jet_refusal() : tvi_status_string(status));
+}
