@@ -237,6 +237,7 @@ static long fail_each(maker *make, const void *argument, allocation_failure how)
 {
     for (long k = 1;; k++) {
         bool cleared;
+        ck_assert_int_eq(tvi_dense(NULL, 0, NULL, NULL), TVI_EINVAL); /* leaves another text */
         allocation_fail(how, k);
         const tvi_status status = make(argument, &cleared);
         const allocation_counts counts = allocation_stop();
@@ -248,6 +249,7 @@ static long fail_each(maker *make, const void *argument, allocation_failure how)
         }
         ck_assert_msg(status == TVI_ENOMEM, "%s when allocation %ld fails", tvi_status_string(status), k);
         ck_assert_msg(cleared, "the output when allocation %ld fails", k);
+        ck_assert_ptr_nonnull(strstr(tvi_last_error(), "out of memory"));
     }
 }
 
@@ -261,7 +263,7 @@ START_TEST(events_without_memory)
     ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL), TVI_OK);
     of.event = event;
     ck_assert_int_gt(fail_each(make_event, NULL, how), 5);
-    ck_assert_int_eq(fail_each(run_with_events, &of, how), 59);
+    ck_assert_int_eq(fail_each(run_with_events, &of, how), 60);
     ck_assert_int_eq(fail_each(run_to_time, &of, how), 2);
     tvi_event_free(event);
     tvi_integrator_free(of.integrator);
