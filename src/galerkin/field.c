@@ -54,4 +54,4 @@ static void predict(galerkin_field *field, int steps, const double *extrapolatio
     field->loops->predict(&field->nodes, steps, extrapolation, impulses);
 }
 
-const galerkin_form tvi_galerkin_form_plain = {-1, false, take, prepare, start, predict, NULL};
+const galerkin_form tvi_galerkin_form_plain = {-1, &tvi_galerkin_fixed_point, take, prepare, start, predict, NULL};

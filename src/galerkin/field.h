@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_GALERKIN_FIELD_H
 #define TVI_SRC_GALERKIN_FIELD_H
 
+#include "algebra/passes.h"
 #include "galerkin/loops.h"
 #include "method/stepper.h"
 #include "system/roundoff.h"
@@ -33,8 +34,8 @@ typedef struct {
 } galerkin_field;
 
 struct galerkin_form {
-    int force_sign; /* P' is this times what drives P */
-    bool is_newton; /* a pass contracts no less than the one before it */
+    int force_sign;              /* P' is this times what drives P */
+    const tvi_passes_rule *rule; /* of a movement's part in one unknown at one node */
     void (*take)(galerkin_field *field, tvi_arena *arena);
     /* Once the matrix is there. */
     void (*prepare)(galerkin_field *field);
@@ -45,6 +46,9 @@ struct galerkin_form {
     /* See tvi_galerkin_pass; NULL: by galerkin_evaluate. Not counted. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
 };
+
+/* When the passes of a fixed point and of a Newton method may end: passes.c. */
+extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_newton;
 
 /* A tape's inputs are the unknowns, and its outputs drive them; and a Lagrangian's. */
 extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian;

@@ -21,6 +21,7 @@ typedef struct {
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
     galerkin_probe probe;
+    tvi_passes_rule rule;
     galerkin_dense dense;
     double *sum;               /* [unknowns][SUMS] of the impulses */
     double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
@@ -95,6 +96,7 @@ static void prepare(void *work)
     w->field.form->prepare(&w->field);
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
     tvi_roundoff_prepare(&w->probe.of_field, w->field.system);
+    w->rule = tvi_galerkin_rule(&w->field, w->options);
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -168,7 +170,7 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
     }
     set_times(w, origin, field->h);
     set_sizes(&field->nodes, w->n);
-    return tvi_galerkin_iterate(field, &w->probe, w->options, origin, slowest, stats);
+    return tvi_galerkin_iterate(field, &w->probe, &w->rule, origin, slowest, stats);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */

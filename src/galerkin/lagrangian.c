@@ -244,4 +244,4 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     return TVI_OK;
 }
 
-const galerkin_form tvi_galerkin_form_lagrangian = {1, true, take, prepare, start, predict, pass};
+const galerkin_form tvi_galerkin_form_lagrangian = {1, &tvi_galerkin_newton, take, prepare, start, predict, pass};

@@ -14,10 +14,13 @@ typedef struct {
 
 void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const galerkin_field *field);
 
-/* From the unknowns that the field has, until what is left of the equations is nothing, or as the options say.
+/* That of the form for all unknowns at all nodes, as the options have it. */
+tvi_passes_rule tvi_galerkin_rule(const galerkin_field *field, const tvi_options *options);
+
+/* From the unknowns that the field has, until the rule lets the passes end.
  * *slowest: how far passes contract, or 0: of an earlier step of the same size, then of this one. Sets stats->residual
  * and counts. TVI_ENOCONV, TVI_ENONFINITE, and what the field fails with. */
-TVI_NODISCARD tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_options *options,
+TVI_NODISCARD tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
                                               const tvi_origin *origin, double *slowest, tvi_stats *stats);
 
 /* Whether the nodes have not run off: roundoff.h. */

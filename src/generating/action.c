@@ -99,8 +99,8 @@ enum { NEWTON_STEPS = 50 };
  * many units of what the roundoff of H_p and v makes of them. */
 static const double STALLED = 1e-13;
 
-/* Whether corrections as large as `largest` are roundoff, by that of the H_p that was last evaluated. */
-static bool is_roundoff(tvi_action *action, const tvi_curve *curve, double largest)
+/* The roundoff of the corrections, by that of the H_p that was last evaluated. */
+static double measure_roundoff(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve->n, points = action->points;
     tvi_roundoff *roundoff = &action->roundoff;
@@ -110,7 +110,7 @@ static bool is_roundoff(tvi_action *action, const tvi_curve *curve, double large
         action->correction[i] = tvi_roundoff_sign(roundoff, roundoff->change[n + i] + of_v);
     }
     tvi_factor_solve(&curve->slope, action->correction);
-    return largest <= TVI_ROUNDOFF_UNITS * tvi_largest(n, action->correction, 1);
+    return TVI_ROUNDOFF_UNITS * tvi_largest(n, action->correction, 1);
 }
 
 /* Momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by a Newton method with H_pp at the centre. v
@@ -123,7 +123,7 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
     tvi_passes passes = TVI_NO_PASSES;
     memcpy(p, action->momentum, (size_t)(n * points) * sizeof *p);
     const double size = tvi_largest(n * points, p, 1);
-    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 1, .roundoff = STALLED * size};
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .stuck = TVI_PASSES_ALL, .roundoff = STALLED * size};
     tvi_status status = tvi_curve_factor_slope(curve);
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         status = run_field(action, curve);
@@ -139,9 +139,9 @@ static tvi_status solve_node_momenta(tvi_action *action, tvi_curve *curve)
             }
         }
         if (!isfinite(largest)) return TVI_ENONFINITE;
-        tvi_passes_add(&passes, largest);
-        const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule);
-        if (verdict == TVI_PASSES_MAY_END || (verdict == TVI_PASSES_STUCK && is_roundoff(action, curve, largest)))
+        const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, largest);
+        if (verdict == TVI_PASSES_MAY_END ||
+            (verdict == TVI_PASSES_STUCK && tvi_passes_are_roundoff(&passes, measure_roundoff(action, curve))))
             return run_field(action, curve);
     }
     return status == TVI_OK ? TVI_ENOCONV : status;

@@ -7,18 +7,28 @@
 #include <math.h>
 #include <string.h>
 
-/* Passes that just contract, by a half, are at roundoff after 53. */
-enum { MAX_PASSES = 64, MAX_REFRESHES = 3, CHECK_EVERY = 16 };
+enum { MAX_REFRESHES = 3, CHECK_EVERY = 16 };
 
 /* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns, or against what
  * the residual is computed from. */
-static const double STAGNATION = 256 * DBL_EPSILON;
-static const double ROUNDOFF = DBL_EPSILON / 2;
-static const double MOST_SLACK = 1e6;
-/* Corrections above this are no roundoff. */
-static const double NOISE = 1e-13;
+#define STAGNATION (256 * DBL_EPSILON)
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
-static const double CONTRACTION = 0.5;
+#define CONTRACTION 0.5
+
+/* Of the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just contract are there
+ * after 53. */
+static const tvi_passes_rule of_each = {.most = 64,
+                                        .goal = DBL_EPSILON / 2,
+                                        .memory = 2,
+                                        .contraction = 1,
+                                        .far = INFINITY,
+                                        .most_slack = 1e6,
+                                        .slack_above = 1e-13,
+                                        .stuck = CONTRACTION,
+                                        .turns = 1};
+/* Of the largest one of a group against the largest unknown: where the others are stuck it says whether they are
+ * roundoff. */
+static const tvi_passes_rule of_largest = {.turns = 2, .roundoff = STAGNATION};
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix)
 {
@@ -107,32 +117,11 @@ static void fill_scale(tvi_newton *newton)
     }
 }
 
-/* What the passes have shown so far. */
+/* How one solution goes. */
 typedef struct {
-    tvi_passes relative, of_group; /* of the corrections, as correction_size has them */
-    double contraction;            /* of the last correction, 0: none yet */
-    double expected;               /* what the next correction should be; INFINITY: nobody knows */
-    double slack, seen;            /* in this step: believed, and of the last correction */
-    bool checks;                   /* one more pass than seems needed, to see how far the expectation can be trusted */
+    tvi_passes_rule rule, rule_of_largest;
+    tvi_passes passes, largest;
 } progress;
-
-/* The correction times the slower of the last two contractions, and the slack: passes that gain little in the
- * directions where the first correction was small make later contractions slower than the first one. */
-static void expect(progress *at)
-{
-    const double contraction = fmin(at->relative.size / fmin(at->relative.before, 1), 1);
-    at->expected = fmax(at->slack, at->seen) * fmax(contraction, at->contraction) * at->relative.size;
-    at->contraction = contraction;
-}
-
-/* The slack that one correction shows is believed when the next one contracts again: one that was roundoff does not. */
-static void learn(progress *at)
-{
-    const bool contracts = tvi_passes_contract(&at->relative, CONTRACTION);
-    if (contracts) at->slack = fmin(fmax(at->slack, at->seen), MOST_SLACK);
-    const double slack = fmax(at->slack, at->seen) * at->relative.size / at->expected; /* 0: nothing was expected */
-    at->seen = contracts && at->relative.size > NOISE ? slack : 0;
-}
 
 /* The reach of the unknowns: their scales, and that of which the roundoff of the residual is the part STAGNATION.
  * Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
@@ -150,44 +139,38 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
     }
 }
 
-/* Whether corrections that no longer shrink are roundoff. */
-static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, progress *at)
+/* Corrections of q follow from those of p and these from those of q, without a matrix to make anew and where the first
+ * contraction tells little. Without a matrix passes are not stuck as long as the largest unknowns settle: what one body
+ * hands on to the next in each pass, to bodies that had nothing before, is the last to do so. */
+static progress start(const tvi_newton *newton, const tvi_equations *equations, const tvi_options *options)
 {
-    if (at->of_group.size <= STAGNATION) return true;
+    tvi_newton_history *history = newton->history;
+    const bool is_rough = equations->is_rough, is_due = history->solves++ % CHECK_EVERY == 0;
+    progress at = {tvi_passes_rule_asked(&of_each, options, options->tolerance), of_largest, TVI_NO_PASSES,
+                   TVI_NO_PASSES};
+    if (!newton->has_matrix) at.rule_of_largest.stuck = CONTRACTION;
+    if (!newton->has_matrix || is_rough) at.rule.turns = 2;
+    at.passes.slack = fmax(history->slack, 1);
+    at.passes.checks = options->tolerance == 0 && (is_due || is_rough);
+    return at;
+}
+
+/* Whether corrections that no longer shrink are roundoff, by that of the residual. */
+static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_passes *passes)
+{
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
     find_reach(newton, equations);
     if (measure(newton, newton->reach).of_group > STAGNATION) return false;
-    at->slack = at->seen = 0; /* nothing that this step has shown is known to be no roundoff */
+    passes->slack = passes->seen = 0; /* nothing that this step has shown is known to be no roundoff */
     return true;
 }
 
-/* Whether the passes get nearer. Two passes count, too, where corrections of q follow from those of p and these from
- * those of q, which are small and large in turns. Without a matrix to make anew passes go on as long as the largest
- * unknowns do: what one body hands on to the next in each pass, to bodies that had nothing before, is the last to
- * settle. */
-static bool contracts(const tvi_newton *newton, const tvi_equations *equations, const progress *at)
+static tvi_passes_verdict judge(tvi_newton *newton, const tvi_equations *equations, progress *at, correction_size size)
 {
-    const double twice = CONTRACTION * CONTRACTION;
-    const bool in_turns = equations->is_rough || !newton->has_matrix;
-    if (tvi_passes_contract(&at->relative, CONTRACTION)) return true;
-    if (in_turns && tvi_passes_contract_in_two(&at->relative, twice)) return true;
-    return !newton->has_matrix &&
-           (tvi_passes_contract(&at->of_group, CONTRACTION) || tvi_passes_contract_in_two(&at->of_group, twice));
-}
-
-/* Whether the passes may end here. */
-static bool is_enough(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options, int count,
-                      progress *at)
-{
-    if (options->passes > 0) return count == options->passes;
-    const double goal = options->tolerance > 0 ? options->tolerance : ROUNDOFF;
-    if (count == 1) return at->relative.size <= goal;
-    if (!contracts(newton, equations, at) && is_roundoff(newton, equations, at)) return true;
-    if (options->tolerance > 0) return at->relative.size <= goal;
-    learn(at);
-    const bool was_expected = at->expected <= ROUNDOFF;
-    expect(at);
-    return at->expected <= ROUNDOFF && (!at->checks || was_expected);
+    tvi_passes_verdict verdict = tvi_passes_judge(&at->passes, &at->rule, size.relative);
+    const tvi_passes_verdict settled = tvi_passes_judge(&at->largest, &at->rule_of_largest, size.of_group);
+    if (verdict == TVI_PASSES_STUCK) verdict = settled;
+    return verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at->passes) ? TVI_PASSES_MAY_END : verdict;
 }
 
 /* One pass: correction = -K^-1 r(x). */
@@ -217,30 +200,23 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
                             tvi_stats *stats)
 {
-    tvi_newton_history *history = newton->history;
-    const int max_passes = options->max_passes > 0 ? options->max_passes : MAX_PASSES;
-    progress at = {.relative = TVI_NO_PASSES,
-                   .of_group = TVI_NO_PASSES,
-                   .expected = INFINITY,
-                   .slack = fmax(history->slack, 1),
-                   .checks = history->solves++ % CHECK_EVERY == 0 || equations->is_rough};
+    progress at = start(newton, equations, options);
     int refreshes = 0;
     bool refresh = false;
-    for (int count = 1; options->passes > 0 || count <= max_passes; count++) {
+    for (int count = 1; count <= at.rule.most; count++) {
         refreshes += refresh;
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
         const correction_size size = measure(newton, newton->scale);
-        tvi_passes_add(&at.relative, size.relative);
-        tvi_passes_add(&at.of_group, size.of_group);
         stats->residual = size.relative;
-        if (is_enough(newton, equations, options, count, &at)) {
-            history->slack = fmax(history->slack, at.slack);
+        const tvi_passes_verdict verdict = judge(newton, equations, &at, size);
+        if (verdict == TVI_PASSES_MAY_END) {
+            newton->history->slack = fmax(newton->history->slack, at.passes.slack);
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
-        refresh = count > 1 && options->passes == 0 && !contracts(newton, equations, &at);
+        refresh = verdict == TVI_PASSES_STUCK;
         if (refresh && refreshes == MAX_REFRESHES) return TVI_ENOCONV;
     }
     return TVI_ENOCONV;

@@ -283,10 +283,13 @@ static tvi_status iterate(tvi_closure *c, const tvi_transposed *a)
         const double size = measure(c, a, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (step == 0) goal = fmax(ENOUGH, ROUGH * size);
-        tvi_passes_add(&passes, size);
-        const double contraction = step > 0 ? fmin(tvi_passes_contraction(&passes), 1) : 1;
-        const tvi_passes_rule rule = {goal / contraction, 0.5, STALLED * measure(c, a, it->x)};
-        if (tvi_passes_judge(&passes, &rule) == TVI_PASSES_MAY_END) {
+        const tvi_passes_rule rule = {.goal = goal,
+                                      .memory = 1,
+                                      .contraction = 0.5,
+                                      .far = INFINITY,
+                                      .stuck = 0.5,
+                                      .roundoff = STALLED * measure(c, a, it->x)};
+        if (tvi_passes_judge(&passes, &rule, size) == TVI_PASSES_MAY_END) {
             if (a->second) add(count, 1, s, it->x); /* nothing else of r is needed */
             else minimise(c, last, a, step);
             it->has_guess = true;

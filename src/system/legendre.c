@@ -105,8 +105,8 @@ static tvi_status find_correction(tvi_legendre *legendre, const double y[])
  * of y and f(x) makes of them. */
 static const double STALLED = 1e-12;
 
-/* Whether corrections as large as `largest` are roundoff. */
-static bool is_roundoff(tvi_legendre *legendre, const double y[], double largest)
+/* The roundoff of the corrections. */
+static double measure_roundoff(tvi_legendre *legendre, const double y[])
 {
     const tvi_system *system = legendre->system;
     tvi_roundoff *roundoff = &legendre->roundoff;
@@ -114,16 +114,18 @@ static bool is_roundoff(tvi_legendre *legendre, const double y[], double largest
     for (int i = 0; i < system->n; i++)
         legendre->moved[i] = tvi_roundoff_sign(roundoff, roundoff->change[system->n + i] + DBL_EPSILON * fabs(y[i]));
     tvi_factor_solve(&legendre->slope, legendre->moved);
-    return largest <= TVI_ROUNDOFF_UNITS * tvi_largest(system->n, legendre->moved, 1);
+    return TVI_ROUNDOFF_UNITS * tvi_largest(system->n, legendre->moved, 1);
 }
 
 /* Whether this correction is the last. */
-static bool is_last(tvi_legendre *legendre, const double x[], const double y[], const tvi_passes *passes)
+static bool is_last(tvi_legendre *legendre, const double x[], const double y[], tvi_passes *passes)
 {
     const double size = tvi_largest(legendre->system->n, x, 1);
-    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 1, .roundoff = STALLED * size};
-    const tvi_passes_verdict verdict = tvi_passes_judge(passes, &rule);
-    return verdict == TVI_PASSES_MAY_END || (verdict == TVI_PASSES_STUCK && is_roundoff(legendre, y, passes->size));
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .stuck = TVI_PASSES_ALL, .roundoff = STALLED * size};
+    const double largest = tvi_largest(legendre->system->n, legendre->correction, 1);
+    const tvi_passes_verdict verdict = tvi_passes_judge(passes, &rule, largest);
+    if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
+    return tvi_passes_are_roundoff(passes, measure_roundoff(legendre, y));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
@@ -143,7 +145,6 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         const bool is_singular = status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0;
         if (status != TVI_OK && !is_singular) return status;
         was_singular |= is_singular;
-        tvi_passes_add(&passes, tvi_largest(n, legendre->correction, 1));
         const bool last = !is_singular && is_last(legendre, x, y, &passes);
         status = move(legendre, t, q, y, last ? INFINITY : distance(legendre, y), x);
         if (last && status == TVI_OK) return distance(legendre, y) <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
