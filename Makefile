@@ -1,3 +1,4 @@
+# make help       these lines
 # make            build/libtvi.a and build/libtvi.so
 # make check      the tests (installs what they need from Debian, as root), less than six minutes of two cores
 # make check-long what takes longer: sanitizers, coverage, the base instruction set, warnings of gcc as it optimizes
@@ -7,7 +8,7 @@
 # make fuzz-steps random steps against their definition in quadruple precision; SEED=n COUNT=m
 # make analyse    clang-tidy and cppcheck over everything
 # make blas-threads     the same bits for any number of threads of OpenBLAS
-# make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (and DESTDIR); make uninstall
+# make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (LIBDIR, DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
@@ -54,10 +55,14 @@ OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
 .DELETE_ON_ERROR:
-.PHONY: all check check-long bench choose references clean need-library need-check need-bench
+.PHONY: help all check check-long bench choose references clean need-library need-check need-bench
 
 all: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a $(BUILD)/libtvi.so
+
+# what there is to make: the lines at the head of this file
+help:
+	@sed -n '/^#/!q; s/^# //p' Makefile
 
 # ---- What is needed from Debian: `package:test`, installed where the test fails ---------------------------------------
 

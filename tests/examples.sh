@@ -10,7 +10,7 @@ rm -rf "$stage"
 mkdir -p "$stage"
 $MAKE -s --no-print-directory install PREFIX="$stage/usr" DESTDIR= >/dev/null
 export PKG_CONFIG_PATH="$stage/usr/lib/pkgconfig" LD_LIBRARY_PATH="$stage/usr/lib" OMP_NUM_THREADS=2
-export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_rmaps_base_oversubscribe=1
+export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 cd "$examples"
 
 same() {

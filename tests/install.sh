@@ -13,10 +13,12 @@ fail() {
 }
 install() { $MAKE -s --no-print-directory "$@"; }
 
+lib=lib # of the libraries, below the prefix
+
 # run PROGRAM PREFIX: a program of the shared library, which must be that of PREFIX
 run_shared() {
-    LD_LIBRARY_PATH="$2/lib" ldd "$1" | grep -F "$2/lib/libtvi.so.0"
-    LD_LIBRARY_PATH="$2/lib" "$1"
+    LD_LIBRARY_PATH="$2/$lib" ldd "$1" | grep -F "$2/$lib/libtvi.so.0"
+    LD_LIBRARY_PATH="$2/$lib" "$1"
 }
 run_static() {
     ! ldd "$1" | grep libtvi || fail "$1 is not static"
@@ -30,14 +32,14 @@ by_pkg_config() {
     test "$("$@" --modversion tvi)" = "$version"
     out=$stage/pkg-config
     rm -rf "$out" && mkdir -p "$out/static"
-    cp "$prefix/lib/libtvi.a" "$out/static"
+    cp "$prefix/$lib/libtvi.a" "$out/static"
     # shellcheck disable=SC2046,SC2086  # flags are words
     for language in c cpp; do
         [ $language = c ] && compiler="$CC -std=c11" || compiler="$CXX -std=c++11"
         $compiler $STRICT -o "$out/shared_$language" "$consumer/consumer.$language" $("$@" --cflags --libs tvi)
         run_shared "$out/shared_$language" "$prefix"
         $compiler $STRICT -o "$out/alone_$language" "$consumer/consumer.$language" $("$@" --cflags tvi) \
-            -L"$out/static" $("$@" --static --libs tvi | sed "s|-L$prefix/lib||")
+            -L"$out/static" $("$@" --static --libs tvi | sed "s|-L$prefix/$lib||")
         run_static "$out/alone_$language"
     done
 }
@@ -89,14 +91,18 @@ install uninstall PREFIX="$stage/usr" DESTDIR=
 left=$(cd "$stage/usr" && find . ! -type d -o -name 'tvi*')
 test "$left" = ./lib/foreign || fail "uninstall leaves $left"
 
-# as a package: nothing outside, nothing that knows where it was staged, and it works where it is moved to
-install install PREFIX=/opt/tvi DESTDIR="$stage/package"
+# as a package, with the libraries in a folder of the architecture: nothing outside, nothing that knows where it was
+# staged, and it works where it is moved to
+machine=$($CC -print-multiarch)
+lib=lib${machine:+/}${machine:-64}
+install install PREFIX=/opt/tvi LIBDIR=/opt/tvi/$lib DESTDIR="$stage/package"
 test "$(ls "$stage/package")" = opt
 ! grep -rlF "$stage" "$stage/package" || fail "the package knows where it was staged"
-grep -x 'prefix=/opt/tvi' "$stage/package/opt/tvi/lib/pkgconfig/tvi.pc"
+grep -x 'prefix=/opt/tvi' "$stage/package/opt/tvi/$lib/pkgconfig/tvi.pc"
 mv "$stage/package" "$stage/moved"
 moved=$stage/moved/opt/tvi
-by_pkg_config "$moved" env PKG_CONFIG_SYSROOT_DIR="$stage/moved" PKG_CONFIG_PATH="$moved/lib/pkgconfig" pkg-config
+by_pkg_config "$moved" env PKG_CONFIG_SYSROOT_DIR="$stage/moved" PKG_CONFIG_PATH="$moved/$lib/pkgconfig" pkg-config
 by_cmake "$moved" shared
-install uninstall PREFIX=/opt/tvi DESTDIR="$stage/moved"
+install uninstall PREFIX=/opt/tvi LIBDIR=/opt/tvi/$lib DESTDIR="$stage/moved"
+! install install PREFIX=/opt/tvi LIBDIR=/usr/lib DESTDIR="$stage/outside" 2>/dev/null || fail "LIBDIR outside of PREFIX"
 test -z "$(find "$stage/moved" ! -type d -o -name 'tvi?*')" || fail "uninstall leaves files in a package"

@@ -199,6 +199,7 @@ check-readme: ; $(REPORT) "the programs of the README" $(LOG) $(DO)
 do-readme: $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	tests/readme.sh README.md $(BUILD)/check
+	$(MAKE) -s --no-print-directory help | grep -q '^make install '
 	for program in readme readme_events; do \
 	    $(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/$$program.c $(BUILD)/libtvi.a $(LIBS) && \
 	    $(BUILD)/check/readme > $(BUILD)/check/$$program.out || exit 1; done

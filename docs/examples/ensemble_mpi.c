@@ -1,5 +1,5 @@
 /* ensemble_mpi.c - the ensemble of ensemble_openmp.c on many machines: each process has a system and an integrator.
- *   mpicc ensemble_mpi.c $(pkg-config --cflags --libs tvi) -lm && mpirun -n 4 ./a.out */
+ *   mpicc ensemble_mpi.c $(pkg-config --cflags --libs tvi) -lm && mpirun -n 2 ./a.out */
 #include "ensemble.h"
 
 #include <mpi.h>

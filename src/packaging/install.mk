@@ -1,23 +1,33 @@
 # install.mk - make install and make uninstall below $(DESTDIR)$(PREFIX), manual pages. Included by the Makefile.
 
-HEADERS    := tvi jet
+LIBDIR     ?= $(PREFIX)/lib
+LIB         = $(LIBDIR:$(PREFIX)/%=%)
+HEADERS    := tvi.h jet.h
 MAN        := $(BUILD)/man/man3
+EXAMPLES   := $(wildcard docs/examples/*)
 ROOT        = $(DESTDIR)$(PREFIX)
-FILLED     := lib/pkgconfig/tvi.pc lib/cmake/tvi/tvi-config.cmake lib/cmake/tvi/tvi-config-version.cmake
-INSTALLED   = $(HEADERS:%=include/%.h) lib/libtvi.a lib/libtvi.so.$(VERSION) lib/libtvi.so.$(SOVERSION) lib/libtvi.so \
-              $(FILLED) $(patsubst $(BUILD)/man/%,share/man/%,$(wildcard $(MAN)/*.3))
+CMAKE       = $(LIB)/cmake/tvi
+SHARE      := share/doc/tvi/examples
+FILLED      = $(LIB)/pkgconfig/tvi.pc $(CMAKE)/tvi-config.cmake $(CMAKE)/tvi-config-version.cmake
+FILL        = -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIB@|$(LIB)|' -e 's|@UP@|$(shell echo $(LIB) | sed 's|[^/]\+|..|g')|' \
+              -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|'
+INSTALLED   = $(HEADERS:%=include/%) $(LIB)/libtvi.a $(LIB)/libtvi.so.$(VERSION) $(LIB)/libtvi.so.$(SOVERSION) \
+              $(LIB)/libtvi.so $(FILLED) $(EXAMPLES:docs/examples/%=$(SHARE)/%) \
+              $(patsubst $(BUILD)/man/%,share/man/%,$(wildcard $(MAN)/*.3))
 .PHONY: install uninstall man
 
 install: all
+	@[ "$(LIB)" != "$(LIBDIR)" ] || { echo "LIBDIR=$(LIBDIR) is not below PREFIX=$(PREFIX)" >&2; exit 1; }
 	@$(MAKE) --no-print-directory man
-	install -d $(ROOT)/include $(ROOT)/lib/pkgconfig $(ROOT)/lib/cmake/tvi $(ROOT)/share/man/man3
-	install -m 644 $(HEADERS:%=include/%.h) $(ROOT)/include
-	install -m 644 $(BUILD)/libtvi.a $(ROOT)/lib
-	install -m 755 $(BUILD)/libtvi.so $(ROOT)/lib/libtvi.so.$(VERSION)
-	ln -sf libtvi.so.$(VERSION) $(ROOT)/lib/libtvi.so.$(SOVERSION)
-	ln -sf libtvi.so.$(SOVERSION) $(ROOT)/lib/libtvi.so
-	for file in $(FILLED); do sed -e 's|@PREFIX@|$(PREFIX)|' -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' \
-	    src/packaging/$${file##*/}.in > $(ROOT)/$$file && chmod 644 $(ROOT)/$$file || exit 1; done
+	install -d $(sort $(dir $(INSTALLED:%=$(ROOT)/%))) $(ROOT)/share/man/man3
+	install -m 644 $(HEADERS:%=include/%) $(ROOT)/include
+	install -m 644 $(BUILD)/libtvi.a $(ROOT)/$(LIB)
+	install -m 755 $(BUILD)/libtvi.so $(ROOT)/$(LIB)/libtvi.so.$(VERSION)
+	ln -sf libtvi.so.$(VERSION) $(ROOT)/$(LIB)/libtvi.so.$(SOVERSION)
+	ln -sf libtvi.so.$(SOVERSION) $(ROOT)/$(LIB)/libtvi.so
+	for file in $(FILLED); do \
+	    sed $(FILL) src/packaging/$${file##*/}.in > $(ROOT)/$$file && chmod 644 $(ROOT)/$$file || exit 1; done
+	install -m 644 $(EXAMPLES) $(ROOT)/$(SHARE)
 	install -m 644 $(MAN)/*.3 $(ROOT)/share/man/man3
 
 # what install put there and nothing else; of the directories only the library's own
@@ -25,11 +35,11 @@ uninstall: man
 	@$(MAKE) --no-print-directory remove-installed
 remove-installed:
 	rm -f $(INSTALLED:%=$(ROOT)/%)
-	[ ! -d $(ROOT)/lib/cmake/tvi ] || rmdir $(ROOT)/lib/cmake/tvi
+	for folder in $(CMAKE) $(SHARE) $(dir $(SHARE)); do [ ! -d $(ROOT)/$$folder ] || rmdir $(ROOT)/$$folder; done
 .PHONY: remove-installed
 
 # tvi(3) and jet(3), and a page for each function that refers to one of them
-man: $(HEADERS:%=$(MAN)/%.3)
+man: $(MAN)/tvi.3 $(MAN)/jet.3
 $(MAN)/%.3: include/%.h docs/man.awk
 	@mkdir -p $(@D)
 	for name in $$(awk -v names=1 -f docs/man.awk $<); do echo '.so man3/$*.3' > $(@D)/$$name.3; done

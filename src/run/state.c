@@ -1,9 +1,10 @@
 /* state.c - what an integrator holds between steps, as bytes: a run goes on from them as if it had not been
  * interrupted.
  *
- *     identity | counts | history | checksum
+ *     identity | t, q, p | counts | history | checksum
  *
- * The identity is of the format, the method and the system: another one is refused. The history is all that one step
+ * The identity is of the format, the method and the system: another one is refused. t, q and p are for those
+ * who have no integrator (tvi_state_peek). The history is all that one step
  * leaves to the next (arena.h), so that nothing can be forgotten here. */
 #include "run/fingerprint.h"
 #include "run/integrator.h"
@@ -11,30 +12,37 @@
 
 #include <string.h>
 
-enum { STATE_VERSION = 3 };
+enum { STATE_VERSION = 4 };
+
+static const char MAGIC[] = "tvistate";
 
 /* Numbers of eight bytes, without gaps; those of another byte order have another version. */
 typedef struct {
     char magic[8];
-    int64_t version, bytes, n;
+    int64_t version, bytes, n, has_stepped;
     uint64_t system, options;
 } identity;
 
+/* t, q and p. */
+static size_t seen_size(int64_t n) { return (1 + 2 * (size_t)n) * sizeof(double); }
+
 static size_t state_size(const tvi_integrator *it)
 {
-    return sizeof(identity) + sizeof(tvi_stats) + it->remembered + sizeof(uint64_t);
+    return sizeof(identity) + seen_size(it->system->n) + sizeof(tvi_stats) + it->remembered + sizeof(uint64_t);
 }
 
 static identity identity_of(const tvi_integrator *it)
 {
-    return (identity){
-        .magic = {'t', 'v', 'i', 's', 't', 'a', 't', 'e'},
+    identity who = {
         .version = STATE_VERSION,
         .bytes = (int64_t)state_size(it),
         .n = it->system->n,
+        .has_stepped = *it->continues,
         .system = tvi_system_fingerprint(it->stepped),
         .options = tvi_options_fingerprint(&it->options),
     };
+    memcpy(who.magic, MAGIC, sizeof who.magic);
+    return who;
 }
 
 tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
@@ -46,42 +54,67 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     if (!buffer) return TVI_OK;
     const identity who = identity_of(it);
     char *at = buffer;
+    const size_t n = (size_t)it->system->n;
     memcpy(at, &who, sizeof who);
-    memcpy(at += sizeof who, &it->stats, sizeof it->stats);
+    memcpy(at += sizeof who, &it->now.q[n], sizeof *it->now.q);
+    memcpy(at += sizeof *it->now.q, it->now.q, n * sizeof *it->now.q);
+    memcpy(at += n * sizeof *it->now.q, it->now.p, n * sizeof *it->now.p);
+    memcpy(at += n * sizeof *it->now.p, &it->stats, sizeof it->stats);
     tvi_arena_copy(at += sizeof it->stats, it->history, it->remembered);
     const uint64_t checksum = jet_hash(JET_HASH_OF_NOTHING, buffer, *size - sizeof checksum);
     memcpy(at + it->remembered, &checksum, sizeof checksum);
     return TVI_OK;
 }
 
-/* Why the bytes are no state of an integrator with this identity, or NULL. */
-static const char *misfit(const identity *own, const void *buffer, size_t size)
+/* Why the bytes are no state, or NULL: then whose. */
+static const char *fault(const void *buffer, size_t size, identity *who)
 {
-    identity who;
     uint64_t checksum;
-    if (size < sizeof who + sizeof checksum) return "the bytes are too few for a state";
-    memcpy(&who, buffer, sizeof who);
+    if (size < sizeof *who + sizeof checksum) return "the bytes are too few for a state";
+    memcpy(who, buffer, sizeof *who);
     memcpy(&checksum, (const char *)buffer + size - sizeof checksum, sizeof checksum);
-    if (memcmp(who.magic, own->magic, sizeof who.magic) != 0) return "the bytes are no state";
-    if (who.version != own->version) return "the state is of another version of the library";
-    if (checksum != jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum)) return "the state is damaged";
-    if (who.n != own->n) return "the state is of a system of another dimension";
-    if (who.system != own->system) return "the state is of another system";
-    return who.options != own->options || who.bytes != own->bytes ? "the state is of other options" : NULL;
+    if (memcmp(who->magic, MAGIC, sizeof who->magic) != 0) return "the bytes are no state";
+    if (who->version != STATE_VERSION) return "the state is of another version of the library";
+    const bool is_sound = checksum == jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum);
+    return is_sound && who->bytes == (int64_t)size ? NULL : "the state is damaged";
+}
+
+/* Why the state is of no integrator with this identity, or NULL. */
+static const char *misfit(const identity *own, const identity *who)
+{
+    if (who->n != own->n) return "the state is of a system of another dimension";
+    if (who->system != own->system) return "the state is of another system";
+    return who->options != own->options || who->bytes != own->bytes ? "the state is of other options" : NULL;
 }
 
 tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
 {
     if (!it || !buffer) return jet_refuse(TVI_EINVAL, "%s is NULL", it ? "buffer" : "integrator");
     const identity own = identity_of(it);
-    const char *const reason = misfit(&own, buffer, size);
+    identity who;
+    const char *reason = fault(buffer, size, &who), *at = buffer;
+    if (!reason) reason = misfit(&own, &who);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
-    const char *at = buffer;
     const size_t bytes = it->stats.bytes;
-    memcpy(&it->stats, at += sizeof own, sizeof it->stats);
+    memcpy(&it->stats, at += sizeof own + seen_size(own.n), sizeof it->stats);
     it->stats.bytes = bytes;
     tvi_arena_copy(it->history, at + sizeof it->stats, it->remembered);
     it->has_dense = false;
+    return TVI_OK;
+}
+
+tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[])
+{
+    identity who;
+    if (!buffer || !n) return jet_refuse(TVI_EINVAL, "%s is NULL", buffer ? "n" : "buffer");
+    const char *const reason = fault(buffer, size, &who), *at = (const char *)buffer + sizeof who;
+    if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
+    if (!who.has_stepped && (t || q || p)) return jet_refuse(TVI_EINVAL, "the state is of an integrator before a step");
+    const size_t bytes = (size_t)who.n * sizeof(double);
+    *n = (int)who.n;
+    if (t) memcpy(t, at, sizeof *t);
+    if (q) memcpy(q, at + sizeof *t, bytes);
+    if (p) memcpy(p, at + sizeof *t + bytes, bytes);
     return TVI_OK;
 }
 

@@ -46,6 +46,18 @@ static void expect_same_run(const model *m, const tvi_options *options, const tv
     ck_assert_msg(memcmp(one, two, sizeof *one) == 0, "%s, %s: counts", m->name, describe(options));
 }
 
+/* The bytes alone tell the state; before a step only its dimension. */
+static void check_peek(const saved *s, const model *m, const test_state *wanted)
+{
+    int n = 0;
+    test_state seen = {0};
+    ck_assert_int_eq(tvi_state_peek(s->bytes, s->size, &n, NULL, NULL, NULL), TVI_OK);
+    ck_assert_int_eq(n, m->n);
+    ck_assert_int_eq(tvi_state_peek(s->bytes, s->size, &n, &seen.t, seen.q, seen.p), wanted ? TVI_OK : TVI_EINVAL);
+    ck_assert(!wanted || memcmp(&seen, wanted, sizeof seen) == 0);
+    ck_assert_int_eq(tvi_state_peek(s->bytes, s->size - 1, &n, NULL, NULL, NULL), TVI_EINVAL);
+}
+
 /* Cuts after 0, 1, 3, 8 and 21 steps, one after another. A size of step that changes makes what is learnt matter. */
 static void check_cuts(const model *m, const tvi_options *options)
 {
@@ -66,6 +78,7 @@ static void check_cuts(const model *m, const tvi_options *options)
         ck_assert_int_eq(tvi_dense(piece, 0.5, last.q, last.p), TVI_EINVAL);
         ck_assert_int_eq(tvi_state_last(piece, &last.t, last.q, last.p), i ? TVI_OK : TVI_EINVAL);
         ck_assert(i == 0 || memcmp(&last, &y, sizeof y) == 0);
+        check_peek(&s, m, i ? &y : NULL);
         free(s.bytes);
     }
     tvi_integrator_free(whole);
@@ -125,6 +138,7 @@ START_TEST(every_damaged_byte_is_refused)
         for (unsigned mask = 1; mask < 256; mask += mask + 1) { /* 1, 3, 7, ..., 255 */
             s.bytes[i] ^= (unsigned char)mask;
             ck_assert_msg(tvi_state_load(other, s.bytes, s.size) == TVI_EINVAL, "%s, byte %zu", m->name, i);
+            ck_assert(tvi_state_peek(s.bytes, s.size, &(int){0}, NULL, NULL, NULL) == TVI_EINVAL);
             s.bytes[i] ^= (unsigned char)mask;
         }
     for (size_t size = 0; size < s.size; size++) ck_assert_int_eq(tvi_state_load(other, s.bytes, size), TVI_EINVAL);
