@@ -308,8 +308,8 @@ TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, 
  *   TVI_EINVAL      NULL, and bytes that are damaged, of another size, or of another version, method or system */
 TVI_NODISCARD tvi_status tvi_state_save(const tvi_integrator *integrator, void *buffer, size_t *size);
 TVI_NODISCARD tvi_status tvi_state_load(tvi_integrator *integrator, const void *buffer, size_t size);
-/* What the bytes hold, without an integrator: the dimension n of the system, and t, q[n] and p[n] as tvi_state_last gives
- * them. t, q and p may be NULL: so n can be asked for first.
+/* What the bytes hold, without an integrator: the dimension n of the system, and t, q[n] and p[n] as tvi_state_last
+ * gives them. t, q and p may be NULL: so n can be asked for first.
  *   TVI_EINVAL      NULL, bytes that are damaged, no state or of another version; t, q or p of a state before a step */
 TVI_NODISCARD tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[]);
 /* The t, q[n] and p[n] that the last successful step returned, from which the run goes on; also after a load.
