@@ -16,6 +16,7 @@
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
 # make stability  where methods break: the tables and pictures of docs/stability.md, four minutes; make stability-docs puts them there
+# make guard      the steps that are refused: its table in docs/adaptive.md alone, a minute and a half
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
 # make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md

@@ -1,6 +1,6 @@
 /* stability.c - where methods break: the tables of docs/stability.md and the data of its pictures, in DIR.
  *
- *   stability --out DIR [--only linear|survive|fpu|extremes] [--case NAME] */
+ *   stability --out DIR [--only linear|survive|fpu|guard|extremes] [--case NAME] */
 #include "linear.h"
 #include "tables.h"
 
@@ -271,7 +271,8 @@ static bool fpu(const table_command *at)
 static const struct {
     const char *name;
     bool (*make)(const table_command *at);
-} parts[] = {{"linear", linear}, {"extremes", table_extremes}, {"fpu", fpu}, {"survive", survive}};
+} parts[] = {
+    {"linear", linear}, {"extremes", table_extremes}, {"guard", table_guard}, {"fpu", fpu}, {"survive", survive}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 static int usage(void)

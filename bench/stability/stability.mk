@@ -9,6 +9,13 @@ stability: need-bench
 	gnuplot -c bench/stability/plot.gp $(STABILITY)
 	@echo "Tables and plots: $(STABILITY)/*.md, *.csv, *.png, *.svg"
 
+# its table of the steps that are refused alone
+guard: need-bench
+	@$(MAKE) --no-print-directory $(STABILITY)/break
+	$(STABILITY)/break --out $(STABILITY) --only guard
+	@cat $(STABILITY)/guard.md
+.PHONY: guard
+
 # the tables and pictures of docs/stability.md anew
 stability-docs: need-bench
 	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) docs/stability.md

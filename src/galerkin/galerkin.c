@@ -288,4 +288,5 @@ static void sample(void *work, const tvi_range of[2], const double q_start[], co
     follow_curve(w, of, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, q_start, p_start, q, p);
 }
 
-const tvi_stepper tvi_stepper_galerkin = {take, prepare, step, dense, sample, true, NULL};
+const tvi_stepper tvi_stepper_galerkin = {
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .sample = sample, .is_superconvergent = true};

@@ -318,7 +318,7 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-static const tvi_stepper stepper = {take, prepare, step, dense, NULL, false, NULL};
+static const tvi_stepper stepper = {.take = take, .prepare = prepare, .step = step, .dense = dense};
 
 const tvi_descriptor tvi_type1_both_ends = {
     .method = TVI_TYPE1,

@@ -359,5 +359,6 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-const tvi_stepper tvi_stepper_curve = {take, prepare, step, dense, NULL, false, NULL};
-const tvi_stepper tvi_stepper_taylor = {take, prepare, step, dense, NULL, false, step_within};
+const tvi_stepper tvi_stepper_curve = {.take = take, .prepare = prepare, .step = step, .dense = dense};
+const tvi_stepper tvi_stepper_taylor = {
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .step_within = step_within};

@@ -79,4 +79,4 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-const tvi_stepper tvi_stepper_composed = {take, prepare, step, dense, NULL, false, NULL};
+const tvi_stepper tvi_stepper_composed = {.take = take, .prepare = prepare, .step = step, .dense = dense};

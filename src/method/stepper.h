@@ -61,6 +61,9 @@ typedef struct {
      * such step. */
     tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin, double dq[],
                               double dp[], tvi_stats *stats);
+    /* More than the last step changes the energy by, where the forces grow or shrink all along it. NULL: the tail says
+     * whether the energy is looked at (guard.c). */
+    double (*most_change)(const void *work);
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;

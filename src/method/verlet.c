@@ -1,6 +1,7 @@
 /* verlet.c - Stormer-Verlet: half a kick, a drift, half a kick. */
 #include "method/list.h"
 
+#include <math.h>
 #include <string.h>
 
 typedef struct {
@@ -76,7 +77,18 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-static const tvi_stepper stepper = {take, prepare, step, dense, NULL, false, NULL};
+/* The change of T is (F0 + F1)/2 . dq + h/4 (F1 - F0) . M^-1 dp, that of V -F . dq with an F between F0 and F1. */
+static double most_change(const void *work)
+{
+    const verlet *w = work;
+    double sum = 0;
+    for (int i = 0; i < w->system->n; i++)
+        sum += fabs(w->after[i] - w->before[i]) * (fabs(w->dq[i]) + fabs(w->h / w->system->mass[i] * w->dp[i]));
+    return sum / 2;
+}
+
+static const tvi_stepper stepper = {
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .most_change = most_change};
 
 static const tvi_service service = {TVI_SERVES_SEPARABLE,
                                     "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

@@ -1,0 +1,68 @@
+#include "ladder.h"
+#include "method/list.h"
+#include "tables.h"
+
+#include <math.h>
+
+/* Rungs: 6 to 3200 steps of the case's time, each climbed for that time and LEAST_STEPS at least. */
+#define FEWEST 6.0
+#define MOST   3200.0
+#define RATIO  2.0
+enum { LEAST_STEPS = 60 };
+
+static ladder_counts climb(const ladder_case *c, const hard_method *m)
+{
+    ladder_counts sum = {0};
+    for (double steps = FEWEST; steps < MOST * RATIO; steps *= RATIO) {
+        const double cut = fmin(steps, MOST);
+        const ladder_counts rung = ladder_climb(c, m, c->period / cut, (int)fmax(cut, LEAST_STEPS));
+        ladder_add(&sum, &rung);
+    }
+    return sum;
+}
+
+/* All that the library has a name for: of both rules for nodes, at each order. */
+static ladder_counts climb_all(const ladder_case *c, FILE *csv)
+{
+    ladder_counts sum = {0};
+    const char *names[64] = {tvi_svhd.name};
+    int count = 1;
+    for (const tvi_descriptor *const *d = tvi_methods; *d; d++)
+        for (int rule = 0; rule <= TVI_NODES_TRUNCATED; rule++)
+            if ((*d)->nodes[rule].name) names[count++] = (*d)->nodes[rule].name;
+    for (int i = 0; i < count * LADDER_ORDERS; i++) {
+        const hard_method m = ladder_method(names[i / LADDER_ORDERS], i % LADDER_ORDERS);
+        if (m.order == 0) continue;
+        const ladder_counts of = climb(c, &m);
+        fprintf(csv, "%s,%s,%d,%ld,%ld,%.3e,%ld,%ld,%ld,%ld,%ld\n", c->of->name, m.name, m.order, of.accepted, of.wrong,
+                of.most, of.refused, of.right, of.near, of.unread, of.failed);
+        ladder_add(&sum, &of);
+    }
+    return sum;
+}
+
+static void write_row(FILE *md, const char *title, const ladder_counts *of)
+{
+    fprintf(md, "| %s | %ld | %.3f | %ld | %ld | %ld | %ld | %ld |\n", title, of->accepted, of->most, of->wrong,
+            of->failed, of->refused, of->right, of->near);
+}
+
+bool table_guard(const table_command *at)
+{
+    FILE *md = table_open(at, "guard.md"), *csv = table_open(at, "guard.csv");
+    ladder_counts all = {0};
+    if (!md || !csv) return false;
+    fprintf(md,
+            "| steps of | accepted (chaotic) | their largest change of energy (chaotic) | of more than 5 %% | failed "
+            "(chaotic) | TVI_ETOOLARGE (chaotic) | of these right | right but for the energy (chaotic) |\n"
+            "|---|---|---|---|---|---|---|---|\n");
+    fprintf(csv, "case,method,order,accepted,wrong,most,refused,right,near,unread,failed\n");
+    for (const ladder_case *c = ladder_cases; c->of; c++) {
+        table_progress("guard", c->title);
+        const ladder_counts of = climb_all(c, csv);
+        write_row(md, c->title, &of);
+        ladder_add(&all, &of);
+    }
+    write_row(md, "all", &all);
+    return fclose(md) == 0 && fclose(csv) == 0;
+}
