@@ -1,10 +1,12 @@
 # man.awk - a manual page from the comments and declarations of a header.
-#   awk -v version=V -v date=D -f man.awk tvi.h > tvi.3
+#   awk -v version=V -v date=D -v example=program.c -f man.awk tvi.h > tvi.3
 #   awk -v names=1 -f man.awk tvi.h            the functions that it declares, one a line
 #
 # The first comment gives name and description, a ruler comment a section, a comment at the beginning of a line the text of
 # the declarations that follow it up to the next empty line. What is for C++ or one compiler alone is left out, and so is
 # what only the library's own macros use.
+
+BEGIN { WIDTH = 72 } # of what is not filled: 80 with the margin of the page
 
 function escape(s) { gsub(/\\/, "\\e", s); return s }
 function code_line(s) { s = escape(s); gsub(/-/, "\\-", s); return s ~ /^[.']/ ? "\\&" s : s }
@@ -14,15 +16,14 @@ function text_line(s) { s = escape(s); return s ~ /^[.']/ ? "\\&" s : s }
 function put(s) { if (!names && !(s == ".PP" && last ~ /^\.(PP|SH|RS)/)) print s; last = s }
 function section(title) { put(".SH \"" title "\"") }
 
-# "  TVI_EINVAL  text", "  1. text" begin an item; what is indented otherwise continues it, the rest is a paragraph.
+# "  TVI_EINVAL  text", "  TVI_EINVAL, TVI_ENOMEM  text", "  others  text", "  1. text" begin an item; what is indented otherwise continues it, the rest is a paragraph.
 function print_text(text, count,    i, s, item)
 {
     for (i = 1; i <= count; i++) {
         s = text[i]
-        if (match(s, /^  +(TVI_[A-Z]+|[0-9]+\.) +/)) {
-            item = s
-            sub(/^ +/, "", item)
-            sub(/ .*/, "", item)
+        if (match(s, /^  +(TVI_[A-Z]+(, TVI_[A-Z]+)*|others|[0-9]+\.) +/)) {
+            item = substr(s, 1, RLENGTH)
+            gsub(/^ +| +$/, "", item)
             put(".TP\n.B " item)
             s = substr(s, RLENGTH + 1)
         } else if (s !~ /^  / && i > 1 && text[i - 1] ~ /^  /) put(".PP")
@@ -39,13 +40,54 @@ function internal(    i)
     return 0
 }
 
+# words at most WIDTH wide, the first line after `first`, the others after `rest`; "\001" is a space that stays in its line
+function wrap(text, first, rest,    word, count, i, s)
+{
+    count = split(text, word, " ")
+    s = first word[1]
+    for (i = 2; i <= count; i++) {
+        if (length(s " " word[i]) > WIDTH) { put_line(s); s = rest word[i] } else s = s " " word[i]
+    }
+    put_line(s)
+}
+function put_line(s) { gsub("\001", " ", s); put(code_line(s)) }
+
+# a declaration or a member: a comment that does not fit behind it stands below it
+function print_code(s,    margin, code, remark)
+{
+    if (length(s) <= WIDTH) { put(code_line(s)); return }
+    match(s, /^ */)
+    margin = substr(s, 1, RLENGTH)
+    code = remark = substr(s, RLENGTH + 1)
+    if (!sub(/^.*\/\*/, "/*", remark)) remark = ""
+    sub(/ *\/\*.*/, "", code)
+    if (gsub(/, /, ",\002", code)) gsub(/ /, "\001", code)
+    gsub("\002", " ", code)
+    sub(/ \*\/$/, "\001*/", remark)
+    if (code != "") wrap(code, margin, margin "        ")
+    if (remark != "") wrap(remark, code == "" ? margin : margin "    ", (code == "" ? margin : margin "    ") "   ")
+}
+
+# lines of a declaration that belong together: up to the end of its comment, or of its arguments
+function join_lines(    i, joined)
+{
+    for (i = 1; i <= lines; i++) {
+        if (i > 1 && (line[joined] ~ /\/\*/ && line[joined] !~ /\*\// || line[joined] ~ /,$/ && line[joined] ~ /\(/)) {
+            sub(/^ +(\* )?/, "", line[i])
+            line[joined] = line[joined] " " line[i]
+        } else line[++joined] = line[i]
+    }
+    lines = joined
+}
+
 function flush(    i)
 {
     if (!internal()) {
         if (lines) { put(".PP"); put(".nf") }
+        join_lines()
         for (i = 1; i <= lines; i++) {
             gsub(/TVI_STATUS_LIST.*COUNT/, "TVI_OK, TVI_EINVAL, ...", line[i])
-            put(code_line(line[i]))
+            print_code(line[i])
             if (match(line[i], /(tvi|jet)_[a-z_0-9]+\(/) && line[i] !~ /^typedef|^ /)
                 name[++count_names] = substr(line[i], RSTART, RLENGTH - 1)
         }
@@ -142,6 +184,11 @@ in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() 
 END {
     flush()
     if (names) for (i = 1; i <= count_names; i++) if (!seen[name[i]]++) print name[i]
+    section("EXAMPLE")
+    put(".nf")
+    while (!names && (getline text <example) > 0)
+        if (text !~ /^(\/\*| \*)/) put(text == "" ? "\\&" : code_line(text))
+    put(".fi")
     section("SEE ALSO")
-    put(".BR tvi (3),\n.BR jet (3)\n.br\nThe mathematics: docs/method.md of the sources.")
+    put(".BR tvi (3),\n.BR jet (3)\n.br\nMore programs: share/doc/tvi/examples. The mathematics: docs/method.md of the sources.")
 }

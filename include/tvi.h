@@ -64,7 +64,8 @@ typedef jet tvi_hamiltonian_fn(const jet q[], const jet p[], jet t, void *ctx);
  *   TVI_ESINGULAR   a Lagrangian whose L_vv is singular everywhere
  *   TVI_EDOMAIN     an operation on numbers that has no value, such as the logarithm of -1
  *   TVI_ENONFINITE  a mass or a constant of the function that is not finite
- *   TVI_ENOMEM                                                                   *out is NULL on failure. */
+ *   TVI_ENOMEM      no memory
+ * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx);
 TVI_NODISCARD tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential,
                                               void *ctx);
@@ -85,17 +86,23 @@ typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
  *   TVI_EUNSUPPORTED  a force, a rescaled system, a Lagrangian that is not recognised as separable: write its
  *                     Hamiltonian
  *   TVI_EDOMAIN       g is a number that is not positive; where it is a function, the step is refused with it
- *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum        *out is NULL on failure. */
+ *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum
+ * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
 
 void tvi_system_free(tvi_system *system);           /* NULL is allowed */
 int tvi_system_dimension(const tvi_system *system); /* n */
 
-/* The energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. TVI_EUNSUPPORTED for a system
- * made from a force, which has no V; TVI_EDOMAIN and TVI_ENONFINITE where H has no value. May allocate (TVI_ENOMEM). */
+/* The energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. May allocate.
+ *   TVI_EUNSUPPORTED  a system made from a force, which has no V
+ *   TVI_EDOMAIN, TVI_ENONFINITE  H has no value there
+ *   TVI_EINVAL        NULL
+ *   TVI_ENOMEM        no memory */
 TVI_NODISCARD tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H);
 /* The Legendre transforms p = L_v(q, v, t) and v = H_p(q, p, t), [n] each; p = M v where the mass is constant. The
- * direction that the system does not state is solved for: TVI_ESINGULAR, TVI_ENOCONV. May allocate (TVI_ENOMEM). */
+ * direction that the system does not state is solved for. May allocate.
+ *   TVI_ESINGULAR, TVI_ENOCONV  there is no solution, or none was found
+ *   others                      as of tvi_energy */
 TVI_NODISCARD tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[],
                                       double p[]);
 TVI_NODISCARD tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[],
@@ -143,17 +150,22 @@ tvi_options tvi_options_default(void);
 /* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left",
  * "svhd", "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and
  * III at the start), "poincare"; "galerkin" (type I with free values at Gauss nodes, for any system); and "taylor",
- * "stormer-verlet". TVI_EINVAL: no such name, or an order that the method cannot have. */
+ * "stormer-verlet".
+ *   TVI_EINVAL  no such name, or an order that the method cannot have */
 TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
 /* Whether the options make a method for the system. On refusal *why (where why is not NULL) is static text that names
- * what does not fit: TVI_EINVAL for a value out of range, TVI_EUNSUPPORTED for a combination that makes no method. */
+ * what does not fit.
+ *   TVI_EINVAL        a value out of range, NULL
+ *   TVI_EUNSUPPORTED  a combination that makes no method */
 TVI_NODISCARD tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why);
 
 /* ---- Integrators ------------------------------------------------------------------------------------------------- */
 
 typedef struct tvi_integrator tvi_integrator;
 
-/* NULL options: tvi_options_default. Fails as tvi_options_check does, and with TVI_ENOMEM; *out is then NULL. */
+/* NULL options: tvi_options_default. *out is NULL on failure.
+ *   TVI_ENOMEM  no memory
+ *   others      as of tvi_options_check */
 TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
                                                const tvi_options *options);
 void tvi_integrator_free(tvi_integrator *integrator);                        /* NULL is allowed */
@@ -163,7 +175,8 @@ const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* 
  *   TVI_EINVAL      NULL, h = 0 or not finite
  *   TVI_ENONFINITE  a state that is not finite, or a step that overflows
  *   TVI_EDOMAIN     the function was evaluated outside its domain
- *   TVI_ENOCONV     the corrector did not converge, TVI_ESINGULAR its matrix is singular: the step is too large
+ *   TVI_ENOCONV     the corrector did not converge: the step is too large
+ *   TVI_ESINGULAR   its matrix is singular: the step is too large
  *   TVI_ETOOLARGE   its equations were solved, but it is wrong: tvi_options.max_tail */
 TVI_NODISCARD tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
 
@@ -174,7 +187,9 @@ void tvi_integrator_reset(tvi_integrator *integrator);
 /* Called after each step, 1..steps; a value other than 0 stops. */
 typedef int tvi_observer(long step, double t, const double q[], const double p[], void *ctx);
 /* steps steps of size h. The state is that of the last successful step, whatever the status; the observer may be NULL.
- * TVI_ESTOPPED: the observer stopped it; TVI_EINVAL: steps < 0; otherwise the status of the step that failed. */
+ *   TVI_ESTOPPED  the observer stopped it
+ *   TVI_EINVAL    steps < 0
+ *   others        of the step that failed */
 TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, long steps, double *t, double q[],
                                        double p[], tvi_observer *observer, void *ctx);
 
@@ -183,7 +198,8 @@ TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, lon
  * adds is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(N+1)) in both (O(h^2) for N = 0), the
  * Galerkin curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system, Stormer-Verlet O(h^3), as measured by
  * the tests.
- * TVI_EINVAL before a step, after one that failed, and for theta outside [0, 1]; TVI_ENONFINITE. */
+ *   TVI_EINVAL      before a step, after one that failed, and for theta outside [0, 1]
+ *   TVI_ENONFINITE  the curve overflows there */
 TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 
 /* ---- Events, and results at given times -------------------------------------------------------------------------- */
@@ -201,7 +217,8 @@ typedef enum { TVI_FALLING = -1, TVI_EITHER = 0, TVI_RISING = 1 } tvi_direction;
 typedef struct tvi_event tvi_event;
 /* g is called once, during the call, with n coordinates and momenta; a terminal event ends the run. The event serves
  * every system of dimension n, is read-only once made and may be shared. *out is NULL on failure; statuses as of
- * tvi_system_force, TVI_EINVAL also for what is no direction. */
+ * tvi_system_force.
+ *   TVI_EINVAL  also what is no direction */
 TVI_NODISCARD tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, bool terminal,
                                           tvi_event_fn *g, void *ctx);
 void tvi_event_free(tvi_event *event); /* NULL is allowed */
@@ -216,7 +233,8 @@ typedef int tvi_event_observer(int which, double t, const double q[], const doub
  *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
  *                  event is no step: from it the run goes on as from any new state.
  *   TVI_EDOMAIN, TVI_ENONFINITE   also where g has no value: t, q, p are then those at the end of the step
- *   TVI_EINVAL     also an event of another dimension or NULL, count < 0;  TVI_ENOMEM */
+ *   TVI_EINVAL     also an event of another dimension or NULL, count < 0
+ *   TVI_ENOMEM     no memory */
 TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double h, long steps,
                                               const tvi_event *const events[], int count, double *t, double q[],
                                               double p[], tvi_observer *observer, tvi_event_observer *on_event,
@@ -225,15 +243,18 @@ TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double
 /* Steps of size h until the last of times[count] is reached or passed. The observer is called at each of the times,
  * with 1..count as its step. They go the way of h, none before *t. The state is that after the last step, not that at
  * the last time; where the observer stopped the run (TVI_ESTOPPED), after the step that holds that time.
- *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order;  TVI_ENOMEM;  else as tvi_integrate */
+ *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order
+ *   TVI_ENOMEM     no memory
+ *   others         as of tvi_integrate */
 TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, const double times[], int count,
                                           double *t, double q[], double p[], tvi_observer *observer, void *ctx);
 
 /* Steps of size h to t_end exactly, by a last shorter step; h goes the way to t_end. Of a rescaled system h is in s:
  * the step that passes t_end is taken back, and the part of it found that ends there to roundoff. Each step is the
  * method's, but the last one has another size: a run that goes on from t_end is not the one without a stop there.
- *   TVI_EINVAL     NULL, h = 0, values that are not finite, t_end on the other side of *t;  TVI_ENOMEM
- *   others         as tvi_integrate, also where the step that would pass t_end fails */
+ *   TVI_EINVAL     NULL, h = 0, values that are not finite, t_end on the other side of *t
+ *   TVI_ENOMEM     no memory
+ *   others         as of tvi_integrate, also where the step that would pass t_end fails */
 TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, double t_end, double *t, double q[],
                                           double p[], tvi_observer *observer, void *ctx);
 
@@ -248,7 +269,8 @@ TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, 
  * tvi_dense.
  *   TVI_EINVAL       NULL, a tolerance below DBL_EPSILON or not below 1, t_end that is not finite
  *   TVI_EUNSUPPORTED another method, a rescaled system
- *   others           as tvi_integrate; TVI_ENOCONV: the step is below roundoff of t, as before a collision */
+ *   TVI_ENOCONV      also a step below roundoff of t, as before a collision
+ *   others           as of tvi_integrate */
 TVI_NODISCARD tvi_status tvi_integrate_tolerance(tvi_integrator *integrator, double tolerance, double t_end, double *t,
                                                  double q[], double p[], tvi_observer *observer, void *ctx);
 /* The same steps, with events as in tvi_integrate_events. */
@@ -313,7 +335,7 @@ TVI_NODISCARD tvi_status tvi_state_load(tvi_integrator *integrator, const void *
  *   TVI_EINVAL      NULL, bytes that are damaged, no state or of another version; t, q or p of a state before a step */
 TVI_NODISCARD tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[]);
 /* The t, q[n] and p[n] that the last successful step returned, from which the run goes on; also after a load.
- * TVI_EINVAL before a step and after a reset. */
+ *   TVI_EINVAL  before a step and after a reset; NULL */
 TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
 
 #ifdef __cplusplus

@@ -71,8 +71,16 @@ refused_by_cmake() {
 
 # each function that users call has a manual page which names it, and no page has a fault
 manual() {
+    backspace=$(printf '\b')
     cd "$1/share/man"
     mandoc -Tlint -Wwarning man3/tvi.3 man3/jet.3 || fail "faults in the manual pages"
+    for page in tvi jet; do
+        mandoc -Tutf8 man3/$page.3 | sed "s/.$backspace//g" >"$stage/$page.txt"
+        ! grep -n '^.\{81,\}' "$stage/$page.txt" || fail "$page(3) is wider than 80 columns"
+        grep -q '^EXAMPLE' "$stage/$page.txt" || fail "$page(3) has no example"
+    done
+    swallowed=$(awk '/^ +TVI_E/ { next } /^ +.*[:;.] +TVI_E[A-Z]+( |:|$)/' "$stage/tvi.txt")
+    [ -z "$swallowed" ] || fail "statuses that have no line of their own: $swallowed"
     for name in $(nm -D --defined-only "$1/lib/libtvi.so" | awk '!/jet_record/ { print $3 }') jet_mul jet_sin; do
         mandoc "man3/$name.3" | grep -q "$name(" || fail "no manual page with $name"
     done

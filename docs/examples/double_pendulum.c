@@ -33,7 +33,7 @@ int main(void)
             printf("%3.0f s: angles %9.4f %9.4f, turning at %9.4f %9.4f, energy error %.0e\n", t, q[0], q[1], v[0],
                    v[1], fabs(H - H0));
     }
-    if (status != TVI_OK) fprintf(stderr, "%s\n", tvi_status_string(status));
+    if (status != TVI_OK) fprintf(stderr, "%s\n", tvi_last_error());
     tvi_integrator_free(integrator);
     tvi_system_free(system);
     return status != TVI_OK;

@@ -31,7 +31,7 @@ int main(void)
     if (status == TVI_OK)
         printf("after %.0f revolutions in %ld steps: q = (%.6f, %.6f), angular momentum %.6f\n", t / turn,
                tvi_integrator_stats(integrator)->steps, q[0], q[1], q[0] * p[1] - q[1] * p[0]);
-    else printf("stopped: %s\n", tvi_status_string(status));
+    else printf("stopped: %s\n", tvi_last_error());
     tvi_integrator_free(integrator);
     tvi_system_free(rescaled);
     tvi_system_free(system);

@@ -43,7 +43,7 @@ int main(void)
     if (status == TVI_OK)
         printf("t = %g: H = %.12f, kept to %.0e; angular momentum to %.0e\n", t, worst.H0, worst.energy,
                worst.momentum);
-    else fprintf(stderr, "%s\n", tvi_status_string(status));
+    else fprintf(stderr, "%s\n", tvi_last_error());
     tvi_integrator_free(integrator);
     tvi_system_free(system);
     return status != TVI_OK;

@@ -26,15 +26,22 @@ int main(void)
     tvi_system *system;
     tvi_integrator *integrator = NULL;
     tvi_event *event = NULL;
-    tvi_status status = tvi_system_force(&system, 1, NULL, force, &gravity);
-    if (status == TVI_OK) status = tvi_integrator_create(&integrator, system, NULL);
-    if (status == TVI_OK) status = tvi_event_create(&event, 1, TVI_FALLING, true, angle, NULL);
+    tvi_status status =
+        tvi_system_force(&system, 1, NULL, force, &gravity);
+    if (status == TVI_OK)
+        status = tvi_integrator_create(&integrator, system, NULL);
+    if (status == TVI_OK)
+        status = tvi_event_create(&event, 1, TVI_FALLING, true, angle,
+                                  NULL);
     const tvi_event *const events[] = {event};
-    if (status == TVI_OK) status = tvi_integrate_events(integrator, 0.05, 100, events, 1, &t, q, p, NULL, NULL, NULL);
+    if (status == TVI_OK)
+        status = tvi_integrate_events(integrator, 0.05, 100, events, 1,
+                                      &t, q, p, NULL, NULL, NULL);
     /* from rest to the lowest point is a quarter of a swing */
     if (status == TVI_ESTOPPED)
-        printf("period %.12f s; of a small swing %.3f s\n", 4 * t, 2 * acos(-1) / sqrt(gravity));
-    else fprintf(stderr, "%s\n", tvi_status_string(status));
+        printf("period %.12f s; of a small swing %.3f s\n", 4 * t,
+               2 * acos(-1) / sqrt(gravity));
+    else fprintf(stderr, "%s\n", tvi_last_error());
     tvi_event_free(event);
     tvi_integrator_free(integrator);
     tvi_system_free(system);

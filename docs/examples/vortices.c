@@ -14,29 +14,39 @@ static jet hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
     jet H = jet_const(0);
     for (int i = 1; i < N; i++)
         for (int j = 0; j < i; j++) {
-            const jet distance = jet_add(jet_sqr(jet_sub(q[i], q[j])), jet_sqr(jet_sub(p[i], p[j])));
-            H = jet_sub(H, jet_div(jet_log(distance), 16 * atan(1)));
+            const jet x = jet_sub(q[i], q[j]), y = jet_sub(p[i], p[j]);
+            const jet distance2 = jet_add(jet_sqr(x), jet_sqr(y));
+            H = jet_sub(H, jet_div(jet_log(distance2), 16 * atan(1)));
         }
     return H;
 }
 
 int main(void)
 {
-    double t = 0, q[N] = {1, -0.5, -0.5}, p[N] = {0, 0.75, -0.75}, H0 = 0, H = 0;
+    double t = 0, q[N] = {1, -0.5, -0.5}, p[N] = {0, 0.75, -0.75};
+    double H0 = 0, H = 0;
     tvi_system *system;
-    tvi_integrator *integrator = NULL;
-    tvi_status status = tvi_system_hamiltonian(&system, N, hamiltonian, NULL);
+    tvi_integrator *it = NULL;
+    tvi_status status =
+        tvi_system_hamiltonian(&system, N, hamiltonian, NULL);
     if (status == TVI_OK) status = tvi_energy(system, t, q, p, &H0);
-    if (status == TVI_OK) status = tvi_integrator_create(&integrator, system, NULL); /* NULL: Poincare for such an H */
-    if (status == TVI_OK) status = tvi_integrate(integrator, 0.5, 2000, &t, q, p, NULL, NULL);
+    if (status == TVI_OK)
+        status = tvi_integrator_create(&it, system, NULL);
+    if (status == TVI_OK)
+        status = tvi_integrate(it, 0.5, 2000, &t, q, p, NULL, NULL);
     if (status == TVI_OK) status = tvi_energy(system, t, q, p, &H);
     if (status == TVI_OK) {
-        double x = 0, y = 0, spread = 0; /* kept: the centre, and the mean square distance from it */
-        for (int i = 0; i < N; i++) x += q[i], y += p[i], spread += q[i] * q[i] + p[i] * p[i];
-        printf("t = %g: centre (%.1f, %.1f), spread %.12f, energy error %.0e\n", t, fabs(x), fabs(y), spread,
-               fabs(H - H0));
-    } else fprintf(stderr, "%s\n", tvi_status_string(status));
-    tvi_integrator_free(integrator);
+        /* the centre is kept, and the spread about it */
+        double x = 0, y = 0, spread = 0;
+        for (int i = 0; i < N; i++) {
+            x += q[i], y += p[i];
+            spread += q[i] * q[i] + p[i] * p[i];
+        }
+        printf("t = %g: centre (%.1f, %.1f), spread %.12f, "
+               "energy error %.0e\n",
+               t, fabs(x), fabs(y), spread, fabs(H - H0));
+    } else fprintf(stderr, "%s\n", tvi_last_error());
+    tvi_integrator_free(it);
     tvi_system_free(system);
     return status != TVI_OK;
 }

@@ -40,7 +40,10 @@ remove-installed:
 
 # tvi(3) and jet(3), and a page for each function that refers to one of them
 man: $(MAN)/tvi.3 $(MAN)/jet.3
-$(MAN)/%.3: include/%.h docs/man.awk
+$(MAN)/tvi.3: EXAMPLE := docs/examples/pendulum.c
+$(MAN)/jet.3: EXAMPLE := docs/examples/vortices.c
+$(MAN)/%.3: include/%.h docs/man.awk docs/examples/pendulum.c docs/examples/vortices.c
 	@mkdir -p $(@D)
 	for name in $$(awk -v names=1 -f docs/man.awk $<); do echo '.so man3/$*.3' > $(@D)/$$name.3; done
-	awk -v version=$(VERSION) -v date="$$(date -r $< +%Y-%m-%d)" -f docs/man.awk $< > $@
+	awk -v version=$(VERSION) -v date="$$(date -r $< +%Y-%m-%d)" -v example=$(EXAMPLE) -f docs/man.awk \
+	    $< > $@
