@@ -3,11 +3,10 @@
 #ifndef TVI_SRC_ALGEBRA_PASSES_H
 #define TVI_SRC_ALGEBRA_PASSES_H
 
+#include "algebra/sizes.h"
 #include "tvi.h"
 
 #include <float.h>
-#include <math.h>
-#include <stdbool.h>
 
 /* As a part that is left: all of it, or more. */
 #define TVI_PASSES_ALL (1 - DBL_EPSILON)
@@ -36,7 +35,18 @@ typedef struct {
 } tvi_passes_rule;
 
 /* The same as the options have it; their tolerance in the unit of the sizes. */
-tvi_passes_rule tvi_passes_rule_asked(const tvi_passes_rule *rule, const tvi_options *options, double tolerance);
+static inline tvi_passes_rule tvi_passes_rule_asked(const tvi_passes_rule *rule, const tvi_options *options,
+                                                    double tolerance)
+{
+    tvi_passes_rule asked = *rule;
+    if (options->max_passes > 0) asked.most = options->max_passes;
+    if (options->passes > 0) asked.most = asked.exactly = options->passes;
+    if (tolerance > 0) {
+        asked.goal = tolerance;
+        asked.far = 0;
+    }
+    return asked;
+}
 
 /* What the passes have shown so far. */
 typedef struct {
@@ -58,9 +68,78 @@ typedef enum {
 
 static const tvi_passes TVI_NO_PASSES = {.size = INFINITY, .before = INFINITY, .earlier = INFINITY, .slack = 1};
 
-/* Adds a pass, whose correction is so large. */
-tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size);
+/* ---- What the next correction should be -------------------------------------------------------------------------- */
 
+static inline bool tvi_passes_contracts(const tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    return passes->size <= rule->stuck * passes->before;
+}
+
+/* Passes that gain little where the first correction was small make later ones leave more than the first one did. The
+ * slack that one correction shows is believed when the next one contracts again: one that was roundoff does not. */
+static inline void tvi_passes_learn_slack(tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    const bool shows = tvi_passes_contracts(passes, rule);
+    if (shows) passes->slack = tvi_smaller(tvi_larger(passes->slack, passes->seen), rule->most_slack);
+    const double slack = tvi_larger(passes->slack, passes->seen) * passes->size / passes->next;
+    passes->seen = shows && passes->size > rule->slack_above ? slack : 0;
+}
+
+static inline bool tvi_passes_is_known(const tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    return passes->slowest > 0 && passes->slowest < rule->contraction;
+}
+
+/* A correction before that is larger than 1 counts as 1: it says more of the unknown's size than of the passes. */
+static inline void tvi_passes_show_part(tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    const double part = passes->size / tvi_smaller(passes->before, 1);
+    passes->slowest = rule->memory > 1 ? tvi_larger(part, passes->part) : part;
+    passes->part = part;
+}
+
+static inline void tvi_passes_expect(tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    const double noise = passes->slowest > 0 ? rule->noise : rule->first_noise;
+    const bool is_far = passes->count == 1 || passes->size > rule->far;
+    if (!is_far && passes->size > noise) tvi_passes_show_part(passes, rule);
+    const double part = tvi_passes_is_known(passes, rule) ? passes->slowest : 1;
+    passes->shown = is_far || passes->size > noise ? passes->size : tvi_smaller(passes->size, part * passes->shown);
+    passes->next = is_far ? passes->size : tvi_larger(passes->slack, passes->seen) * part * passes->shown;
+}
+
+/* ---- The verdict ------------------------------------------------------------------------------------------------- */
+
+static inline bool tvi_passes_is_stuck(const tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    if (passes->count <= rule->patience || tvi_passes_contracts(passes, rule)) return false;
+    const bool has_two = rule->turns > 1 && passes->count > 2;
+    return !has_two || passes->size > rule->stuck * rule->stuck * passes->earlier;
+}
+
+/* The last bits go to and fro, and nothing else moves. */
+static inline bool tvi_passes_is_cycle(const tvi_passes *passes)
+{
+    return passes->size == passes->before && passes->size == passes->earlier;
+}
+
+/* Adds a pass, whose correction is so large. */
+static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size)
+{
+    const bool was_enough = passes->next <= rule->goal;
+    passes->earlier = passes->before;
+    passes->before = passes->size;
+    passes->size = size;
+    passes->count++;
+    if (rule->exactly > 0) return passes->count == rule->exactly ? TVI_PASSES_MAY_END : TVI_PASSES_GO_ON;
+    if (rule->most_slack > 0 && passes->count > 1) tvi_passes_learn_slack(passes, rule);
+    tvi_passes_expect(passes, rule);
+    const bool is_enough = passes->next <= rule->goal && (was_enough || !passes->checks);
+    if (is_enough || size <= passes->roundoff) return TVI_PASSES_MAY_END;
+    if (!tvi_passes_is_stuck(passes, rule)) return TVI_PASSES_GO_ON;
+    if (size > rule->roundoff) return TVI_PASSES_STUCK;
+    return tvi_passes_is_known(passes, rule) && !tvi_passes_is_cycle(passes) ? TVI_PASSES_GO_ON : TVI_PASSES_MAY_END;
+}
 /* Those that were stuck: the roundoff is so large, as was measured since. */
 static inline bool tvi_passes_are_roundoff(tvi_passes *passes, double roundoff)
 {

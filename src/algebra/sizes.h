@@ -24,6 +24,10 @@ static inline double tvi_largest(int n, const double x[], int stride)
     return size;
 }
 
+/* Unlike fmax and fmin no calls: b where one is no number. */
+static inline double tvi_larger(double a, double b) { return a > b ? a : b; }
+static inline double tvi_smaller(double a, double b) { return a < b ? a : b; }
+
 /* part / whole, where 0 is no part of 0. */
 static inline double tvi_ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
 

@@ -195,8 +195,6 @@ static tvi_tail_part tail_part(const galerkin *w, const tvi_origin *origin, cons
     return part;
 }
 
-static double larger(double a, double b) { return a > b ? a : b; }
-
 /* tail.h, without a branch on what is not the same in all steps. */
 static double tail(const galerkin *w, const tvi_origin *origin, const double dp[])
 {
@@ -207,9 +205,9 @@ static double tail(const galerkin *w, const tvi_origin *origin, const double dp[
         const tvi_tail_part part = tail_part(w, origin, dp, i);
         w->share[i] = tvi_tail_share(&part, has_masses);
         w->ratio[i] = tvi_tail_ratio(&part);
-        largest = larger(w->share[i], largest);
+        largest = tvi_larger(w->share[i], largest);
     }
-    for (int i = 0; i < w->n; i++) most = larger(tvi_tail_of(w->ratio[i], w->share[i], largest), most);
+    for (int i = 0; i < w->n; i++) most = tvi_larger(tvi_tail_of(w->ratio[i], w->share[i], largest), most);
     return most;
 }
 

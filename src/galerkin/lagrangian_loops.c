@@ -1,13 +1,12 @@
 /* lagrangian_loops.c - see lagrangian_loops.h. */
 #include "galerkin/lagrangian_loops.h"
+#include "algebra/sizes.h"
 #include "galerkin/lanes.h"
 #include "rule.h"
 
 #include <math.h>
 
 #define EACH_LANE for (size_t w = 0; w < stride; w++)
-
-static inline double larger(double a, double b) { return a > b ? a : b; }
 
 /* ---- Factors ----------------------------------------------------------------------------------------------------- */
 
@@ -19,7 +18,7 @@ JET_INLINE void set_scale(int count, size_t apart, double *x, double *scale, int
     const size_t stride = (size_t)lanes;
     double size[TVI_GALERKIN_MAX_LANES] = {0};
     const double *y = x;
-    for (int i = 0; i < count; i++, y += apart) EACH_LANE size[w] = larger(fabs(y[w]), size[w]);
+    for (int i = 0; i < count; i++, y += apart) EACH_LANE size[w] = tvi_larger(fabs(y[w]), size[w]);
     EACH_LANE scale[w] = 1 / size[w];
     for (int i = 0; i < count; i++, x += apart) JET_BLOCKS(lanes, SCALE, );
 }

@@ -12,6 +12,7 @@ Suite *suite_tail(void);
 Suite *suite_products(void);
 Suite *suite_linear(void);
 Suite *suite_arena(void);
+Suite *suite_passes(void);
 Suite *suite_quad(void); /* gcc only: __float128 */
 Suite *suite_input(void);
 Suite *suite_faults(void);
