@@ -48,10 +48,11 @@ FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
 SRC_LANES    := src/galerkin/loops.c src/galerkin/lagrangian_loops.c
-AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) \
+AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-SRC_OBJECTS  := $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
+SRC_OBJECTS  := $(BUILD)/src/embedded_code.o $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
+EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(BUILD)/src/embedded_code.o
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
@@ -93,7 +94,23 @@ $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
 	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
-$(BUILD)/ad/isa.o $(BUILD)/src/galerkin/galerkin.o: BASE += $(if $(ISAS),-DJET_ISA_X86)
+# the text of the rules, for generated code (ad/emit.h)
+EMBEDDED_RULES := $(addprefix ad/,vector.h graph.h tape.h rule.h sums.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
+$(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
+	@mkdir -p $(@D)
+	awk -v NAME=jet_embedded_rules -f ad/embed.awk ad/vector.h include/jet.h $(filter-out ad/vector.h,$(EMBEDDED_RULES)) >$@
+# what defines generated code
+$(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
+	@mkdir -p $(@D)
+	awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
+$(EMBEDDED): %.o: %.c
+	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
+# and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
+GENERATED_FLAGS := -O3 -fno-math-errno -fno-tree-slp-vectorize
+quoted = "$(GENERATED_FLAGS) $(1)",
+$(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
+
+$(addprefix $(BUILD)/,ad/isa.o src/galerkin/galerkin.o src/compiled/load.o): BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
 $(BUILD)/%.$(1).o: %.c

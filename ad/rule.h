@@ -88,9 +88,11 @@ extern const jet_rule *const jet_rules[OP_COUNT];
     ROW(OP_ASINH, asinh)                                                                                               \
     ROW(OP_ACOSH, acosh)                                                                                               \
     ROW(OP_ATANH, atanh)
+#ifndef JET_EMITTED
 #define JET_DECLARE_RULE(op, name) extern const jet_rule JET_RULE_OF(name);
 JET_RULE_LIST(JET_DECLARE_RULE)
 #undef JET_DECLARE_RULE
+#endif
 
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
@@ -144,9 +146,13 @@ JET_RULE_LIST(JET_DECLARE_RULE)
     JET_TANGENT_FRAME(name, KIND##_TANGENT)                                                                            \
     JET_ADJOINT_FRAME(name, KIND##_ADJOINT)
 
-/* What the row of the table names. */
+/* What the row of the table names; generated code (emit.h) has no table. */
+#ifndef JET_EMITTED
+#define JET_RULE_ROW(name, ...) const jet_rule JET_RULE_OF(name) = {__VA_ARGS__};
+#else
+#define JET_RULE_ROW(name, ...)
+#endif
 #define JET_RULE(name, operands, partner)                                                                              \
-    const jet_rule JET_RULE_OF(name) = {operands,       partner,        name##_value, name##_series,                   \
-                                        name##_tangent, name##_adjoint, name##_pull};
+    JET_RULE_ROW(name, operands, partner, name##_value, name##_series, name##_tangent, name##_adjoint, name##_pull)
 
 #endif

@@ -15,7 +15,7 @@ static jet mul_pull(struct jet_node *z, jet zbar, int which)
     return jet_mul(zbar, jet_of_node(which == 0 ? z->b : z->a));
 }
 
-const jet_rule JET_RULE_OF(mul) = {.operands = 2, .value = mul_value, .pull = mul_pull};
+JET_RULE_ROW(mul, .operands = 2, .value = mul_value, .pull = mul_pull)
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
@@ -25,7 +25,7 @@ static jet sqr_pull(struct jet_node *z, jet zbar, int which)
     return jet_mul(2, jet_mul(zbar, jet_of_node(z->a)));
 }
 
-const jet_rule JET_RULE_OF(sqr) = {.operands = 1, .pull = sqr_pull};
+JET_RULE_ROW(sqr, .operands = 1, .pull = sqr_pull)
 
 /* ---- z = a / b,  b_0 != 0 ---------------------------------------------------------------------------------------- */
 

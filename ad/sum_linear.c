@@ -43,16 +43,21 @@ JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x
 
 TABLE(sums_eight, sums_of_many, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
 
+JET_INLINE void linear_order_of(const jet_tape *tape, const jet_run *run, double *x, int lanes, int terms)
+{
+    if (lanes == 1) sums_of_one(tape, run, x, terms);
+    else sums_of_many(tape, run, x, lanes, terms);
+}
+
 void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
     if (lanes == 1) FUNCTION(sums_one, run)(tape, run, x);
     else if (lanes == 8) FUNCTION(sums_eight, run)(tape, run, x);
-    else sums_of_many(tape, run, x, lanes, run->terms);
+    else linear_order_of(tape, run, x, lanes, run->terms);
 }
 
-void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+JET_INLINE void add_numbers(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    jet_linear_order(tape, run, x, lanes);
     if (!run->has_numbers) return;
     for (int i = 0; i < run->count; i++) {
         const double base = tape->base[run->first + i];
@@ -60,6 +65,12 @@ void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int 
         if (base == 0) continue;
         for (int lane = 0; lane < lanes; lane++) z[lane] += base;
     }
+}
+
+void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
+{
+    jet_linear_order(tape, run, x, lanes);
+    add_numbers(tape, run, x, lanes);
 }
 
 /* One lane. A term that several sums in a row share, as differences of one body's position from many, gathers what they

@@ -143,7 +143,7 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
 {
     jet_tape *tape = calloc(1, sizeof *tape);
     if (!tape) return NULL;
-    tape->sweeps = jet_sweeps_choose();
+    tape->sweeps = tape->interpreted = jet_sweeps_choose();
     lowering low = {.graph = graph, .kind = kind, .count = jet_graph_count(graph)};
     const bool allocated = allocate(&low, tape, outputs);
     if (allocated) lower(&low, tape, inputs, outputs, output);

@@ -38,7 +38,8 @@ typedef enum { jet_isa_base, jet_isa_avx2, jet_isa_avx512, JET_ISA_COUNT } jet_i
 typedef struct jet_sweeps jet_sweeps;
 
 typedef struct {
-    const jet_sweeps *sweeps; /* of the instruction set */
+    const jet_sweeps *sweeps;      /* what runs it: those of the instruction set, or generated code (emit.h), */
+    const jet_sweeps *interpreted; /* and those of the instruction set */
     int inputs, constants, slots, runs, rows, terms, outputs;
     jet_run *run;
     double *constant;             /* [constants], slots inputs .. inputs + constants - 1 */

@@ -43,7 +43,8 @@ extern "C" {
     ROW(TVI_ENONFINITE, "a value is not finite")                                                                       \
     ROW(TVI_ESTOPPED, "stopped by the observer")                                                                       \
     ROW(TVI_EUNSUPPORTED, "this system or method does not provide that")                                               \
-    ROW(TVI_ETOOLARGE, "the step is too large for the orbit")
+    ROW(TVI_ETOOLARGE, "the step is too large for the orbit")                                                          \
+    ROW(TVI_ECOMPILE, "the generated code could not be compiled or loaded")
 
 #define TVI_STATUS_CODE(code, text) code,
 typedef enum { TVI_STATUS_LIST(TVI_STATUS_CODE) TVI_STATUS_COUNT } tvi_status;

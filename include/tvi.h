@@ -142,6 +142,7 @@ typedef struct {
     int max_passes;        /* 0 = the library's bound */
     double max_tail;       /* a step whose tvi_stats.tail is larger is refused, and one that changes the energy by what
                               no step does (docs/stability.md); 0 = TVI_MAX_TAIL; < 0: no step is */
+    const struct tvi_compiled *compiled; /* of the same system and options (tvi_compile); NULL: steps are interpreted */
 } tvi_options;
 
 /* What a user who does not choose should get: symmetric, on-curve, the fastest at equal error over the scenes of the
@@ -159,11 +160,46 @@ TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_opti
  *   TVI_EUNSUPPORTED  a combination that makes no method */
 TVI_NODISCARD tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why);
 
+/* ---- Compiled systems -------------------------------------------------------------------------------------------- */
+
+/* A system's recorded functions as machine code, for the steps of one method (docs/compiled.md): results are those of
+ * the system as it is, to roundoff, in a fraction of the time. Given to an integrator by tvi_options.compiled. */
+typedef struct tvi_compiled tvi_compiled;
+
+typedef struct {
+    const char *compiler; /* NULL: the environment variable CC, or cc; arguments follow, between blanks */
+    const char *flags;    /* NULL: those that the library's own instruction set is compiled with, and -O3 */
+    const char *cache;    /* a directory, made where there is none; NULL: tvi below XDG_CACHE_HOME, or below ~/.cache;
+                             "": nothing is kept */
+} tvi_compiler;
+
+/* Generates C, compiles it by the C compiler of the machine, without a shell, and loads it: some tenths of a second, a
+ * few seconds for 40 bodies. It is kept in the cache, by the content of what was compiled and how: the next time takes
+ * a millisecond, also in another process, and several may do it at once. The directory must belong to the user alone.
+ * options as for tvi_integrator_create, their `compiled` is not read; how NULL: all NULL. *out is NULL on failure.
+ *   TVI_ECOMPILE  no compiler, an error of it, or the result cannot be written or loaded; the directory is not the
+ *                 user's own, or others may write to it
+ *   TVI_ENOMEM    no memory
+ *   others        as of tvi_options_check */
+TVI_NODISCARD tvi_status tvi_compile(tvi_compiled **out, const tvi_system *system, const tvi_options *options,
+                                     const tvi_compiler *how);
+/* The same C as a file, to be compiled with the program: it defines `const tvi_compiled *name(void)`, which is not to
+ * be freed. It serves the version of the library that wrote it, and machines that have the instructions that it is
+ * compiled to.
+ *   TVI_EINVAL    NULL, a name that is no identifier
+ *   TVI_ECOMPILE  the file cannot be written
+ *   others        as of tvi_compile */
+TVI_NODISCARD tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *name,
+                                            const char *path);
+/* Integrators that use it keep what they need of it. NULL is allowed. */
+void tvi_compiled_free(tvi_compiled *compiled);
+
 /* ---- Integrators ------------------------------------------------------------------------------------------------- */
 
 typedef struct tvi_integrator tvi_integrator;
 
-/* NULL options: tvi_options_default. *out is NULL on failure.
+/* NULL options: tvi_options_default. It keeps options.compiled as long as it lives, whoever frees that. *out is NULL on
+ * failure.
  *   TVI_ENOMEM  no memory
  *   others      as of tvi_options_check */
 TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
@@ -301,6 +337,7 @@ typedef struct {
     double tail;
     double largest_tail; /* of the steps since the integrator was made or reset, also of one that was refused */
     size_t bytes;        /* of memory held by the integrator */
+    bool is_compiled;    /* its steps run code of tvi_options.compiled */
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 

@@ -286,5 +286,20 @@ static void sample(void *work, const tvi_range of[2], const double q_start[], co
     follow_curve(w, of, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, q_start, p_start, q, p);
 }
 
-const tvi_stepper tvi_stepper_galerkin = {
-    .take = take, .prepare = prepare, .step = step, .dense = dense, .sample = sample, .is_superconvergent = true};
+/* ---- Generated code ---------------------------------------------------------------------------------------------- */
+
+static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+{
+    const int lanes = lanes_for(options->degree);
+    tvi_uses used = {.values = {.name = "values", .lanes = {lanes}}};
+    if (system->form == TVI_LAGRANGIAN) used.second = (jet_emission){.name = "second", .lanes = {lanes}};
+    return used;
+}
+
+const tvi_stepper tvi_stepper_galerkin = {.take = take,
+                                          .prepare = prepare,
+                                          .step = step,
+                                          .dense = dense,
+                                          .sample = sample,
+                                          .is_superconvergent = true,
+                                          .uses = uses};

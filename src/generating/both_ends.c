@@ -318,7 +318,12 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-static const tvi_stepper stepper = {.take = take, .prepare = prepare, .step = step, .dense = dense};
+static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+{
+    return tvi_curve_uses(system, options, options->degree, TVI_JACOBIAN_MATRICES);
+}
+
+static const tvi_stepper stepper = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};
 
 const tvi_descriptor tvi_type1_both_ends = {
     .method = TVI_TYPE1,

@@ -9,7 +9,7 @@
 #define TVI_SRC_GENERATING_CURVE_H
 
 #include "algebra/linear.h"
-#include "system/system.h"
+#include "method/stepper.h"
 
 /* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
  * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is.
@@ -61,6 +61,9 @@ TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 
 /* The Jacobian matrices of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
+
+/* What a stepper runs whose curves have such Jacobians. */
+tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, tvi_jacobians jacobians);
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 

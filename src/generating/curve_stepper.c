@@ -359,6 +359,14 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
-const tvi_stepper tvi_stepper_curve = {.take = take, .prepare = prepare, .step = step, .dense = dense};
+static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+{
+    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
+    const int top = options->degree + (expanded->has_top_momentum && system->form == TVI_SEPARABLE);
+    return tvi_curve_uses(system, options, top, corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
+}
+
+const tvi_stepper tvi_stepper_curve = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};
 const tvi_stepper tvi_stepper_taylor = {
-    .take = take, .prepare = prepare, .step = step, .dense = dense, .step_within = step_within};
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .step_within = step_within, .uses = uses};

@@ -150,6 +150,22 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     }
 }
 
+/* Matrices take their directions in blocks, the last one of what is left. */
+tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, tvi_jacobians jacobians)
+{
+    const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
+    tvi_uses used = {.series = {.name = "series", .lanes = {1}, .top = top, .has_series = true}};
+    if (jacobians == TVI_NO_JACOBIANS) return used;
+    used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
+    if (used.series.has_adjoints) used.series.directions[0] = 1;
+    else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;
+    else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
+    used.values = (jet_emission){.name = "values", .lanes = {options->quadrature_points}};
+    if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
+        used.bend = (jet_emission){.name = "bend", .lanes = {options->quadrature_points}};
+    return used;
+}
+
 /* ---- Products with vectors --------------------------------------------------------------------------------------- */
 
 void tvi_curve_aim(tvi_curve *curve, const double dz[])

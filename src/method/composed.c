@@ -79,4 +79,12 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-const tvi_stepper tvi_stepper_composed = {.take = take, .prepare = prepare, .step = step, .dense = dense};
+/* Those of a half: its adjoint runs the same. */
+static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+{
+    tvi_options half = *options;
+    half.compose_adjoint = false;
+    return tvi_method_stepper(&half)->uses(system, &half);
+}
+
+const tvi_stepper tvi_stepper_composed = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};

@@ -201,16 +201,6 @@ tvi_options tvi_method_adjoint(const tvi_options *options)
 
 /* ---- Options of the public interface ----------------------------------------------------------------------------- */
 
-tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why)
-{
-    if (!system || !options) {
-        if (why) *why = "system or options is NULL";
-        return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "options" : "system");
-    }
-    tvi_options resolved = *options;
-    return tvi_method_resolve(&resolved, system->stepped, why);
-}
-
 static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int order, tvi_options *options)
 {
     const tvi_options found = {

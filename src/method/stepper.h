@@ -3,6 +3,7 @@
 #define TVI_SRC_METHOD_STEPPER_H
 
 #include "algebra/arena.h"
+#include "emit.h"
 #include "system/system.h"
 
 /* a + b = sum + *rest, exactly (two-sum). */
@@ -38,6 +39,13 @@ typedef struct {
     int first, end;
 } tvi_range;
 
+/* What steps run of the tapes of a system, for generated code to have it (compiled/). A name NULL: nothing of one. */
+typedef struct {
+    jet_emission series, values, bend, second;
+    /* Defines `static const galerkin_loops NAME` after what is made of the values; NULL: no such thing. */
+    void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
+} tvi_uses;
+
 typedef struct {
     /* Lays out the stepper's work in the arena; NULL while the arena only measures. What a step leaves to the next one
      * is taken from the arena's history, which is as it was again after a step that failed, and all zeros before a
@@ -64,6 +72,7 @@ typedef struct {
     /* More than the last step changes the energy by, where the forces grow or shrink all along it. NULL: the tail says
      * whether the energy is looked at (guard.c). */
     double (*most_change)(const void *work);
+    tvi_uses (*uses)(const tvi_system *system, const tvi_options *options);
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;

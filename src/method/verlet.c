@@ -87,8 +87,14 @@ static double most_change(const void *work)
     return sum / 2;
 }
 
+static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+{
+    (void)system, (void)options;
+    return (tvi_uses){.values = {.name = "values", .lanes = {1}}};
+}
+
 static const tvi_stepper stepper = {
-    .take = take, .prepare = prepare, .step = step, .dense = dense, .most_change = most_change};
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .most_change = most_change, .uses = uses};
 
 static const tvi_service service = {TVI_SERVES_SEPARABLE,
                                     "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

@@ -133,7 +133,7 @@ tvi_status tvi_between_time(tvi_between *between, double time)
     const double part = fmax(fmin(rest * (h / steps->covered), fmax(h, 0)), fmin(h, 0));
     double theta = part / h;
     if (time == steps->now.q[n]) return tvi_between_state(between, h);
-    if (steps->stepped == steps->system) return tvi_between_state(between, part); /* they move in the time */
+    if (!tvi_is_rescaled(steps)) return tvi_between_state(between, part); /* they move in the time */
     between->step = 0;
     const tvi_status status = find_on_curve(between, time, &theta);
     return status == TVI_OK ? correct(between, time, theta, theta * h) : status;

@@ -21,7 +21,7 @@ static const double ROUNDOFF = 64 * DBL_EPSILON, NO_ENERGY = 1e-6, PART_OF_ACTIO
 
 static bool keeps_energy(const tvi_integrator *it)
 {
-    const bool rescaled = it->stepped != it->system; /* keeps K = g (H + e) */
+    const bool rescaled = tvi_is_rescaled(it); /* keeps K = g (H + e) */
     return it->energy.block && it->options.max_tail >= 0 && (rescaled || !it->system->uses_time);
 }
 

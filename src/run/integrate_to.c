@@ -37,7 +37,7 @@ static tvi_status step_towards(tvi_integrator *it, double h, double t_end, doubl
                                bool *is_last)
 {
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t)), rest = tvi_time_left(it, t_end);
-    *is_last = it->stepped == it->system && fabs(rest) <= fabs(h) + roundoff;
+    *is_last = !tvi_is_rescaled(it) && fabs(rest) <= fabs(h) + roundoff;
     tvi_status status = tvi_step(it, *is_last ? rest : h, t, q, p);
     if (status != TVI_OK || *is_last) return status;
     const double left = tvi_time_left(it, t_end);

@@ -28,7 +28,7 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
                               is_tolerance(tolerance) ? "t_end is not finite"
                                                       : "tolerance is below DBL_EPSILON or not below 1");
     if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
-    if (!it->stepper->step_within || it->stepped != it->system)
+    if (!it->stepper->step_within || tvi_is_rescaled(it))
         return jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
     tvi_locator *locator = NULL;
     tvi_status status = tvi_integrator_begin(it, *t, q, p);

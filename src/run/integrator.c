@@ -1,6 +1,7 @@
 /* integrator.c - holds a state between steps, checks what comes in, and adds the increments by compensated
  * summation. */
 #include "run/integrator.h"
+#include "compiled/compiled.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
 #include "run/guard.h"
@@ -21,7 +22,8 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
                                const tvi_stepper *stepper)
 {
     tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
-    tvi_integrator laid = {.system = system, .stepped = system->stepped, .options = *options, .stepper = stepper};
+    tvi_integrator laid = {.system = system, .options = *options, .stepper = stepper};
+    laid.stepped = tvi_compiled_system(arena, system->stepped, options->compiled);
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
     const size_t dimension = (size_t)laid.stepped->n;
     double **const vectors[] = {&laid.dp, &laid.dq};
@@ -30,7 +32,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     for (size_t i = 0; i < 4; i++) *history[i] = tvi_arena_history(arena, (dimension + i % 2) * sizeof(double));
     laid.continues = tvi_arena_history(arena, sizeof *laid.continues);
     laid.kept = tvi_arena_history(arena, sizeof *laid.kept);
-    const bool uses_energy = laid.stepped != system || options->max_tail >= 0;
+    const bool uses_energy = system->stepped != system || options->max_tail >= 0;
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
     laid.of_state = arena->remembered;
@@ -38,6 +40,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     laid.history = arena->history;
     laid.before = laid.history ? laid.history + arena->remembered : NULL;
     laid.remembered = arena->remembered;
+    laid.stats.is_compiled = options->compiled != NULL;
     laid.stats.bytes = arena->used + 2 * arena->remembered;
     if (!integrator) return NULL;
     const tvi_run_state *now = &laid.now;
@@ -59,9 +62,30 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     memset(memory, 0, bytes);
     arena = (tvi_arena){.base = memory, .history = memory + arena.used};
     *out = lay_out(&arena, system, resolved, stepper);
+    tvi_compiled_hold(resolved->compiled);
     stepper->prepare((*out)->work);
     if ((*out)->energy.block) tvi_energy_prepare(&(*out)->energy);
     return TVI_OK;
+}
+
+/* Completes the options, or says why they make no integrator. */
+static tvi_status check(const tvi_system *system, tvi_options *options, const char **why)
+{
+    const tvi_status status = tvi_method_resolve(options, system->stepped, why);
+    const char *misfit = status == TVI_OK ? tvi_compiled_misfit(options->compiled, system->stepped, options) : NULL;
+    if (!misfit) return status;
+    if (why) *why = misfit;
+    return jet_refuse(TVI_EINVAL, "%s", misfit);
+}
+
+tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why)
+{
+    if (!system || !options) {
+        if (why) *why = "system or options is NULL";
+        return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "options" : "system");
+    }
+    tvi_options resolved = *options;
+    return check(system, &resolved, why);
 }
 
 tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options)
@@ -70,7 +94,7 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     tvi_options resolved = options ? *options : tvi_options_default();
-    const tvi_status status = tvi_method_resolve(&resolved, system->stepped, NULL);
+    const tvi_status status = check(system, &resolved, NULL);
     return status == TVI_OK ? make(out, system, &resolved) : status;
 }
 
@@ -81,8 +105,11 @@ tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *it)
 
 void tvi_integrator_free(tvi_integrator *integrator)
 {
-    if (integrator && integrator->tangent) integrator->free_tangent(integrator->tangent);
+    if (!integrator) return;
+    if (integrator->tangent) integrator->free_tangent(integrator->tangent);
+    const tvi_compiled *compiled = integrator->options.compiled;
     free(integrator);
+    tvi_compiled_release(compiled);
 }
 
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator)
@@ -130,7 +157,7 @@ tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], 
     memcpy(it->now.p, p, (size_t)n * sizeof *p);
     it->now.q[n] = t;
     tvi_guard_begin(it);
-    return it->stepped != it->system ? set_energy(it) : TVI_OK;
+    return tvi_is_rescaled(it) ? set_energy(it) : TVI_OK;
 }
 
 /* The state of the steps, as the user has it. */
@@ -269,7 +296,7 @@ void tvi_sample(tvi_integrator *it, const tvi_range of[2], double *x)
 {
     const int n = it->system->n, end = TVI_SAMPLES - 1;
     double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
-    if (it->stepper->sample && it->stepped == it->system) {
+    if (it->stepper->sample && !tvi_is_rescaled(it)) {
         it->stepper->sample(it->work, of, it->start.q, it->start.p, q, p);
         for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_place[k] * it->h);
     } else {

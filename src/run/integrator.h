@@ -24,7 +24,7 @@ typedef struct tvi_tangent tvi_tangent;
 
 struct tvi_integrator {
     const tvi_system *system;  /* the user's, of dimension n, */
-    const tvi_system *stepped; /* and the one that steps are made of */
+    const tvi_system *stepped; /* and the one that steps are made of, with generated code where there is any */
     tvi_options options;       /* as resolved */
     tvi_stats stats;
     const tvi_stepper *stepper;
@@ -43,6 +43,12 @@ struct tvi_integrator {
     tvi_tangent *tangent;        /* NULL: never asked for; and what frees it */
     void (*free_tangent)(tvi_tangent *tangent);
 };
+
+/* Whether steps are made in another time than the user's. */
+static inline bool tvi_is_rescaled(const tvi_integrator *integrator)
+{
+    return integrator->system->stepped != integrator->system;
+}
 
 /* Makes the state the integrator's own, as every step begins; nothing where it is what the last one returned. */
 TVI_NODISCARD tvi_status tvi_integrator_begin(tvi_integrator *integrator, double t, const double q[], const double p[]);

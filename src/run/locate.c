@@ -213,7 +213,7 @@ static tvi_status polish_by_rates(locator *s, tvi_root *r, double x[], bool *is_
 static bool knows_rates(const locator *s)
 {
     const tvi_integrator *it = s->seen.it;
-    return s->rates.block && it->stepped == it->system && it->stepper->is_superconvergent && it->options.degree > 1;
+    return s->rates.block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent && it->options.degree > 1;
 }
 
 /* An event of the step, and x, its state. */

@@ -6,7 +6,8 @@
  * The identity is of the format, the method and the system: another one is refused. t, q and p are for those
  * who have no integrator (tvi_state_peek). The history is all that one step
  * leaves to the next (arena.h), so that nothing can be forgotten here. */
-#include "run/fingerprint.h"
+#include "compiled/compiled.h"
+#include "method/fingerprint.h"
 #include "run/integrator.h"
 #include "system/refuse.h"
 
@@ -20,7 +21,7 @@ static const char MAGIC[] = "tvistate";
 typedef struct {
     char magic[8];
     int64_t version, bytes, n, has_stepped;
-    uint64_t system, options;
+    uint64_t system, options, code; /* code: 0 where there is none, since the tape rounds otherwise */
 } identity;
 
 /* t, q and p. */
@@ -40,6 +41,7 @@ static identity identity_of(const tvi_integrator *it)
         .has_stepped = *it->continues,
         .system = tvi_system_fingerprint(it->stepped),
         .options = tvi_options_fingerprint(&it->options),
+        .code = it->options.compiled ? tvi_compiled_library() : 0,
     };
     memcpy(who.magic, MAGIC, sizeof who.magic);
     return who;
@@ -84,6 +86,8 @@ static const char *misfit(const identity *own, const identity *who)
 {
     if (who->n != own->n) return "the state is of a system of another dimension";
     if (who->system != own->system) return "the state is of another system";
+    if (who->code != own->code)
+        return own->code ? "the state is not of compiled steps" : "the state is of compiled steps";
     return who->options != own->options || who->bytes != own->bytes ? "the state is of other options" : NULL;
 }
 
@@ -95,9 +99,10 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     const char *reason = fault(buffer, size, &who), *at = buffer;
     if (!reason) reason = misfit(&own, &who);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
-    const size_t bytes = it->stats.bytes;
+    const tvi_stats stats = it->stats;
     memcpy(&it->stats, at += sizeof own + seen_size(own.n), sizeof it->stats);
-    it->stats.bytes = bytes;
+    it->stats.bytes = stats.bytes;
+    it->stats.is_compiled = stats.is_compiled;
     tvi_arena_copy(it->history, at + sizeof it->stats, it->remembered);
     it->has_dense = false;
     return TVI_OK;

@@ -36,7 +36,7 @@ static void free_tangent(tvi_tangent *tangent)
 
 static size_t flow_bytes(const tvi_integrator *it)
 {
-    return it->stepped == it->system ? 0 : (size_t)it->stepped->field_values->slots * sizeof(double);
+    return !tvi_is_rescaled(it) ? 0 : (size_t)it->stepped->field_values->slots * sizeof(double);
 }
 
 static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
@@ -57,7 +57,8 @@ static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
     if (status != TVI_OK) return status;
     tangent->paired = tangent->system->form != TVI_SEPARABLE;
     tvi_options options = it->options;
-    options.max_tail = -1; /* the step itself is looked at */
+    options.max_tail = -1;   /* the step itself is looked at */
+    options.compiled = NULL; /* and the code is that of the system */
     return tvi_integrator_create(&tangent->integrator, tangent->system, &options);
 }
 

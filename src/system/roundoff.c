@@ -71,6 +71,7 @@ static void sweep(tvi_roundoff *roundoff, const tvi_system *system)
     for (int i = 0; i < system->inputs; i++) disturb(roundoff, i, fabs(roundoff->x[i]));
     for (int r = 0; r < tape->runs; r++) {
         jet_tape one = *tape;
+        one.sweeps = tape->interpreted; /* generated code has no parts */
         one.run = tape->run + r;
         one.runs = 1;
         jet_sweep_tangents(&one, roundoff->x, roundoff->dx, 0, SAMPLES);

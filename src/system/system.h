@@ -38,10 +38,11 @@ struct tvi_system {
                                 everywhere, one of each pair */
     tvi_second *second;      /* [seconds] which they are */
     int seconds;
-    jet_tape *energy;   /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
-    jet stated;         /* V, L or H, in the graph; not of a force, nor of a lift */
-    double energy_sign; /* separable from a Lagrangian: the energy tape gives -V */
-    int energy_inputs;  /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
+    jet_tape *energy;            /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
+    jet stated;                  /* V, L or H, in the graph; not of a force, nor of a lift */
+    double energy_sign;          /* separable from a Lagrangian: the energy tape gives -V */
+    const struct tvi_code *code; /* that runs the tapes; NULL: they are interpreted */
+    int energy_inputs;           /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
 };
 
 /* The lift of a system to 2n degrees of freedom: (q, p) and a tangent vector (dq, dp) that moves with it, by H_q.dq +

@@ -1,6 +1,6 @@
 /* test_fingerprints.c - a saved state serves the system and the options that it was saved with, and no others: pairs
  * that differ in one thing. */
-#include "run/fingerprint.h"
+#include "method/fingerprint.h"
 #include "generating.h"
 #include "models.h"
 

@@ -1,7 +1,7 @@
 /* fingerprint.h - what decides a step, in 64 bits: whoever keeps what belongs to a system and a method beyond their
  * life asks by these whether it belongs to the ones at hand. */
-#ifndef TVI_SRC_RUN_FINGERPRINT_H
-#define TVI_SRC_RUN_FINGERPRINT_H
+#ifndef TVI_SRC_METHOD_FINGERPRINT_H
+#define TVI_SRC_METHOD_FINGERPRINT_H
 
 #include "system/system.h"
 

@@ -1,5 +1,5 @@
 /* fingerprint.c - see fingerprint.h. */
-#include "run/fingerprint.h"
+#include "method/fingerprint.h"
 
 #define COUNT(list) (sizeof(list) / sizeof *(list))
 
@@ -18,7 +18,8 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
     return jet_hash(sum, system->mass, has_masses ? (size_t)system->n * sizeof *system->mass : 0);
 }
 
-/* The fields in their order; the options have gaps between them. One that is left out is a missing initialiser. */
+/* The fields in their order; the options have gaps between them. One that is left out is a missing initialiser. What
+ * they are compiled to is none of theirs. */
 #define OPTION_FIELDS(field)                                                                                           \
     field(method) field(expansion) field(nodes) field(order) field(degree) field(compose_adjoint) field(quadrature)    \
         field(quadrature_points) field(tolerance) field(passes) field(max_passes) field(max_tail)
@@ -27,7 +28,7 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
 
 uint64_t tvi_options_fingerprint(const tvi_options *options)
 {
-    const tvi_options copy = {OPTION_FIELDS(VALUE)};
+    const tvi_options copy = {OPTION_FIELDS(VALUE) NULL};
     uint64_t sum = JET_HASH_OF_NOTHING;
     OPTION_FIELDS(HASH)
     return sum;

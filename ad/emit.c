@@ -1,0 +1,191 @@
+/* emit.c - see emit.h. */
+#include "emit.h"
+#include "rule.h"
+
+/* Tapes of so many operations have their sums apart, and their orders unrolled if there are so many times the orders of
+ * them: what more would gain takes seconds to compile. */
+enum { APART_MOST = 256, UNROLLED_MOST = 800 };
+
+extern const char *const jet_embedded_rules[];
+
+const char *const *jet_emit_lines(void) { return jet_embedded_rules; }
+
+void jet_emit_rules(jet_text *text)
+{
+    jet_text_add(text, "#define JET_EMITTED\n#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n"
+                       "#include <stdint.h>\n");
+    for (const char *const *line = jet_embedded_rules; *line; line++) jet_text_add(text, "%s", *line);
+}
+
+/* ---- The tape as constants --------------------------------------------------------------------------------------- */
+
+static void emit_ints(jet_text *text, const char *name, const char *what, int count, const int value[])
+{
+    jet_text_add(text, "static const int %s_%s[] = {0", name, what);
+    for (int i = 0; i < count; i++) jet_text_add(text, i % 16 ? ", %d" : ",\n    %d", value[i]);
+    jet_text_add(text, "};\n");
+}
+
+static void emit_doubles(jet_text *text, const char *name, const char *what, int count, const double value[])
+{
+    jet_text_add(text, "static const double %s_%s[] = {0", name, what);
+    for (int i = 0; i < count; i++) jet_text_add(text, i % 8 ? ", %a" : ",\n    %a", value[i]);
+    jet_text_add(text, "};\n");
+}
+
+static void emit_run(jet_text *text, const jet_run *run)
+{
+    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d},\n", (int)run->op, run->count, run->z,
+                 run->a, run->b, run->w, run->c, run->has_numbers, run->first, run->terms, run->term);
+}
+
+typedef struct {
+    jet_text *text;
+    const jet_tape *tape;
+    const jet_emission *wanted;
+    bool apart;    /* each sum is a run of its own */
+    bool unrolled; /* orders */
+} emission;
+
+static int pieces_of(const emission *e, const jet_run *run)
+{
+    return e->apart && run->op == OP_LINEAR ? run->count : 1;
+}
+
+static jet_run piece_of(const emission *e, const jet_run *run, int piece)
+{
+    jet_run part = *run;
+    if (pieces_of(e, run) == 1) return part;
+    part.count = 1;
+    part.z += piece;
+    part.first += piece;
+    part.term += piece * run->terms;
+    part.has_numbers = e->tape->base[part.first] != 0;
+    return part;
+}
+
+/* Arrays begin with a 0, so that none is empty. */
+static void emit_constants(const emission *e)
+{
+    const jet_tape *tape = e->tape;
+    const char *name = e->wanted->name;
+    emit_ints(e->text, name, "slot", tape->terms, tape->term_slot);
+    emit_ints(e->text, name, "second", tape->terms, tape->term_second);
+    emit_doubles(e->text, name, "coefficient", tape->terms, tape->term_coefficient);
+    emit_doubles(e->text, name, "base", tape->rows, tape->base);
+    jet_text_add(e->text, "static const jet_run %s_run[] = {\n", name);
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        for (int piece = 0; piece < pieces_of(e, run); piece++) {
+            const jet_run part = piece_of(e, run, piece);
+            emit_run(e->text, &part);
+        }
+    jet_text_add(e->text, "    {0}};\n");
+    jet_text_add(
+        e->text,
+        "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"
+        "    .base = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1, .term_second = (int *)%s_second + "
+        "1, .term_coefficient = (double *)%s_coefficient + 1};\n",
+        name, tape->inputs, tape->constants, tape->slots, name, name, name, name, name);
+}
+
+/* ---- The sweeps -------------------------------------------------------------------------------------------------- */
+
+#define RULE_NAME(op, name) [op] = #name,
+static const char *const rule_name[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
+
+/* A line of emitted.h's list. */
+static void emit_line(const emission *e, const jet_run *run, int index)
+{
+    const char *name = e->wanted->name;
+    if (run->op == OP_LINEAR) jet_text_add(e->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
+    else if (rule_name[run->op]) jet_text_add(e->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_name[run->op]);
+    else jet_text_add(e->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
+}
+
+static void emit_lists(const emission *e)
+{
+    const jet_tape *tape = e->tape;
+    int pieces = 0;
+    jet_text_add(e->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", e->wanted->name);
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        for (int piece = 0; piece < pieces_of(e, run); piece++) emit_line(e, run, pieces++);
+    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, LINEAR)", e->wanted->name);
+    for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;)
+        for (int piece = 0; piece < pieces_of(e, run); piece++) emit_line(e, run, --pieces);
+    jet_text_add(e->text, "\nJET_EMITTED_SWEEPS(%s)\n", e->wanted->name);
+}
+
+/* ---- What callers of the sweeps find (tape.h) -------------------------------------------------------------------- */
+
+/* Returns what the sweep of order k does, with k a constant where orders are unrolled. */
+static void emit_orders(const emission *e, const char *sweep, const char *blocks, int lanes)
+{
+    const char *name = e->wanted->name;
+    if (e->unrolled) jet_text_add(e->text, "    switch (k) {\n");
+    for (int k = 0; k <= e->wanted->top && e->unrolled; k++)
+        jet_text_add(e->text, "    case %d: return %s_%s(%s, %d, %d);\n", k, name, sweep, blocks, k, lanes);
+    if (e->unrolled) jet_text_add(e->text, "    }\n");
+    jet_text_add(e->text, "    return %s_%s(%s, k, %d);\n}\n", name, sweep, blocks, lanes);
+}
+
+static void emit_values(const emission *e)
+{
+    const char *name = e->wanted->name;
+    jet_text_add(e->text, "static bool %s_values(const jet_tape *tape, double *x, int lanes)\n{\n", name);
+    for (const int *lanes = e->wanted->lanes; *lanes > 0; lanes++)
+        jet_text_add(e->text, "    if (lanes == %d) return %s_values_of(x, %d);\n", *lanes, name, *lanes);
+    jet_text_add(e->text, "    return tape->interpreted->values(tape, x, lanes);\n}\n");
+}
+
+static void emit_series(const emission *e)
+{
+    jet_text_add(e->text,
+                 "static bool %s_series(const jet_tape *tape, double *x, int k, int lanes)\n{\n"
+                 "    if (lanes != 1) return tape->interpreted->series(tape, x, k, lanes);\n",
+                 e->wanted->name);
+    emit_orders(e, "series_of", "x", 1);
+}
+
+/* A function for each number of lanes. */
+static void emit_tangents(const emission *e)
+{
+    const char *name = e->wanted->name;
+    for (const int *lanes = e->wanted->directions; *lanes > 0; lanes++) {
+        jet_text_add(e->text, "static bool %s_tangents_%d(const double *x, double *dx, int k)\n{\n", name, *lanes);
+        emit_orders(e, "tangents_of", "x, dx", *lanes);
+    }
+    jet_text_add(e->text,
+                 "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
+                 name);
+    for (const int *lanes = e->wanted->directions; *lanes > 0; lanes++)
+        jet_text_add(e->text, "    if (lanes == %d) %s_tangents_%d(x, dx, k);\n    else\n", *lanes, name, *lanes);
+    jet_text_add(e->text, "    tape->interpreted->tangents(tape, x, dx, k, lanes);\n}\n");
+}
+
+static void emit_adjoints(const emission *e)
+{
+    const char *name = e->wanted->name;
+    jet_text_add(e->text,
+                 "static void %s_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)\n{\n"
+                 "    (void)tape;\n    %s_adjoints_of(x, bar, k, top);\n}\n",
+                 name, name);
+}
+
+void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted)
+{
+    const char *name = wanted->name;
+    const int operations = tape->slots - tape->inputs - tape->constants;
+    const emission e = {text, tape, wanted, operations <= APART_MOST, operations * (wanted->top + 1) <= UNROLLED_MOST};
+    emit_constants(&e);
+    emit_lists(&e);
+    if (wanted->lanes[0] > 0) emit_values(&e);
+    if (wanted->has_series) emit_series(&e);
+    if (wanted->directions[0] > 0) emit_tangents(&e);
+    if (wanted->has_adjoints) emit_adjoints(&e);
+    jet_text_add(text, "static const jet_sweeps %s_sweeps = {", name);
+    if (wanted->lanes[0] > 0) jet_text_add(text, ".values = %s_values, ", name);
+    if (wanted->has_series) jet_text_add(text, ".series = %s_series, ", name);
+    if (wanted->directions[0] > 0) jet_text_add(text, ".tangents = %s_tangents, ", name);
+    if (wanted->has_adjoints) jet_text_add(text, ".adjoints = %s_adjoints, ", name);
+    jet_text_add(text, ".isa = JET_EMITTED_ISA};\n");
+}

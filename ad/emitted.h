@@ -1,0 +1,61 @@
+/* emitted.h - the sweeps of generated code (emit.h), which is the only one to read this, after the text of the rules: T
+ * is the tape's name, T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name),
+ * PRODUCTS(T, i, squares, terms) or LINEAR(T, i, terms), and T_RUNS_BACK in the other order. */
+#ifndef TVI_AD_EMITTED_H
+#define TVI_AD_EMITTED_H
+
+#include "sums.h"
+
+#define VALUES_RULE(T, i, name)                                                                                        \
+    inside &= name##_value(T##_run[i].c, T##_run[i].count * lanes, x + T##_run[i].a * lanes, x + T##_run[i].b * lanes, \
+                           x + T##_run[i].z * lanes);
+#define VALUES_PRODUCTS(T, i, squares, terms) values_of(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_LINEAR(T, i, terms)                                                                                     \
+    linear_order_of(&T, &T##_run[i], x, lanes, terms);                                                                 \
+    add_numbers(&T, &T##_run[i], x, lanes);
+
+#define ORDER_LINEAR(T, i, x, terms) linear_order_of(&T, &T##_run[i], x + k * T.slots * lanes, lanes, terms);
+
+#define SERIES_RULE(T, i, name)               name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
+#define SERIES_PRODUCTS(T, i, squares, terms) series_of(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
+#define SERIES_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, x, terms)
+
+#define TANGENTS_RULE(T, i, name)               name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
+#define TANGENTS_PRODUCTS(T, i, squares, terms) tangents_of(&T, &T##_run[i], x, dx, k, (size_t)lanes, squares, terms);
+#define TANGENTS_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, dx, terms)
+
+#define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, (size_t)T.slots);
+#define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
+#define ADJOINTS_LINEAR(T, i, terms)            adjoints_of_one(&T, &T##_run[i], bar + k * T.slots, terms);
+
+/* The instruction set that the code is compiled for. */
+#if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
+#define JET_EMITTED_ISA jet_isa_avx512
+#elif defined(__AVX2__) && defined(__FMA__)
+#define JET_EMITTED_ISA jet_isa_avx2
+#else
+#define JET_EMITTED_ISA jet_isa_base
+#endif
+
+/* The sweeps of tape.h, to be inlined with constants. */
+#define JET_EMITTED_SWEEPS(T)                                                                                          \
+    JET_INLINE bool T##_values_of(double *x, int lanes)                                                                \
+    {                                                                                                                  \
+        bool inside = true;                                                                                            \
+        T##_RUNS(VALUES_RULE, VALUES_PRODUCTS, VALUES_LINEAR) return inside;                                           \
+    }                                                                                                                  \
+    JET_INLINE bool T##_series_of(double *x, int k, int lanes)                                                         \
+    {                                                                                                                  \
+        if (k == 0) return T##_values_of(x, lanes);                                                                    \
+        T##_RUNS(SERIES_RULE, SERIES_PRODUCTS, SERIES_LINEAR) return true;                                             \
+    }                                                                                                                  \
+    JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
+    {                                                                                                                  \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_PRODUCTS, TANGENTS_LINEAR) return true;                                       \
+    }                                                                                                                  \
+    JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
+    {                                                                                                                  \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_PRODUCTS, ADJOINTS_LINEAR)                                               \
+    }
+
+#endif

@@ -1,0 +1,18 @@
+/* text.h - text that grows. */
+#ifndef TVI_AD_TEXT_H
+#define TVI_AD_TEXT_H
+
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct {
+    char *data; /* ends with 0; NULL: nothing yet. Freed by the caller */
+    size_t size, room;
+    bool failed; /* without memory: what follows is lost */
+} jet_text;
+
+__attribute__((format(printf, 2, 3))) void jet_text_add(jet_text *text, const char *format, ...);
+__attribute__((format(printf, 2, 0))) void jet_text_add_list(jet_text *text, const char *format, va_list values);
+
+#endif

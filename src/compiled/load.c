@@ -1,0 +1,254 @@
+/* load.c - from the text of generated code to code that runs: compiled in a directory of its own, moved into the cache
+ * under a name that says what it is made of, and loaded. What is in the cache ends with a seal, by which a file that is
+ * damaged or another's is known and made anew. */
+#include "compiled/compiled.h"
+#include "compiled/files.h"
+#include "refusal.h"
+
+#ifdef JET_ISA_X86
+#include <cpuid.h>
+#endif
+#include <dlfcn.h>
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The flags of the library's own instruction sets. */
+static const char *const flags_of[JET_ISA_COUNT] = {TVI_COMPILED_FLAGS};
+
+/* What a compilation is, in 128 bits. */
+typedef struct {
+    uint64_t of[2];
+} tvi_key;
+
+/* The last bytes of a file in the cache. */
+typedef struct {
+    char magic[8];
+    tvi_key key;
+    uint64_t checksum; /* of all before it */
+} seal;
+
+/* What is asked for: the compiler and its flags as the user, the environment or the library has them. */
+typedef struct {
+    const char *compiler, *flags;
+    jet_text directory; /* of the cache, or of temporary files where there is none */
+    bool keeps;
+    tvi_key key;
+} request;
+
+/* The files of one compilation. */
+typedef struct {
+    jet_text directory, source, library, output;
+} workshop;
+
+/* ---- Requests ---------------------------------------------------------------------------------------------------- */
+
+static void find_directory(request *r, const char *cache)
+{
+    const char *home = tvi_environment("HOME"), *user = tvi_environment("XDG_CACHE_HOME");
+    r->keeps = !cache || *cache;
+    if (cache && *cache) jet_text_add(&r->directory, "%s", cache);
+    else if (!r->keeps || (!home && !user)) {
+        const char *temporary = tvi_environment("TMPDIR");
+        r->keeps = false;
+        jet_text_add(&r->directory, "%s", temporary ? temporary : "/tmp");
+    } else if (user && *user == '/') jet_text_add(&r->directory, "%s/tvi", user);
+    else jet_text_add(&r->directory, "%s/.cache/tvi", home ? home : "");
+}
+
+static void hash(tvi_key *key, const void *data, size_t size)
+{
+    for (int i = 0; i < 2; i++) key->of[i] = jet_hash(key->of[i], data, size);
+}
+
+/* What "native" among the flags means. */
+static void hash_processor(tvi_key *key)
+{
+#ifdef JET_ISA_X86
+    unsigned id[8] = {0}, of_core;
+    __get_cpuid(1, &id[0], &of_core, &id[1], &id[2]);
+    __get_cpuid_count(7, 0, &id[3], &id[4], &id[5], &id[6]);
+    hash(key, id, sizeof id);
+#else
+    (void)key;
+#endif
+}
+
+static request request_of(const jet_text *text, const tvi_compiler *how, jet_isa isa)
+{
+    const char *usual = tvi_environment("CC");
+    request r = {.compiler = how->compiler ? how->compiler
+                             : usual       ? usual
+                                           : "cc",
+                 .flags = how->flags ? how->flags : flags_of[isa],
+                 .key = {{JET_HASH_OF_NOTHING, ~JET_HASH_OF_NOTHING}}};
+    find_directory(&r, how->cache);
+    hash(&r.key, text->data, text->size);
+    hash(&r.key, r.compiler, strlen(r.compiler) + 1);
+    hash(&r.key, r.flags, strlen(r.flags) + 1);
+    hash_processor(&r.key);
+    return r;
+}
+
+/* ---- Seals ------------------------------------------------------------------------------------------------------- */
+
+static seal seal_of(const tvi_key *key, const char *data, size_t size)
+{
+    return (seal){{'t', 'v', 'i', ' ', 'c', 'o', 'd', 'e'}, *key, jet_hash(JET_HASH_OF_NOTHING, data, size)};
+}
+
+static bool is_sealed(const char *path, const tvi_key *key)
+{
+    size_t size;
+    char *data = tvi_file_read(path, &size);
+    bool is_whole = false;
+    if (data && size > sizeof(seal)) {
+        const seal wanted = seal_of(key, data, size - sizeof wanted);
+        is_whole = memcmp(data + size - sizeof wanted, &wanted, sizeof wanted) == 0;
+    }
+    free(data);
+    return is_whole;
+}
+
+static bool put_seal(const char *path, const tvi_key *key)
+{
+    size_t size;
+    char *data = tvi_file_read(path, &size);
+    if (!data) return false;
+    const seal s = seal_of(key, data, size);
+    free(data);
+    return tvi_file_append(path, &s, sizeof s);
+}
+
+/* ---- The compiler ------------------------------------------------------------------------------------------------ */
+
+enum { WORDS_MOST = 128 };
+
+/* Cuts a text at its blanks; false where there are too many words. */
+static bool add_words(char *text, char *words[], int *count)
+{
+    for (char *at = text; *at;) {
+        at += strspn(at, " \t\n");
+        if (!*at) break;
+        if (*count == WORDS_MOST) return false;
+        words[(*count)++] = at;
+        at += strcspn(at, " \t\n");
+        if (*at) *at++ = 0;
+    }
+    return true;
+}
+
+/* The first line that names an error, or the first one of all. */
+static tvi_status quote_output(const char *compiler, const char *path)
+{
+    size_t size = 0;
+    char *output = tvi_file_read(path, &size);
+    const char *named = output ? strstr(output, "error") : NULL, *line = output ? output : "";
+    while (named && named > output && named[-1] != '\n') named--;
+    if (named) line = named;
+    const tvi_status status = jet_refuse(TVI_ECOMPILE, "%s failed: %.*s", compiler, (int)strcspn(line, "\n"), line);
+    free(output);
+    return status;
+}
+
+static tvi_status run_compiler(const request *r, const workshop *w)
+{
+    char *words[WORDS_MOST + 10];
+    int count = 0;
+    jet_text text = {0};
+    jet_text_add(&text, "%s %s", r->compiler, r->flags);
+    bool is_split = !text.failed && add_words(text.data, words, &count) && count > 0;
+    char *const rest[] = {"-w", "-shared", "-fPIC", "-o", w->library.data, w->source.data, "-lm", NULL};
+    memcpy(words + count, rest, sizeof rest);
+    const int failed = is_split ? tvi_process_run(words, w->output.data) : -1;
+    free(text.data);
+    if (failed < 0) return jet_refuse(TVI_ECOMPILE, "%s could not be started", r->compiler);
+    return failed > 0 ? quote_output(r->compiler, w->output.data) : TVI_OK;
+}
+
+/* Writes the source and compiles it; the library is sealed where it is to be kept. */
+static tvi_status make_library(const request *r, const workshop *w, const jet_text *text)
+{
+    if (!tvi_file_write(w->source.data, text->data, text->size))
+        return jet_refuse(TVI_ECOMPILE, "%s cannot be written", w->source.data);
+    const tvi_status status = run_compiler(r, w);
+    if (status != TVI_OK || put_seal(w->library.data, &r->key)) return status;
+    return jet_refuse(TVI_ECOMPILE, "%s made no library that can be read and written", r->compiler);
+}
+
+/* ---- Loading ----------------------------------------------------------------------------------------------------- */
+
+typedef const tvi_compiled *generated_fn(void);
+
+static tvi_status open_library(tvi_compiled **out, const char *path)
+{
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    generated_fn *generated = NULL;
+    if (library) *(void **)&generated = dlsym(library, TVI_COMPILED_NAME);
+    if (!generated) {
+        const tvi_status status = jet_refuse(TVI_ECOMPILE, "the generated code cannot be loaded: %s", dlerror());
+        if (library) dlclose(library);
+        return status;
+    }
+    *out = malloc(sizeof **out);
+    if (*out) **out = (tvi_compiled){generated()->code, library, 1};
+    else dlclose(library);
+    return *out ? TVI_OK : TVI_ENOMEM;
+}
+
+static tvi_status compile_and_open(tvi_compiled **out, const request *r, const workshop *w, const jet_text *text,
+                                   const char *kept)
+{
+    tvi_status status = make_library(r, w, text);
+    if (status != TVI_OK) return status;
+    if (!r->keeps) return open_library(out, w->library.data);
+    if (tvi_file_move(w->library.data, kept)) return open_library(out, kept);
+    return jet_refuse(TVI_ECOMPILE, "%s cannot be written", kept);
+}
+
+static tvi_status make_and_open(tvi_compiled **out, const request *r, const jet_text *text, const char *kept)
+{
+    workshop w = {.directory = {0}};
+    tvi_status status;
+    jet_text_add(&w.directory, "%s/make-XXXXXX", r->directory.data);
+    if (w.directory.failed) return TVI_ENOMEM;
+    if (!tvi_directory_own(w.directory.data)) {
+        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s", r->directory.data);
+        free(w.directory.data);
+        return status;
+    }
+    jet_text_add(&w.source, "%s/tvi.c", w.directory.data);
+    jet_text_add(&w.library, "%s/tvi.so", w.directory.data);
+    jet_text_add(&w.output, "%s/output", w.directory.data);
+    const bool failed = w.source.failed || w.library.failed || w.output.failed;
+    status = failed ? TVI_ENOMEM : compile_and_open(out, r, &w, text, kept);
+    const char *const files[] = {w.source.data, w.library.data, w.output.data, NULL};
+    tvi_directory_remove(w.directory.data, files);
+    free(w.directory.data);
+    free(w.source.data);
+    free(w.library.data);
+    free(w.output.data);
+    return status;
+}
+
+static tvi_status find_or_make(tvi_compiled **out, const request *r, const jet_text *text)
+{
+    jet_text kept = {0};
+    if (r->keeps && !tvi_directory_make(r->directory.data))
+        return jet_refuse(TVI_ECOMPILE, "%s is not a directory of the user's own, to which no other may write",
+                          r->directory.data);
+    jet_text_add(&kept, "%s/%016" PRIx64 "%016" PRIx64 ".so", r->directory.data, r->key.of[0], r->key.of[1]);
+    if (kept.failed) return TVI_ENOMEM;
+    const bool is_there = r->keeps && is_sealed(kept.data, &r->key);
+    const tvi_status status = is_there ? open_library(out, kept.data) : make_and_open(out, r, text, kept.data);
+    free(kept.data);
+    return status;
+}
+
+tvi_status tvi_compiled_load(tvi_compiled **out, const jet_text *text, const tvi_compiler *how, jet_isa isa)
+{
+    request r = request_of(text, how, isa);
+    const tvi_status status = r.directory.failed ? TVI_ENOMEM : find_or_make(out, &r, text);
+    free(r.directory.data);
+    return status;
+}

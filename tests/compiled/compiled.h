@@ -1,0 +1,31 @@
+/* compiled.h - the suites of this program, and what they share: systems with generated code beside the same systems
+ * without. */
+#ifndef TESTS_COMPILED_H
+#define TESTS_COMPILED_H
+
+#include "scene.h"
+
+#include <check.h>
+
+Suite *suite_same(void);
+Suite *suite_cache(void);
+Suite *suite_owners(void);
+
+enum { COORDINATES_MOST = 18 };
+
+typedef struct {
+    double t, q[COORDINATES_MOST + 1], p[COORDINATES_MOST + 1];
+} motion;
+
+motion motion_start(const scene *s);
+/* The largest difference of q and p, as a part of the largest of each. */
+double motion_difference(int n, const motion *a, const motion *b);
+
+/* A cache below the build's directory, which the next run finds again. */
+extern const tvi_compiler usual;
+/* An empty directory of the test's own, for ten calls; and without all in it. */
+const char *directory_make(void);
+void directory_remove(const char *path);
+int directory_count(const char *path, const char *ending); /* of the files whose names end so */
+
+#endif

@@ -1,0 +1,3 @@
+#!/bin/sh
+# killed.sh: a compiler that a signal ends.
+kill -KILL $$

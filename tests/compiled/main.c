@@ -1,0 +1,81 @@
+/* main.c - generated code: the same results as the tape's, what may go wrong on the way to it, and who owns it. The
+ * environment variable TVI_COMPILED=all runs every scene with every method. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK
+ * choose, as in every Check program. */
+#define _XOPEN_SOURCE 700
+#include "compiled.h"
+
+#include <dirent.h>
+#include <ftw.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const tvi_compiler usual = {.cache = "build/check/generated"};
+
+motion motion_start(const scene *s)
+{
+    motion m = {0};
+    memcpy(m.q, s->q, (size_t)s->n * sizeof *m.q);
+    memcpy(m.p, s->p, (size_t)s->n * sizeof *m.p);
+    return m;
+}
+
+static double part(int n, const double a[], const double b[])
+{
+    double size = 0, difference = 0;
+    for (int i = 0; i < n; i++) {
+        size = fmax(size, fabs(a[i]));
+        difference = fmax(difference, fabs(a[i] - b[i]));
+    }
+    return difference == 0 ? 0 : difference / size;
+}
+
+double motion_difference(int n, const motion *a, const motion *b)
+{
+    return fmax(part(n, a->q, b->q), part(n, a->p, b->p));
+}
+
+/* ---- Directories ------------------------------------------------------------------------------------------------- */
+
+const char *directory_make(void)
+{
+    static char paths[10][64];
+    static int count;
+    char *path = paths[count++ % 10];
+    strcpy(path, "/tmp/tvi-test-XXXXXX");
+    ck_assert_ptr_nonnull(mkdtemp(path));
+    return path;
+}
+
+static int remove_one(const char *path, const struct stat *s, int type, struct FTW *at)
+{
+    (void)s, (void)type, (void)at;
+    return remove(path);
+}
+
+void directory_remove(const char *path) { nftw(path, remove_one, 16, FTW_DEPTH | FTW_PHYS); }
+
+int directory_count(const char *path, const char *ending)
+{
+    int count = 0;
+    DIR *directory = opendir(path);
+    if (!directory) return 0;
+    for (const struct dirent *e; (e = readdir(directory));) {
+        const size_t size = strlen(e->d_name), end = strlen(ending);
+        count += e->d_name[0] != '.' && size >= end && strcmp(e->d_name + size - end, ending) == 0;
+    }
+    closedir(directory);
+    return count;
+}
+
+int main(void)
+{
+    SRunner *runner = srunner_create(suite_same());
+    srunner_add_suite(runner, suite_cache());
+    srunner_add_suite(runner, suite_owners());
+    srunner_run_all(runner, CK_ENV);
+    const int failed = srunner_ntests_failed(runner);
+    srunner_free(runner);
+    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+}

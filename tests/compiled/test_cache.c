@@ -1,0 +1,293 @@
+/* What may go wrong on the way to generated code: each time a status, and never another's code or half of one. */
+#define _XOPEN_SOURCE 700
+#include "compiled.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+static tvi_system *system_of(const scene *s)
+{
+    tvi_system *system;
+    ck_assert_int_eq(scene_system(s, &system), TVI_OK);
+    return system;
+}
+
+/* Compiles the scene; with code, whether it moves as the tape does. */
+static tvi_status try(const scene *s, const tvi_compiler *how)
+{
+    tvi_system *system = system_of(s);
+    tvi_compiled *code;
+    const tvi_status status = tvi_compile(&code, system, NULL, how);
+    ck_assert(status == TVI_OK ? code != NULL : code == NULL);
+    for (int compiled = 0; compiled < 2 && code; compiled++) {
+        static motion m[2];
+        tvi_options options = tvi_options_default();
+        tvi_integrator *integrator;
+        options.compiled = compiled ? code : NULL;
+        m[compiled] = motion_start(s);
+        ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+        ck_assert_int_eq(tvi_integrate(integrator, 0.1, 5, &m[compiled].t, m[compiled].q, m[compiled].p, NULL, NULL),
+                         TVI_OK);
+        tvi_integrator_free(integrator);
+        if (compiled) ck_assert_double_lt(motion_difference(s->n, &m[0], &m[1]), 1e-13);
+    }
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+    return status;
+}
+
+/* ---- Compilers --------------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *compiler, *flags;
+    tvi_status status;
+} compilers[] = {
+    {"cc", "-O1", TVI_OK},
+    {"  cc  -pipe ", " -O1 ", TVI_OK},
+    {"false", NULL, TVI_ECOMPILE},
+    {"true", NULL, TVI_ECOMPILE},
+    {"/nowhere/cc", NULL, TVI_ECOMPILE},
+    {"", NULL, TVI_ECOMPILE},
+    {"   ", "", TVI_ECOMPILE},
+    {"cc", "-fno-such-flag", TVI_ECOMPILE},
+    {"cc", "-include /nowhere.h", TVI_ECOMPILE},
+    {"cc; touch", "$(id) `id` > x", TVI_ECOMPILE}, /* no shell reads it */
+    {"sh tests/compiled/killed.sh", NULL, TVI_ECOMPILE},
+};
+
+START_TEST(a_compiler_that_fails_is_told_of)
+{
+    const char *cache = directory_make();
+    const tvi_compiler how = {compilers[_i].compiler, compilers[_i].flags, cache};
+    ck_assert_int_eq(try(&scene_kepler, &how), compilers[_i].status);
+    ck_assert_int_eq(directory_count(cache, ".so"), compilers[_i].status == TVI_OK);
+    ck_assert_int_eq(directory_count(cache, ""), compilers[_i].status == TVI_OK);
+    directory_remove(cache);
+}
+END_TEST
+
+START_TEST(the_environment_names_the_compiler)
+{
+    const char *cache = directory_make();
+    const tvi_compiler how = {NULL, "-O1", cache};
+    setenv("CC", "/nowhere/cc", 1);
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_ECOMPILE);
+    setenv("CC", "cc", 1);
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    unsetenv("CC");
+    directory_remove(cache);
+}
+END_TEST
+
+/* ---- Directories ------------------------------------------------------------------------------------------------- */
+
+START_TEST(the_cache_is_where_the_user_keeps_caches)
+{
+    const char *home = directory_make();
+    char path[128];
+    const tvi_compiler how = {"cc", "-O1", NULL};
+    setenv("HOME", home, 1);
+    unsetenv("XDG_CACHE_HOME");
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    snprintf(path, sizeof path, "%s/.cache/tvi", home);
+    ck_assert_int_eq(directory_count(path, ".so"), 1);
+    struct stat s;
+    ck_assert_int_eq(stat(path, &s), 0);
+    ck_assert_int_eq(s.st_mode & 0777, 0700);
+    snprintf(path, sizeof path, "%s/elsewhere", home);
+    setenv("XDG_CACHE_HOME", path, 1);
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    snprintf(path, sizeof path, "%s/elsewhere/tvi", home);
+    ck_assert_int_eq(directory_count(path, ".so"), 1);
+    directory_remove(home);
+}
+END_TEST
+
+START_TEST(nothing_is_kept_without_a_cache)
+{
+    const char *temporary = directory_make();
+    const tvi_compiler how = {"cc", "-O1", ""};
+    setenv("TMPDIR", temporary, 1);
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    ck_assert_int_eq(directory_count(temporary, ""), 0);
+    directory_remove(temporary);
+}
+END_TEST
+
+enum { WRITABLE_BY_OTHERS, OF_ANOTHER, A_LINK, A_FILE, BELOW_A_FILE, NOT_TO_BE_MADE, PLACES };
+
+START_TEST(a_directory_that_is_not_the_users_own_is_refused)
+{
+    const char *top = directory_make();
+    char path[128], other[128];
+    snprintf(path, sizeof path, "%s/cache", top);
+    snprintf(other, sizeof other, "%s/other", top);
+    ck_assert_int_eq(mkdir(_i == A_LINK ? other : path, 0700), 0);
+    if (_i == WRITABLE_BY_OTHERS) ck_assert_int_eq(chmod(path, 0770), 0);
+    if (_i == OF_ANOTHER && chown(path, 12345, 12345) != 0)
+        snprintf(path, sizeof path, "/usr"); /* only root gives away */
+    if (_i == A_LINK) ck_assert_int_eq(symlink(other, path), 0);
+    if (_i == A_FILE || _i == BELOW_A_FILE) {
+        ck_assert_int_eq(rmdir(path), 0);
+        close(open(path, O_CREAT | O_WRONLY, 0600));
+    }
+    if (_i == BELOW_A_FILE) strcat(path, "/cache");
+    if (_i == NOT_TO_BE_MADE) strcpy(path, "/proc/tvi/cache");
+    const tvi_compiler how = {"cc", "-O1", path};
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_ECOMPILE);
+    directory_remove(top);
+}
+END_TEST
+
+/* As on a full disk, writing ends after some bytes. */
+START_TEST(a_file_that_cannot_be_written_is_refused)
+{
+    const char *cache = directory_make();
+    static const rlim_t sizes[] = {0, 1000};
+    const tvi_compiler how = {"cc", "-O1", cache};
+    const struct rlimit limit = {sizes[_i], sizes[_i]};
+    signal(SIGXFSZ, SIG_IGN);
+    const int child = fork();
+    if (child == 0) {
+        setrlimit(RLIMIT_FSIZE, &limit);
+        tvi_compiled *code;
+        const tvi_status status = tvi_compile(&code, system_of(&scene_kepler), NULL, &how);
+        _exit(status == TVI_ECOMPILE && !code ? 0 : 1);
+    }
+    int status;
+    waitpid(child, &status, 0);
+    ck_assert_int_eq(status, 0);
+    ck_assert_int_eq(directory_count(cache, ""), 0);
+    directory_remove(cache);
+}
+END_TEST
+
+/* ---- What is in the cache ---------------------------------------------------------------------------------------- */
+
+static void find_file(const char *cache, char path[], size_t size)
+{
+    char command[256];
+    snprintf(command, sizeof command, "ls %s/*.so", cache);
+    FILE *list = popen(command, "r");
+    ck_assert_ptr_nonnull(fgets(path, (int)size, list));
+    path[strcspn(path, "\n")] = 0;
+    pclose(list);
+}
+
+static struct stat state_of(const char *path)
+{
+    struct stat s;
+    ck_assert_int_eq(stat(path, &s), 0);
+    return s;
+}
+
+START_TEST(the_second_time_nothing_is_compiled)
+{
+    const char *cache = directory_make();
+    char path[256];
+    const tvi_compiler how = {"cc", "-O1", cache};
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    find_file(cache, path, sizeof path);
+    const struct stat before = state_of(path);
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    ck_assert(state_of(path).st_ino == before.st_ino);
+    ck_assert_int_eq(directory_count(cache, ""), 1);
+    ck_assert_int_eq(try(&scene_pendulum, &how), TVI_OK);
+    ck_assert_int_eq(directory_count(cache, ""), 2);
+    directory_remove(cache);
+}
+END_TEST
+
+/* Cut short, a byte changed, longer, empty, another's, open to others: what is wrong is made anew. */
+enum { CUT, CHANGED, CHANGED_LAST, LONGER, EMPTY, SWAPPED, OPEN, DAMAGES };
+
+static void damage(const char *cache, const char *path, int how)
+{
+    const off_t size = state_of(path).st_size;
+    const int file = open(path, O_RDWR);
+    ck_assert_int_ge(file, 0);
+    char byte = 0;
+    const off_t at = how == CHANGED_LAST ? size - 1 : size / 2;
+    if (how == CUT) ck_assert_int_eq(ftruncate(file, size / 2), 0);
+    if (how == EMPTY) ck_assert_int_eq(ftruncate(file, 0), 0);
+    if (how == LONGER) ck_assert_int_eq(ftruncate(file, size + 8), 0);
+    if (how == OPEN) ck_assert_int_eq(fchmod(file, 0666), 0);
+    if (how == CHANGED || how == CHANGED_LAST) {
+        ck_assert_int_eq(pread(file, &byte, 1, at), 1);
+        byte ^= 1;
+        ck_assert_int_eq(pwrite(file, &byte, 1, at), 1);
+    }
+    close(file);
+    if (how != SWAPPED) return;
+    const tvi_compiler other = {"cc", "-O1", cache};
+    char command[800], kept[300];
+    snprintf(kept, sizeof kept, "%s.kept", path);
+    ck_assert_int_eq(rename(path, kept), 0);
+    ck_assert_int_eq(try(&scene_pendulum, &other), TVI_OK);
+    snprintf(command, sizeof command, "mv %s/*.so %s && rm %s", cache, path, kept);
+    ck_assert_int_eq(system(command), 0);
+}
+
+START_TEST(a_damaged_file_is_made_anew)
+{
+    const char *cache = directory_make();
+    char path[256];
+    const tvi_compiler how = {"cc", "-O1", cache};
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    find_file(cache, path, sizeof path);
+    const struct stat before = state_of(path);
+    damage(cache, path, _i);
+    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
+    ck_assert(state_of(path).st_ino != before.st_ino || _i == SWAPPED);
+    ck_assert_int_eq(directory_count(cache, ""), 1);
+    directory_remove(cache);
+}
+END_TEST
+
+START_TEST(two_processes_at_once)
+{
+    enum { PROCESSES = 4 };
+    const char *cache = directory_make();
+    const tvi_compiler how = {"cc", "-O1", cache};
+    for (int i = 0; i < PROCESSES; i++)
+        if (fork() == 0) _exit(try(&scene_kepler, &how) == TVI_OK ? 0 : 1);
+    for (int i = 0; i < PROCESSES; i++) {
+        int status;
+        wait(&status);
+        ck_assert_int_eq(status, 0);
+    }
+    ck_assert_int_eq(directory_count(cache, ".so"), 1);
+    ck_assert_int_eq(directory_count(cache, ""), 1);
+    directory_remove(cache);
+}
+END_TEST
+
+/* What is compiled fastest. */
+static void pin(void) { setenv("TVI_ISA", "base", 1); }
+
+Suite *suite_cache(void)
+{
+    Suite *suite = suite_create("cache");
+    TCase *tcase = tcase_create("failures");
+    tcase_add_checked_fixture(tcase, pin, NULL);
+    tcase_set_timeout(tcase, 60);
+    tcase_add_loop_test(tcase, a_compiler_that_fails_is_told_of, 0, sizeof compilers / sizeof *compilers);
+    tcase_add_test(tcase, the_environment_names_the_compiler);
+    tcase_add_test(tcase, the_cache_is_where_the_user_keeps_caches);
+    tcase_add_test(tcase, nothing_is_kept_without_a_cache);
+    tcase_add_loop_test(tcase, a_directory_that_is_not_the_users_own_is_refused, 0, PLACES);
+    tcase_add_loop_test(tcase, a_file_that_cannot_be_written_is_refused, 0, 2);
+    tcase_add_test(tcase, the_second_time_nothing_is_compiled);
+    tcase_add_loop_test(tcase, a_damaged_file_is_made_anew, 0, DAMAGES);
+    tcase_add_test(tcase, two_processes_at_once);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}

@@ -1,0 +1,122 @@
+/* Generated code gives what the tape gives, on every scene and method, to roundoff. */
+#include "compiled.h"
+#include "method/list.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Steps of a size that suits the scene. */
+static const struct {
+    const scene *scene;
+    double h;
+} runs[] = {{&scene_pendulum, 0.2},   {&scene_kepler, 0.1},        {&scene_henon_heiles_12, 0.25},
+            {&scene_fpu, 0.02},       {&scene_solar, 100},         {&scene_double_pendulum, 0.01},
+            {&scene_magnetic, 0.05},  {&scene_nonseparable, 0.05}, {&scene_vortices, 0.02},
+            {&scene_degenerate, 0.05}};
+static const struct {
+    const char *name;
+    int order;
+} methods[] = {{"galerkin", 16},     {"galerkin", 6}, {"midpoint", 8},  {"taylor", 10},
+               {"symmetric-tvi", 2}, {"tvi", 2},      {"right", 4},     {"left", 4},
+               {"htvi-right", 3},    {"poincare", 4}, {"both-ends", 6}, {"svhd", 2},
+               {"start", 4},         {"end", 4},      {"galerkin", 20}, {"stormer-verlet", 2}};
+enum { RUNS = sizeof runs / sizeof *runs, METHODS = sizeof methods / sizeof *methods, STEPS = 20 };
+
+/* In the time of make check: each scene and each method, not each of both. */
+static bool is_skipped(int run, int method)
+{
+    const char *all = getenv("TVI_COMPILED");
+    return !(all && strcmp(all, "all") == 0) && method != 0 && (run + method) % RUNS != 1;
+}
+
+static tvi_status move(const tvi_system *system, const tvi_options *options, double h, motion *m, tvi_stats *stats)
+{
+    tvi_integrator *integrator;
+    tvi_status status = tvi_integrator_create(&integrator, system, options);
+    ck_assert_int_eq(status, TVI_OK);
+    status = tvi_integrate(integrator, h, STEPS, &m->t, m->q, m->p, NULL, NULL);
+    *stats = *tvi_integrator_stats(integrator);
+    tvi_integrator_free(integrator);
+    return status;
+}
+
+/* What roundoff makes of these steps: a start that is wrong by a unit of it. */
+static double roundoff(const tvi_system *system, const tvi_options *options, const scene *s, double h, const motion *m)
+{
+    motion moved = motion_start(s);
+    tvi_stats stats;
+    for (int i = 0; i < s->n; i++) moved.q[i] *= 1 + 2 * DBL_EPSILON, moved.p[i] *= 1 - 2 * DBL_EPSILON;
+    ck_assert_int_eq(move(system, options, h, &moved, &stats), TVI_OK);
+    return motion_difference(s->n, m, &moved);
+}
+
+START_TEST(compiled_steps_are_those_of_the_tape)
+{
+    const scene *s = runs[_i].scene;
+    tvi_system *system;
+    ck_assert_int_eq(scene_system(s, &system), TVI_OK);
+    for (int method = 0; method < METHODS; method++) {
+        tvi_options options, compiled;
+        tvi_compiled *code;
+        if (is_skipped(_i, method)) continue;
+        ck_assert_int_eq(tvi_options_named(methods[method].name, methods[method].order, &options), TVI_OK);
+        options.max_tail = -1;
+        compiled = options;
+        if (tvi_options_check(system, &options, NULL) != TVI_OK) continue;
+        ck_assert_int_eq(tvi_compile(&code, system, &options, &usual), TVI_OK);
+        compiled.compiled = code;
+        motion of_tape = motion_start(s), of_code = motion_start(s);
+        tvi_stats tape, own;
+        ck_assert_int_eq(move(system, &options, runs[_i].h, &of_tape, &tape), TVI_OK);
+        ck_assert_int_eq(move(system, &compiled, runs[_i].h, &of_code, &own), TVI_OK);
+        ck_assert(own.is_compiled && !tape.is_compiled);
+        const double difference = motion_difference(s->n, &of_tape, &of_code);
+        const double most = 64 * DBL_EPSILON + 4 * roundoff(system, &options, s, runs[_i].h, &of_tape);
+        ck_assert_msg(difference <= most, "%s, %s %d: %.2e, where %.2e is roundoff", s->name, methods[method].name,
+                      methods[method].order, difference, most);
+        ck_assert_msg(labs(own.passes - tape.passes) <= STEPS / 4, "%s, %s: %ld passes, %ld of the tape", s->name,
+                      methods[method].name, own.passes, tape.passes);
+        tvi_compiled_free(code);
+    }
+    tvi_system_free(system);
+}
+END_TEST
+
+/* What the compiler is given is what runs: with a number of the tape changed there, the motion is another. */
+START_TEST(another_code_moves_otherwise)
+{
+    static const char *const names[] = {"galerkin", "midpoint", "taylor"};
+    const tvi_compiler broken = {.compiler = "sh tests/compiled/broken.sh cc", .cache = ""};
+    for (int i = 0; i < 3; i++) {
+        tvi_system *system;
+        tvi_options options;
+        tvi_compiled *code;
+        tvi_stats stats;
+        ck_assert_int_eq(scene_system(&scene_kepler, &system), TVI_OK);
+        ck_assert_int_eq(tvi_options_named(names[i], 8, &options), TVI_OK);
+        motion of_tape = motion_start(&scene_kepler), of_code = of_tape;
+        ck_assert_int_eq(move(system, &options, 0.1, &of_tape, &stats), TVI_OK);
+        ck_assert_int_eq(tvi_compile(&code, system, &options, &broken), TVI_OK);
+        options.compiled = code;
+        ck_assert_int_eq(move(system, &options, 0.1, &of_code, &stats), TVI_OK);
+        ck_assert_msg(motion_difference(2, &of_tape, &of_code) > 1e-3, "%s", names[i]);
+        tvi_compiled_free(code);
+        tvi_system_free(system);
+    }
+}
+END_TEST
+
+Suite *suite_same(void)
+{
+    Suite *suite = suite_create("same");
+    TCase *same = tcase_create("scenes"), *control = tcase_create("control");
+    tcase_set_timeout(same, 600);
+    tcase_set_timeout(control, 60);
+    tcase_add_loop_test(same, compiled_steps_are_those_of_the_tape, 0, RUNS);
+    tcase_add_test(control, another_code_moves_otherwise);
+    suite_add_tcase(suite, same);
+    suite_add_tcase(suite, control);
+    return suite;
+}
