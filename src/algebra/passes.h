@@ -19,7 +19,8 @@ typedef struct {
     /* They end where the next correction is expected to be at most the goal: this one times the part that passes leave,
      * the slower of the last `memory` ones. A part that is not below `contraction` is none: as large as this one. */
     double goal;
-    int memory; /* 1 or 2 */
+    int memory;        /* 1 or 2 */
+    bool is_quadratic; /* the part that a pass leaves is the square of what the one before it left; memory is 1 */
     double contraction;
     double far;                /* corrections above it show no part: they are as large as they are */
     double noise, first_noise; /* nor do those that may be roundoff, up to this; before any part is known, up to that */
@@ -94,7 +95,7 @@ static inline bool tvi_passes_is_known(const tvi_passes *passes, const tvi_passe
 static inline void tvi_passes_show_part(tvi_passes *passes, const tvi_passes_rule *rule)
 {
     const double part = passes->size / tvi_smaller(passes->before, 1);
-    passes->slowest = rule->memory > 1 ? tvi_larger(part, passes->part) : part;
+    passes->slowest = rule->is_quadratic ? part * part : rule->memory > 1 ? tvi_larger(part, passes->part) : part;
     passes->part = part;
 }
 

@@ -47,11 +47,11 @@ struct galerkin_form {
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
 };
 
-/* When the passes of a fixed point and of a Newton method may end: passes.c. */
-extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_newton;
+/* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: passes.c. */
+extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
-/* A tape's inputs are the unknowns, and its outputs drive them; and a Lagrangian's. */
-extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian;
+/* A tape's inputs are the unknowns, and its outputs drive them; those that know second derivatives. */
+extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian;
 
 /* Whether Q'' is driven, by the force, and not Q' and P'. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)

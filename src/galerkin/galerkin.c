@@ -53,7 +53,9 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     field->system = system;
     field->points = points;
     field->loops = loops_of[system->field_values->sweeps->isa];
-    field->form = system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian : &tvi_galerkin_form_plain;
+    field->form = !system->second_values           ? &tvi_galerkin_form_plain
+                  : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
+                                                   : &tvi_galerkin_form_hamiltonian;
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_for(points);
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;

@@ -5,8 +5,7 @@
  * far away. Then it iterates, with the gradient to first order for what (Q, V) have moved since,
  *
  *     P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V. */
-#include "galerkin/field.h"
-#include "galerkin/lagrangian_loops.h"
+#include "galerkin/model.h"
 #include "system/legendre.h"
 
 #include <float.h>
@@ -19,13 +18,10 @@ typedef struct {
     tvi_legendre legendre;
     galerkin_nodes positions, momenta; /* halves of the nodes */
     galerkin_nodes drives;             /* V and F as unknowns, which begin at 0 */
-    double *values, *second;           /* blocks of the tapes of the field, and of it with its derivatives */
-    double *velocity;                  /* [n] at the start */
-    lanes_model model;                 /* of the gradient, about where it was evaluated */
-    lanes_term *term;                  /* [2 seconds] its terms, */
-    int *end;                          /* [2n] and rows */
-    lanes_factor mass;                 /* of L_vv */
-    double moved;                      /* by the last pass, as `move` says; infinite before the first one of a step */
+    galerkin_model model;
+    double *velocity;  /* [n] at the start */
+    lanes_factor mass; /* of L_vv */
+    double moved;      /* by the last pass, as `move` says; infinite before the first one of a step */
 } lagrangian;
 
 enum { ITERATIONS = 3 };           /* of a pass: more save less than they cost, as measured */
@@ -71,12 +67,10 @@ static void take(galerkin_field *field, tvi_arena *arena)
     lagrangian w = {.loops = field->loops->lagrangian};
     field->rows = 3 * n;
     field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
-    field->inputs = w.values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
-    w.second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
+    tvi_galerkin_model_take(&w.model, arena, field);
+    field->inputs = w.model.values;
     field->ahead = tvi_arena_doubles(arena, lanes * lanes);
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
-    w.term = tvi_arena_take(arena, 2 * (size_t)system->seconds * sizeof *w.term);
-    w.end = tvi_arena_take(arena, (size_t)unknowns * sizeof *w.end);
     tvi_legendre_take(&w.legendre, arena, system);
     take_factor(&w.mass, arena, n, field->nodes.lanes);
     w.positions = half(field, 0);
@@ -88,37 +82,12 @@ static void take(galerkin_field *field, tvi_arena *arena)
     if (taken) *taken = w;
 }
 
-/* The rows of the symmetric matrix of second derivatives. */
-static void set_terms(const tvi_system *system, lanes_term *term, int *end)
-{
-    const int rows = 2 * system->n;
-    for (int k = 0; k < system->seconds; k++) {
-        end[system->second[k].row]++;
-        if (system->second[k].row != system->second[k].column) end[system->second[k].column]++;
-    }
-    for (int i = 0, before = 0; i < rows; i++) { /* where the row begins; below, it moves on to the row's end */
-        const int count = end[i];
-        end[i] = before;
-        before += count;
-    }
-    for (int k = 0; k < system->seconds; k++) {
-        const int i = system->second[k].row, j = system->second[k].column;
-        const int slot = system->second_values->output[rows + k];
-        term[end[i]++] = (lanes_term){j, slot};
-        if (i != j) term[end[j]++] = (lanes_term){i, slot};
-    }
-}
-
 static void prepare(galerkin_field *field)
 {
     lagrangian *w = field->own;
     const int lanes = field->nodes.lanes;
-    jet_tape_prepare(field->system->field_values, w->values, 1, lanes);
-    jet_tape_prepare(field->system->second_values, w->second, 1, lanes);
+    tvi_galerkin_model_prepare(&w->model, field);
     tvi_legendre_prepare(&w->legendre);
-    set_terms(field->system, w->term, w->end);
-    w->model = (lanes_model){field->system->n,    lanes,           .centre = w->values,
-                             .second = w->second, .term = w->term, .end = w->end};
     for (int i = 0; i < lanes; i++) {
         const int node = i < field->points ? i : field->points - 1;
         field->ahead[node * lanes + i] = 1 / field->b[node];
@@ -132,20 +101,9 @@ static void prepare(galerkin_field *field)
 static bool sweep(galerkin_field *field, bool with_second)
 {
     lagrangian *w = field->own;
-    const tvi_system *system = field->system;
-    const jet_tape *tape = with_second ? system->second_values : system->field_values;
-    const int n = system->n, lanes = field->nodes.lanes;
-    const size_t bytes = (size_t)lanes * sizeof(double);
-    memcpy(w->values, row(field, 0), (size_t)n * bytes);
-    memcpy(w->values + n * lanes, row(field, 2 * n), (size_t)n * bytes);
-    double *x = with_second ? w->second : w->values;
-    if (with_second) memcpy(x, w->values, (size_t)tape->inputs * bytes);
-    if (!jet_sweep_values(tape, x, lanes)) return false;
-    if (field->noise) tvi_galerkin_displace(field, tape, x);
-    w->model.gradient = x;
-    w->model.output = tape->output;
-    for (int i = 0; i < 2 * n; i++) memcpy(row(field, 3 * n + i), x + (size_t)tape->output[i] * (size_t)lanes, bytes);
-    return true;
+    const int n = field->system->n;
+    return tvi_galerkin_model_evaluate(&w->model, field, with_second, row(field, 0), row(field, 2 * n),
+                                       row(field, 3 * n));
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -198,7 +156,7 @@ static tvi_status factor_mass(galerkin_field *field)
     for (int k = 0; k < system->seconds; k++) {
         if (system->second[k].column < system->n) continue;
         const size_t i = (size_t)system->second[k].row - n, j = (size_t)system->second[k].column - n;
-        const double *x = w->second + (size_t)output[k] * lanes;
+        const double *x = w->model.second + (size_t)output[k] * lanes;
         memcpy(a + (i * n + j) * lanes, x, bytes);
         memcpy(a + (j * n + i) * lanes, x, bytes);
     }
@@ -237,11 +195,11 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     if (status != TVI_OK) return status;
     w->moved = iterate(field);
     for (int i = 1; i < ITERATIONS; i++) {
-        w->loops->linearise(&w->model, row(field, 0), row(field, 2 * n), row(field, 3 * n));
+        tvi_galerkin_model_linearise(&w->model, field, row(field, 0), row(field, 2 * n), row(field, 3 * n));
         w->moved += iterate(field);
     }
     *moved = w->moved;
     return TVI_OK;
 }
 
-const galerkin_form tvi_galerkin_form_lagrangian = {1, &tvi_galerkin_newton, take, prepare, start, predict, pass};
+const galerkin_form tvi_galerkin_form_lagrangian = {1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass};

@@ -132,23 +132,20 @@ static void correct(const lanes_factor *f, const double *P, const double *p, dou
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
         V sum = JET_OF(V, m->gradient, m->output[i]);                                                                  \
-        for (int k = begin; k < m->end[i]; k++) {                                                                      \
-            const int j = m->term[k].column;                                                                           \
-            const V moved = (j < m->n ? JET_OF(V, Q, j) : JET_OF(V, velocity, j - m->n)) - JET_OF(V, m->centre, j);    \
-            sum += JET_OF(V, m->second, m->term[k].slot) * moved;                                                      \
-        }                                                                                                              \
+        for (int k = begin; k < m->end[i]; k++)                                                                        \
+            sum += JET_OF(V, m->second, m->term[k].slot) * JET_OF(V, m->moved, m->term[k].column);                     \
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
-JET_INLINE void linearise_lanes(const lanes_model *m, const double *Q, const double *velocity, double *out, int lanes)
+JET_INLINE void linearise_lanes(const lanes_model *m, double *out, int lanes)
 {
     const size_t stride = (size_t)lanes;
     for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );
 }
 
-static void linearise(const lanes_model *m, const double *Q, const double *V, double *out)
+static void linearise(const lanes_model *m, double *out)
 {
-#define CALL(lanes) linearise_lanes(m, Q, V, out, lanes)
+#define CALL(lanes) linearise_lanes(m, out, lanes)
     FOR_LANES(m->lanes, CALL)
 #undef CALL
 }

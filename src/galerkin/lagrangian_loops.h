@@ -20,10 +20,10 @@ typedef struct {
     int column, slot;
 } lanes_term;
 
-/* The gradient of L to first order about (q, v) at each node. */
+/* The gradient of L(q, v) or H(q, p) to first order about where it was evaluated, at each node. */
 typedef struct {
     int n, lanes;
-    const double *centre;   /* [2n][lanes] where it was evaluated: */
+    double *moved;          /* [2n][lanes] how far from where it was evaluated; */
     const double *gradient; /* the block that it is in, */
     const int *output;      /* [2n] and where there */
     const double *second;   /* the block of the second derivatives, */
@@ -31,14 +31,25 @@ typedef struct {
     const int *end;         /* [2n] and where the row ends */
 } lanes_model;
 
+/* The part of it that a round needs: the unknowns that move and that something else depends on. */
+typedef struct {
+    int count;
+    const int *unknown;     /* [count], */
+    const lanes_term *term; /* what drives each, row after row, by the changes of the unknowns, */
+    const int *end;         /* [count] and where the row ends */
+    const double *second;
+    double *change, *moved; /* [unknowns][lanes] the last one, and the sum of them all */
+    double *impulse;        /* [count][lanes] scratch */
+} lanes_rounds;
+
 typedef struct {
     /* P L U in every lane. Returns the smallest pivot, relative to rows and columns of size 1; 0 where there is a NaN.
      */
     double (*factor)(lanes_factor *factor);
     /* V <- V + A^-1 (P - p), [n][lanes] each. */
     void (*correct)(const lanes_factor *factor, const double *P, const double *p, double *V);
-    /* out = (L_q, L_v) at (Q, V), [2n][lanes]; Q and V [n][lanes]. */
-    void (*linearise)(const lanes_model *model, const double *Q, const double *V, double *out);
+    /* out = the gradient after the movement, [2n][lanes]. */
+    void (*linearise)(const lanes_model *model, double *out);
 } lagrangian_loops;
 
 extern const lagrangian_loops tvi_lagrangian_loops_base, tvi_lagrangian_loops_avx2, tvi_lagrangian_loops_avx512;

@@ -111,6 +111,52 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
 #undef CALL
 }
 
+#define DRIVE(V, blocks)                                                                                               \
+    for (int i = 0, k = 0; i < rounds->count; i++, impulse += lanes) {                                                 \
+        V drive[MOST_BLOCKS];                                                                                          \
+        for (int b = 0; b < (blocks); b++) drive[b] = (V){0};                                                          \
+        for (; k < rounds->end[i]; k++)                                                                                \
+            for (int b = 0; b < (blocks); b++)                                                                         \
+                drive[b] += BLOCK_OF(V, rounds->second + rounds->term[k].slot * lanes, b) *                            \
+                            BLOCK_OF(V, rounds->change + rounds->term[k].column * lanes, b);                           \
+        for (int b = 0; b < (blocks); b++) BLOCK_AT(V, impulse, b) = BLOCK_OF(V, nodes->weight, b) * drive[b];         \
+    }
+
+#define ROUND(V, blocks)                                                                                               \
+    {                                                                                                                  \
+        V squares = {0};                                                                                               \
+        DRIVE(V, blocks)                                                                                               \
+        impulse = rounds->impulse;                                                                                     \
+        for (int i = 0; i < rounds->count; i++, impulse += lanes) {                                                    \
+            const int u = rounds->unknown[i];                                                                          \
+            SET_PRODUCT(V, blocks, matrix, impulse)                                                                    \
+            ADD_CHAINS(blocks)                                                                                         \
+            for (int k = 0; k < (blocks); k++) {                                                                       \
+                const V change = nodes->scale[u] * sum[0][k], part = change * nodes->inverse_size[u];                  \
+                squares += part * part;                                                                                \
+                BLOCK_AT(V, rounds->change + u * lanes, k) = change;                                                   \
+                BLOCK_AT(V, rounds->moved + u * lanes, k) += change;                                                   \
+            }                                                                                                          \
+        }                                                                                                              \
+        moved = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                     \
+    }
+
+JET_INLINE double round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, int lanes)
+{
+    double *impulse = rounds->impulse, moved = 0;
+    ALL_LANES(lanes, ROUND)
+    return moved;
+}
+
+static double go_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds)
+{
+    double sum;
+#define CALL(lanes) sum = round_lanes(nodes, matrix, rounds, lanes)
+    FOR_LANES(nodes->lanes, CALL)
+#undef CALL
+    return sum;
+}
+
 /* Two-sums: what each addition loses is collected. */
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
@@ -229,4 +275,4 @@ static void place(const galerkin_places *p, const double *table, const double *i
 }
 
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
-    move, predict, integrate, start, start_drifting, end_drifting, place, &JET_FOR_ISA(tvi_lagrangian_loops)};
+    move, predict, go_round, integrate, start, start_drifting, end_drifting, place, &JET_FOR_ISA(tvi_lagrangian_loops)};

@@ -41,6 +41,9 @@ typedef struct {
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
+    /* change <- scale sum_j matrix_ji weight_j (second change)_j, and moved += change. Returns the sum of the squares
+     * of change inverse_size. */
+    double (*round)(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds);
     /* sum[u][k] = sum_j factor_jk L_j of the last movement, compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const double *factor, double *sum);
     /* start = (q, p) and base = (q_low, p_low) of the origin, n of each. */

@@ -26,16 +26,11 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
                                                   .turns = 2,
                                                   .patience = 2,
                                                   .roundoff = MAYBE_ROUNDOFF};
-const tvi_passes_rule tvi_galerkin_newton = {.most = 100,
-                                             .goal = SQUARE(0x1p-72),
-                                             .memory = 1,
-                                             .contraction = 0.25,
-                                             .far = FAR,
-                                             .noise = NOISE,
-                                             .stuck = TVI_PASSES_ALL,
-                                             .turns = 2,
-                                             .patience = 2,
-                                             .roundoff = MAYBE_ROUNDOFF};
+#define NEWTON                                                                                                         \
+    .most = 100, .goal = SQUARE(0x1p-72), .memory = 1, .contraction = 0.25, .far = FAR, .noise = NOISE,                \
+    .stuck = TVI_PASSES_ALL, .turns = 2, .patience = 2, .roundoff = MAYBE_ROUNDOFF
+const tvi_passes_rule tvi_galerkin_quasi_newton = {NEWTON};
+const tvi_passes_rule tvi_galerkin_newton = {NEWTON, .is_quadratic = true};
 
 tvi_passes_rule tvi_galerkin_rule(const galerkin_field *field, const tvi_options *o)
 {

@@ -165,7 +165,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling r = {system, g, ctx};
     tvi_system *stepped, *rescaled;
-    tvi_status status = tvi_system_hamiltonian(&stepped, system->n + 1, transformed, &r);
+    tvi_status status = tvi_system_with_second(&stepped, system->n + 1, transformed, &r);
     if (status != TVI_OK) return status;
     stepped->regular = false; /* K_ee = 0 */
     status = tvi_system_hamiltonian(&rescaled, system->n, as_it_was, (void *)system);

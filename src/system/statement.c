@@ -1,6 +1,7 @@
 /* statement.c - records the user's function and lowers it to the tapes that the steppers run. */
 #include "system/system.h"
 #include "system/legendre.h"
+#include "system/second.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -15,7 +16,8 @@ typedef struct {
     const double *mass;
     void *ctx;
     const tvi_system *base;
-    bool has_momenta; /* of the lift: it is not separable */
+    bool has_momenta;  /* of the lift: it is not separable */
+    bool wants_second; /* of a Hamiltonian */
 } statement;
 
 /* A recording at work: jets of the graph, freed with it. */
@@ -162,38 +164,6 @@ static tvi_status record_potential(recording *rec, const statement *given)
     return status == TVI_OK ? record_force(rec) : status;
 }
 
-/* Room for the field, and for one row more of second derivatives. */
-static bool grow_second(recording *rec)
-{
-    tvi_system *system = rec->system;
-    const size_t room = (size_t)system->seconds + 2 * (size_t)system->n;
-    jet *jets = realloc(rec->second, (room + 2 * (size_t)system->n) * sizeof *jets);
-    if (jets) rec->second = jets;
-    tvi_second *second = realloc(system->second, room * sizeof *second);
-    if (second) system->second = second;
-    return jets && second;
-}
-
-/* The lower triangle of the second derivatives of L: gradients of the field's components. */
-static tvi_status record_second(recording *rec)
-{
-    tvi_system *system = rec->system;
-    const int rows = 2 * system->n;
-    for (int row = 0; row < rows; row++) {
-        if (!grow_second(rec)) return TVI_ENOMEM;
-        rec->second[row] = rec->field[row];
-        const tvi_status status = gradient(rec, rec->field[row], rec->bend);
-        if (status != TVI_OK) return status;
-        for (int column = 0; column <= row; column++) {
-            const jet x = rec->bend[column];
-            if (!x.node && x.number == 0) continue;
-            rec->second[rows + system->seconds] = x;
-            system->second[system->seconds++] = (tvi_second){row, column};
-        }
-    }
-    return jet_graph_accept(system->graph, rows + system->seconds, rec->second);
-}
-
 /* field = (L_q, L_v); separable where L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
 static tvi_status record_lagrangian(recording *rec, const statement *given)
 {
@@ -206,7 +176,7 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     system->energy_sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
-    return record_second(rec);
+    return tvi_second_record(system, &rec->second);
 }
 
 /* bend = gradient of r.H_p. */
@@ -236,7 +206,8 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
         return record_force(rec);
     }
     system->form = TVI_HAMILTONIAN;
-    return record_bend(rec);
+    if (given->wants_second) status = tvi_second_record(system, &rec->second);
+    return status == TVI_OK ? record_bend(rec) : status;
 }
 
 /* ---- The lift
@@ -296,7 +267,7 @@ static tvi_status record_lift(recording *rec, const statement *given)
     free(jets);
     if (!lifted) return TVI_ENOMEM;
     return system->form == TVI_HAMILTONIAN  ? record_bend(rec)
-           : system->form == TVI_LAGRANGIAN ? record_second(rec)
+           : system->form == TVI_LAGRANGIAN ? tvi_second_record(system, &rec->second)
                                             : TVI_OK;
 }
 
@@ -327,11 +298,7 @@ static tvi_status lower(recording *rec, const statement *given)
         system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);
         if (!system->bend_values) return TVI_ENOMEM;
     }
-    if (system->form == TVI_LAGRANGIAN) {
-        system->second_values =
-            jet_tape_create(system->graph, outputs, outputs + system->seconds, rec->second, JET_TAPE_VALUES);
-        if (!system->second_values) return TVI_ENOMEM;
-    }
+    if (rec->second && tvi_second_lower(system, rec->second) != TVI_OK) return TVI_ENOMEM;
     if (given->force || given->base) return TVI_OK;
     system->energy_inputs = given->potential ? n : 2 * n;
     system->stated = rec->scalar;
@@ -385,6 +352,11 @@ tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tv
 tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx)
 {
     return make_system(out, n, &(statement){.lagrangian = lagrangian, .ctx = ctx});
+}
+
+tvi_status tvi_system_with_second(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)
+{
+    return make_system(out, n, &(statement){.hamiltonian = hamiltonian, .ctx = ctx, .wants_second = true});
 }
 
 tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)

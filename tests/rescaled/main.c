@@ -13,6 +13,7 @@ int main(void)
     srunner_add_suite(runner, suite_tangent());
     srunner_add_suite(runner, suite_refused());
     srunner_add_suite(runner, suite_scenes());
+    srunner_add_suite(runner, suite_passes());
     srunner_run_all(runner, CK_ENV);
     const int failed = srunner_ntests_failed(runner);
     srunner_free(runner);

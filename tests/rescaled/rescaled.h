@@ -13,6 +13,7 @@ Suite *suite_times(void);
 Suite *suite_tangent(void);
 Suite *suite_refused(void);
 Suite *suite_scenes(void);
+Suite *suite_passes(void);
 
 enum { MOST_N = 8 };
 

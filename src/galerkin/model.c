@@ -1,0 +1,76 @@
+/* model.c - see model.h. */
+#include "galerkin/model.h"
+
+#include <string.h>
+
+void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const galerkin_field *field)
+{
+    const tvi_system *system = field->system;
+    const size_t lanes = (size_t)field->nodes.lanes;
+    model->values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
+    model->second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
+    model->lanes.moved = tvi_arena_doubles(arena, 2 * (size_t)system->n * lanes);
+    model->term = tvi_arena_take(arena, 2 * (size_t)system->seconds * sizeof *model->term);
+    model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
+}
+
+/* The rows of the symmetric matrix of second derivatives. */
+static void set_terms(const tvi_system *system, lanes_term *term, int *end)
+{
+    const int rows = 2 * system->n;
+    for (int k = 0; k < system->seconds; k++) {
+        end[system->second[k].row]++;
+        if (system->second[k].row != system->second[k].column) end[system->second[k].column]++;
+    }
+    for (int i = 0, before = 0; i < rows; i++) { /* where the row begins; below, it moves on to the row's end */
+        const int count = end[i];
+        end[i] = before;
+        before += count;
+    }
+    for (int k = 0; k < system->seconds; k++) {
+        const int i = system->second[k].row, j = system->second[k].column;
+        const int slot = system->second_values->output[rows + k];
+        term[end[i]++] = (lanes_term){j, slot};
+        if (i != j) term[end[j]++] = (lanes_term){i, slot};
+    }
+}
+
+void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *field)
+{
+    const tvi_system *system = field->system;
+    const int lanes = field->nodes.lanes;
+    jet_tape_prepare(system->field_values, model->values, 1, lanes);
+    jet_tape_prepare(system->second_values, model->second, 1, lanes);
+    set_terms(system, model->term, model->end);
+    model->lanes = (lanes_model){
+        system->n, lanes, model->lanes.moved, .second = model->second, .term = model->term, .end = model->end};
+}
+
+bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *field, bool with_second,
+                                 const double *first, const double *last, double *gradient)
+{
+    const tvi_system *system = field->system;
+    const jet_tape *tape = with_second ? system->second_values : system->field_values;
+    const int n = system->n, lanes = field->nodes.lanes;
+    const size_t bytes = (size_t)lanes * sizeof(double);
+    memcpy(model->values, first, (size_t)n * bytes);
+    memcpy(model->values + n * lanes, last, (size_t)n * bytes);
+    double *x = with_second ? model->second : model->values;
+    if (with_second) memcpy(x, model->values, (size_t)tape->inputs * bytes);
+    if (!jet_sweep_values(tape, x, lanes)) return false;
+    if (field->noise) tvi_galerkin_displace(field, tape, x);
+    model->lanes.gradient = x;
+    model->lanes.output = tape->output;
+    for (int i = 0; i < 2 * n; i++) memcpy(gradient + i * lanes, x + (size_t)tape->output[i] * (size_t)lanes, bytes);
+    return true;
+}
+
+void tvi_galerkin_model_linearise(galerkin_model *model, const galerkin_field *field, const double *first,
+                                  const double *last, double *gradient)
+{
+    const size_t half = (size_t)field->system->n * (size_t)field->nodes.lanes;
+    double *moved = model->lanes.moved;
+    for (size_t i = 0; i < half; i++) moved[i] = first[i] - model->values[i];
+    for (size_t i = 0; i < half; i++) moved[half + i] = last[i] - model->values[half + i];
+    field->loops->lagrangian->linearise(&model->lanes, gradient);
+}
