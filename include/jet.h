@@ -117,6 +117,8 @@ struct jet {
     jet &operator/=(jet b) { return *this = jet_record_div(*this, b); }
 
     friend inline jet pow(jet a, double c) { return jet_record_pow(a, c); }
+    friend inline jet pow(jet a, jet b) { return exp(b * log(a)); } /* a > 0 */
+    friend inline jet pow(double a, jet b) { return exp(b * log(jet(a))); }
 #define JET_DEFINE_FRIEND(name, function)                                                                              \
     friend inline jet name(jet a) { return jet_record_function(function, a); }
     JET_FUNCTION_LIST(JET_DEFINE_FRIEND)

@@ -34,11 +34,12 @@ same() {
         END { if ((getline line <want) > 0) bad = 1; exit bad || NR == 0 }' "$1"
 }
 
-for source in *.c; do
-    name=${source%.c}
+for source in *.c *.cpp; do
+    name=${source%.c*} standard=-std=c11
+    [ "$source" = "$name.c" ] || standard=
     lines=$(wc -l <"$source")
     [ "$lines" -lt 60 ] || { echo "$source has $lines lines"; exit 1; }
-    command=$(sed -n 's/^ \* *\(\(mpi\)\{0,1\}cc .*[^ ]\) *\*\/$/\1/p' "$source")
+    command=$(sed -n 's/^ \* *\(\(mpi\)\{0,1\}c[c+]+* .*[^ ]\) *\*\/$/\1/p' "$source")
     [ -n "$command" ] || { echo "no command in $source"; exit 1; }
     if [ "${command%% *}" = mpicc ] && ! command -v mpicc >/dev/null; then
         echo "SKIP $source: no mpicc"
@@ -47,10 +48,10 @@ for source in *.c; do
     build=${command%%&&*} run=./a.out
     [ "$build" = "$command" ] || run=${command#*&& }
     rm -f "$stage/a.out"
-    sh -c "${build%% *} -std=c11 $STRICT ${build#* } -o '$stage/a.out'"
+    sh -c "${build%% *} $standard $STRICT ${build#* } -o '$stage/a.out'"
     (cd "$stage" && sh -c "$run") >"$stage/$name.out"
     awk -v heading="## $source" '$0 == heading { on = 1; next } /^## / { on = 0 } on && sub(/^    /, "")' README.md |
-        grep -v '^\(mpi\)\{0,1\}cc ' >"$stage/$name.want"
+        grep -v '^\(mpi\)\{0,1\}c[c+]+* ' >"$stage/$name.want"
     cat "$stage/$name.out"
     same "$stage/$name.out" "$stage/$name.want"
 done

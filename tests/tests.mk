@@ -167,7 +167,7 @@ check-warnings-clang:
 do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)))
 
 # .clang-format, and its 120 columns in comments too, which it leaves as they are; the width of prose
-FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addprefix $(folder)/,*.[ch] *.cpp */*.[ch] */*.cpp */*/*.[ch]))))
+FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addprefix $(folder)/,*.[ch] *.hpp *.cpp */*.[ch] */*.cpp */*/*.[ch]))))
 check-formatting: ; $(REPORT) "formatting" $(LOG) $(DO)
 do-formatting:
 	clang-format --dry-run -Werror $(FORMATTED)
@@ -178,9 +178,11 @@ do-formatting:
 
 STRICT := -Wall -Wextra -Wpedantic -Wconversion -Werror
 
-# each header alone, in C and in C++, and a program in C++
+# each header alone, in C and in C++, and two programs in C++; that of tvi.hpp in every standard, and with the address
+# sanitizer, which finds what an exception would leak; std::sin of a jet has an error that says what to write
+CXX_STANDARDS := g++/11 g++/14 g++/17 g++/20 g++/23 clang++/11 clang++/14 clang++/17 clang++/20 clang++/2b
 check-headers: ; $(REPORT) "headers in C and C++" $(LOG) $(DO)
-do-headers: tests/library/header.cpp $(BUILD)/libtvi.a
+do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	for header in jet tvi; do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
 	    for compiler in 'gcc -std=c11' 'clang -std=c11' 'g++ -std=c++11 -x c++' 'clang++ -std=c++11 -x c++'; do \
@@ -188,6 +190,15 @@ do-headers: tests/library/header.cpp $(BUILD)/libtvi.a
 	for compiler in g++ clang++; do \
 	    $$compiler -std=c++17 $(STRICT) -Iinclude -o $(BUILD)/check/header tests/library/header.cpp $(BUILD)/libtvi.a $(LIBS) && \
 	    $(BUILD)/check/header || exit 1; done
+	for standard in $(CXX_STANDARDS); do \
+	    $${standard%/*} -std=c++$${standard#*/} $(STRICT) -Wshadow -Iinclude -fsyntax-only tests/library/wrapper.cpp || exit 1; done
+	g++ -std=c++17 -g -fsanitize=address $(STRICT) -DWITH_EIGEN -isystem /usr/include/eigen3 -Iinclude \
+	    -o $(BUILD)/check/wrapper tests/library/wrapper.cpp $(BUILD)/libtvi.a $(LIBS)
+	$(BUILD)/check/wrapper
+	echo 'jet f(jet x) { return std::sin(x); }' > $(BUILD)/check/std.cpp
+	for compiler in g++ clang++; do \
+	    ! $$compiler -include tvi.hpp -Iinclude -fsyntax-only $(BUILD)/check/std.cpp 2> $(BUILD)/check/std.log && \
+	    grep -q 'of a jet write sin(x), without std::' $(BUILD)/check/std.log || exit 1; done
 
 # programs outside, with what is installed
 check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMake, in C and C++; manual; uninstall" $(LOG) $(DO)

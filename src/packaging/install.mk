@@ -2,7 +2,7 @@
 
 LIBDIR     ?= $(PREFIX)/lib
 LIB         = $(LIBDIR:$(PREFIX)/%=%)
-HEADERS    := tvi.h jet.h
+HEADERS    := tvi.h jet.h tvi.hpp
 MAN        := $(BUILD)/man/man3
 EXAMPLES   := $(wildcard docs/examples/*)
 ROOT        = $(DESTDIR)$(PREFIX)

@@ -1,0 +1,445 @@
+/* tvi.hpp - the library for C++11 and later: classes that own, any callable as a function of the system, exceptions,
+ * and states in std::vector, Eigen vectors or anything else that has data() and size().
+ *
+ *     tvi::potential system(2, [](const jet *q, jet) { return -1 / hypot(q[0], q[1]); });
+ *     tvi::integrator orbit(system);
+ *     double t = 0;
+ *     std::vector<double> q = {1, 0}, p = {0, 0.8};
+ *     orbit.integrate(0.25, 16000, t, q, p);
+ *
+ * What tvi.h says of a function holds for the member of the same name. A status that is neither TVI_OK nor TVI_ESTOPPED
+ * is thrown as a tvi::error, whose text is tvi_last_error. What a callable throws comes out of the function that called
+ * it, after the library has returned and freed what it had. Objects may be moved and copied; copies share what they
+ * own, and an integrator keeps its system. */
+#ifndef TVI_HPP
+#define TVI_HPP
+
+#include "tvi.h"
+
+#include <cmath>
+#include <exception>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace tvi
+{
+
+class error : public std::runtime_error
+{
+  public:
+    error(tvi_status status, const std::string &text) : std::runtime_error(text), status_(status) {}
+    tvi_status status() const noexcept { return status_; }
+
+  private:
+    tvi_status status_;
+};
+
+namespace detail
+{
+
+inline void check(tvi_status status)
+{
+    if (status != TVI_OK) throw error(status, tvi_last_error());
+}
+
+/* The numbers of a vector of n. */
+template <class Vector> auto data_of(const char *name, std::size_t n, Vector &x) -> decltype(x.data())
+{
+    if (static_cast<std::size_t>(x.size()) != n)
+        throw error(TVI_EINVAL,
+                    std::string(name) + " has " + std::to_string(x.size()) + " components, not " + std::to_string(n));
+    return x.data();
+}
+
+/* ---- Callables: nothing is thrown through the library ------------------------------------------------------------ */
+
+/* A callable, and what it has thrown. */
+template <class Function> struct guarded {
+    Function &function;
+    std::exception_ptr thrown;
+
+    explicit guarded(Function &f) : function(f), thrown() {}
+    void rethrow() const
+    {
+        if (thrown) std::rethrow_exception(thrown);
+    }
+    template <class... Arguments> jet value(Arguments... arguments)
+    {
+        try {
+            return function(arguments...);
+        } catch (...) {
+            thrown = std::current_exception();
+            return jet_record_div(jet(1), jet(0)); /* which is refused */
+        }
+    }
+    /* Whether the run stops. */
+    template <class... Arguments> int stops(Arguments... arguments)
+    {
+        try {
+            return observe(std::is_void<decltype(function(arguments...))>(), arguments...);
+        } catch (...) {
+            thrown = std::current_exception();
+            return 1;
+        }
+    }
+
+  private:
+    template <class... Arguments> int observe(std::true_type, Arguments... arguments)
+    {
+        function(arguments...);
+        return 0;
+    }
+    template <class... Arguments> int observe(std::false_type, Arguments... arguments)
+    {
+        return function(arguments...) ? 1 : 0;
+    }
+};
+
+template <class Function> void force_of(const jet q[], jet t, jet force[], void *ctx)
+{
+    guarded<Function> &g = *static_cast<guarded<Function> *>(ctx);
+    try {
+        g.function(q, t, force);
+    } catch (...) {
+        g.thrown = std::current_exception();
+        force[0] = jet_record_div(jet(1), jet(0));
+    }
+}
+
+template <class Function> jet potential_of(const jet q[], jet t, void *ctx)
+{
+    return static_cast<guarded<Function> *>(ctx)->value(q, t);
+}
+
+/* Lagrangians, Hamiltonians, time scales, events. */
+template <class Function> jet value_of(const jet q[], const jet x[], jet t, void *ctx)
+{
+    return static_cast<guarded<Function> *>(ctx)->value(q, x, t);
+}
+
+/* Of a step and of an event: tvi_observer, tvi_event_observer. */
+template <class Function, class Number>
+int observer_of(Number which, double t, const double q[], const double p[], void *ctx)
+{
+    return static_cast<guarded<Function> *>(ctx)->stops(which, t, q, p);
+}
+
+struct no_observer {
+    void operator()(long, double, const double *, const double *) const {}
+};
+
+/* Both observers of a run with events. */
+template <class Step, class Event> struct observers {
+    guarded<Step> step;
+    guarded<Event> event;
+};
+template <class Step, class Event> int step_of(long number, double t, const double q[], const double p[], void *ctx)
+{
+    return static_cast<observers<Step, Event> *>(ctx)->step.stops(number, t, q, p);
+}
+template <class Step, class Event> int event_of(int which, double t, const double q[], const double p[], void *ctx)
+{
+    return static_cast<observers<Step, Event> *>(ctx)->event.stops(which, t, q, p);
+}
+
+/* The end of a run: false where an observer or an event stopped it. */
+inline bool ended(tvi_status status)
+{
+    if (status != TVI_ESTOPPED) check(status);
+    return status == TVI_OK;
+}
+
+} // namespace detail
+
+/* ---- Systems ----------------------------------------------------------------------------------------------------- */
+
+class system
+{
+  public:
+    const tvi_system *get() const noexcept { return handle_.get(); }
+    int dimension() const noexcept { return tvi_system_dimension(get()); }
+
+    template <class Q, class P> double energy(double t, const Q &q, const P &p) const
+    {
+        double H = 0;
+        detail::check(tvi_energy(get(), t, detail::data_of("q", size(), q), detail::data_of("p", size(), p), &H));
+        return H;
+    }
+    template <class Q, class V> V momentum(double t, const Q &q, const V &v) const
+    {
+        return transform(tvi_momentum, t, q, "v", v);
+    }
+    template <class Q, class P> P velocity(double t, const Q &q, const P &p) const
+    {
+        return transform(tvi_velocity, t, q, "p", p);
+    }
+
+  protected:
+    system() = default;
+    std::size_t size() const { return static_cast<std::size_t>(dimension()); }
+
+    /* make(&handle, the callable, and as the library calls it) */
+    template <class Function, class Make> void own(Function &function, Make make)
+    {
+        detail::guarded<Function> g(function);
+        tvi_system *made = nullptr;
+        const tvi_status status = make(&made, static_cast<void *>(&g));
+        handle_.reset(made, tvi_system_free);
+        g.rethrow();
+        detail::check(status);
+    }
+    static const double *masses(int n, const std::vector<double> &mass)
+    {
+        return mass.empty() ? nullptr : detail::data_of("mass", static_cast<std::size_t>(n), mass);
+    }
+
+  private:
+    typedef tvi_status legendre(const tvi_system *, double, const double[], const double[], double[]);
+    template <class Q, class X> X transform(legendre *way, double t, const Q &q, const char *name, const X &x) const
+    {
+        X y(x);
+        detail::check(way(get(), t, detail::data_of("q", size(), q), detail::data_of(name, size(), x), y.data()));
+        return y;
+    }
+    std::shared_ptr<tvi_system> handle_;
+};
+
+/* void function(const jet *q, jet t, jet *force); no masses: all 1. */
+class force : public system
+{
+  public:
+    template <class Function> force(int n, Function function, const std::vector<double> &mass = std::vector<double>())
+    {
+        const double *m = masses(n, mass);
+        own(function,
+            [=](tvi_system **out, void *g) { return tvi_system_force(out, n, m, detail::force_of<Function>, g); });
+    }
+};
+
+/* jet function(const jet *q, jet t). */
+class potential : public system
+{
+  public:
+    template <class Function>
+    potential(int n, Function function, const std::vector<double> &mass = std::vector<double>())
+    {
+        const double *m = masses(n, mass);
+        own(function, [=](tvi_system **out, void *g) {
+            return tvi_system_potential(out, n, m, detail::potential_of<Function>, g);
+        });
+    }
+};
+
+/* jet function(const jet *q, const jet *v, jet t). */
+class lagrangian : public system
+{
+  public:
+    template <class Function> lagrangian(int n, Function function)
+    {
+        own(function,
+            [=](tvi_system **out, void *g) { return tvi_system_lagrangian(out, n, detail::value_of<Function>, g); });
+    }
+};
+
+/* jet function(const jet *q, const jet *p, jet t). */
+class hamiltonian : public system
+{
+  public:
+    template <class Function> hamiltonian(int n, Function function)
+    {
+        own(function,
+            [=](tvi_system **out, void *g) { return tvi_system_hamiltonian(out, n, detail::value_of<Function>, g); });
+    }
+};
+
+/* jet scale(const jet *q, const jet *p, jet t); without one, the automatic time scale. */
+class rescaled : public system
+{
+  public:
+    explicit rescaled(const system &base)
+    {
+        detail::no_observer none;
+        own(none, [&](tvi_system **out, void *) { return tvi_system_rescaled(out, base.get(), nullptr, nullptr); });
+    }
+    template <class Function> rescaled(const system &base, Function scale)
+    {
+        own(scale, [&](tvi_system **out, void *g) {
+            return tvi_system_rescaled(out, base.get(), detail::value_of<Function>, g);
+        });
+    }
+};
+
+/* ---- Events ------------------------------------------------------------------------------------------------------ */
+
+/* jet g(const jet *q, const jet *p, jet t). */
+class event
+{
+  public:
+    template <class Function> event(int n, Function g, tvi_direction direction = TVI_EITHER, bool terminal = false)
+    {
+        detail::guarded<Function> guard(g);
+        tvi_event *made = nullptr;
+        const tvi_status status =
+            tvi_event_create(&made, n, direction, terminal, detail::value_of<Function>, static_cast<void *>(&guard));
+        handle_.reset(made, tvi_event_free);
+        guard.rethrow();
+        detail::check(status);
+    }
+    const tvi_event *get() const noexcept { return handle_.get(); }
+
+  private:
+    std::shared_ptr<tvi_event> handle_;
+};
+
+/* ---- Integrators ------------------------------------------------------------------------------------------------- */
+
+inline tvi_options options(const std::string &name, int order)
+{
+    tvi_options found;
+    detail::check(tvi_options_named(name.c_str(), order, &found));
+    return found;
+}
+
+/* Runs return whether they came to their end; false: an observer or a terminal event stopped them. An observer returns
+ * nothing, or true to stop. q and p are changed in place. */
+class integrator
+{
+  public:
+    explicit integrator(const tvi::system &system, const tvi_options &options = tvi_options_default()) : system_(system)
+    {
+        tvi_integrator *made = nullptr;
+        detail::check(tvi_integrator_create(&made, system.get(), &options));
+        handle_.reset(made, tvi_integrator_free);
+    }
+    tvi_integrator *get() const noexcept { return handle_.get(); }
+    const tvi::system &system() const noexcept { return system_; }
+    const tvi_options &options() const { return *tvi_integrator_options(get()); }
+    const tvi_stats &stats() const { return *tvi_integrator_stats(get()); }
+    void reset() { tvi_integrator_reset(get()); }
+
+    template <class Q, class P> void step(double h, double &t, Q &q, P &p)
+    {
+        detail::check(tvi_step(get(), h, &t, of("q", q), of("p", p)));
+    }
+    /* D [2n][columns], row-major. */
+    template <class Q, class P, class Columns>
+    void step_tangent(double h, double &t, Q &q, P &p, Columns &D, int columns)
+    {
+        double *const d = detail::data_of("D", 2 * size() * static_cast<std::size_t>(columns), D);
+        detail::check(tvi_step_tangent(get(), h, &t, of("q", q), of("p", p), d, columns));
+    }
+    template <class Q, class P> void dense(double theta, Q &q, P &p)
+    {
+        detail::check(tvi_dense(get(), theta, of("q", q), of("p", p)));
+    }
+
+    /* observer(long step, double t, const double *q, const double *p) */
+    template <class Q, class P, class Observer = detail::no_observer>
+    bool integrate(double h, long steps, double &t, Q &q, P &p, Observer observer = Observer())
+    {
+        return run(observer, [&](tvi_observer *call, void *g) {
+            return tvi_integrate(get(), h, steps, &t, of("q", q), of("p", p), call, g);
+        });
+    }
+    template <class Q, class P, class Observer = detail::no_observer>
+    bool integrate_to(double h, double t_end, double &t, Q &q, P &p, Observer observer = Observer())
+    {
+        return run(observer, [&](tvi_observer *call, void *g) {
+            return tvi_integrate_to(get(), h, t_end, &t, of("q", q), of("p", p), call, g);
+        });
+    }
+    template <class Q, class P, class Observer>
+    bool integrate_at(double h, const std::vector<double> &times, double &t, Q &q, P &p, Observer observer)
+    {
+        return run(observer, [&](tvi_observer *call, void *g) {
+            return tvi_integrate_at(get(), h, times.data(), static_cast<int>(times.size()), &t, of("q", q), of("p", p),
+                                    call, g);
+        });
+    }
+    template <class Q, class P, class Observer = detail::no_observer>
+    bool integrate_tolerance(double tolerance, double t_end, double &t, Q &q, P &p, Observer observer = Observer())
+    {
+        return run(observer, [&](tvi_observer *call, void *g) {
+            return tvi_integrate_tolerance(get(), tolerance, t_end, &t, of("q", q), of("p", p), call, g);
+        });
+    }
+    /* on_event(int which, double t, const double *q, const double *p) */
+    template <class Q, class P, class On_event, class Observer = detail::no_observer>
+    bool integrate_events(double h, long steps, const std::vector<event> &events, double &t, Q &q, P &p,
+                          On_event on_event, Observer observer = Observer())
+    {
+        std::vector<const tvi_event *> list;
+        for (const event &one : events) list.push_back(one.get());
+        detail::observers<Observer, On_event> both = {detail::guarded<Observer>(observer),
+                                                      detail::guarded<On_event>(on_event)};
+        const tvi_status status = tvi_integrate_events(
+            get(), h, steps, list.data(), static_cast<int>(list.size()), &t, of("q", q), of("p", p),
+            detail::step_of<Observer, On_event>, detail::event_of<Observer, On_event>, static_cast<void *>(&both));
+        both.event.rethrow();
+        both.step.rethrow();
+        return detail::ended(status);
+    }
+
+    std::vector<char> save() const
+    {
+        std::size_t bytes = 0;
+        detail::check(tvi_state_save(get(), nullptr, &bytes));
+        std::vector<char> state(bytes);
+        detail::check(tvi_state_save(get(), state.data(), &bytes));
+        return state;
+    }
+    void load(const std::vector<char> &state) { detail::check(tvi_state_load(get(), state.data(), state.size())); }
+    template <class Q, class P> void last(double &t, Q &q, P &p) const
+    {
+        detail::check(tvi_state_last(get(), &t, of("q", q), of("p", p)));
+    }
+
+  private:
+    std::size_t size() const { return static_cast<std::size_t>(system_.dimension()); }
+    template <class Vector> double *of(const char *name, Vector &x) const { return detail::data_of(name, size(), x); }
+    template <class Observer, class Run> bool run(Observer &observer, Run steps)
+    {
+        detail::guarded<Observer> g(observer);
+        const tvi_status status = steps(detail::observer_of<Observer, long>, static_cast<void *>(&g));
+        g.rethrow();
+        return detail::ended(status);
+    }
+
+    tvi::system system_; /* outlives the handle */
+    std::shared_ptr<tvi_integrator> handle_;
+};
+
+} // namespace tvi
+
+/* ---- std::sin(x) of a jet ---------------------------------------------------------------------------------------- */
+
+/* The functions of a jet are found by its type, without std::. These say so; where both are found, as after `using
+ * std::sin`, the others are taken, which are no templates. */
+#define TVI_NOT_IN_STD(name, code)                                                                                     \
+    template <class Jet> typename enable_if<is_same<Jet, jet>::value, jet>::type name(Jet x)                           \
+    {                                                                                                                  \
+        static_assert(!is_same<Jet, jet>::value, "of a jet write " #name "(x), without std::");                        \
+        return x;                                                                                                      \
+    }
+#define TVI_NOT_IN_STD2(name, code)                                                                                    \
+    template <class A, class B>                                                                                        \
+    typename enable_if<is_same<A, jet>::value || is_same<B, jet>::value, jet>::type name(A, B)                         \
+    {                                                                                                                  \
+        static_assert(is_same<A, B>::value && !is_same<A, jet>::value,                                                 \
+                      "of a jet write " #name "(x, y), without std::");                                                \
+        return jet();                                                                                                  \
+    }
+namespace std
+{
+JET_FUNCTION_LIST(TVI_NOT_IN_STD)
+JET_FUNCTION2_LIST(TVI_NOT_IN_STD2)
+TVI_NOT_IN_STD2(pow, JET_POW)
+} // namespace std
+#undef TVI_NOT_IN_STD
+#undef TVI_NOT_IN_STD2
+
+#endif

@@ -1,0 +1,189 @@
+/* wrapper.cpp - tvi.hpp: what it makes is what the C functions make, exceptions come out with nothing leaked (it is run
+ * under the address sanitizer), and every container with data() and size() holds a state. */
+#include "tvi.hpp"
+
+#include <array>
+#include <cstdio>
+#include <cstring>
+#if defined(WITH_EIGEN)
+#include <Eigen/Core>
+#endif
+
+static int failures;
+
+static void expect(const char *what, bool holds)
+{
+    if (holds) return;
+    failures++;
+    std::printf("failed: %s\n", what);
+}
+
+/* The status and the text of what the call throws; false where it throws nothing. */
+template <class Call> static bool throws(Call call, tvi_status status, const char *text)
+{
+    try {
+        call();
+    } catch (const tvi::error &e) {
+        return e.status() == status && std::strstr(e.what(), text);
+    }
+    return false;
+}
+
+template <class Call> static bool throws_seven(Call call)
+{
+    try {
+        call();
+    } catch (int thrown) {
+        return thrown == 7;
+    }
+    return false;
+}
+
+static jet kepler(const jet *q, jet) { return -1 / hypot(q[0], q[1]); }
+static jet kepler_in_c(const jet q[], jet t, void *) { return kepler(q, t); }
+
+static void same_bits_as_c()
+{
+    tvi_system *system = nullptr;
+    tvi_integrator *by_c = nullptr;
+    double t_c = 0, q_c[] = {1, 0}, p_c[] = {0, 0.8}, t = 0;
+    std::vector<double> q = {1, 0}, p = {0, 0.8};
+    expect("in C", tvi_system_potential(&system, 2, nullptr, kepler_in_c, nullptr) == TVI_OK &&
+                       tvi_integrator_create(&by_c, system, nullptr) == TVI_OK &&
+                       tvi_integrate(by_c, 0.25, 100, &t_c, q_c, p_c, nullptr, nullptr) == TVI_OK);
+    tvi::integrator orbit{tvi::potential(2, kepler)}; /* keeps the system */
+    const double H = orbit.system().energy(t, q, p);
+    orbit.integrate(0.25, 100, t, q, p);
+    expect("the same bits",
+           t == t_c && std::memcmp(q.data(), q_c, sizeof q_c) == 0 && p[0] == p_c[0] && p[1] == p_c[1]);
+    expect("energy", std::fabs(orbit.system().energy(t, q, p) - H) < 1e-13);
+    tvi_integrator_free(by_c);
+    tvi_system_free(system);
+}
+
+/* The four statements and a time scale, by lambdas that capture, of one oscillator. */
+static void every_system()
+{
+    const double k = 4, m = 2;
+    const std::vector<tvi::system> systems = {
+        tvi::force(1, [=](const jet *q, jet, jet *f) { f[0] = -k * q[0]; }, {m}),
+        tvi::potential(1, [=](const jet *q, jet) { return 0.5 * k * sqr(q[0]); }, {m}),
+        tvi::lagrangian(1, [=](const jet *q, const jet *v, jet) { return 0.5 * (m * sqr(v[0]) - k * sqr(q[0])); }),
+        tvi::hamiltonian(1, [=](const jet *q, const jet *p, jet) { return sqr(p[0]) / (2 * m) + 0.5 * k * sqr(q[0]); }),
+        tvi::rescaled(tvi::potential(1, [=](const jet *q, jet) { return 0.5 * k * sqr(q[0]); }, {m})),
+        tvi::rescaled(tvi::potential(1, [=](const jet *q, jet) { return 0.5 * k * sqr(q[0]); }, {m}),
+                      [=](const jet *, const jet *, jet) { return jet(k); }),
+    };
+    for (const tvi::system &system : systems) {
+        double t = 0;
+        std::array<double, 1> q = {{1}}, p = {{0}};
+        tvi::integrator swing(system, tvi::options("galerkin", 12));
+        expect("to the end", swing.integrate_to(0.1, 1, t, q, p));
+        expect("cos(w t)", t == 1 && std::fabs(q[0] - std::cos(std::sqrt(k / m))) < 1e-12);
+        expect("p = m v", std::fabs(system.velocity(t, q, p)[0] * m - p[0]) < 1e-15);
+        expect("and back", std::fabs(system.momentum(t, q, system.velocity(t, q, p))[0] - p[0]) < 1e-15);
+    }
+}
+
+static void errors()
+{
+    const auto unset = [](const jet *, jet, jet *f) { f[0] = 1; };
+    expect("an output", throws([&] { tvi::force(2, unset); }, TVI_EINVAL, "force[1] was not set"));
+    expect("a mass", throws([] { tvi::potential(2, kepler, {1, -1}); }, TVI_EINVAL, "mass[1] = -1"));
+    expect("masses", throws([] { tvi::potential(2, kepler, {1}); }, TVI_EINVAL, "mass has 1 components, not 2"));
+    expect("a name", throws([] { tvi::options("galerkn", 4); }, TVI_EINVAL, "galerkin"));
+    tvi::integrator orbit{tvi::potential(2, kepler)};
+    double t = 0;
+    std::vector<double> q = {0, 0}, p = {1, 1}, wrong(3);
+    expect("a domain", throws([&] { orbit.step(0.1, t, q, p); }, TVI_EDOMAIN, "jet_"));
+    expect("a size", throws([&] { orbit.step(0.1, t, wrong, p); }, TVI_EINVAL, "q has 3 components"));
+    expect("theta", throws([&] { orbit.dense(0.5, q, p); }, TVI_EINVAL, "last step"));
+    expect("a state", throws([&] { orbit.load(std::vector<char>(400)); }, TVI_EINVAL, "no state"));
+}
+
+/* A callable with memory of its own, which is freed as well. */
+static void thrown_by_users()
+{
+    const std::vector<double> memory(100, 1.0);
+    const auto scalar = [memory](const jet *q, jet) -> jet { return memory[99] > 0 ? throw 7 : q[0]; };
+    const auto scalars = [memory](const jet *q, const jet *, jet) -> jet { return memory[99] > 0 ? throw 7 : q[0]; };
+    const auto force = [memory](const jet *q, jet, jet *f) { f[0] = f[1] = q[0], memory[99] > 0 ? throw 7 : 0; };
+    expect("a force", throws_seven([&] { tvi::force(2, force); }));
+    expect("a potential", throws_seven([&] { tvi::potential(2, scalar); }));
+    expect("a Lagrangian", throws_seven([&] { tvi::lagrangian(2, scalars); }));
+    expect("a Hamiltonian", throws_seven([&] { tvi::hamiltonian(2, scalars); }));
+    expect("a scale", throws_seven([&] { tvi::rescaled(tvi::potential(2, kepler), scalars); }));
+    expect("an event", throws_seven([&] { tvi::event(2, scalars); }));
+    tvi::integrator orbit{tvi::potential(2, kepler)};
+    double t = 0;
+    std::vector<double> q = {1, 0}, p = {0, 0.8};
+    const auto third = [memory](long step, double, const double *, const double *) { step == 3 ? throw 7 : 0; };
+    expect("an observer", throws_seven([&] { orbit.integrate(0.25, 10, t, q, p, third); }));
+    expect("after three steps", t == 0.75);
+    const auto any = [memory](int, double, const double *, const double *) { throw 7; };
+    const std::vector<tvi::event> events = {tvi::event(2, [](const jet *x, const jet *, jet) { return x[0]; })};
+    expect("an event's observer", throws_seven([&] { orbit.integrate_events(0.25, 100, events, t, q, p, any); }));
+}
+
+static void runs()
+{
+    tvi::integrator orbit{tvi::potential(2, kepler)}, other = orbit, fresh(orbit.system());
+    double t = 0, t_fresh = 0;
+    std::vector<double> q = {1, 0}, p = {0, 0.8}, D = {1, 0, 0, 0}, q_fresh(2), p_fresh(2);
+    std::vector<double> seen;
+    expect("stopped", !orbit.integrate(0.25, 10, t, q, p, [](long step, double, const double *, const double *) {
+        return step == 4;
+    }) && t == 1);
+    expect(
+        "at times", orbit.integrate_at(0.25, {1.5, 2}, t, q, p, [&](long, double at, const double *, const double *) {
+            seen.push_back(at);
+        }) && seen == std::vector<double>({1.5, 2}));
+    const std::vector<tvi::event> events = {tvi::event(
+        2, [](const jet *x, const jet *y, jet) { return jet_dot(x, y, 2); }, TVI_EITHER, true)};
+    int found = 0;
+    expect("an event ends it", !orbit.integrate_events(0.25, 100, events, t, q, p,
+                                                       [&](int, double, const double *, const double *) { found++; }));
+    expect("once", found == 1 && std::fabs(q[0] * p[0] + q[1] * p[1]) < 1e-13);
+    orbit.step_tangent(0.25, t, q, p, D, 1);
+    expect("copies share", other.stats().steps == orbit.stats().steps && D[0] != 1);
+    fresh.load(orbit.save());
+    fresh.last(t_fresh, q_fresh, p_fresh);
+    expect("saved", t_fresh == t && q_fresh == q && p_fresh == p);
+    tvi::integrator taylor(orbit.system(), tvi::options("taylor", 12));
+    expect("tolerance", taylor.integrate_tolerance(1e-10, t + 1, t, q, p));
+}
+
+static void powers()
+{
+    const jet x = 3;
+    expect("2^x", std::fabs(pow(2, x).number - 8) < 1e-14 && std::fabs(pow(2.0f, x).number - 8) < 1e-14);
+    expect("x^x", std::fabs(pow(x, x).number - 27) < 1e-13);
+    expect("x^2", pow(x, 2).number == 9 && pow(x, 2.0).number == 9);
+    expect("(-1)^x",
+           throws([] { tvi::potential(1, [](const jet *q, jet) { return pow(-1, q[0]); }); }, TVI_EDOMAIN, "jet_log"));
+}
+
+static void eigen()
+{
+#if defined(WITH_EIGEN)
+    double t = 0;
+    Eigen::Vector2d q(1, 0), p(0, 0.8);
+    Eigen::VectorXd longer(3);
+    tvi::integrator orbit{tvi::potential(2, kepler)};
+    orbit.integrate(0.25, 100, t, q, p);
+    expect("Eigen", std::fabs(orbit.system().energy(t, q, p) + 0.68) < 1e-13 && q.norm() > 0.4);
+    expect("Eigen's size", throws([&] { orbit.step(0.25, t, longer, p); }, TVI_EINVAL, "q has 3"));
+#endif
+}
+
+int main()
+{
+    same_bits_as_c();
+    every_system();
+    errors();
+    thrown_by_users();
+    runs();
+    powers();
+    eigen();
+    return failures != 0;
+}
