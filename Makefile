@@ -72,7 +72,8 @@ PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config
                     'libblas-dev:pkg-config --exists blas'
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
                     'clang-format:command -v clang-format' 'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
-                    'libeigen3-dev:test -e /usr/include/eigen3/Eigen/Core' 'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun'
+                    'libeigen3-dev:test -e /usr/include/eigen3/Eigen/Core' 'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun' \
+                    'python3-cffi:python3 -c "import cffi" || /usr/bin/python3 -c "import cffi"'
 PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
 
 define need

@@ -80,7 +80,8 @@ typedef enum { JET_NEG, JET_FUNCTION_LIST(JET_FUNCTION_CODE) JET_FUNCTION_COUNT 
 typedef enum { JET_FUNCTION2_LIST(JET_FUNCTION_CODE) JET_FUNCTION2_COUNT } jet_function2;
 #undef JET_FUNCTION_CODE
 
-/* What the names below record through; users have no need to call these. */
+/* What the names below record through. C and C++ have no need to call these; other languages do, and the names, the
+ * codes and the layout of a jet stay (docs/bindings.md). */
 jet jet_record_add(jet a, jet b);
 jet jet_record_sub(jet a, jet b);
 jet jet_record_mul(jet a, jet b);

@@ -34,6 +34,14 @@ same() {
         END { if ((getline line <want) > 0) bad = 1; exit bad || NR == 0 }' "$1"
 }
 
+# report SOURCE NAME: what it printed, compared with the README
+report() {
+    awk -v heading="## $1" '$0 == heading { on = 1; next } /^## / { on = 0 } on && sub(/^    /, "")' README.md |
+        grep -v -e '^\(mpi\)\{0,1\}c[c+]* ' -e '^python3 ' >"$stage/$2.want"
+    cat "$stage/$2.out"
+    same "$stage/$2.out" "$stage/$2.want"
+}
+
 for source in *.c *.cpp; do
     name=${source%.c*} standard=-std=c11
     [ "$source" = "$name.c" ] || standard=
@@ -50,8 +58,18 @@ for source in *.c *.cpp; do
     rm -f "$stage/a.out"
     sh -c "${build%% *} $standard $STRICT ${build#* } -o '$stage/a.out'"
     (cd "$stage" && sh -c "$run") >"$stage/$name.out"
-    awk -v heading="## $source" '$0 == heading { on = 1; next } /^## / { on = 0 } on && sub(/^    /, "")' README.md |
-        grep -v '^\(mpi\)\{0,1\}c[c+]+* ' >"$stage/$name.want"
-    cat "$stage/$name.out"
-    same "$stage/$name.out" "$stage/$name.want"
+    report "$source" "$name"
 done
+
+# by the installed library, from the installed programs; the python3 that has cffi
+export PYTHONDONTWRITEBYTECODE=1
+for python in python3 /usr/bin/python3; do ! "$python" -c 'import cffi' 2>/dev/null || break; done
+for source in pendulum.py solar.py; do
+    (cd "$stage/usr/share/doc/tvi/examples" && "$python" $source) >"$stage/$source.out"
+    report "$source" "$source"
+done
+
+# the fragment of the page on bindings
+awk '/^```python$/ { on = 1; next } /^```/ { on = 0 } on' ../bindings.md >"$stage/usr/share/doc/tvi/examples/fragment.py"
+echo 'assert abs(q[0] + 0.476636788) < 1e-8' >>"$stage/usr/share/doc/tvi/examples/fragment.py"
+(cd "$stage/usr/share/doc/tvi/examples" && "$python" fragment.py)
