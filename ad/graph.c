@@ -14,7 +14,7 @@ struct jet_graph {
     bool open;
     const char *name;   /* of its outputs */
     bool out_of_memory; /* some operation was lost: no output is accepted any more */
-    int inputs, count, capacity;
+    int inputs, parameters, count, capacity;
     struct jet_node **nodes; /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
     int slots;               /* of the hash table, a power of two > 2 count */
     struct jet_node **table;
@@ -85,6 +85,7 @@ static uint64_t node_hash(const struct jet_node *node)
 {
     uint64_t hash = mix((uint64_t)node->op, bits(node->number));
     if (node->op == OP_INPUT) hash = mix(hash, (uint64_t)node->index);
+    if (node->op == OP_PARAMETER) hash = mix(hash, (uint64_t)node->which);
     if (node->a) hash = mix(hash, (uint64_t)node->a->index);
     if (node->b) hash = mix(hash, (uint64_t)node->b->index);
     for (int i = 0; i < node->count; i++)
@@ -96,6 +97,7 @@ static bool same_node(const struct jet_node *x, const struct jet_node *y)
 {
     if (x->op != y->op || bits(x->number) != bits(y->number) || x->count != y->count) return false;
     if (x->op == OP_INPUT) return x->index == y->index;
+    if (x->op == OP_PARAMETER) return x->which == y->which;
     if (x->a != y->a || x->b != y->b) return false;
     for (int i = 0; i < x->count; i++)
         if (x->terms[i].node != y->terms[i].node || bits(x->terms[i].coefficient) != bits(y->terms[i].coefficient))
@@ -197,6 +199,26 @@ jet jet_graph_constant(jet_graph *graph, double value)
 {
     return jet_graph_record_jet(graph, (struct jet_node){.op = OP_CONST, .number = value});
 }
+
+/* The parameter of this index; NULL: there is none. */
+static const struct jet_node *find_parameter(const jet_graph *graph, int which)
+{
+    for (int i = 0; i < graph->count; i++) {
+        const struct jet_node *node = jet_graph_node(graph, i);
+        if (node->op == OP_PARAMETER && node->which == which) return node;
+    }
+    return NULL;
+}
+
+jet jet_graph_parameter(jet_graph *graph, int which, double value)
+{
+    const struct jet_node *same = find_parameter(graph, which);
+    if (same && bits(same->number) != bits(value)) return jet_poison(JET_TWO_VALUES);
+    if (which >= graph->parameters) graph->parameters = which + 1;
+    return jet_graph_record_jet(graph, (struct jet_node){.op = OP_PARAMETER, .which = which, .number = value});
+}
+
+int jet_graph_parameters(const jet_graph *graph) { return graph->parameters; }
 
 tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[])
 {

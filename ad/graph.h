@@ -15,30 +15,31 @@
 typedef enum {
     OP_INPUT,
     OP_CONST,
-    OP_LINEAR, /* z = number + sum_i coefficient_i node_i        */
-    OP_MUL,    /* z = a b                                        */
-    OP_SQR,    /* z = a^2                                        */
-    OP_DIV,    /* z = a / b                                      */
-    OP_SQRT,   /* z = sqrt a                                     */
-    OP_POW,    /* z = a^number                                   */
-    OP_HYPOT,  /* z = sqrt(a^2 + b^2)                            */
-    OP_ATAN2,  /* z' = (b a' - a b') / w, w = a^2 + b^2          */
-    OP_EXP,    /* z' =  w a', w = z                              */
-    OP_SIN,    /* z' =  w a', w = cos a                          */
-    OP_COS,    /* z' = -w a', w = sin a                          */
-    OP_SINH,   /* z' =  w a', w = cosh a                         */
-    OP_COSH,   /* z' =  w a', w = sinh a                         */
-    OP_TAN,    /* z' =  w a', w = 1 + z^2                        */
-    OP_TANH,   /* z' =  w a', w = sech2 a                        */
-    OP_SECH2,  /* z = 1 - w^2 = 1 / cosh^2 a, w = tanh a         */
-    OP_ERF,    /* z' =  w a', w = 2 exp(-a^2) / sqrt(pi)         */
-    OP_LOG,    /* z' =  a' / w, w = a                            */
-    OP_ASIN,   /* z' =  a' / w, w = sqrt((1-a)(1+a))             */
-    OP_ACOS,   /* z' = -a' / w, w = sqrt((1-a)(1+a))             */
-    OP_ATAN,   /* z' =  a' / w, w = 1 + a^2                      */
-    OP_ASINH,  /* z' =  a' / w, w = sqrt(1 + a^2)                */
-    OP_ACOSH,  /* z' =  a' / w, w = sqrt((a-1)(a+1))             */
-    OP_ATANH,  /* z' =  a' / w, w = (1-a)(1+a)                   */
+    OP_PARAMETER, /* a constant that may be changed when the recording is run */
+    OP_LINEAR,    /* z = number + sum_i coefficient_i node_i        */
+    OP_MUL,       /* z = a b                                        */
+    OP_SQR,       /* z = a^2                                        */
+    OP_DIV,       /* z = a / b                                      */
+    OP_SQRT,      /* z = sqrt a                                     */
+    OP_POW,       /* z = a^number                                   */
+    OP_HYPOT,     /* z = sqrt(a^2 + b^2)                            */
+    OP_ATAN2,     /* z' = (b a' - a b') / w, w = a^2 + b^2          */
+    OP_EXP,       /* z' =  w a', w = z                              */
+    OP_SIN,       /* z' =  w a', w = cos a                          */
+    OP_COS,       /* z' = -w a', w = sin a                          */
+    OP_SINH,      /* z' =  w a', w = cosh a                         */
+    OP_COSH,      /* z' =  w a', w = sinh a                         */
+    OP_TAN,       /* z' =  w a', w = 1 + z^2                        */
+    OP_TANH,      /* z' =  w a', w = sech2 a                        */
+    OP_SECH2,     /* z = 1 - w^2 = 1 / cosh^2 a, w = tanh a         */
+    OP_ERF,       /* z' =  w a', w = 2 exp(-a^2) / sqrt(pi)         */
+    OP_LOG,       /* z' =  a' / w, w = a                            */
+    OP_ASIN,      /* z' =  a' / w, w = sqrt((1-a)(1+a))             */
+    OP_ACOS,      /* z' = -a' / w, w = sqrt((1-a)(1+a))             */
+    OP_ATAN,      /* z' =  a' / w, w = 1 + a^2                      */
+    OP_ASINH,     /* z' =  a' / w, w = sqrt(1 + a^2)                */
+    OP_ACOSH,     /* z' =  a' / w, w = sqrt((a-1)(a+1))             */
+    OP_ATANH,     /* z' =  a' / w, w = (1-a)(1+a)                   */
     /* On a tape only: */
     OP_PRODUCTS, /* z = sum_i coefficient_i a_i b_i */
     OP_SQUARES,  /* z = sum_i coefficient_i a_i^2   */
@@ -52,6 +53,9 @@ typedef struct jet_graph jet_graph;
     ROW(JET_UNSET, TVI_EINVAL, "was not set")                                                                          \
     ROW(JET_FOREIGN, TVI_EINVAL, "is made of jets of another recording, or of one that has ended")                     \
     ROW(JET_NO_FUNCTION, TVI_EINVAL, "is made by a function that does not exist")                                      \
+    ROW(JET_NO_PARAMETER, TVI_EINVAL,                                                                                  \
+        "is made of a parameter whose index is out of range, or that names no recording")                              \
+    ROW(JET_TWO_VALUES, TVI_EINVAL, "is made of a parameter that was recorded with another value")                     \
     ROW(JET_NO_MEMORY, TVI_ENOMEM, "is made by an operation that found no memory")                                     \
     ROW(JET_NOT_FINITE, TVI_ENONFINITE, "is made of a number that is not finite")                                      \
     ROW(JET_NOT_POSITIVE, TVI_EDOMAIN, "is made of a time scale that is not positive")
@@ -68,7 +72,8 @@ struct jet_node {
     jet_graph *graph; /* NULL: a poison node                                             */
     jet_op op;
     int index;          /* order of recording: operands come first, partners may come later */
-    double number;      /* CONST: the value; POW: the exponent; LINEAR: the number added    */
+    int which;          /* PARAMETER: its index                                             */
+    double number;      /* CONST, PARAMETER: the value; POW: the exponent; LINEAR: the number added */
     struct jet_node *a; /* the operand                                                      */
     struct jet_node *b; /* the second operand, NULL where there is none                     */
     struct jet_node *w; /* the partner, NULL where there is none                            */
@@ -89,6 +94,10 @@ struct jet_node *jet_graph_record(jet_graph *graph, struct jet_node wanted, bool
 /* The same as a jet, poison without memory. */
 jet jet_graph_record_jet(jet_graph *graph, struct jet_node wanted);
 jet jet_graph_constant(jet_graph *graph, double value);
+/* A number that the recording's runs may replace (jet_parameter); TVI_EINVAL: it was recorded with another value. */
+jet jet_graph_parameter(jet_graph *graph, int which, double value);
+/* 1 + the largest index of a parameter. */
+int jet_graph_parameters(const jet_graph *graph);
 /* An operation was lost for want of memory: no output is accepted any more. */
 void jet_graph_lose(jet_graph *graph);
 
@@ -125,10 +134,11 @@ jet jet_linear(int count, const double coefficient[], const jet x[]);
  * Poison where the output is not a jet of the graph. false without memory. */
 bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
 
-/* Outputs of a closed graph, recorded once more into the open graph of `input`, whose jets, all different, stand for
- * the inputs of the closed one: value[i] = output_i, and rate[i] = its derivative as the inputs move along `direction`
- * (forward accumulation). Poison where one of its inputs is. The closed graph is only read. false without memory. */
-bool jet_lift(const jet_graph *from, const jet input[], const jet direction[], int outputs, const jet output[],
-              jet value[], jet rate[]);
+/* Outputs of a closed graph, recorded once more into the open graph `to`, where the jets of `input`, all different,
+ * stand for the inputs of the closed one: value[i] = output_i, and rate[i] = its derivative as the inputs move along
+ * `direction` and the parameters along `of_parameter`, NULL: not at all (forward accumulation). Poison where one of its
+ * inputs is. The closed graph is only read. false without memory. */
+bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[], const jet of_parameter[],
+              int outputs, const jet output[], jet value[], jet rate[]);
 
 #endif

@@ -112,6 +112,18 @@ static jet fold(jet_op op, double c, double a, double b)
     return number_or_poison(z);
 }
 
+enum { PARAMETERS_MAX = 1000 };
+
+jet jet_parameter(jet of_recording, int index, double value)
+{
+    jet_graph *graph;
+    const jet refused = jet_graph_of(1, &of_recording, &graph);
+    if (refused.node) return refused;
+    if (!graph || index < 0 || index >= PARAMETERS_MAX) return jet_poison(JET_NO_PARAMETER);
+    if (!isfinite(value)) return jet_poison(JET_NOT_FINITE);
+    return jet_graph_parameter(graph, index, value);
+}
+
 jet jet_record_mul(jet a, jet b)
 {
     jet_graph *graph;

@@ -6,9 +6,11 @@
 
 typedef struct {
     const jet_graph *from;
-    bool *needed;      /* [count] nodes of `from`: an output depends on them */
-    jet *value, *rate; /* [count] in the open graph */
-    jet *term;         /* scratch for the terms of one node, and its number */
+    jet_graph *to;
+    const jet *of_parameter; /* directions; NULL: zeros */
+    bool *needed;            /* [count] nodes of `from`: an output depends on them */
+    jet *value, *rate;       /* [count] in the open graph */
+    jet *term;               /* scratch for the terms of one node, and its number */
     double *coefficient;
 } lifting;
 
@@ -42,6 +44,7 @@ static jet value_of(const lifting *l, const struct jet_node *z)
     const jet b = z->b ? l->value[z->b->index] : jet_const(0);
     switch (z->op) {
     case OP_CONST: return jet_const(z->number);
+    case OP_PARAMETER: return jet_graph_parameter(l->to, z->which, z->number);
     case OP_LINEAR: return combine(l, z, l->value, z->number);
     case OP_SQR: return jet_sqr(a);
     case OP_MUL: return jet_mul(a, b);
@@ -56,6 +59,7 @@ static jet value_of(const lifting *l, const struct jet_node *z)
 static jet rate_of(const lifting *l, const struct jet_node *z, jet value)
 {
     if (z->op == OP_CONST) return jet_const(0);
+    if (z->op == OP_PARAMETER) return l->of_parameter ? l->of_parameter[z->which] : jet_const(0);
     if (z->op == OP_LINEAR) return combine(l, z, l->rate, 0);
     if (!value.node || !value.node->graph) return value;
     const jet_rule *rule = jet_rules[z->op];
@@ -92,10 +96,10 @@ static void lift_nodes(lifting *l, int count, const jet input[], const jet direc
     }
 }
 
-bool jet_lift(const jet_graph *from, const jet input[], const jet direction[], int outputs, const jet output[],
-              jet value[], jet rate[])
+bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[], const jet of_parameter[],
+              int outputs, const jet output[], jet value[], jet rate[])
 {
-    lifting l = {.from = from};
+    lifting l = {.from = from, .to = to, .of_parameter = of_parameter};
     const int count = jet_graph_count(from);
     const bool allocated = allocate(&l, count);
     if (allocated) {

@@ -95,13 +95,19 @@ static void add_operation(const lowering *low, jet_tape *tape, const place *z)
     else tape->run[tape->runs++] = next;
 }
 
+static void add_constant(jet_tape *tape, const place *z)
+{
+    tape->constant[tape->constants++] = z->node->number;
+    if (z->op == OP_PARAMETER) tape->parameter[tape->parameters++] = (jet_tape_parameter){z->node->which, z->slot};
+}
+
 static void lay_out(lowering *low, jet_tape *tape)
 {
     for (int i = 0; i < low->slots; i++) {
         const place *z = low->sorted[i];
         tape->recorded[i] = z->node ? z->node->index + 1 - jet_graph_inputs(low->graph) : 0;
         if (z->op == OP_INPUT) tape->inputs++;
-        else if (z->op == OP_CONST) tape->constant[tape->constants++] = z->node->number;
+        else if (z->op == OP_CONST || z->op == OP_PARAMETER) add_constant(tape, z);
         else add_operation(low, tape, z);
     }
 }
@@ -119,6 +125,7 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
     low->operands = calloc(pairs + copies, sizeof *low->operands);
     tape->run = calloc(nodes + copies, sizeof *tape->run);
     tape->constant = calloc(nodes, sizeof *tape->constant);
+    tape->parameter = calloc(nodes, sizeof *tape->parameter);
     tape->base = calloc(nodes + copies, sizeof *tape->base);
     tape->term_slot = calloc(pairs + copies, sizeof *tape->term_slot);
     tape->term_second = calloc(pairs + copies, sizeof *tape->term_second);
@@ -126,8 +133,8 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
     tape->output = calloc((size_t)outputs + 1, sizeof *tape->output);
     tape->recorded = calloc(nodes + copies, sizeof *tape->recorded);
     return low->needed && low->uses && low->places && low->levels && low->sorted && low->operands && tape->run &&
-           tape->constant && tape->base && tape->term_slot && tape->term_second && tape->term_coefficient &&
-           tape->output && tape->recorded;
+           tape->constant && tape->parameter && tape->base && tape->term_slot && tape->term_second &&
+           tape->term_coefficient && tape->output && tape->recorded;
 }
 
 static void lower(lowering *low, jet_tape *tape, int inputs, int outputs, const jet output[])

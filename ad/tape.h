@@ -29,6 +29,11 @@ typedef struct {
     int first, terms, term;
 } jet_run;
 
+/* A constant that may be replaced: number `which` of the values. */
+typedef struct {
+    int which, slot;
+} jet_tape_parameter;
+
 /* Of PRODUCTS and SQUARES; what has more is a sum of products that stand alone. */
 enum { JET_TERMS_MAX = 4 };
 
@@ -40,11 +45,12 @@ typedef struct jet_sweeps jet_sweeps;
 typedef struct {
     const jet_sweeps *sweeps;      /* what runs it: those of the instruction set, or generated code (emit.h), */
     const jet_sweeps *interpreted; /* and those of the instruction set */
-    int inputs, constants, slots, runs, rows, terms, outputs;
+    int inputs, constants, parameters, slots, runs, rows, terms, outputs;
     jet_run *run;
-    double *constant;             /* [constants], slots inputs .. inputs + constants - 1 */
-    double *base;                 /* [rows] */
-    int *term_slot, *term_second; /* [terms] */
+    double *constant;              /* [constants], slots inputs .. inputs + constants - 1 */
+    jet_tape_parameter *parameter; /* [parameters] which of the constants may be replaced */
+    double *base;                  /* [rows] */
+    int *term_slot, *term_second;  /* [terms] */
     double *term_coefficient;
     int *output;   /* [outputs] slots */
     int *recorded; /* [slots] 1, 2, ... in the order of recording; copies 0, inputs less */
@@ -67,6 +73,9 @@ uint64_t jet_tape_hash(uint64_t so_far, const jet_tape *tape);
 /* Sets the constants of a block, once, before the first sweep. Inputs are 0; what a sweep computes is no number until
  * it has done so, so that nothing can be read unseen that was not evaluated. */
 void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
+
+/* Sets value[i], i < count, in all lanes of parameter i of a block that is prepared; others stay as they are. */
+void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, const double value[]);
 
 /* The sweeps, compiled for one instruction set. */
 struct jet_sweeps {

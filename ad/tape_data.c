@@ -11,12 +11,13 @@ typedef struct {
 } array;
 
 /* All arrays but that of the runs. They are freed and hashed by this list: one that is left out leaks. */
-enum { ARRAYS = 7 };
+enum { ARRAYS = 8 };
 static void list_arrays(const jet_tape *tape, array list[ARRAYS])
 {
     const size_t terms = (size_t)tape->terms;
     const array all[ARRAYS] = {
         {tape->constant, (size_t)tape->constants * sizeof *tape->constant},
+        {tape->parameter, (size_t)tape->parameters * sizeof *tape->parameter},
         {tape->base, (size_t)tape->rows * sizeof *tape->base},
         {tape->term_slot, terms * sizeof *tape->term_slot},
         {tape->term_second, terms * sizeof *tape->term_second},
@@ -34,6 +35,12 @@ void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
     for (size_t at = 0; at < (size_t)orders * all; at++) x[at] = at % all < given ? 0 : NAN;
     for (int i = 0; i < tape->constants; i++)
         for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
+}
+
+void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, const double value[])
+{
+    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameters; it++)
+        for (int lane = 0; it->which < count && lane < lanes; lane++) x[it->slot * lanes + lane] = value[it->which];
 }
 
 void jet_tape_free(jet_tape *tape)
@@ -80,8 +87,8 @@ static uint64_t hash_run(uint64_t so_far, const jet_run *run)
 uint64_t jet_tape_hash(uint64_t so_far, const jet_tape *tape)
 {
     if (!tape) return jet_hash(so_far, "", 1);
-    const int counts[] = {tape->inputs, tape->constants, tape->slots,  tape->runs,
-                          tape->rows,   tape->terms,     tape->outputs};
+    const int counts[] = {tape->inputs, tape->constants, tape->parameters, tape->slots,
+                          tape->runs,   tape->rows,      tape->terms,      tape->outputs};
     so_far = jet_hash(so_far, counts, sizeof counts);
     for (int i = 0; i < tape->runs; i++) so_far = hash_run(so_far, &tape->run[i]);
     array list[ARRAYS];

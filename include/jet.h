@@ -133,6 +133,10 @@ struct jet {
 extern "C" {
 #endif
 
+/* A number that may be changed after the recording, by tvi_integrator_set_parameters: number `index` of the values,
+ * 0 <= index < 1000, here `value`. Any jet of the recording names that; the same index again is the same number, and
+ * must have the same value. The system whose function makes another one of it is refused with TVI_EINVAL. */
+jet jet_parameter(jet of_recording, int index, double value);
 /* x[0] + ... + x[count-1], added in that order, numbers last; 0 where count <= 0. */
 jet jet_sum(const jet x[], int count);
 /* x[0] y[0] + ... + x[count-1] y[count-1]; 0 where count <= 0. */

@@ -92,6 +92,8 @@ TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system 
 
 void tvi_system_free(tvi_system *system);           /* NULL is allowed */
 int tvi_system_dimension(const tvi_system *system); /* n */
+/* 1 + the largest index of its parameters (jet_parameter); 0: it has none. */
+int tvi_system_parameters(const tvi_system *system);
 
 /* The energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. May allocate.
  *   TVI_EUNSUPPORTED  a system made from a force, which has no V
@@ -206,6 +208,21 @@ TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_s
                                                const tvi_options *options);
 void tvi_integrator_free(tvi_integrator *integrator);                        /* NULL is allowed */
 const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* as resolved: degree, points */
+
+/* Values of the integrator's own for the parameters of its system, value[tvi_system_parameters] in the order of their
+ * indices; before, they are those of the recording. They are part of what tvi_state_save keeps. A run goes on with them
+ * as from a new state. They may be set between any two steps; it allocates nothing. Events that name a parameter of
+ * the same index have the value, too.
+ *   TVI_EINVAL      NULL
+ *   TVI_ENONFINITE  a value that is not finite; the old ones stay */
+TVI_NODISCARD tvi_status tvi_integrator_set_parameters(tvi_integrator *integrator, const double value[]);
+/* tvi_energy, tvi_momentum and tvi_velocity with these values; those take the recorded ones. */
+TVI_NODISCARD tvi_status tvi_integrator_energy(const tvi_integrator *integrator, double t, const double q[],
+                                               const double p[], double *H);
+TVI_NODISCARD tvi_status tvi_integrator_momentum(const tvi_integrator *integrator, double t, const double q[],
+                                                 const double v[], double p[]);
+TVI_NODISCARD tvi_status tvi_integrator_velocity(const tvi_integrator *integrator, double t, const double q[],
+                                                 const double p[], double v[]);
 
 /* One step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
  *   TVI_EINVAL      NULL, h = 0 or not finite
@@ -345,6 +362,8 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 
 /* A step, bit for bit what tvi_step makes, that also moves tangent vectors: D <- M D with M the Jacobian of the step,
  * exact to roundoff (docs/method.md section 10). D is [2n][columns] row-major, rows (dq, dp); the identity gives M.
+ * Of a system with parameters D has a row more for each, which stay as they are: a column that begins with 0 in all
+ * others and 1 in one of these becomes the derivative of the state with respect to that parameter.
  * Each column costs a step of a system of 2n degrees of freedom, and is treated alone: it carries no sums and no
  * guesses from one step to the next, and scaling it by a power of two scales its result. With a tolerance or a fixed
  * number of passes M may differ from the Jacobian by what the passes have left to do.
@@ -352,6 +371,7 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
  * tvi_stats only the bytes count what the columns take, without their recording of the lifted system.
  *   TVI_EINVAL      as tvi_step, and D NULL, columns < 1
  *   TVI_ENONFINITE  as tvi_step, and D that is not finite, before or after
+ *   TVI_EUNSUPPORTED  derivatives with respect to parameters of a rescaled system
  *   others          as tvi_step; t, q, p and D are then as they were */
 TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, double *t, double q[], double p[],
                                           double D[], int columns);

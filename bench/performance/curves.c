@@ -41,13 +41,12 @@ open_curve *curve_open(const tvi_system *system, int N, const double q[], const 
     if (!c) abort();
     tvi_arena arena = {0};
     lay_out(c, &arena, system, &options);
-    arena.base = c->memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    c->memory = tvi_arena_open(&arena);
     if (!c->memory) abort();
-    memset(arena.base, 0, arena.used);
-    arena.used = 0;
     lay_out(c, &arena, system, &options);
+    tvi_blocks_prepare(arena.blocks);
     tvi_curve_prepare(&c->curve);
-    tvi_action_prepare(&c->action, system, &options, (tvi_span){-1, 1, 0.5}, N);
+    tvi_action_prepare(&c->action, &options, (tvi_span){-1, 1, 0.5}, N);
     c->tau = h / 2;
     for (int i = 0; i < system->n; i++) {
         c->z[i] = q[i];

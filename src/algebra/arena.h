@@ -4,6 +4,7 @@
 #define TVI_SRC_ARENA_H
 
 #include <stddef.h>
+#include <stdlib.h>
 #include <string.h>
 
 #if defined(__SANITIZE_ADDRESS__)
@@ -16,9 +17,11 @@
 
 /* What one step leaves to the next stands apart, in one region of its own: the history. All zeros are the history of no
  * step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. */
+typedef struct tvi_block tvi_block;
 typedef struct {
     char *base, *history;
     size_t used, remembered;
+    const tvi_block *blocks; /* block.h */
 } tvi_arena;
 
 enum { ARENA_ALIGNMENT = 64 };
@@ -32,6 +35,17 @@ enum { ARENA_GAP = 0 };
 #define ASAN_POISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))
 #define ARENA_UNCHECKED
 #endif
+
+/* Memory for all that was measured, zeros, which is to be freed; then the arena hands it out. NULL without memory. */
+static inline void *tvi_arena_open(tvi_arena *arena)
+{
+    const size_t bytes = arena->used + 2 * arena->remembered; /* the history, and what it was before */
+    char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
+    if (!memory) return NULL;
+    memset(memory, 0, bytes);
+    *arena = (tvi_arena){.base = memory, .history = memory + arena->used};
+    return memory;
+}
 
 /* The piece of so many bytes at region + used; NULL where there is no region. */
 static inline void *tvi_arena_cut(char *region, size_t *used, size_t bytes)

@@ -5,9 +5,9 @@
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
-    const size_t slots = (size_t)field->system->field_values->slots;
     field->rows = field->nodes.unknowns;
-    field->inputs = field->nodes.x = tvi_arena_doubles(arena, (slots + unknowns) * lanes);
+    field->nodes.x = tvi_arena_block(arena, field->system->field_values, 1, field->nodes.lanes, unknowns * lanes);
+    field->inputs = field->nodes.x;
     field->copied = tvi_arena_take(arena, unknowns * sizeof(int));
     field->ahead = field->matrix;
 }
@@ -23,7 +23,6 @@ static int driving_slot(const tvi_system *system, int unknown)
 static void prepare(galerkin_field *field)
 {
     const jet_tape *tape = field->system->field_values;
-    jet_tape_prepare(tape, field->nodes.x, 1, field->nodes.lanes);
     for (int u = 0; u < field->nodes.unknowns; u++) {
         field->slot[u] = driving_slot(field->system, u);
         if (field->slot[u] >= field->nodes.unknowns) continue;

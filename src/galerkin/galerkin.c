@@ -97,7 +97,6 @@ static void prepare(void *work)
     tvi_galerkin_coefficients_prepare(&w->coefficients, &w->dense, galerkin_is_second_order(&w->field));
     w->field.form->prepare(&w->field);
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
-    tvi_roundoff_prepare(&w->probe.of_field, w->field.system);
     w->rule = tvi_galerkin_rule(&w->field, w->options);
 }
 

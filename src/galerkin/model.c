@@ -7,8 +7,8 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
 {
     const tvi_system *system = field->system;
     const size_t lanes = (size_t)field->nodes.lanes;
-    model->values = tvi_arena_doubles(arena, (size_t)system->field_values->slots * lanes);
-    model->second = tvi_arena_doubles(arena, (size_t)system->second_values->slots * lanes);
+    model->values = tvi_arena_block(arena, system->field_values, 1, field->nodes.lanes, 0);
+    model->second = tvi_arena_block(arena, system->second_values, 1, field->nodes.lanes, 0);
     model->lanes.moved = tvi_arena_doubles(arena, 2 * (size_t)system->n * lanes);
     model->term = tvi_arena_take(arena, 2 * (size_t)system->seconds * sizeof *model->term);
     model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
@@ -39,8 +39,6 @@ void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *fie
 {
     const tvi_system *system = field->system;
     const int lanes = field->nodes.lanes;
-    jet_tape_prepare(system->field_values, model->values, 1, lanes);
-    jet_tape_prepare(system->second_values, model->second, 1, lanes);
     set_terms(system, model->term, model->end);
     model->lanes = (lanes_model){
         system->n, lanes, model->lanes.moved, .second = model->second, .term = model->term, .end = model->end};

@@ -33,8 +33,7 @@ typedef struct {
 /* Degrees of the curve that the action uses; everything in the options is resolved. */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                      tvi_action_kind kind, int q_degree, int p_degree, int top);
-void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span,
-                        int top);
+void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top);
 
 /* seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. TVI_EDOMAIN,
  * TVI_ENONFINITE, TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */

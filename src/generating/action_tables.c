@@ -34,9 +34,9 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     action->weighted_slope = tvi_arena_doubles(arena, orders * points);
     action->row = tvi_arena_doubles(arena, orders);
     if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
-    action->x = tvi_arena_doubles(arena, (size_t)system->field_values->slots * points);
+    action->x = tvi_arena_block(arena, system->field_values, 1, action->points, 0);
     if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->truncated)
-        action->bend = tvi_arena_doubles(arena, (size_t)system->bend_values->slots * points);
+        action->bend = tvi_arena_block(arena, system->bend_values, 1, action->points, 0);
     action->P = tvi_arena_doubles(arena, orders * n);
     double **const panels[] = {&action->momentum, &action->force, &action->on_q, &action->on_v, &action->on_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
@@ -67,8 +67,7 @@ static void fill_powers(tvi_action *action, int node, long double s, bool at_end
     }
 }
 
-void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_options *options, tvi_span span,
-                        int top)
+void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top)
 {
     const int points = action->points, order = tvi_quadrature_order(options->quadrature, points);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
@@ -81,9 +80,6 @@ void tvi_action_prepare(tvi_action *action, const tvi_system *system, const tvi_
         action->weight[i] = (double)weight[i];
         fill_powers(action, i, s[i], at_end);
     }
-    jet_tape_prepare(system->field_values, action->x, 1, points);
-    tvi_roundoff_prepare(&action->roundoff, system);
-    if (action->bend) jet_tape_prepare(system->bend_values, action->bend, 1, points);
     if (!action->by_parts) return;
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++)

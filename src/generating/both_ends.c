@@ -71,7 +71,7 @@ static void prepare_side(tvi_both_ends *w, tvi_side *x, tvi_span span)
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
     tvi_curve_prepare(&x->curve);
-    tvi_action_prepare(&x->action, w->system, w->options, span, w->degree);
+    tvi_action_prepare(&x->action, w->options, span, w->degree);
     tvi_combination_set(&x->to_end, &x->curve, false, powers);
     tvi_combination_set(&x->near_u, &x->curve, true, zeroth);
     for (int node = 0; node < w->points; node++) x->blend[node] = 1 - x->end * x->action.s[node];

@@ -23,7 +23,7 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     curve->n = system->n;
     curve->top = top;
     curve->kappa = tvi_arena_doubles(arena, n);
-    curve->x = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
+    curve->x = tvi_arena_block(arena, system->field_series, top + 1, 1, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
         curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
         curve->bar = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
@@ -42,7 +42,6 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
 
 void tvi_curve_prepare(tvi_curve *curve)
 {
-    jet_tape_prepare(curve->system->field_series, curve->x, curve->top + 1, 1);
     for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
 }
 

@@ -8,6 +8,7 @@
 #ifndef TVI_SRC_GENERATING_CURVE_H
 #define TVI_SRC_GENERATING_CURVE_H
 
+#include "algebra/block.h"
 #include "algebra/linear.h"
 #include "method/stepper.h"
 

@@ -121,7 +121,7 @@ static void prepare(void *taken)
     tvi_combination_set_powers(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre(w);
     if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
-    if (w->corrects) tvi_action_prepare(&w->action, c->system, w->options, c->span, c->curve.top);
+    if (w->corrects) tvi_action_prepare(&w->action, w->options, c->span, c->curve.top);
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */

@@ -35,7 +35,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 static void prepare(void *work)
 {
     composed *c = work;
-    for (int half = 0; half < 2; half++) c->stepper[half]->prepare(c->work[half]);
+    for (int half = 0; half < 2; half++) c->stepper[half]->prepare(c->work[half]); /* of curves */
 }
 
 /* (sum, low) of (x, x_low) + d. */

@@ -2,7 +2,7 @@
 #ifndef TVI_SRC_METHOD_STEPPER_H
 #define TVI_SRC_METHOD_STEPPER_H
 
-#include "algebra/arena.h"
+#include "algebra/block.h"
 #include "emit.h"
 #include "system/system.h"
 
@@ -51,7 +51,7 @@ typedef struct {
      * is taken from the arena's history, which is as it was again after a step that failed, and all zeros before a
      * step that continues no other. */
     void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
-    /* Fills the tables of the work, once the memory is there. */
+    /* Fills the tables of the work, once the memory is there. NULL: it has none. */
     void (*prepare)(void *work);
     /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
      * dq and dp are undefined. */

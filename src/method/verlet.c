@@ -18,7 +18,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     verlet *work = tvi_arena_take(arena, sizeof *work);
     const verlet w = {
         .system = system,
-        .x = tvi_arena_doubles(arena, (size_t)system->field_values->slots),
+        .x = tvi_arena_block(arena, system->field_values, 1, 1, 0),
         .before = tvi_arena_doubles(arena, (size_t)system->n),
         .after = tvi_arena_doubles(arena, (size_t)system->n),
         .dq = tvi_arena_doubles(arena, (size_t)system->n),
@@ -26,12 +26,6 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     };
     if (work) *work = w;
     return work;
-}
-
-static void prepare(void *work)
-{
-    verlet *w = work;
-    jet_tape_prepare(w->system->field_values, w->x, 1, 1);
 }
 
 /* out = F at the coordinates in w->x, which the caller sets. */
@@ -94,7 +88,7 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 }
 
 static const tvi_stepper stepper = {
-    .take = take, .prepare = prepare, .step = step, .dense = dense, .most_change = most_change, .uses = uses};
+    .take = take, .step = step, .dense = dense, .most_change = most_change, .uses = uses};
 
 static const tvi_service service = {TVI_SERVES_SEPARABLE,
                                     "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

@@ -35,8 +35,10 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     const bool uses_energy = system->stepped != system || options->max_tail >= 0;
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
+    laid.parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
     laid.of_state = arena->remembered;
     laid.work = stepper->take(arena, laid.stepped, options);
+    laid.blocks = arena->blocks;
     laid.history = arena->history;
     laid.before = laid.history ? laid.history + arena->remembered : NULL;
     laid.remembered = arena->remembered;
@@ -56,15 +58,13 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     const tvi_stepper *stepper = tvi_method_stepper(resolved);
     tvi_arena arena = {0};
     (void)lay_out(&arena, system, resolved, stepper);
-    const size_t bytes = arena.used + 2 * arena.remembered;
-    char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
-    if (!memory) return jet_refuse_memory(TVI_ENOMEM);
-    memset(memory, 0, bytes);
-    arena = (tvi_arena){.base = memory, .history = memory + arena.used};
-    *out = lay_out(&arena, system, resolved, stepper);
+    if (!tvi_arena_open(&arena)) return jet_refuse_memory(TVI_ENOMEM);
+    tvi_integrator *it = *out = lay_out(&arena, system, resolved, stepper);
     tvi_compiled_hold(resolved->compiled);
-    stepper->prepare((*out)->work);
-    if ((*out)->energy.block) tvi_energy_prepare(&(*out)->energy);
+    tvi_blocks_prepare(it->blocks);
+    tvi_system_recorded_parameters(system, it->parameters);
+    if (stepper->prepare) stepper->prepare(it->work);
+    if (it->energy.block) tvi_energy_prepare(&it->energy);
     return TVI_OK;
 }
 
@@ -100,7 +100,8 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
 
 tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *it)
 {
-    return make(out, it->system, &it->options);
+    const tvi_status status = make(out, it->system, &it->options);
+    return status == TVI_OK ? tvi_integrator_set_parameters(*out, it->parameters) : status;
 }
 
 void tvi_integrator_free(tvi_integrator *integrator)

@@ -25,6 +25,8 @@ typedef struct tvi_tangent tvi_tangent;
 struct tvi_integrator {
     const tvi_system *system;  /* the user's, of dimension n, */
     const tvi_system *stepped; /* and the one that steps are made of, with generated code where there is any */
+    double *parameters;        /* [tvi_system_parameters] their values, in */
+    const tvi_block *blocks;   /* all blocks of tapes */
     tvi_options options;       /* as resolved */
     tvi_stats stats;
     const tvi_stepper *stepper;
@@ -55,6 +57,9 @@ TVI_NODISCARD tvi_status tvi_integrator_begin(tvi_integrator *integrator, double
 
 /* Another one for the same system and options, which has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *integrator);
+
+/* Makes the values in `parameters` those that steps are made with. */
+void tvi_integrator_apply_parameters(tvi_integrator *integrator);
 
 /* tvi_step, with a tolerance > 0 of a size that serves it, of at most h (stepper.h); integrator->h is its size. */
 TVI_NODISCARD tvi_status tvi_step_within(tvi_integrator *integrator, double tolerance, double h, double *t, double q[],

@@ -288,7 +288,7 @@ static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *
     const int size = 2 * it->system->n + 1;
     *s = (locator){.size = size};
     tvi_status status = tvi_search_open(&s->seen, it, events, count);
-    if (status == TVI_OK) status = tvi_rates_open(&s->rates, it->system);
+    if (status == TVI_OK) status = tvi_rates_open(&s->rates, it->system, it->parameters);
     if (status != TVI_OK) return status;
     s->base = calloc((size_t)size * (4 + KEPT + 1), sizeof *s->base);
     if (!s->base) return TVI_ENOMEM;

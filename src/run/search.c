@@ -254,11 +254,13 @@ tvi_status tvi_search_step(tvi_search *s)
     return status;
 }
 
-/* The block of a tape, ready for its inputs. */
-static double *make_block(const jet_tape *tape, int lanes)
+/* The block of a tape, ready for its inputs; where it has parameters of the system, they are the integrator's. */
+static double *make_block(const tvi_integrator *it, const jet_tape *tape, int lanes)
 {
     double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
-    if (block) jet_tape_prepare(tape, block, 1, lanes);
+    if (!block) return NULL;
+    jet_tape_prepare(tape, block, 1, lanes);
+    jet_tape_place_parameters(tape, block, lanes, tvi_system_parameters(it->system), it->parameters);
     return block;
 }
 
@@ -292,11 +294,11 @@ tvi_status tvi_search_open(tvi_search *s, tvi_integrator *it, const tvi_event *c
     s->state = calloc(2 * (size_t)it->system->n + 1, sizeof *s->state);
     if (!s->of || !s->roots || !s->state) return TVI_ENOMEM;
     for (int which = 0; which < count; which++) {
-        s->of[which] = (tvi_watch){.event = events[which], .block = make_block(events[which]->tape, 1)};
+        s->of[which] = (tvi_watch){.event = events[which], .block = make_block(it, events[which]->tape, 1)};
         if (!s->of[which].block) return TVI_ENOMEM;
     }
     const tvi_status status = join_events(s, events);
-    if (status == TVI_OK) s->samples = make_block(s->tape, TVI_SAMPLES);
+    if (status == TVI_OK) s->samples = make_block(it, s->tape, TVI_SAMPLES);
     return status == TVI_OK && !s->samples ? TVI_ENOMEM : status;
 }
 

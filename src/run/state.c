@@ -1,7 +1,7 @@
 /* state.c - what an integrator holds between steps, as bytes: a run goes on from them as if it had not been
  * interrupted.
  *
- *     identity | t, q, p | counts | history | checksum
+ *     identity | t, q, p | counts | parameters | history | checksum
  *
  * The identity is of the format, the method and the system: another one is refused. t, q and p are for those
  * who have no integrator (tvi_state_peek). The history is all that one step
@@ -27,9 +27,15 @@ typedef struct {
 /* t, q and p. */
 static size_t seen_size(int64_t n) { return (1 + 2 * (size_t)n) * sizeof(double); }
 
+static size_t parameter_bytes(const tvi_integrator *it)
+{
+    return (size_t)tvi_system_parameters(it->system) * sizeof *it->parameters;
+}
+
 static size_t state_size(const tvi_integrator *it)
 {
-    return sizeof(identity) + seen_size(it->system->n) + sizeof(tvi_stats) + it->remembered + sizeof(uint64_t);
+    return sizeof(identity) + seen_size(it->system->n) + sizeof(tvi_stats) + parameter_bytes(it) + it->remembered +
+           sizeof(uint64_t);
 }
 
 static identity identity_of(const tvi_integrator *it)
@@ -62,7 +68,8 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     memcpy(at += sizeof *it->now.q, it->now.q, n * sizeof *it->now.q);
     memcpy(at += n * sizeof *it->now.q, it->now.p, n * sizeof *it->now.p);
     memcpy(at += n * sizeof *it->now.p, &it->stats, sizeof it->stats);
-    tvi_arena_copy(at += sizeof it->stats, it->history, it->remembered);
+    memcpy(at += sizeof it->stats, it->parameters, parameter_bytes(it));
+    tvi_arena_copy(at += parameter_bytes(it), it->history, it->remembered);
     const uint64_t checksum = jet_hash(JET_HASH_OF_NOTHING, buffer, *size - sizeof checksum);
     memcpy(at + it->remembered, &checksum, sizeof checksum);
     return TVI_OK;
@@ -103,7 +110,9 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     memcpy(&it->stats, at += sizeof own + seen_size(own.n), sizeof it->stats);
     it->stats.bytes = stats.bytes;
     it->stats.is_compiled = stats.is_compiled;
-    tvi_arena_copy(it->history, at + sizeof it->stats, it->remembered);
+    memcpy(it->parameters, at += sizeof it->stats, parameter_bytes(it));
+    tvi_arena_copy(it->history, at + parameter_bytes(it), it->remembered);
+    tvi_integrator_apply_parameters(it);
     it->has_dense = false;
     return TVI_OK;
 }

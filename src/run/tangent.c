@@ -16,9 +16,10 @@ struct tvi_tangent {
     tvi_system *system;
     tvi_integrator *integrator;
     double *Q, *P;    /* [2n] the lifted state */
-    double *column;   /* [2n] one vector, */
+    double *column;   /* [2n + parameters] one vector, */
     double *gradient; /* [2n] K_q, K_p */
     double *flow;     /* of a rescaled system: a block of the field's tape; else NULL */
+    double *values;   /* [2 parameters] of the lifted system: the integrator's, and the rates of those */
     double *D;        /* [2 n of the user][columns] the result until the whole step is known to succeed */
     int columns;      /* that it has room for */
 };
@@ -42,16 +43,18 @@ static size_t flow_bytes(const tvi_integrator *it)
 static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
 {
     const size_t n = (size_t)it->stepped->n, bytes = flow_bytes(it);
+    const size_t parameters = (size_t)tvi_system_parameters(it->system);
     tvi_tangent *tangent = *out = calloc(1, sizeof *tangent);
     if (!tangent) return TVI_ENOMEM;
     tangent->n = it->stepped->n;
-    tangent->Q = malloc(8 * n * sizeof *tangent->Q);
+    tangent->Q = calloc(8 * n + 3 * parameters, sizeof *tangent->Q);
     tangent->flow = bytes ? malloc(bytes) : NULL;
     if (!tangent->Q || (bytes && !tangent->flow)) return TVI_ENOMEM;
     if (bytes) jet_tape_prepare(it->stepped->field_values, tangent->flow, 1, 1);
     tangent->P = tangent->Q + 2 * n;
     tangent->column = tangent->P + 2 * n;
-    tangent->gradient = tangent->column + 2 * n;
+    tangent->gradient = tangent->column + 2 * n + parameters;
+    tangent->values = tangent->gradient + 2 * n;
     const tvi_lift lift = tvi_method_of(&it->options)->pairs_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
     const tvi_status status = tvi_system_lift(&tangent->system, it->stepped, lift);
     if (status != TVI_OK) return status;
@@ -100,6 +103,19 @@ static int exponent_of(int n, const double q[], const double p[], const double c
     return exponent;
 }
 
+/* The parameters of the integrator, and their rates, those of the column at the scale of the rest of it. */
+static tvi_status set_parameters(const tvi_integrator *it, int exponent)
+{
+    tvi_tangent *tangent = it->tangent;
+    const int parameters = tvi_system_parameters(it->system);
+    const double *column = tangent->column + 2 * tangent->n;
+    for (int i = 0; i < parameters; i++) {
+        tangent->values[i] = it->parameters[i];
+        tangent->values[parameters + i] = ldexp(column[i], -exponent);
+    }
+    return tvi_integrator_set_parameters(tangent->integrator, tangent->values);
+}
+
 /* column <- M column, of a step from the integrator's own state. */
 static tvi_status step_column(const tvi_integrator *it, double h)
 {
@@ -116,7 +132,8 @@ static tvi_status step_column(const tvi_integrator *it, double h)
         dp[i] = ldexp(column[n + i], -exponent);
     }
     tvi_integrator_reset(tangent->integrator);
-    const tvi_status status = tvi_step(tangent->integrator, h, &t, tangent->Q, tangent->P);
+    tvi_status status = set_parameters(it, exponent);
+    if (status == TVI_OK) status = tvi_step(tangent->integrator, h, &t, tangent->Q, tangent->P);
     for (int i = 0; i < n && status == TVI_OK; i++) {
         column[i] = ldexp(dq[i], exponent);
         column[n + i] = ldexp(dp[i], exponent);
@@ -134,6 +151,7 @@ static tvi_status differentiate(const tvi_integrator *it, const double q[], cons
     const size_t n = (size_t)tangent->n, bytes = n * sizeof *q;
     memcpy(tangent->flow, q, bytes);
     memcpy(tangent->flow + n, p, bytes);
+    jet_tape_place_parameters(tape, tangent->flow, 1, tvi_system_parameters(it->system), it->parameters);
     if (!jet_sweep_values(tape, tangent->flow, 1)) return TVI_EDOMAIN;
     for (size_t i = 0; i < 2 * n; i++) tangent->gradient[i] = tangent->flow[tape->output[i]];
     return TVI_OK;
@@ -165,6 +183,20 @@ static tvi_status project(const tvi_integrator *it)
     return status;
 }
 
+/* Of the user's column: of a rescaled system e is not varied yet. */
+static void read_column(const tvi_integrator *it, const double D[], size_t stride)
+{
+    const tvi_tangent *tangent = it->tangent;
+    const int n = it->system->n, dimension = tangent->n, parameters = tvi_system_parameters(it->system);
+    double *dq = tangent->column, *dp = dq + dimension, *rate = dp + dimension;
+    memset(dq, 0, 2 * (size_t)dimension * sizeof *dq);
+    for (int row = 0; row < n; row++) {
+        dq[row] = D[(size_t)row * stride];
+        dp[row] = D[(size_t)(n + row) * stride];
+    }
+    for (int i = 0; i < parameters; i++) rate[i] = D[(size_t)(2 * n + i) * stride];
+}
+
 /* One column: out = M column. */
 static tvi_status move_column(const tvi_integrator *it, double h, const double D[], int columns, double out[])
 {
@@ -172,12 +204,11 @@ static tvi_status move_column(const tvi_integrator *it, double h, const double D
     const tvi_tangent *tangent = it->tangent;
     const int n = it->system->n, dimension = tangent->n;
     const bool rescaled = tangent->flow != NULL;
+    const int parameters = tvi_system_parameters(it->system);
     double *dq = tangent->column, *dp = dq + dimension;
-    memset(tangent->column, 0, 2 * (size_t)dimension * sizeof *dq);
-    for (int row = 0; row < n; row++) {
-        dq[row] = D[(size_t)row * stride];
-        dp[row] = D[(size_t)(n + row) * stride];
-    }
+    read_column(it, D, stride);
+    if (rescaled && tvi_largest(parameters, dp + dimension, 1) > 0)
+        return jet_refuse(TVI_EUNSUPPORTED, "parameters of a rescaled system have no tangents");
     tvi_status status = rescaled ? set_energy(it) : TVI_OK;
     if (status == TVI_OK) status = step_column(it, h);
     if (status == TVI_OK && rescaled) status = project(it);
@@ -197,7 +228,7 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
         return tvi_refuse_run(given, D ? "columns is not positive" : "D is NULL");
     const int n = it->system->n;
-    for (int row = 0; row < 2 * n; row++)
+    for (int row = 0; row < 2 * n + tvi_system_parameters(it->system); row++)
         if (!tvi_all_finite(columns, D + (size_t)row * (size_t)columns))
             return jet_refuse(TVI_ENONFINITE, "row %d of D is not finite", row);
     tvi_status status = provide(it, columns);

@@ -7,9 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* out = momenta of velocities, or velocities of momenta. */
-static tvi_status transform(const tvi_system *system, double t, const double q[], const double in[], double out[],
-                            bool to_momenta)
+tvi_status tvi_transform(const tvi_system *system, const double parameters[], double t, const double q[],
+                         const double in[], double out[], bool to_momenta)
 {
     const void *const given[] = {system, q, in, out};
     const char *const name[] = {"system", "q", to_momenta ? "v" : "p", to_momenta ? "p" : "v"};
@@ -18,7 +17,7 @@ static tvi_status transform(const tvi_system *system, double t, const double q[]
     if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, in)) return tvi_refuse_state(n, t, q, name[2], in);
     tvi_legendre legendre;
     void *memory;
-    tvi_status status = tvi_legendre_create(&legendre, system, &memory);
+    tvi_status status = tvi_legendre_create(&legendre, system, parameters, &memory);
     if (status != TVI_OK) return jet_refuse_memory(status);
     double *result = calloc((size_t)n, sizeof *result);
     if (!result) status = TVI_ENOMEM;
@@ -33,12 +32,12 @@ static tvi_status transform(const tvi_system *system, double t, const double q[]
 
 tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[])
 {
-    return transform(system, t, q, v, p, true);
+    return tvi_transform(system, NULL, t, q, v, p, true);
 }
 
 tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[])
 {
-    return transform(system, t, q, p, v, false);
+    return tvi_transform(system, NULL, t, q, p, v, false);
 }
 
 /* ---- The energy -------------------------------------------------------------------------------------------------- */
@@ -46,7 +45,7 @@ tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], co
 void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
     work->system = system;
-    work->block = tvi_arena_doubles(arena, (size_t)system->energy->slots);
+    work->block = tvi_arena_block(arena, system->energy, 1, 1, 0);
     if (system->form != TVI_LAGRANGIAN) return;
     tvi_legendre_take(&work->legendre, arena, system);
     work->velocity = tvi_arena_doubles(arena, (size_t)system->n);
@@ -54,7 +53,6 @@ void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *
 
 void tvi_energy_prepare(tvi_energy_work *work)
 {
-    jet_tape_prepare(work->system->energy, work->block, 1, 1);
     if (work->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&work->legendre);
 }
 
@@ -104,22 +102,23 @@ tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], cons
     return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
 }
 
-/* Work in memory of its own, which is to be freed. */
-static void *create_work(tvi_energy_work *work, const tvi_system *system)
+/* Work in memory of its own, which is to be freed; parameters NULL: as recorded. */
+static void *create_work(tvi_energy_work *work, const tvi_system *system, const double parameters[])
 {
     tvi_arena arena = {0};
     *work = (tvi_energy_work){0};
     tvi_energy_take(work, &arena, system);
-    char *memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    void *memory = tvi_arena_open(&arena);
     if (!memory) return NULL;
-    memset(memory, 0, arena.used);
-    arena = (tvi_arena){.base = memory};
     tvi_energy_take(work, &arena, system);
+    tvi_blocks_prepare(arena.blocks);
+    if (parameters) tvi_blocks_set_parameters(arena.blocks, tvi_system_parameters(system), parameters);
     tvi_energy_prepare(work);
     return memory;
 }
 
-tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
+tvi_status tvi_energy_at(const tvi_system *system, const double parameters[], double t, const double q[],
+                         const double p[], double *H)
 {
     if (!system || !q || !p || !H)
         return tvi_refuse_null(4, (const void *const[]){system, q, p, H},
@@ -129,10 +128,15 @@ tvi_status tvi_energy(const tvi_system *system, double t, const double q[], cons
         return tvi_refuse_state(system->n, t, q, "p", p);
     double energy = 0;
     tvi_energy_work work;
-    void *memory = create_work(&work, system);
+    void *memory = create_work(&work, system, parameters);
     if (!memory) return jet_refuse_memory(TVI_ENOMEM);
     const tvi_status status = tvi_energy_of(&work, t, q, p, &energy);
     free(memory);
     if (status == TVI_OK) *H = energy;
     return tvi_refuse_as("energy", status);
+}
+
+tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H)
+{
+    return tvi_energy_at(system, NULL, t, q, p, H);
 }

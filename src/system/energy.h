@@ -14,6 +14,11 @@ typedef struct {
 /* Of a system that has an energy. */
 void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
 void tvi_energy_prepare(tvi_energy_work *work);
+/* tvi_energy, and tvi_momentum or tvi_velocity, with these values of the parameters; NULL: as recorded. */
+TVI_NODISCARD tvi_status tvi_energy_at(const tvi_system *system, const double parameters[], double t, const double q[],
+                                       const double p[], double *H);
+TVI_NODISCARD tvi_status tvi_transform(const tvi_system *system, const double parameters[], double t, const double q[],
+                                       const double in[], double out[], bool to_momenta);
 /* tvi_energy of a state that is finite. */
 TVI_NODISCARD tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H);
 

@@ -70,7 +70,8 @@ static tvi_status record_again(const tvi_event *const events[], int count, jet_g
         still[i] = jet_const(0);
     }
     for (int i = 0; i < count; i++)
-        if (!jet_lift(events[i]->graph, input, still, 1, &events[i]->output, &value[i], &rate)) return TVI_ENOMEM;
+        if (!jet_lift(events[i]->graph, graph, input, still, NULL, 1, &events[i]->output, &value[i], &rate))
+            return TVI_ENOMEM;
     const tvi_status status = jet_graph_accept(graph, count, value);
     jet_graph_close(graph);
     return status;

@@ -13,7 +13,7 @@ void tvi_legendre_take(tvi_legendre *legendre, tvi_arena *arena, const tvi_syste
 {
     const size_t slots = (size_t)system->field_series->slots, n = (size_t)system->n;
     legendre->system = system;
-    legendre->x = tvi_arena_doubles(arena, slots);
+    legendre->x = tvi_arena_block(arena, system->field_series, 1, 1, 0);
     legendre->dx = tvi_arena_doubles(arena, slots * n);
     legendre->correction = tvi_arena_doubles(arena, n);
     legendre->moved = tvi_arena_doubles(arena, n);
@@ -24,12 +24,8 @@ void tvi_legendre_take(tvi_legendre *legendre, tvi_arena *arena, const tvi_syste
 
 void tvi_legendre_prepare(tvi_legendre *legendre)
 {
-    const jet_tape *tape = legendre->system->field_series;
     const int n = legendre->system->n;
-    jet_tape_prepare(tape, legendre->x, 1, 1);
-    memset(legendre->dx, 0, (size_t)tape->slots * (size_t)n * sizeof *legendre->dx);
     for (int i = 0; i < n; i++) legendre->dx[(n + i) * n + i] = 1;
-    tvi_roundoff_prepare(&legendre->roundoff, legendre->system);
 }
 
 tvi_status tvi_legendre_state(tvi_legendre *legendre, double t, const double q[], const double x[], double y[])
@@ -173,15 +169,17 @@ tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, 
     return status;
 }
 
-tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, void **memory)
+tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, const double parameters[],
+                               void **memory)
 {
     tvi_arena arena = {0};
     tvi_legendre_take(legendre, &arena, system);
-    arena = (tvi_arena){.base = malloc(arena.used)};
-    if (!arena.base) return TVI_ENOMEM;
+    *memory = tvi_arena_open(&arena);
+    if (!*memory) return TVI_ENOMEM;
     tvi_legendre_take(legendre, &arena, system);
+    tvi_blocks_prepare(arena.blocks);
+    if (parameters) tvi_blocks_set_parameters(arena.blocks, tvi_system_parameters(system), parameters);
     if (system->form != TVI_SEPARABLE) tvi_legendre_prepare(legendre);
-    *memory = arena.base;
     return TVI_OK;
 }
 
@@ -195,7 +193,7 @@ tvi_status tvi_legendre_probe(tvi_system *system)
     if (system->form == TVI_SEPARABLE) return TVI_OK;
     tvi_legendre legendre;
     void *memory;
-    const tvi_status status = tvi_legendre_create(&legendre, system, &memory);
+    const tvi_status status = tvi_legendre_create(&legendre, system, NULL, &memory);
     double *point = malloc(3 * (size_t)system->n * sizeof *point);
     if (status == TVI_OK && point) {
         unsigned random = 1;

@@ -33,8 +33,10 @@ TVI_NODISCARD tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, co
 TVI_NODISCARD tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, double tau, double t,
                                             const double q[], const double p[], double velocity[], double z[]);
 
-/* One outside of an integrator: *memory is to be freed. TVI_ENOMEM. */
-TVI_NODISCARD tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system, void **memory);
+/* One outside of an integrator, with these values of the parameters, NULL: as recorded; *memory is to be freed.
+ * TVI_ENOMEM. */
+TVI_NODISCARD tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
+                                             const double parameters[], void **memory);
 
 /* Whether the slope is regular somewhere: sets system->regular. TVI_ESINGULAR for a Lagrangian where it is not. */
 TVI_NODISCARD tvi_status tvi_legendre_probe(tvi_system *system);

@@ -4,13 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system)
+tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system, const double parameters[])
 {
     *rates = (tvi_rates){.system = system};
     if (system->form == TVI_LAGRANGIAN) return TVI_OK;
     rates->block = malloc((size_t)system->field_values->slots * sizeof *rates->block);
     if (!rates->block) return TVI_ENOMEM;
     jet_tape_prepare(system->field_values, rates->block, 1, 1);
+    jet_tape_place_parameters(system->field_values, rates->block, 1, tvi_system_parameters(system), parameters);
     return TVI_OK;
 }
 

@@ -20,12 +20,15 @@ typedef struct {
 static jet stated(const tvi_system *base, const jet q[], const jet second[], jet t)
 {
     const int n = base->n, inputs = jet_graph_inputs(base->graph), time = base->energy_inputs;
+    jet_graph *graph;
+    const jet refused = jet_graph_of(1, q, &graph);
+    if (refused.node) return refused;
     jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* numbers 0 */
     if (!input) return jet_poison(JET_NO_MEMORY);
     for (int i = 0; i < n; i++) input[i] = q[i];
     for (int i = n; i < time && second; i++) input[i] = second[i - n];
     input[time] = t;
-    const bool lifted = jet_lift(base->graph, input, input + inputs, 1, &base->stated, &value, &rate);
+    const bool lifted = jet_lift(base->graph, graph, input, input + inputs, NULL, 1, &base->stated, &value, &rate);
     free(input);
     return lifted ? value : jet_poison(JET_NO_MEMORY);
 }
@@ -122,7 +125,7 @@ static bool is_positive(const struct jet_node *z)
     case OP_SQR: return is_positive(z->a);
     case OP_MUL:
     case OP_DIV: return is_positive(z->a) && is_positive(z->b);
-    case OP_CONST: return z->number > 0;
+    case OP_CONST: return z->number > 0; /* a parameter may become negative */
     case OP_LINEAR: {
         bool positive = z->number >= 0 && z->count > 0;
         for (int i = 0; i < z->count; i++) positive &= z->terms[i].coefficient > 0 && is_positive(z->terms[i].node);

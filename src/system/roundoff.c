@@ -12,14 +12,8 @@ void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_syste
 {
     const size_t slots = (size_t)system->field_series->slots;
     roundoff->change = tvi_arena_doubles(arena, (size_t)tvi_system_outputs(system));
-    roundoff->x = tvi_arena_doubles(arena, slots);
+    roundoff->x = tvi_arena_block(arena, system->field_series, 1, 1, 0);
     roundoff->dx = tvi_arena_doubles(arena, slots * SAMPLES);
-}
-
-void tvi_roundoff_prepare(tvi_roundoff *roundoff, const tvi_system *system)
-{
-    jet_tape_prepare(system->field_series, roundoff->x, 1, 1);
-    memset(roundoff->dx, 0, (size_t)system->field_series->slots * SAMPLES * sizeof *roundoff->dx);
 }
 
 double tvi_roundoff_sign(tvi_roundoff *roundoff, double size)

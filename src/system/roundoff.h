@@ -4,7 +4,7 @@
 #ifndef TVI_SRC_SYSTEM_ROUNDOFF_H
 #define TVI_SRC_SYSTEM_ROUNDOFF_H
 
-#include "algebra/arena.h"
+#include "algebra/block.h"
 #include "system/system.h"
 
 /* Corrections that no longer shrink are roundoff up to this many units of it: near equilibria one in a hundred of those
@@ -19,7 +19,6 @@ typedef struct {
 } tvi_roundoff;
 
 void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system);
-void tvi_roundoff_prepare(tvi_roundoff *roundoff, const tvi_system *system);
 
 /* change[i] = the most that output i of the field changes at one of the points when each coordinate, velocity and
  * momentum, and the result of each operation, moves by a unit of its own roundoff, one way or the other; not the time,

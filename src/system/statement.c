@@ -250,19 +250,29 @@ static void place_field(recording *rec, const tvi_system *base, const jet value[
     }
 }
 
+/* Of the values of the base, then the rates of those, 0 unless they are set. */
+static void place_parameters(const recording *rec, int parameters, jet of_parameter[])
+{
+    for (int i = 0; i < parameters; i++) of_parameter[i] = jet_graph_parameter(rec->system->graph, parameters + i, 0);
+}
+
 static tvi_status record_lift(recording *rec, const statement *given)
 {
     const tvi_system *base = given->base;
     tvi_system *system = rec->system;
+    const int parameters = jet_graph_parameters(base->graph);
     system->regular = base->regular;
     if (given->has_momenta) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
     const size_t inputs = (size_t)jet_graph_inputs(base->graph), outputs = (size_t)base->inputs;
-    jet *jets = malloc(2 * (inputs + outputs) * sizeof *jets);
+    jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
     if (!jets) return TVI_ENOMEM;
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
+    jet *of_parameter = rate + outputs;
     place_inputs(rec, base, input, direction);
-    const bool lifted = jet_lift(base->graph, input, direction, base->inputs, base->field, value, rate);
+    place_parameters(rec, parameters, of_parameter);
+    const bool lifted =
+        jet_lift(base->graph, system->graph, input, direction, of_parameter, base->inputs, base->field, value, rate);
     if (lifted) place_field(rec, base, value, rate);
     free(jets);
     if (!lifted) return TVI_ENOMEM;

@@ -19,4 +19,26 @@ void tvi_system_free(tvi_system *system)
     free(system);
 }
 
+int tvi_system_parameters(const tvi_system *system)
+{
+    if (!system) return 0;
+    const int own = jet_graph_parameters(system->graph), of_steps = jet_graph_parameters(system->stepped->graph);
+    return own > of_steps ? own : of_steps;
+}
+
+/* Of one recording. */
+static void read_parameters(const jet_graph *graph, double value[])
+{
+    for (int i = 0; i < jet_graph_count(graph); i++) {
+        const struct jet_node *node = jet_graph_node(graph, i);
+        if (node->op == OP_PARAMETER) value[node->which] = node->number;
+    }
+}
+
+void tvi_system_recorded_parameters(const tvi_system *system, double value[])
+{
+    read_parameters(system->graph, value);
+    read_parameters(system->stepped->graph, value);
+}
+
 int tvi_system_dimension(const tvi_system *system) { return system ? system->n : 0; }

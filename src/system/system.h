@@ -55,6 +55,9 @@ TVI_NODISCARD tvi_status tvi_system_with_second(tvi_system **out, int n, tvi_ham
 typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
 TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
 
+/* value[tvi_system_parameters]; those that no function names stay as they are. */
+void tvi_system_recorded_parameters(const tvi_system *system, double value[]);
+
 /* Of the field. */
 static inline int tvi_system_outputs(const tvi_system *system)
 {

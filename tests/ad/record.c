@@ -79,7 +79,7 @@ recording record_lift(const function *f, bool of_gradient, jet_tape_kind kind)
         x[i] = jet_graph_input(graph, f->inputs - 1 - i);
         dx[i] = jet_graph_input(graph, 2 * f->inputs - 1 - i);
     }
-    ck_assert(jet_lift(from, x, dx, outputs, z, lifted, lifted + outputs));
+    ck_assert(jet_lift(from, graph, x, dx, NULL, outputs, z, lifted, lifted + outputs));
     ck_assert_int_eq(jet_graph_count(from), nodes);
     jet_graph_free(from); /* nothing is left of it in the lift */
     return record_close(graph, 2 * outputs, lifted, kind);

@@ -224,10 +224,10 @@ START_TEST(lift_of_poison_is_poison)
     ck_assert_int_eq(jet_graph_accept(from, 1, &z), TVI_OK);
     jet_graph_close(from);
     const jet all[] = {jet_graph_input(graph, 0), jet_graph_input(graph, 1)}, one[] = {all[0], jet_unset()};
-    ck_assert(jet_lift(from, all, one, 1, &z, &value, &rate));
+    ck_assert(jet_lift(from, graph, all, one, NULL, 1, &z, &value, &rate));
     ck_assert_int_eq(jet_graph_accept(graph, 1, &value), TVI_OK);
     ck_assert_int_eq(jet_graph_accept(graph, 1, &rate), TVI_EINVAL);
-    ck_assert(jet_lift(from, one, all, 1, &z, &value, &rate));
+    ck_assert(jet_lift(from, graph, one, all, NULL, 1, &z, &value, &rate));
     ck_assert_int_eq(jet_graph_accept(graph, 1, &value), TVI_EINVAL);
     ck_assert_int_eq(jet_graph_accept(graph, 1, &rate), TVI_EINVAL);
     jet_graph_free(from);

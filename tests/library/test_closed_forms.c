@@ -159,11 +159,10 @@ static expansion expand(const test_problem *problem)
     expansion e = {.system = problem_system(problem)};
     tvi_arena arena = {0};
     tvi_curve_take(&e.curve, &arena, e.system, 4, true);
-    arena.base = e.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    e.memory = tvi_arena_open(&arena);
     ck_assert_ptr_nonnull(e.memory);
-    memset(e.memory, 0, arena.used);
-    arena.used = 0;
     tvi_curve_take(&e.curve, &arena, e.system, 4, true);
+    tvi_blocks_prepare(arena.blocks);
     tvi_curve_prepare(&e.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];

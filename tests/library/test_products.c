@@ -34,11 +34,10 @@ static open_curve open_at(const test_problem *problem, const tvi_system *system,
     open_curve x = {0};
     tvi_arena arena = {0};
     lay_out(&x, &arena, system, jacobians);
-    arena.base = x.memory = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    x.memory = tvi_arena_open(&arena);
     ck_assert_ptr_nonnull(x.memory);
-    memset(arena.base, 0, arena.used);
-    arena.used = 0;
     lay_out(&x, &arena, system, jacobians);
+    tvi_blocks_prepare(arena.blocks);
     tvi_curve_prepare(&x.curve);
     const test_state start = problem_start(problem);
     double z[2 * N_MAX];

@@ -1,0 +1,25 @@
+/* block.c - see block.h. */
+#include "algebra/block.h"
+
+double *tvi_arena_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t more)
+{
+    const size_t numbers = (size_t)tape->slots * (size_t)orders * (size_t)lanes;
+    tvi_block *block = tvi_arena_take(arena, sizeof *block);
+    double *x = tvi_arena_doubles(arena, numbers + more);
+    if (!block) return NULL;
+    *block = (tvi_block){tape, x, orders, lanes, arena->blocks};
+    arena->blocks = block;
+    return x;
+}
+
+void tvi_blocks_prepare(const tvi_block *first)
+{
+    for (const tvi_block *block = first; block; block = block->next)
+        jet_tape_prepare(block->tape, block->x, block->orders, block->lanes);
+}
+
+void tvi_blocks_set_parameters(const tvi_block *first, int count, const double value[])
+{
+    for (const tvi_block *block = first; block; block = block->next)
+        jet_tape_place_parameters(block->tape, block->x, block->lanes, count, value);
+}

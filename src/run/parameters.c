@@ -1,0 +1,43 @@
+/* parameters.c - values of an integrator's own for the parameters of its system. */
+#include "run/integrator.h"
+#include "system/refuse.h"
+
+#include <math.h>
+#include <string.h>
+
+static tvi_status no_integrator(void) { return jet_refuse(TVI_EINVAL, "integrator is NULL"); }
+
+void tvi_integrator_apply_parameters(tvi_integrator *it)
+{
+    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->parameters);
+}
+
+tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[])
+{
+    if (!it || !value)
+        return tvi_refuse_null(2, (const void *const[]){it, value}, (const char *const[]){"integrator", "value"});
+    const int count = tvi_system_parameters(it->system);
+    for (int i = 0; i < count; i++)
+        if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%d] is not finite", i);
+    if (count == 0) return TVI_OK;
+    memmove(it->parameters, value, (size_t)count * sizeof *value);
+    tvi_integrator_apply_parameters(it);
+    tvi_integrator_reset(it);
+    it->has_dense = false;
+    return TVI_OK;
+}
+
+tvi_status tvi_integrator_energy(const tvi_integrator *it, double t, const double q[], const double p[], double *H)
+{
+    return it ? tvi_energy_at(it->system, it->parameters, t, q, p, H) : no_integrator();
+}
+
+tvi_status tvi_integrator_momentum(const tvi_integrator *it, double t, const double q[], const double v[], double p[])
+{
+    return it ? tvi_transform(it->system, it->parameters, t, q, v, p, true) : no_integrator();
+}
+
+tvi_status tvi_integrator_velocity(const tvi_integrator *it, double t, const double q[], const double p[], double v[])
+{
+    return it ? tvi_transform(it->system, it->parameters, t, q, p, v, false) : no_integrator();
+}

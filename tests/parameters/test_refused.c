@@ -1,0 +1,106 @@
+/* test_refused.c - parameters that are none, and values that are no numbers. */
+#include "parameters.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+    const char *name;
+    int index[2];
+    double value[2];
+    bool of_a_number;
+    tvi_status status;
+    const char *text; /* in that of tvi_last_error */
+} stated;
+
+static const stated cases[] = {
+    {"one twice", {0, 0}, {1, 1}, false, TVI_OK, ""},
+    {"the largest index", {999, 0}, {1, 2}, false, TVI_OK, ""},
+    {"two values", {0, 0}, {1, 2}, false, TVI_EINVAL, "made of a parameter that was recorded with another value"},
+    {"index below 0", {-1, 0}, {1, 1}, false, TVI_EINVAL, "index is out of range"},
+    {"index too large", {0, 1000}, {1, 1}, false, TVI_EINVAL, "index is out of range"},
+    {"of a number", {0, 1}, {1, 1}, true, TVI_EINVAL, "names no recording"},
+    {"not a number", {0, 1}, {1, NAN}, false, TVI_ENONFINITE, "not finite"},
+    {"infinite", {0, 1}, {INFINITY, 1}, false, TVI_ENONFINITE, "not finite"},
+};
+
+static jet spring(const jet q[], jet t, void *ctx)
+{
+    const stated *c = ctx;
+    (void)t;
+    const jet of = c->of_a_number ? jet_const(1) : q[0];
+    return jet_mul(jet_mul(jet_parameter(of, c->index[0], c->value[0]), jet_parameter(of, c->index[1], c->value[1])),
+                   jet_sqr(q[0]));
+}
+
+START_TEST(recordings_that_are_refused)
+{
+    const stated *c = &cases[_i];
+    tvi_system *system;
+    ck_assert_msg(tvi_system_potential(&system, 1, NULL, spring, (void *)c) == c->status, "%s", c->name);
+    if (c->status != TVI_OK) ck_assert_msg(strstr(tvi_last_error(), c->text), "%s", tvi_last_error());
+    if (c->status == TVI_OK) ck_assert_int_eq(tvi_system_parameters(system), 1 + (c->index[0] > 0 ? c->index[0] : 0));
+    tvi_system_free(system);
+}
+END_TEST
+
+/* The old values stay, bit for bit. */
+START_TEST(values_that_are_refused)
+{
+    tvi_system *system = system_of(&forms[0], NULL);
+    tvi_integrator *it = integrator_of(system, &methods[0]);
+    ck_assert_int_eq(tvi_integrator_set_parameters(it, other), TVI_OK);
+    const state before = run(it, 10);
+    ck_assert_int_eq(tvi_integrator_set_parameters(it, NULL), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrator_set_parameters(NULL, other), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrator_set_parameters(it, (const double[]){1, NAN}), TVI_ENONFINITE);
+    ck_assert_str_eq(tvi_last_error(), "value[1] is not finite");
+    ck_assert_int_eq(tvi_integrator_set_parameters(it, (const double[]){INFINITY, 1}), TVI_ENONFINITE);
+    tvi_integrator_reset(it);
+    const state after = run(it, 10);
+    ck_assert(memcmp(&before, &after, sizeof before) == 0);
+    ck_assert_int_eq(tvi_system_parameters(NULL), 0);
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* Where there is none, there is nothing to set. */
+START_TEST(no_parameters)
+{
+    tvi_system *system = system_of(&forms[0], recorded);
+    tvi_integrator *it = integrator_of(system, &methods[0]);
+    ck_assert_int_eq(tvi_integrator_set_parameters(it, recorded), TVI_OK);
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* Of a rescaled system the derivatives with respect to parameters are not there. */
+START_TEST(sensitivities_of_rescaled_systems)
+{
+    double D[2 * N + PARAMETERS] = {1};
+    tvi_system *system = system_of(&forms[3], NULL);
+    tvi_integrator *it = integrator_of(system, &methods[0]);
+    state x = start;
+    ck_assert_int_eq(tvi_step_tangent(it, H, &x.t, x.q, x.p, D, 1), TVI_OK);
+    const state before = x;
+    D[2 * N] = 1;
+    ck_assert_int_eq(tvi_step_tangent(it, H, &x.t, x.q, x.p, D, 1), TVI_EUNSUPPORTED);
+    ck_assert(memcmp(&before, &x, sizeof x) == 0);
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+END_TEST
+
+Suite *suite_refused(void)
+{
+    Suite *suite = suite_create("refused");
+    TCase *tests = tcase_create("refused");
+    tcase_add_loop_test(tests, recordings_that_are_refused, 0, (int)(sizeof cases / sizeof *cases));
+    tcase_add_test(tests, values_that_are_refused);
+    tcase_add_test(tests, no_parameters);
+    tcase_add_test(tests, sensitivities_of_rescaled_systems);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
