@@ -75,65 +75,6 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
     return TVI_OK;
 }
 
-/* ---- The structure that is there --------------------------------------------------------------------------------- */
-
-/* Whether x = sum_j row_j v_j, v_j the input first + j: its coefficients, by one walk back through the graph. share is
- * scratch for each node. */
-static bool is_linear_form(const jet_graph *graph, jet x, int first, int n, double share[], double row[])
-{
-    for (int j = 0; j < n; j++) row[j] = 0;
-    if (!x.node) return x.number == 0;
-    for (int i = 0; i <= x.node->index; i++) share[i] = 0;
-    share[x.node->index] = 1;
-    for (int i = x.node->index; i >= 0; i--) {
-        const struct jet_node *z = jet_graph_node(graph, i);
-        if (share[i] == 0) continue;
-        if (z->op == OP_INPUT && i >= first && i < first + n) row[i - first] = share[i];
-        else if (z->op != OP_LINEAR || z->number != 0) return false;
-        for (int term = 0; term < z->count; term++)
-            share[z->terms[term].node->index] += share[i] * z->terms[term].coefficient;
-    }
-    return true;
-}
-
-/* Marks the nodes that depend on one of the inputs first .. first + n - 1. */
-static void mark_dependents(const jet_graph *graph, int first, int n)
-{
-    for (int i = 0; i < jet_graph_count(graph); i++) {
-        struct jet_node *z = jet_graph_node(graph, i);
-        bool depends = z->op == OP_INPUT && i >= first && i < first + n;
-        depends = depends || (z->a && z->a->mark) || ((z->op == OP_MUL || z->op == OP_DIV) && z->b->mark);
-        for (int term = 0; term < z->count; term++) depends = depends || z->terms[term].node->mark;
-        z->mark = depends;
-    }
-}
-
-/* Whether the row is d_i at i, d_i > 0, and 0 elsewhere. */
-static bool is_diagonal(int n, const double row[], int i)
-{
-    for (int j = 0; j < n; j++)
-        if (j != i && row[j] != 0) return false;
-    return row[i] > 0 && isfinite(1 / row[i]);
-}
-
-/* Whether `linear` = diag(d) v with d > 0, and no component of `other` depends on v: then system->mass = d. */
-static tvi_status find_separable(recording *rec, const jet linear[], const jet other[], bool *separable)
-{
-    tvi_system *system = rec->system;
-    const int n = system->n;
-    double *row = malloc(((size_t)n + (size_t)jet_graph_count(system->graph)) * sizeof *row);
-    if (!row) return TVI_ENOMEM;
-    *separable = true;
-    mark_dependents(system->graph, n, n);
-    for (int i = 0; i < n && *separable; i++) {
-        *separable = is_linear_form(system->graph, linear[i], n, n, row + n, row) && is_diagonal(n, row, i) &&
-                     !(other[i].node && other[i].node->mark);
-        system->mass[i] = row[i];
-    }
-    free(row);
-    return TVI_OK;
-}
-
 /* ---- From each statement to a form ------------------------------------------------------------------------------- */
 
 /* out[2n] = dx/d(q, v). */
@@ -172,7 +113,7 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
     bool separable = false;
-    if (status == TVI_OK) status = find_separable(rec, rec->field + system->n, rec->field, &separable);
+    if (status == TVI_OK) status = tvi_system_find_separable(system, rec->field + system->n, rec->field, &separable);
     system->energy_sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
@@ -199,7 +140,7 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
     bool separable = false;
-    if (status == TVI_OK) status = find_separable(rec, rec->field + n, rec->field, &separable);
+    if (status == TVI_OK) status = tvi_system_find_separable(system, rec->field + n, rec->field, &separable);
     if (status != TVI_OK) return status;
     if (separable) {
         for (int i = 0; i < n; i++) system->mass[i] = 1 / system->mass[i];
@@ -210,9 +151,7 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
     return status == TVI_OK ? record_bend(rec) : status;
 }
 
-/* ---- The lift
- * --------------------------------------------------------------------------------------------------------
- */
+/* ---- The lift ---------------------------------------------------------------------------------------------------- */
 
 /* The inputs of the base among those of its lift, and the directions that they move in. */
 static void place_inputs(const recording *rec, const tvi_system *base, jet input[], jet direction[])

@@ -58,6 +58,11 @@ TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *sys
 /* value[tvi_system_parameters]; those that no function names stay as they are. */
 void tvi_system_recorded_parameters(const tvi_system *system, double value[]);
 
+/* While it is recorded, v the inputs n .. 2n - 1: whether `linear` [n] = diag(d) v with d > 0, and no component of
+ * `other` [n] depends on v; then system->mass = d. TVI_ENOMEM. */
+TVI_NODISCARD tvi_status tvi_system_find_separable(tvi_system *system, const jet linear[], const jet other[],
+                                                   bool *separable);
+
 /* Of the field. */
 static inline int tvi_system_outputs(const tvi_system *system)
 {

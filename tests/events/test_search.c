@@ -113,7 +113,7 @@ START_TEST(rates_are_those_of_steps)
     memcpy(x + n, r.x.p, (size_t)n * sizeof *x);
     x[2 * n] = r.x.t;
     tvi_rates rates;
-    ck_assert_int_eq(tvi_rates_open(&rates, r.system), TVI_OK);
+    ck_assert_int_eq(tvi_rates_open(&rates, r.system, NULL), TVI_OK);
     ck_assert(!rates.block == (r.system->form == TVI_LAGRANGIAN));
     if (rates.block) {
         ck_assert_int_eq(tvi_rates_at(&rates, x, rate), TVI_OK);

@@ -16,7 +16,8 @@ enum { N = 2, PARAMETERS = 2 };
 /* What is recorded, and what is set. */
 static const double recorded[PARAMETERS] = {1, 0.25}, other[PARAMETERS] = {1.25, -0.5};
 
-/* V = r^4 / 8 - k / r + m x^2 y, with k and m as parameters 0 and 1 of the recorded values; numbers[] in their place. */
+/* V = r^4 / 8 - k / r + m x^2 y, with k and m as parameters 0 and 1 of the recorded values, or numbers[] in their
+ * place. */
 typedef struct {
     const char *name;
     tvi_status (*make)(tvi_system **system, const double *numbers);

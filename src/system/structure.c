@@ -1,0 +1,60 @@
+/* structure.c - whether what was recorded is separable. */
+#include "system/system.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* Whether x = sum_j row_j v_j, v_j the input first + j: its coefficients, by one walk back through the graph. share is
+ * scratch for each node. */
+static bool is_linear_form(const jet_graph *graph, jet x, int first, int n, double share[], double row[])
+{
+    for (int j = 0; j < n; j++) row[j] = 0;
+    if (!x.node) return x.number == 0;
+    for (int i = 0; i <= x.node->index; i++) share[i] = 0;
+    share[x.node->index] = 1;
+    for (int i = x.node->index; i >= 0; i--) {
+        const struct jet_node *z = jet_graph_node(graph, i);
+        if (share[i] == 0) continue;
+        if (z->op == OP_INPUT && i >= first && i < first + n) row[i - first] = share[i];
+        else if (z->op != OP_LINEAR || z->number != 0) return false;
+        for (int term = 0; term < z->count; term++)
+            share[z->terms[term].node->index] += share[i] * z->terms[term].coefficient;
+    }
+    return true;
+}
+
+/* Marks the nodes that depend on one of the inputs first .. first + n - 1. */
+static void mark_dependents(const jet_graph *graph, int first, int n)
+{
+    for (int i = 0; i < jet_graph_count(graph); i++) {
+        struct jet_node *z = jet_graph_node(graph, i);
+        bool depends = z->op == OP_INPUT && i >= first && i < first + n;
+        depends = depends || (z->a && z->a->mark) || ((z->op == OP_MUL || z->op == OP_DIV) && z->b->mark);
+        for (int term = 0; term < z->count; term++) depends = depends || z->terms[term].node->mark;
+        z->mark = depends;
+    }
+}
+
+/* Whether the row is d_i at i, d_i > 0, and 0 elsewhere. */
+static bool is_diagonal(int n, const double row[], int i)
+{
+    for (int j = 0; j < n; j++)
+        if (j != i && row[j] != 0) return false;
+    return row[i] > 0 && isfinite(1 / row[i]);
+}
+
+tvi_status tvi_system_find_separable(tvi_system *system, const jet linear[], const jet other[], bool *separable)
+{
+    const int n = system->n;
+    double *row = malloc(((size_t)n + (size_t)jet_graph_count(system->graph)) * sizeof *row);
+    if (!row) return TVI_ENOMEM;
+    *separable = true;
+    mark_dependents(system->graph, n, n);
+    for (int i = 0; i < n && *separable; i++) {
+        *separable = is_linear_form(system->graph, linear[i], n, n, row + n, row) && is_diagonal(n, row, i) &&
+                     !(other[i].node && other[i].node->mark);
+        system->mass[i] = row[i];
+    }
+    free(row);
+    return TVI_OK;
+}
