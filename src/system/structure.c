@@ -29,7 +29,7 @@ static void mark_dependents(const jet_graph *graph, int first, int n)
     for (int i = 0; i < jet_graph_count(graph); i++) {
         struct jet_node *z = jet_graph_node(graph, i);
         bool depends = z->op == OP_INPUT && i >= first && i < first + n;
-        depends = depends || (z->a && z->a->mark) || ((z->op == OP_MUL || z->op == OP_DIV) && z->b->mark);
+        depends = depends || (z->a && z->a->mark) || (z->b && z->b->mark);
         for (int term = 0; term < z->count; term++) depends = depends || z->terms[term].node->mark;
         z->mark = depends;
     }
