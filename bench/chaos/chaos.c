@@ -3,6 +3,7 @@
  *
  *   chaos DIR */
 #include "experiments/experiment.h"
+#include "scenes/hard.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,24 +25,28 @@ enum { ORBITS = sizeof orbits / sizeof *orbits };
 enum { DECADES = 4, FIRST = 200, LAST = 200000 }; /* rows of the tables at FIRST 10^k steps */
 static const double CSV_RATIO = 1.08;             /* of the times in the CSV file */
 
-/* With d_k the length of the tangent vector after k steps (Cincotta, Giordano and Simo, Physica D 182 (2003), for
- * maps): lambda = ln(d_k/d_0) / t,   Y_k = (2/k) sum_{j <= k} j ln(d_j/d_{j-1}),   MEGNO = (1/k) sum_{j <= k} Y_j. */
+/* With d_k the length of the tangent vector after k steps, at t_k (Cincotta, Giordano and Simo, Physica D 182 (2003),
+ * for maps, where t_k = k): lambda = ln(d_k/d_0) / t_k,   Y_k = (2/t_k) sum_{j <= k} t_j ln(d_j/d_{j-1}),
+ * MEGNO = (1/t_k) sum_{j <= k} (t_j - t_{j-1}) Y_j. */
 typedef struct {
-    double logarithm, weighted, sum_Y; /* sum ln(d_j/d_{j-1}), sum j ln(d_j/d_{j-1}), sum Y_j */
+    double t, logarithm, weighted, area; /* t_k, and the sums */
 } growth;
 
-static double note_growth(growth *g, long step, double ratio)
+static double note_growth(growth *g, double t, double ratio)
 {
     g->logarithm += log(ratio);
-    g->weighted += (double)step * log(ratio);
-    g->sum_Y += 2 / (double)step * g->weighted;
-    return g->sum_Y / (double)step;
+    g->weighted += t * log(ratio);
+    g->area += 2 / t * g->weighted * (t - g->t);
+    g->t = t;
+    return g->area / t;
 }
 
-static double length(const double D[2 * N])
+/* D of 2 n rows is brought back to length 1; returns what its length was. */
+static double normalize(int n, double D[])
 {
     double sum = 0;
-    for (int i = 0; i < 2 * N; i++) sum += D[i] * D[i];
+    for (int i = 0; i < 2 * n; i++) sum += D[i] * D[i];
+    for (int i = 0; i < 2 * n; i++) D[i] /= sqrt(sum);
     return sqrt(sum);
 }
 
@@ -59,7 +64,7 @@ static double measure(const tvi_system *system, int orbit, FILE *csv, chaos at[D
 {
     tvi_integrator *integrator;
     double t = 0, q[N], p[N], D[2 * N] = {0.5, 0.5, 0.5, 0.5}, H0, H, worst = 0, next = 20;
-    growth g = {0, 0, 0};
+    growth g = {0};
     int row = 0;
     long row_step = FIRST;
     memcpy(q, orbits[orbit].q, sizeof q);
@@ -70,9 +75,7 @@ static double measure(const tvi_system *system, int orbit, FILE *csv, chaos at[D
         insist(tvi_step_tangent(integrator, H_STEP, &t, q, p, D, 1), "a step");
         insist(tvi_energy(system, t, q, p, &H), "the energy");
         worst = fmax(worst, fabs((H - H0) / H0));
-        const double ratio = length(D);
-        for (int i = 0; i < 2 * N; i++) D[i] /= ratio;
-        const double megno = note_growth(&g, step, ratio);
+        const double megno = note_growth(&g, t, normalize(N, D));
         if ((double)step >= next) {
             fprintf(csv, "%s,%.10g,%.6e,%.6e\n", orbits[orbit].label, t, g.logarithm / t, megno);
             next *= CSV_RATIO;
@@ -108,6 +111,57 @@ static void write_exponents(const experiment *e, const tvi_system *system)
     }
     experiment_close(table);
     experiment_progress("largest relative energy error: %.1e", worst);
+}
+
+/* ---- Steps that adapt -------------------------------------------------------------------------------------------- */
+
+static const struct {
+    const hard_scene *of;
+    const char *label;
+    double q0; /* in the place of the scene's q[0]; 0: not */
+    double h, t_end;
+} adapted[] = {
+    {&hard_kepler_90, "Kepler, e = 0.9", 0, 0.8, 1e4},
+    {&hard_sitnikov, "Sitnikov, e = 0.6, from q = 0.5", 0.5, 0.5, 1e4},
+    {&hard_sitnikov, "Sitnikov, e = 0.6, from q = 0.8", 0.8, 0.5, 2e3},
+};
+enum { ADAPTED = sizeof adapted / sizeof *adapted, ADAPTED_N = 2 };
+
+/* D starts as in measure; a row of the table. */
+static void write_orbit(FILE *table, int i)
+{
+    const scene *s = &adapted[i].of->scene;
+    tvi_system *system = experiment_system(s), *rescaled;
+    tvi_integrator *integrator;
+    double t = 0, q[ADAPTED_N], p[ADAPTED_N], D[2 * ADAPTED_N] = {0.5, 0.5, 0.5, 0.5};
+    double megno = 0, shortest = INFINITY, longest = 0;
+    growth g = {0};
+    memcpy(q, s->q, (size_t)s->n * sizeof *q);
+    memcpy(p, s->p, (size_t)s->n * sizeof *p);
+    if (adapted[i].q0 > 0) q[0] = adapted[i].q0;
+    insist(tvi_system_rescaled(&rescaled, system, adapted[i].of->scale, NULL), s->name);
+    insist(tvi_integrator_create(&integrator, rescaled, NULL), s->name);
+    while (t < adapted[i].t_end) {
+        insist(tvi_step_tangent(integrator, adapted[i].h, &t, q, p, D, 1), s->name);
+        shortest = fmin(shortest, t - g.t);
+        longest = fmax(longest, t - g.t);
+        megno = note_growth(&g, t, normalize(s->n, D));
+    }
+    fprintf(table, "| %s | %.0f | %ld | %.2g | %.2g | %.2g | %.4g |\n", adapted[i].label, adapted[i].t_end,
+            tvi_integrator_stats(integrator)->steps, shortest, longest, g.logarithm / t, megno);
+    tvi_integrator_free(integrator);
+    tvi_system_free(rescaled);
+    tvi_system_free(system);
+}
+
+static void write_adapted(const experiment *e)
+{
+    FILE *table =
+        experiment_table(e, "chaos_adapted",
+                         " orbit | to t | steps (chaotic) | shortest (chaotic) | longest (chaotic) | exponent "
+                         "(chaotic) | MEGNO (chaotic) ");
+    for (int i = 0; i < ADAPTED; i++) write_orbit(table, i);
+    experiment_close(table);
 }
 
 /* ---- What a column costs --------------------------------------------------------------------------------------- */
@@ -207,6 +261,7 @@ int main(int argc, char *argv[])
     const experiment e = experiment_begin(argc, argv);
     tvi_system *system = experiment_system(&scene_henon_heiles_8);
     write_exponents(&e, system);
+    write_adapted(&e);
     write_costs(&e);
     tvi_system_free(system);
     return EXIT_SUCCESS;

@@ -1,4 +1,5 @@
 /* test_tangent.c - the tangent of the flow at equal time, of steps in s. */
+#include "hard.h"
 #include "rescaled.h"
 
 #include <math.h>
@@ -93,6 +94,42 @@ START_TEST(flow_is_carried_along)
 }
 END_TEST
 
+/* ---- Order and chaos --------------------------------------------------------------------------------------------- */
+
+/* With steps of different size, docs/chaos.md: Y(t) = (2/t) sum t_j ln(d_j / d_{j-1}), and its mean over time. */
+static double megno(run *r, int n, double h, double t_end)
+{
+    double D[ROWS] = {0.5, 0.5, 0.5, 0.5}, weighted = 0, area = 0;
+    while (r->x.t < t_end) {
+        const double before = r->x.t;
+        double square = 0;
+        ck_assert_int_eq(tvi_step_tangent(r->integrator, h, &r->x.t, r->x.q, r->x.p, D, 1), TVI_OK);
+        for (int i = 0; i < 2 * n; i++) square += D[i] * D[i];
+        for (int i = 0; i < 2 * n; i++) D[i] /= sqrt(square);
+        weighted += r->x.t * log(square) / 2;
+        area += 2 * weighted / r->x.t * (r->x.t - before);
+    }
+    return area / r->x.t;
+}
+
+/* 2 on regular orbits, however their steps change; large on a chaotic one. */
+static const struct {
+    double start, least, most; /* start 0: Kepler's problem, e = 0.9; else that of Sitnikov's */
+} orders[] = {{0, 1.9, 2.1}, {0.5, 1.9, 2.1}, {0.7, 1.9, 2.1}, {0.8, 5, 100}};
+
+START_TEST(order_and_chaos)
+{
+    const hard_scene *s = &hard_sitnikov;
+    const state start = {0, {orders[_i].start}, {0}};
+    const bool is_kepler = orders[_i].start == 0;
+    run r = is_kepler ? open_kepler(0.9, kepler_scale, NULL, 0)
+                      : open_run(rescaled_system(1, NULL, s->scene.potential, s->scale), NULL, 0, &start);
+    const double Y = megno(&r, is_kepler ? 2 : 1, is_kepler ? 0.8 : 0.5, 2000);
+    ck_assert_msg(Y > orders[_i].least && Y < orders[_i].most, "%g", Y);
+    close_run(&r);
+}
+END_TEST
+
 Suite *suite_tangent(void)
 {
     Suite *suite = suite_create("tangent");
@@ -100,6 +137,7 @@ Suite *suite_tangent(void)
     tcase_add_loop_test(tests, tangent_of_kepler, 0, 4);
     tcase_add_loop_test(tests, tangent_of_the_driven_problem, 0, 4);
     tcase_add_test(tests, flow_is_carried_along);
+    tcase_add_loop_test(tests, order_and_chaos, 0, 4);
     tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);
     return suite;
