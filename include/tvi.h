@@ -85,7 +85,8 @@ typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
  * they are all 0: for one degree of freedom whose force has an inflection give g.
  *   TVI_EUNSUPPORTED  a force, a rescaled system, a Lagrangian that is not recognised as separable: write its
  *                     Hamiltonian
- *   TVI_EDOMAIN       g is a number that is not positive; where it is a function, the step is refused with it
+ *   TVI_EDOMAIN       g is a number that is not positive; where it is a function, the step is refused with it, and
+ *                     tvi_last_error speaks of its jet_sqrt
  *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum
  * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);

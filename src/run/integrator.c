@@ -7,6 +7,7 @@
 #include "run/guard.h"
 #include "system/refuse.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -183,7 +184,17 @@ static void advance(tvi_integrator *it, double h)
     it->has_dense = true;
 }
 
-/* q + dq and p + dp are finite, the time among them, which goes the way of h. */
+/* Of a rescaled system the time goes the way of h, and moves: below the roundoff of its low-order part no run would
+ * ever end. */
+static tvi_status check_time(const tvi_integrator *it, double h)
+{
+    const double dt = it->dq[it->system->n], t = it->now.q[it->system->n];
+    if (fabs(dt) <= DBL_EPSILON * DBL_EPSILON * fabs(t))
+        return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
+    return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
+}
+
+/* q + dq and p + dp are finite. */
 static tvi_status check_increments(const tvi_integrator *it, double h)
 {
     const int dimension = it->stepped->n;
@@ -191,8 +202,7 @@ static tvi_status check_increments(const tvi_integrator *it, double h)
         if (!isfinite(it->now.q[i] + it->dq[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
     for (int i = 0; i < dimension; i++)
         if (!isfinite(it->now.p[i] + it->dp[i])) return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
-    const bool goes_the_way = (it->dq[it->system->n] > 0) == (h > 0);
-    return goes_the_way ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
+    return it->stepped == it->system ? TVI_OK : check_time(it, h);
 }
 
 /* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
@@ -213,7 +223,9 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     if (status == TVI_OK) status = tvi_guard_step(it, &stats);
     if (status == TVI_OK) advance(it, h);
     else tvi_arena_copy(it->history, it->before, it->remembered);
-    return status == TVI_OK ? status : jet_refuse(status, "step of %g from t = %g: %s", h, origin.t, jet_refusal());
+    if (status == TVI_OK) return status;
+    const char *const of = it->stepped == it->system ? "" : " in s, of K = g (H + e),";
+    return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, now->q[it->system->n], jet_refusal());
 }
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])

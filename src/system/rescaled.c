@@ -169,7 +169,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     rescaling r = {system, g, ctx};
     tvi_system *stepped, *rescaled;
     tvi_status status = tvi_system_with_second(&stepped, system->n + 1, transformed, &r);
-    if (status != TVI_OK) return status;
+    if (status != TVI_OK) return jet_refuse(status, "K = g (H + e): %s", jet_refusal());
     stepped->regular = false; /* K_ee = 0 */
     status = tvi_system_hamiltonian(&rescaled, system->n, as_it_was, (void *)system);
     if (status != TVI_OK) {

@@ -152,15 +152,27 @@ static int at_time(long number_of_time, double t, const double q[], const double
     return ++x->told == x->stop_at;
 }
 
+/* The time that a step of size h covers; of a rescaled system a part of that, so that few steps pass all times. */
+static double time_of(const world *w, double h)
+{
+    tvi_integrator *trial;
+    state x = w->x;
+    if (!w->adapts) return h;
+    insist(tvi_integrator_create(&trial, w->system, tvi_integrator_options(w->integrator)) == TVI_OK, "a trial");
+    const tvi_status status = tvi_step(trial, h, &x.t, x.q, x.p);
+    tvi_integrator_free(trial);
+    return status == TVI_OK ? (x.t - w->x.t) / (4 * TIMES) : h;
+}
+
 void integrate_at(bytes *b, world *w)
 {
     list x = {.w = w, .stop_at = below(b, 16)};
-    const double h = step_size(b);
+    const double h = step_size(b), unit = time_of(w, h);
     const int count = below(b, TIMES + 1);
     double place = 0;
     for (int i = 0; i < count; i++) {
         place += below(b, 64) ? byte(b) / 64.0 : -1; /* few steps, and once back, which is refused */
-        x.times[i] = w->x.t + place * h;
+        x.times[i] = w->x.t + place * unit;
     }
     const state before = w->x;
     const long steps = tvi_integrator_stats(w->integrator)->steps;

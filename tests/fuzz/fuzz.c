@@ -99,9 +99,16 @@ static jet two_arguments(const jet q[], const jet r[], jet t, void *ctx)
     return below(f->b, 8) == 0 ? scalar : jet_add(scalar, jet_mul(0.5, jet_dot(r, r, f->n)));
 }
 
-static tvi_status make_system(bytes *b, tvi_system **system, int *n)
+static jet time_scale(const jet q[], const jet p[], jet t, void *ctx)
 {
-    recorder f = {b, *n = 1 + below(b, N_MAX)};
+    const recorder *f = ctx;
+    const jet scalar = scalar_of(f, q, p, t);
+    return below(f->b, 4) ? jet_exp(jet_mul(0.25, scalar)) : scalar;
+}
+
+static tvi_status make_base(recorder f, tvi_system **system)
+{
+    bytes *b = f.b;
     double mass[N_MAX];
     const int form = below(b, 4), own = below(b, 4);
     for (int i = 0; i < N_MAX; i++) mass[i] = own ? 1 + i / 3.0 : number(b);
@@ -111,6 +118,20 @@ static tvi_status make_system(bytes *b, tvi_system **system, int *n)
     case 2: return tvi_system_lagrangian(system, f.n, two_arguments, &f);
     default: return tvi_system_hamiltonian(system, f.n, two_arguments, &f);
     }
+}
+
+/* One in four with steps that adapt. */
+static tvi_status make_system(bytes *b, tvi_system **system, world *w)
+{
+    tvi_system *base;
+    recorder f = {b, w->n = 1 + below(b, N_MAX)};
+    tvi_status status = make_base(f, &base);
+    *system = base;
+    w->adapts = base && below(b, 4) == 0;
+    if (!w->adapts) return status;
+    status = tvi_system_rescaled(system, base, below(b, 2) ? time_scale : NULL, &f);
+    tvi_system_free(base);
+    return status;
 }
 
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
@@ -141,6 +162,7 @@ static tvi_options make_options(bytes *b)
         o.passes = passes[below(b, 6)];
         o.max_passes = most[below(b, 5)];
     }
+    if (below(b, 4) == 0) o.max_tail = number(b);
     return o;
 }
 
@@ -252,6 +274,24 @@ static void integrate(bytes *b, world *w)
     expect_end(w, status, &before, "integrate");
 }
 
+static void integrate_to(bytes *b, world *w)
+{
+    const state before = w->x;
+    const double h = step_size(b), t_end = w->x.t + (below(b, 8) ? h * number(b) : number(b));
+    expect_end(w, tvi_integrate_to(w->integrator, h, t_end, &w->x.t, w->x.q, w->x.p, stop_at, w), &before,
+               "integrate to");
+}
+
+static void integrate_tolerance(bytes *b, world *w)
+{
+    const state before = w->x;
+    const double tolerance = below(b, 4) ? exp(-byte(b) / 8.0) : number(b), t_end = w->x.t + number(b);
+    const tvi_status status =
+        tvi_integrate_tolerance(w->integrator, tolerance, t_end, &w->x.t, w->x.q, w->x.p, stop_at, w);
+    expect_end(w, status, &before, "integrate to a tolerance");
+    insist(status != TVI_OK || w->x.t == t_end, "the end of a run to a tolerance");
+}
+
 static void step_tangent(bytes *b, world *w)
 {
     double D[2 * N_MAX * 3], before_D[2 * N_MAX * 3];
@@ -295,8 +335,9 @@ static void reset(bytes *b, world *w)
 }
 
 typedef void call(bytes *b, world *w);
-static call *const calls[] = {step,         step,       step,       dense, save_and_load, integrate,   integrate_events,
-                              step_tangent, ask_system, last_state, reset, make_state,    integrate_at};
+static call *const calls[] = {
+    step,       step,       step,  dense,      save_and_load, integrate,    integrate_events,   step_tangent,
+    ask_system, last_state, reset, make_state, integrate_at,  integrate_to, integrate_tolerance};
 enum { CALLS = sizeof calls / sizeof *calls, CALLS_MOST = 16 };
 
 long fuzz_one(const uint8_t data[], size_t size)
@@ -304,7 +345,7 @@ long fuzz_one(const uint8_t data[], size_t size)
     bytes b = {data, size};
     tvi_system *system = NULL;
     world w = {0};
-    const tvi_status made = make_system(&b, &system, &w.n);
+    const tvi_status made = make_system(&b, &system, &w);
     expect_status(made);
     insist((made == TVI_OK) == (system != NULL), "a system and its status");
     if (!system) return 0;

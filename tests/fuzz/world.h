@@ -41,6 +41,7 @@ typedef struct {
     const tvi_system *system;
     tvi_integrator *integrator;
     int n;
+    bool adapts; /* steps are in s: what time they cover, the system says */
     state x;
     long steps; /* that succeeded */
 } world;

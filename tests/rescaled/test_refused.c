@@ -64,16 +64,37 @@ static jet unset(const jet q[], const jet p[], jet t, void *ctx)
     return jet_div(value, 0);
 }
 
-/* The base is freed; returns the status of the rescaled one, which must be NULL unless it is asked for. */
-static tvi_status rescale(tvi_system *base, tvi_rescale_fn *g, void *ctx, tvi_system **out)
+/* A potential that keeps its q[0], and a g that is it: of another recording. */
+static jet keeping(const jet q[], jet t, void *ctx)
+{
+    *(jet *)ctx = q[0];
+    return spring(q, t, NULL);
+}
+
+static jet foreign(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)p, (void)t;
+    return jet_exp(*(jet *)ctx);
+}
+
+/* The base is freed. */
+static tvi_system *rescale(tvi_system *base, tvi_rescale_fn *g, void *ctx)
 {
     tvi_system *rescaled;
-    const tvi_status status = tvi_system_rescaled(&rescaled, base, g, ctx);
-    ck_assert_int_eq(status == TVI_OK, rescaled != NULL);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, g, ctx), TVI_OK);
+    ck_assert_ptr_nonnull(rescaled);
     tvi_system_free(base);
-    if (out) *out = rescaled;
-    else tvi_system_free(rescaled);
-    return status;
+    return rescaled;
+}
+
+/* Refused, with a text that has this in it. */
+static void refuse(tvi_system *base, tvi_rescale_fn *g, void *ctx, tvi_status expected, const char *text)
+{
+    tvi_system *rescaled = base;
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, g, ctx), expected);
+    ck_assert_ptr_null(rescaled);
+    ck_assert_msg(strstr(tvi_last_error(), text) != NULL, "%s: %s", text, tvi_last_error());
+    tvi_system_free(base);
 }
 
 static tvi_system *of_potential(tvi_potential_fn *potential)
@@ -85,30 +106,29 @@ static tvi_system *of_potential(tvi_potential_fn *potential)
 
 START_TEST(systems)
 {
-    tvi_system *system, *rescaled;
+    tvi_system *system;
     ck_assert_int_eq(tvi_system_force(&system, 1, NULL, force, NULL), TVI_OK);
-    ck_assert_int_eq(rescale(system, NULL, NULL, NULL), TVI_EUNSUPPORTED);
-    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, curved, NULL), TVI_OK);
-    ck_assert_int_eq(rescale(system, NULL, NULL, NULL), TVI_EUNSUPPORTED);
-    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, flat, NULL), TVI_OK);
-    ck_assert_int_eq(rescale(system, NULL, NULL, &rescaled), TVI_OK);
-    ck_assert_int_eq(tvi_system_dimension(rescaled), 1);
-    ck_assert_int_eq(rescale(rescaled, NULL, NULL, NULL), TVI_EUNSUPPORTED);
-    ck_assert_int_eq(rescale(of_potential(slope), NULL, NULL, NULL), TVI_EDOMAIN);
+    refuse(system, NULL, NULL, TVI_EUNSUPPORTED, "a force has no Hamiltonian");
+    refuse(NULL, NULL, NULL, TVI_EINVAL, "system is NULL");
     ck_assert_int_eq(tvi_system_rescaled(NULL, NULL, NULL, NULL), TVI_EINVAL);
-    ck_assert_int_eq(tvi_system_rescaled(&rescaled, NULL, NULL, NULL), TVI_EINVAL);
-    ck_assert_ptr_null(rescaled);
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, curved, NULL), TVI_OK);
+    refuse(system, NULL, NULL, TVI_EUNSUPPORTED, "state the Hamiltonian instead of the Lagrangian");
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, flat, NULL), TVI_OK);
+    system = rescale(system, NULL, NULL);
+    ck_assert_int_eq(tvi_system_dimension(system), 1);
+    refuse(system, NULL, NULL, TVI_EUNSUPPORTED, "rescaled already");
+    refuse(of_potential(slope), NULL, NULL, TVI_EDOMAIN, "K = g (H + e)");
 }
 END_TEST
 
 /* The energy, momenta and velocities are those of the system: here of a Lagrangian, M = 2. */
 START_TEST(energy_is_that_of_the_system)
 {
-    tvi_system *system, *rescaled;
+    tvi_system *system;
     const double q = 3, p = 5;
     double H, v, back;
     ck_assert_int_eq(tvi_system_lagrangian(&system, 1, flat, NULL), TVI_OK);
-    ck_assert_int_eq(rescale(system, NULL, NULL, &rescaled), TVI_OK);
+    tvi_system *rescaled = rescale(system, NULL, NULL);
     ck_assert_int_eq(tvi_energy(rescaled, 0, &q, &p, &H), TVI_OK);
     ck_assert_double_eq_tol(H, 25.0 / 4 + 9.0 / 2, 4e-15);
     ck_assert_int_eq(tvi_velocity(rescaled, 0, &q, &p, &v), TVI_OK);
@@ -123,23 +143,31 @@ START_TEST(numbers_that_are_no_scale)
 {
     double values[] = {0, -1, NAN, INFINITY};
     const tvi_status expected[] = {TVI_EDOMAIN, TVI_EDOMAIN, TVI_ENONFINITE, TVI_ENONFINITE};
-    ck_assert_int_eq(rescale(of_potential(spring), number, &values[_i], NULL), expected[_i]);
+    const char *const text = expected[_i] == TVI_EDOMAIN ? "a time scale that is not positive" : "not finite";
+    refuse(of_potential(spring), number, &values[_i], expected[_i], text);
 }
 END_TEST
 
-START_TEST(jets_that_are_no_scale) { ck_assert_int_eq(rescale(of_potential(spring), unset, NULL, NULL), TVI_EDOMAIN); }
+START_TEST(jets_that_are_no_scale)
+{
+    tvi_system *system;
+    jet kept;
+    refuse(of_potential(spring), unset, NULL, TVI_EDOMAIN, "jet_div");
+    ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, keeping, &kept), TVI_OK);
+    refuse(system, foreign, &kept, TVI_EINVAL, "jets of another recording");
+}
 END_TEST
 
 /* A step where g is negative, zero or too large is refused, and the state is as it was. */
-static void check_step(tvi_rescale_fn *g, double q0, tvi_status expected)
+static void check_step(tvi_rescale_fn *g, double q0, tvi_status expected, const char *text)
 {
     static const char *const names[] = {"galerkin", "poincare", "right", "left", "taylor"};
     for (int i = 0; i < 5; i++) {
         state start = {.q = {q0}, .p = {0.5}};
-        tvi_system *system;
-        ck_assert_int_eq(rescale(of_potential(spring), g, NULL, &system), TVI_OK);
-        run r = open_run(system, names[i], 6, &start);
+        run r = open_run(rescale(of_potential(spring), g, NULL), names[i], 6, &start);
         ck_assert_int_eq(run_steps(&r, 0.1, 1), expected);
+        ck_assert_ptr_nonnull(strstr(tvi_last_error(), "step of 0.1 in s, of K = g (H + e), from t = 0"));
+        ck_assert_msg(strstr(tvi_last_error(), text) != NULL, "%s: %s", text, tvi_last_error());
         ck_assert(memcmp(&r.x, &start, sizeof start) == 0);
         ck_assert_int_eq(tvi_dense(r.integrator, 0.5, start.q, start.p), TVI_EINVAL);
         r.x.q[0] = g == position ? 0.5 : -0.01; /* and it goes on where there is a scale */
@@ -150,9 +178,24 @@ static void check_step(tvi_rescale_fn *g, double q0, tvi_status expected)
 
 START_TEST(steps_without_a_scale)
 {
-    check_step(position, -1, TVI_EDOMAIN);
-    check_step(position, 0, TVI_EDOMAIN);
-    check_step(reciprocal, 1, TVI_ENONFINITE);
+    check_step(position, -1, TVI_EDOMAIN, "jet_sqrt has no power series at -2");
+    check_step(position, 0, TVI_EDOMAIN, "jet_sqrt has no power series at 0");
+    check_step(reciprocal, 1, TVI_ENONFINITE, "not finite");
+}
+END_TEST
+
+/* A fall to the centre, at t = pi / sqrt 8, takes infinitely many steps: the run ends where they do not move the time. */
+START_TEST(collision)
+{
+    const state start = {0, {1, 0}, {0, 0}};
+    const double way = _i ? -1 : 1;
+    const double end = acos(-1) / sqrt(8);
+    run r = open_run(rescaled_system(2, NULL, kepler, kepler_scale), NULL, 0, &start);
+    ck_assert_int_eq(tvi_integrate_to(r.integrator, way * 0.5, way * 2, &r.x.t, r.x.q, r.x.p, NULL, NULL), TVI_ENOCONV);
+    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "the time does not move"));
+    ck_assert_double_eq_tol(r.x.t, way * end, 1e-15);
+    ck_assert_double_le(fabs(r.x.q[0]), 1e-18);
+    close_run(&r);
 }
 END_TEST
 
@@ -161,8 +204,7 @@ START_TEST(methods)
 {
     static const char *const refused[] = {"tvi",       "start",         "end",           "midpoint",
                                           "both-ends", "symmetric-tvi", "stormer-verlet"};
-    tvi_system *system;
-    ck_assert_int_eq(rescale(of_potential(spring), NULL, NULL, &system), TVI_OK);
+    tvi_system *system = rescale(of_potential(spring), NULL, NULL);
     for (int i = 0; i < 7; i++) {
         tvi_options options;
         tvi_integrator *integrator;
@@ -185,6 +227,7 @@ Suite *suite_refused(void)
     tcase_add_loop_test(tests, numbers_that_are_no_scale, 0, 4);
     tcase_add_test(tests, jets_that_are_no_scale);
     tcase_add_test(tests, steps_without_a_scale);
+    tcase_add_loop_test(tests, collision, 0, 2);
     tcase_add_test(tests, methods);
     suite_add_tcase(suite, tests);
     return suite;
