@@ -184,7 +184,7 @@ START_TEST(steps_without_a_scale)
 }
 END_TEST
 
-/* A fall to the centre, at t = pi / sqrt 8, takes infinitely many steps: the run ends where they do not move the time. */
+/* A fall to the centre, at t = pi / sqrt 8, takes infinitely many steps: the run ends where the time stands still. */
 START_TEST(collision)
 {
     const state start = {0, {1, 0}, {0, 0}};
