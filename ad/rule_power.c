@@ -109,8 +109,8 @@ static inline __m512d inverse_cube_of_root(__m512d a)
     const __m512d y = _mm512_castsi512_pd(_mm512_and_epi64(_mm512_castpd_si512(_mm512_rsqrt14_pd(bounded)), few_bits));
     const __m512d square = y * y, cube = square * y;
     const __m512d e = _mm512_fnmadd_pd(bounded, square, _mm512_set1_pd(1));
-    const __m512d series = e * ((1.5 + e * 1.875) + (e * e) * (2.1875 + e * 2.4609375));
-    return _mm512_fmadd_pd(cube, series, cube);
+    const __m512d series = (1.5 + e * 1.875) + (e * e) * (2.1875 + e * 2.4609375);
+    return _mm512_fmadd_pd(cube * e, series, cube);
 }
 
 static bool gravity(int width, const double *a, double *restrict z)
@@ -138,16 +138,21 @@ static bool gravity(int width, const double *a, double *restrict z)
 }
 #endif
 
-static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)
+/* Apart, so that gravity does not pay for the registers of all the others. */
+static __attribute__((noinline)) bool other_power(double c, int width, const double *a, double *restrict z)
 {
-    (void)b;
-    if (c == -1.5) return gravity(width, a, z);
     if (fabs(2 * c) <= HALVES_MAX && 2 * c == floor(2 * c)) {
         power_by_halves((int)(2 * c), width, a, z);
     } else {
         for (int w = 0; w < width; w++) z[w] = pow(a[w], c);
     }
     return c == floor(c) ? is_nonzero(width, a) : is_positive(width, a);
+}
+
+static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)
+{
+    (void)b;
+    return c == -1.5 ? gravity(width, a, z) : other_power(c, width, a, z);
 }
 
 /* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). */

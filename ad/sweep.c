@@ -9,7 +9,7 @@ static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || ru
 JET_INLINE bool values_of(const jet_tape *tape, double *x, int lanes)
 {
     bool inside = true;
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+    for (const jet_run *run = tape->run, *const end = run + tape->runs; run < end; run++) {
         if (is_product(run)) jet_product_values(tape, run, x, lanes);
         else if (run->op == OP_LINEAR) jet_linear_values(tape, run, x, lanes);
         else

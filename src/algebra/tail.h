@@ -15,6 +15,7 @@ typedef struct {
     double last_p;   /* the last term of p', times what makes it a momentum */
     double last_q;   /* that of q', where it is not p' that makes it: of a Hamiltonian or a Lagrangian */
     double place;    /* q */
+    double per_momentum, per_movement; /* 1 / momentum, 1 / movement */
 } tvi_tail_part;
 
 /* A component that does less than a hundredth of what another one does is measured by the other one: as the end of a
@@ -34,13 +35,14 @@ static inline double tvi_tail_share(const tvi_tail_part *part, bool has_masses)
 }
 
 /* Less the roundoff of a force, which is that of the positions that it is made of, relative to how far they move. What
- * is 0 / 0 counts as 0. */
+ * is 0 / 0 counts as 0. No branches: which of two is the larger changes from step to step. */
 static inline double tvi_tail_ratio(const tvi_tail_part *part)
 {
-    const double roundoff = 32 * DBL_EPSILON * part->place / part->movement;
-    double ratio = part->last_p / part->momentum;
-    if (part->last_q > 0) ratio = part->last_q / part->movement <= ratio ? ratio : part->last_q / part->movement;
-    return ratio - roundoff > 0 ? ratio - roundoff : ratio > 0 && part->place == 0 ? ratio : 0;
+    const double of_p = part->last_p * part->per_momentum, of_q = part->last_q * part->per_movement;
+    const double known_q = part->last_q > 0 ? of_q : 0, ratio = of_p >= known_q ? of_p : known_q;
+    const double of_place = 32 * DBL_EPSILON * part->place * part->per_movement;
+    const double rest = ratio - (part->place > 0 ? of_place : 0);
+    return rest > 0 ? rest : 0;
 }
 
 static inline void tvi_tail_look(tvi_tail_survey *survey, const tvi_tail_part *part, bool has_masses)
@@ -60,8 +62,8 @@ static inline bool tvi_tail_is_known(const tvi_tail_survey *survey)
 
 static inline double tvi_tail_of(double ratio, double share, double largest)
 {
-    const double least = TVI_TAIL_LEAST * largest;
-    return ratio * (share < least ? share / least : 1);
+    const double least = TVI_TAIL_LEAST * largest, part = share * (1 / least);
+    return ratio * (share < least ? part : 1);
 }
 
 #endif

@@ -14,7 +14,9 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
     w->b = tvi_arena_doubles(arena, width);
     w->c = tvi_arena_doubles(arena, width);
     w->matrix = tvi_arena_doubles(arena, width * width);
-    w->factor = tvi_arena_doubles(arena, width * SUMS);
+    w->weights.points = points;
+    w->weights.pair = tvi_arena_doubles(arena, width * OF_PAIR);
+    w->weights.last = tvi_arena_doubles(arena, width);
 }
 
 static double on_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
@@ -43,13 +45,12 @@ static void set_nodes(galerkin_coefficients *w)
 
 /* The last one is that of the tail. What drives an unknown is sum_k f_k P_k(x), x in [-1, 1], P_k Legendre's
  * polynomials; f_k, k = m - 1, is the last term at the ends. */
-static void set_factors(galerkin_coefficients *w, const galerkin_dense *dense)
+static void set_weights(galerkin_coefficients *w, const galerkin_dense *dense)
 {
     const int m = w->points;
     for (int j = 0; j < m; j++) {
-        w->factor[j * SUMS + SUM_ONCE] = 1;
-        w->factor[j * SUMS + SUM_TWICE] = 1 - w->c[j];
-        w->factor[j * SUMS + SUM_TAIL] = dense->of_node[j * w->lanes + m - 1];
+        for (int k = 0; k < OF_PAIR; k++) w->weights.pair[j * OF_PAIR + k] = k % 2 == 0 ? 1 : 1 - w->c[j];
+        w->weights.last[j] = dense->of_node[j * w->lanes + m - 1];
     }
 }
 
@@ -89,6 +90,6 @@ void tvi_galerkin_coefficients_prepare(galerkin_coefficients *w, galerkin_dense 
 {
     set_nodes(w);
     tvi_galerkin_dense_prepare(dense, w->lanes, w->exact_node);
-    set_factors(w, dense);
+    set_weights(w, dense);
     set_matrix(w, dense, is_second_order);
 }

@@ -9,7 +9,7 @@ typedef struct {
     double *b, *c;    /* [lanes] */
     double inverse_b; /* of the first and the last */
     double *matrix;   /* [j][i] what multiplies impulse j in an unknown at node i */
-    double *factor;   /* [j][SUMS] */
+    galerkin_weights weights;
     long double exact_node[TVI_GALERKIN_MAX_LANES], exact_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
 

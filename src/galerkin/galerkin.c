@@ -5,7 +5,6 @@
  *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
  * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what
  * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
-#include "algebra/tail.h"
 #include "galerkin/passes.h"
 #include "galerkin/predictor.h"
 
@@ -23,10 +22,10 @@ typedef struct {
     galerkin_probe probe;
     tvi_passes_rule rule;
     galerkin_dense dense;
-    double *sum;               /* [unknowns][SUMS] of the impulses */
     double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
     double *share, *ratio;     /* [n] of the tail */
     double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
+    galerkin_motion motion;
 } galerkin;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
@@ -68,6 +67,17 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     field->slot = tvi_arena_take(arena, unknowns * sizeof(int));
 }
 
+static void take_motion(galerkin_motion *motion, tvi_arena *arena, const tvi_system *system, double *scale)
+{
+    galerkin_sums *sums = &motion->sums;
+    double **const vectors[] = {&sums->once, &sums->twice, &sums->last, &sums->reach};
+    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs);
+    motion->n = system->n;
+    motion->has_masses = system->form == TVI_SEPARABLE;
+    motion->scale = scale;
+    motion->per_scale = tvi_arena_doubles(arena, (size_t)system->n);
+}
+
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     galerkin *taken = tvi_arena_take(arena, sizeof *taken);
@@ -79,12 +89,12 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.field.matrix = w.coefficients.matrix;
     tvi_galerkin_predictor_take(&w.predictor, arena, unknowns, lanes);
     tvi_galerkin_dense_take(&w.dense, arena, w.field.points, lanes, system->field_values->sweeps);
-    w.sum = tvi_arena_doubles(arena, (size_t)unknowns * SUMS);
     w.drift = tvi_arena_doubles(arena, (size_t)unknowns);
     w.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
     w.share = tvi_arena_doubles(arena, (size_t)w.n);
     w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
+    take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
     tvi_galerkin_probe_take(&w.probe, arena, &w.field);
     if (taken) *taken = w;
@@ -97,6 +107,7 @@ static void prepare(void *work)
     tvi_galerkin_coefficients_prepare(&w->coefficients, &w->dense, galerkin_is_second_order(&w->field));
     w->field.form->prepare(&w->field);
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
+    w->motion.per_weight = w->coefficients.inverse_b;
     w->rule = tvi_galerkin_rule(&w->field, w->options);
 }
 
@@ -115,6 +126,7 @@ static void set_size(galerkin *w, double h)
                                                               : w->field.form->force_sign;
     for (int i = 0; i < w->n; i++) {
         w->rise[i] = nodes->scale[i];
+        w->motion.per_scale[i] = 1 / fabs(nodes->scale[i]);
         w->rise[w->n + i] = galerkin_is_second_order(&w->field) ? 1 : nodes->scale[w->n + i];
     }
 }
@@ -176,54 +188,27 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* h times what drives an unknown at its first and its last node. */
-static double reach(const galerkin *w, int u)
-{
-    const double *impulse = w->field.nodes.impulse + u * w->field.nodes.lanes;
-    return (fabs(impulse[0]) + fabs(impulse[w->field.points - 1])) * w->coefficients.inverse_b;
-}
-
-/* Of component i, in the step that moves p by dp. */
-static tvi_tail_part tail_part(const galerkin *w, const tvi_origin *origin, const double dp[], int i)
-{
-    const bool has_masses = galerkin_is_second_order(&w->field);
-    const int u = has_masses ? i : w->n + i; /* of p */
-    tvi_tail_part part = {.momentum = fabs(origin->p[i]) + (fabs(dp[i]) + reach(w, u)),
-                          .last_p = fabs(w->sum[u * SUMS + SUM_TAIL]),
-                          .last_q = has_masses ? 0 : fabs(w->sum[i * SUMS + SUM_TAIL]),
-                          .place = fabs(origin->q[i])};
-    part.movement = has_masses ? fabs(w->field.nodes.scale[i]) * part.momentum : reach(w, i);
-    return part;
-}
-
-/* tail.h, without a branch on what is not the same in all steps. */
-static double tail(const galerkin *w, const tvi_origin *origin, const double dp[])
-{
-    const bool has_masses = galerkin_is_second_order(&w->field);
-    double largest = 0, most = 0;
-    if (w->field.points < 2) return 0;
-    for (int i = 0; i < w->n; i++) {
-        const tvi_tail_part part = tail_part(w, origin, dp, i);
-        w->share[i] = tvi_tail_share(&part, has_masses);
-        w->ratio[i] = tvi_tail_ratio(&part);
-        largest = tvi_larger(w->share[i], largest);
-    }
-    for (int i = 0; i < w->n; i++) most = tvi_larger(tvi_tail_of(w->ratio[i], w->share[i], largest), most);
-    return most;
-}
-
 static void set_increments(const galerkin *w, double dq[], double dp[])
 {
     const galerkin_nodes *nodes = &w->field.nodes;
-    const double *sum = w->sum;
+    const galerkin_sums *sums = &w->motion.sums;
     if (galerkin_is_second_order(&w->field)) {
-        w->field.loops->end_drifting(nodes, sum, w->drift, w->drift_low, dq, dp);
+        w->field.loops->end_drifting(nodes, sums, w->drift, w->drift_low, dq, dp);
         return;
     }
     for (int i = 0; i < w->n; i++) {
-        dq[i] = nodes->scale[i] * sum[i * SUMS + SUM_ONCE];
-        dp[i] = nodes->scale[w->n + i] * sum[(w->n + i) * SUMS + SUM_ONCE];
+        dq[i] = nodes->scale[i] * sums->once[i];
+        dp[i] = nodes->scale[w->n + i] * sums->once[w->n + i];
     }
+}
+
+static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
+{
+    galerkin_motion *motion = &w->motion;
+    motion->q = origin->q;
+    motion->p = origin->p;
+    motion->dp = dp;
+    return w->field.points < 2 ? 0 : w->field.loops->tail(motion, w->share, w->ratio);
 }
 
 static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
@@ -238,7 +223,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &slowest, stats);
     if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &slowest, stats);
     if (status != TVI_OK) return status;
-    w->field.loops->integrate(&w->field.nodes, w->coefficients.factor, w->sum);
+    w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
     tvi_galerkin_remember(&w->predictor, &w->field, origin->t, slowest);
     set_increments(w, dq, dp);
     stats->tail = tail(w, origin, dp);

@@ -1,4 +1,6 @@
 /* loops.c - see galerkin.h. */
+#include "algebra/sizes.h"
+#include "algebra/tail.h"
 #include "galerkin/lanes.h"
 #include "rule.h"
 #include "method/stepper.h"
@@ -24,16 +26,23 @@ JET_INLINE double sum_of(const double x[], size_t count)
 enum { CHAINS = 4 };
 #define CHAINS_OF(blocks) (lanes == 1 ? 1 : lanes == 2 || (blocks) > 2 ? 2 : CHAINS)
 
-#define SET_PRODUCT(V, blocks, matrix, impulse)                                                                        \
+/* Where a row is one block it stays in its register, in `row`, for all unknowns; gcc keeps plain copies in memory, sums
+ * with 0 in registers. */
+#define KEEP_ROWS(V, blocks, row, matrix)                                                                              \
+    V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
+    for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = BLOCK_OF(V, (matrix) + j * lanes, 0) + (V){0};
+#define ROW_OF(V, blocks, row, matrix, j, k) ((blocks) == 1 ? row[j] : BLOCK_OF(V, (matrix) + (j)*lanes, k))
+
+#define SET_PRODUCT(V, blocks, row, matrix, impulse)                                                                   \
     V sum[CHAINS][MOST_BLOCKS];                                                                                        \
     for (int j = 0; j < CHAINS_OF(blocks); j++)                                                                        \
-        for (int k = 0; k < (blocks); k++) sum[j][k] = BLOCK_OF(V, (matrix) + j * lanes, k) * (impulse)[j];            \
-    ADD_PRODUCT(V, blocks, matrix, impulse, CHAINS_OF(blocks))
+        for (int k = 0; k < (blocks); k++) sum[j][k] = ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[j];            \
+    ADD_PRODUCT(V, blocks, row, matrix, impulse, CHAINS_OF(blocks))
 
-#define ADD_PRODUCT(V, blocks, matrix, impulse, from)                                                                  \
+#define ADD_PRODUCT(V, blocks, row, matrix, impulse, from)                                                             \
     for (int j = (from); j < lanes; j++)                                                                               \
         for (int k = 0; k < (blocks); k++)                                                                             \
-            sum[j % CHAINS_OF(blocks)][k] += BLOCK_OF(V, (matrix) + j * lanes, k) * (impulse)[j];
+            sum[j % CHAINS_OF(blocks)][k] += ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[j];
 
 #define ADD_CHAINS(blocks)                                                                                             \
     for (int half = CHAINS_OF(blocks) / 2; half > 0; half /= 2)                                                        \
@@ -52,8 +61,9 @@ enum { CHAINS = 4 };
     {                                                                                                                  \
         V squares = {0};                                                                                               \
         WEIGH(V, blocks)                                                                                               \
+        KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, impulse += lanes) {                              \
-            SET_PRODUCT(V, blocks, matrix, impulse)                                                                    \
+            SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
             ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++) {                                                                       \
                 const V place = start[u] + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                              \
@@ -76,29 +86,28 @@ JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, 
     return moved;
 }
 
-static double move(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[])
-{
-    double sum;
-#define CALL(lanes) sum = move_lanes(nodes, matrix, drives, slot, lanes)
-    FOR_LANES(nodes->lanes, CALL)
-#undef CALL
-    return sum;
-}
+BY_LANES(double, return, move, nodes->lanes,
+         (const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]), nodes, matrix,
+         drives, slot)
 
 #define PREDICT(V, blocks)                                                                                             \
-    for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, last += lanes, before += lanes) {                    \
-        SET_PRODUCT(V, blocks, matrix, last)                                                                           \
-        if (steps > 1) ADD_PRODUCT(V, blocks, matrix + lanes * lanes, before, 0)                                       \
-        ADD_CHAINS(blocks)                                                                                             \
-        for (int k = 0; k < (blocks); k++)                                                                             \
-            BLOCK_AT(V, x, k) = start[u] + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                              \
+    {                                                                                                                  \
+        KEEP_ROWS(V, blocks, row, matrix)                                                                              \
+        KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
+        for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, last += lanes, before += lanes) {                \
+            SET_PRODUCT(V, blocks, row, matrix, last)                                                                  \
+            if (steps > 1) ADD_PRODUCT(V, blocks, row_before, of_before, before, 0)                                    \
+            ADD_CHAINS(blocks)                                                                                         \
+            for (int k = 0; k < (blocks); k++)                                                                         \
+                BLOCK_AT(V, x, k) = start[u] + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                          \
+        }                                                                                                              \
     }
 
 JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
                               const double *const impulses[], int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
-    const double *last = impulses[0], *before = impulses[steps - 1];
+    const double *last = impulses[0], *before = impulses[steps - 1], *of_before = matrix + (steps - 1) * lanes * lanes;
     const int unknowns = nodes->unknowns;
     double *x = nodes->x;
     ALL_LANES(lanes, PREDICT)
@@ -126,10 +135,11 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
     {                                                                                                                  \
         V squares = {0};                                                                                               \
         DRIVE(V, blocks)                                                                                               \
+        KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         impulse = rounds->impulse;                                                                                     \
         for (int i = 0; i < rounds->count; i++, impulse += lanes) {                                                    \
             const int u = rounds->unknown[i];                                                                          \
-            SET_PRODUCT(V, blocks, matrix, impulse)                                                                    \
+            SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
             ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++) {                                                                       \
                 const V change = nodes->scale[u] * sum[0][k], part = change * nodes->inverse_size[u];                  \
@@ -158,30 +168,86 @@ static double go_round(const galerkin_nodes *nodes, const double *matrix, const 
 }
 
 /* Two-sums: what each addition loses is collected. */
-#define SUM(V, S)                                                                                                      \
+JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, jet_v4 term)
+{
+    const jet_v4 next = *total + term, added = next - *total;
+    *lost += (*total - (next - added)) + (term - added);
+    *total = next;
+}
+
+/* Both sums of two unknowns, u and v. Nodes in turns make two chains, which do not wait for each other. */
+JET_INLINE void sum_pair(const double *factor, const double *u, const double *v, double sum[OF_PAIR], int lanes)
+{
+    jet_v4 total[2] = {{0}}, lost[2] = {{0}};
+    for (int j = 0; j < lanes; j++) {
+        const jet_v4 term = *(const jet_v4 *)(factor + j * OF_PAIR) * (jet_v4){u[j], u[j], v[j], v[j]};
+        if (j < 2) total[j] = term;
+        else add_two_sum(&total[j % 2], &lost[j % 2], term);
+    }
+    add_two_sum(&total[0], &lost[0], total[1]);
+    *(jet_v4 *)sum = total[0] + (lost[0] + lost[1]);
+}
+
+#define LAST(V, blocks)                                                                                                \
     {                                                                                                                  \
-        V total = {0}, lost = {0};                                                                                     \
-        for (int j = 0; j < lanes; j++) {                                                                              \
-            const V term = *(const V *)(factor + j * SUMS + here) * impulse[j];                                        \
-            const V next = total + term, added = next - total;                                                         \
-            lost += (total - (next - added)) + (term - added);                                                         \
-            total = next;                                                                                              \
-        }                                                                                                              \
-        *(V *)(sum + u * SUMS + here) = total + lost;                                                                  \
+        V sum = {0};                                                                                                   \
+        for (int k = 0; k < (blocks); k++) sum += BLOCK_OF(V, of_last, k) * BLOCK_OF(V, impulse, k);                   \
+        last[u] = fabs(sum_of((const double *)&sum, sizeof sum / sizeof(double)));                                     \
     }
 
-JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const double *factor, double *sum, int lanes)
+JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums,
+                                int lanes)
 {
-    for (int u = 0; u < nodes->unknowns; u++) {
-        const double *impulse = nodes->impulse + u * lanes;
-        JET_BLOCKS(SUMS, SUM, );
+    double *const once = sums->once, *const twice = sums->twice, *const last = sums->last, *const reach = sums->reach;
+    const double *impulse = nodes->impulse, *const factor = weights->pair, *const of_last = weights->last;
+    const int unknowns = nodes->unknowns, end = weights->points - 1;
+    for (int u = 0; u < unknowns; u += 2) {
+        const int v = u + 1 < unknowns ? u + 1 : u;
+        double sum[OF_PAIR];
+        sum_pair(factor, impulse + u * lanes, impulse + v * lanes, sum, lanes);
+        once[u] = sum[0];
+        twice[u] = sum[1];
+        once[v] = sum[2];
+        twice[v] = sum[3];
+    }
+    for (int u = 0; u < unknowns; u++, impulse += lanes) {
+        ALL_LANES(lanes, LAST)
+        reach[u] = fabs(impulse[0]) + fabs(impulse[end]);
     }
 }
 
-static void integrate(const galerkin_nodes *nodes, const double *factor, double *sum){
-#define CALL(lanes) integrate_lanes(nodes, factor, sum, lanes)
-    FOR_LANES(nodes->lanes, CALL)
-#undef CALL
+BY_LANES(void, , integrate, nodes->lanes,
+         (const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums), nodes, weights,
+         sums)
+
+/* A loop without comparisons that last from one component to the next is one of vectors. */
+JET_INLINE void tails_of(const galerkin_motion *of, double *restrict share, double *restrict ratio, bool has_masses)
+{
+    const int n = of->n, first = has_masses ? 0 : n; /* of p */
+    const double *q = of->q, *p = of->p, *dp = of->dp, *scale = of->scale, per_weight = of->per_weight;
+    const double *reach_q = of->sums.reach, *reach_p = reach_q + first, *last_q = of->sums.last,
+                 *last_p = last_q + first;
+    for (int i = 0; i < n; i++) {
+        tvi_tail_part part = {.momentum = fabs(p[i]) + (fabs(dp[i]) + reach_p[i] * per_weight),
+                              .last_p = last_p[i],
+                              .last_q = has_masses ? 0 : last_q[i],
+                              .place = fabs(q[i])};
+        part.per_momentum = 1 / part.momentum;
+        part.movement = has_masses ? fabs(scale[i]) * part.momentum : reach_q[i] * per_weight;
+        part.per_movement = has_masses ? of->per_scale[i] * part.per_momentum : 1 / part.movement;
+        share[i] = tvi_tail_share(&part, has_masses);
+        ratio[i] = tvi_tail_ratio(&part);
+    }
+}
+
+static double tail(const galerkin_motion *of, double *share, double *ratio)
+{
+    double largest = 0, most = 0;
+    if (of->has_masses) tails_of(of, share, ratio, true);
+    else tails_of(of, share, ratio, false);
+    for (int i = 0; i < of->n; i++) largest = tvi_larger(share[i], largest);
+    for (int i = 0; i < of->n; i++) most = tvi_larger(tvi_tail_of(ratio[i], share[i], largest), most);
+    return most;
 }
 
 #define SET_ALL(V, blocks)                                                                                             \
@@ -234,12 +300,13 @@ static void start_drifting(const galerkin_nodes *nodes, const double *c, const t
 #undef CALL
 }
 
-static void end_drifting(const galerkin_nodes *nodes, const double *sum, const double *drift, const double *drift_low,
-                         double dq[], double dp[])
+static void end_drifting(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
+                         const double *drift_low, double dq[], double dp[])
 {
-    for (int u = 0; u < nodes->unknowns; u++, sum += SUMS) {
-        dq[u] = drift[u] + fma(nodes->scale[u], sum[SUM_TWICE], drift_low[u]);
-        dp[u] = sum[SUM_ONCE];
+    const double *scale = nodes->scale, *once = sums->once, *twice = sums->twice;
+    for (int u = 0, unknowns = nodes->unknowns; u < unknowns; u++) {
+        dq[u] = drift[u] + fma(scale[u], twice[u], drift_low[u]);
+        dp[u] = once[u];
     }
 }
 
@@ -275,4 +342,5 @@ static void place(const galerkin_places *p, const double *table, const double *i
 }
 
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
-    move, predict, go_round, integrate, start, start_drifting, end_drifting, place, &JET_FOR_ISA(tvi_lagrangian_loops)};
+    move,           predict,      go_round, integrate, start,
+    start_drifting, end_drifting, tail,     place,     &JET_FOR_ISA(tvi_lagrangian_loops)};

@@ -10,9 +10,29 @@
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12 };
 
-/* The sums of the impulses over the nodes: with weight 1, with 1 - c_j, and of the curve's last term. They are as many
- * as lanes of a vector; the last one stays 0. */
-enum { SUM_ONCE, SUM_TWICE, SUM_TAIL, SUMS = 4 };
+/* What multiplies the impulses in their sums over the nodes: 1 and 1 - c_j, and these for a second unknown beside the
+ * first; and that of the curve's last term. */
+enum { OF_PAIR = 4 };
+typedef struct {
+    int points;
+    double *pair; /* [lanes][OF_PAIR] */
+    double *last; /* [lanes] */
+} galerkin_weights;
+
+/* [unknowns] of each: the sums, the last one without sign, and |L| at the first and the last node together. */
+typedef struct {
+    double *once, *twice, *last, *reach;
+} galerkin_sums;
+
+/* A step, as its tail sees it (algebra/tail.h). */
+typedef struct {
+    int n;
+    bool has_masses; /* a separable system */
+    galerkin_sums sums;
+    double per_weight;         /* 1 / b of the first and the last node */
+    double *scale, *per_scale; /* [n] of the nodes, and 1 / |scale| */
+    const double *q, *p, *dp;  /* [n] at the start, and the increment */
+} galerkin_motion;
 
 /* Unknown u of node i stands at x[u][i]. What drives it, F_j = drives[slot[u]][j], acts by its impulses
  * L_j = weight_j F_j, which are rounded once and enter all sums alike: what these sums keep does not depend on how L_j
@@ -44,17 +64,19 @@ typedef struct {
     /* change <- scale sum_j matrix_ji weight_j (second change)_j, and moved += change. Returns the sum of the squares
      * of change inverse_size. */
     double (*round)(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds);
-    /* sum[u][k] = sum_j factor_jk L_j of the last movement, compensated. */
-    void (*integrate)(const galerkin_nodes *nodes, const double *factor, double *sum);
+    /* Of the last movement; `once` and `twice` are compensated. */
+    void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
     /* start = (q, p) and base = (q_low, p_low) of the origin, n of each. */
     void (*start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin);
     /* start = q, drift + drift_low = scale (p + p_low) and base_i = q_low + c_i drift_low + c_i drift for all unknowns,
      * c [lanes]. */
     void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
                            double *drift_low);
-    /* dq = drift + drift_low + scale SUM_TWICE, dp = SUM_ONCE, from what `integrate` made. */
-    void (*end_drifting)(const galerkin_nodes *nodes, const double *sum, const double *drift, const double *drift_low,
-                         double dq[], double dp[]);
+    /* dq = drift + drift_low + scale twice, dp = once, from what `integrate` made. */
+    void (*end_drifting)(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
+                         const double *drift_low, double dq[], double dp[]);
+    /* share, ratio [n]: scratch. */
+    double (*tail)(const galerkin_motion *of, double *share, double *ratio);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
     const lagrangian_loops *lagrangian;
 } galerkin_loops;

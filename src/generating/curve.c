@@ -211,6 +211,8 @@ static tvi_tail_part tail_part(const tvi_curve *curve, int q_degree, int p_degre
     for (int k = 1; k <= p_degree; k++) part.momentum += part.last_p = k * fabs(momentum(curve, k, i));
     for (int k = 1; k <= q_degree; k++) part.movement += part.last_q = k * fabs(tvi_curve_Q(curve, k)[i]);
     if (curve->system->form == TVI_SEPARABLE) part.last_q = 0;
+    part.per_momentum = 1 / part.momentum;
+    part.per_movement = 1 / part.movement;
     return part;
 }
 

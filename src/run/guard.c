@@ -87,7 +87,7 @@ tvi_status tvi_guard_step(tvi_integrator *it, const tvi_stats *before)
 {
     const tvi_stats *stats = &it->stats;
     const double most = it->options.max_tail;
-    it->stats.largest_tail = fmax(stats->largest_tail, stats->tail);
+    if (stats->tail > stats->largest_tail) it->stats.largest_tail = stats->tail;
     if (most >= 0 && stats->tail > most)
         return jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", stats->tail, most);
     if (keeps_energy(it) && !is_sure(it, before))
