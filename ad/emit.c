@@ -189,3 +189,13 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
     if (wanted->has_adjoints) jet_text_add(text, ".adjoints = %s_adjoints, ", name);
     jet_text_add(text, ".isa = JET_EMITTED_ISA};\n");
 }
+
+const jet_sweeps *jet_sweeps_merge(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code)
+{
+    *merged = *interpreted;
+    if (code->values) merged->values = code->values;
+    if (code->series) merged->series = code->series;
+    if (code->tangents) merged->tangents = code->tangents;
+    if (code->adjoints) merged->adjoints = code->adjoints;
+    return merged;
+}

@@ -18,6 +18,9 @@ typedef struct {
     bool has_series, has_adjoints; /* of one lane */
 } jet_emission;
 
+/* *merged = the code's sweeps, and for those that it has not the tape's own; returns it. */
+const jet_sweeps *jet_sweeps_merge(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code);
+
 /* The lines of the rules; NULL ends them. */
 const char *const *jet_emit_lines(void);
 

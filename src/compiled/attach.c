@@ -27,14 +27,8 @@ typedef struct {
 static void clothe(clothed *c, tvi_code_tape which, jet_tape **tape, const jet_sweeps *code)
 {
     if (!*tape || !code) return;
-    jet_sweeps *sweeps = &c->sweeps[which];
-    *sweeps = *(*tape)->interpreted;
-    if (code->values) sweeps->values = code->values;
-    if (code->series) sweeps->series = code->series;
-    if (code->tangents) sweeps->tangents = code->tangents;
-    if (code->adjoints) sweeps->adjoints = code->adjoints;
     c->tape[which] = **tape;
-    c->tape[which].sweeps = sweeps;
+    c->tape[which].sweeps = jet_sweeps_merge(&c->sweeps[which], (*tape)->interpreted, code);
     *tape = &c->tape[which];
 }
 

@@ -15,6 +15,7 @@ int main(void)
     srunner_add_suite(runner, isa_suite());
     srunner_add_suite(runner, gradient_suite());
     srunner_add_suite(runner, hash_suite());
+    srunner_add_suite(runner, emit_suite());
     srunner_run_all(runner, CK_ENV);
     const int failed = srunner_ntests_failed(runner);
     srunner_free(runner);

@@ -17,6 +17,7 @@ Suite *adjoint_suite(void);
 Suite *isa_suite(void);
 Suite *gradient_suite(void);
 Suite *hash_suite(void);
+Suite *emit_suite(void);
 
 /* Cases of the suites "record" and "tape" that have files of their own. */
 void add_sharing(Suite *suite);

@@ -1,0 +1,189 @@
+/* test_emit.c - generated code gives what the tape gives: every operation, every kind of sweep, with orders unrolled and
+ * in loops, bit for bit where nothing is fused; but adjoints of sums, which are added in another order. All functions
+ * are one shared library, made once. */
+#define _XOPEN_SOURCE 700
+#include "emit.h"
+#include "record.h"
+#include "suites.h"
+
+#include <dlfcn.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { DEGREE = 3, SHORT = DEGREE + 1, LANES = 8, DIRECTIONS = 3, MANY_ORDERS = 1000000 };
+
+static void *library;
+static char directory[64];
+
+/* Each operation once, odd ones with loops, and the last compositions. */
+static bool is_tested(int i)
+{
+    if (i >= operation_count) return i >= operation_count + composition_count - 3;
+    return i == 0 || strcmp(any_function(i)->name, any_function(i - 1)->name) != 0;
+}
+
+/* The tapes of function i: S of its series, V of its values. */
+static void emit_function(jet_text *text, int i)
+{
+    recording series = record_outputs(any_function(i), JET_TAPE_SERIES);
+    recording values = record_outputs(any_function(i), JET_TAPE_VALUES);
+    char names[2][16];
+    snprintf(names[0], sizeof names[0], "S%d", i);
+    snprintf(names[1], sizeof names[1], "V%d", i);
+    const jet_emission of_series = {names[0], {1}, {DIRECTIONS}, DEGREE, true, true},
+                       of_values = {.name = names[1], .lanes = {LANES, 1}},
+                       in_loops = {names[0], {1}, {DIRECTIONS}, MANY_ORDERS, true, true};
+    jet_emit_tape(text, series.tape, i % 2 ? &in_loops : &of_series);
+    jet_emit_tape(text, values.tape, &of_values);
+    recording_free(&series);
+    recording_free(&values);
+}
+
+static void write_all(jet_text *text)
+{
+    const int count = operation_count + composition_count;
+    jet_emit_rules(text);
+    for (int i = 0; i < count; i++)
+        if (is_tested(i)) emit_function(text, i);
+    jet_text_add(text, "extern const jet_sweeps *const sweeps[][2];\nconst jet_sweeps *const sweeps[][2] = {\n");
+    for (int i = 0; i < count; i++) {
+        if (is_tested(i)) jet_text_add(text, "    {&S%d_sweeps, &V%d_sweeps},\n", i, i);
+        else jet_text_add(text, "    {0, 0},\n");
+    }
+    jet_text_add(text, "};\n");
+}
+
+/* Once for all tests: by base instructions, whose results have the same bits. */
+static void make_library(void)
+{
+    jet_text text = {0};
+    char command[300];
+    setenv("TVI_ISA", "base", 1);
+    strcpy(directory, "/tmp/tvi-emit-XXXXXX");
+    ck_assert_ptr_nonnull(mkdtemp(directory));
+    write_all(&text);
+    ck_assert(!text.failed);
+    snprintf(command, sizeof command, "%s/emit.c", directory);
+    FILE *file = fopen(command, "w");
+    ck_assert_ptr_nonnull(file);
+    ck_assert_uint_eq(fwrite(text.data, 1, text.size, file), text.size);
+    ck_assert_int_eq(fclose(file), 0);
+    free(text.data);
+    snprintf(command, sizeof command,
+             "cc -w -O1 -ffp-contract=off -fno-math-errno -shared -fPIC -o %s/emit.so %s/emit.c -lm", directory,
+             directory);
+    ck_assert_int_eq(system(command), 0);
+    snprintf(command, sizeof command, "%s/emit.so", directory);
+    library = dlopen(command, RTLD_NOW);
+    ck_assert_msg(library != NULL, "%s", dlerror());
+}
+
+static void remove_library(void)
+{
+    char command[100];
+    dlclose(library);
+    snprintf(command, sizeof command, "rm -r %s", directory);
+    ck_assert_int_eq(system(command), 0);
+    unsetenv("TVI_ISA");
+}
+
+/* What f gives in each kind of sweep. */
+typedef struct {
+    double values[OUTPUTS_MAX * LANES], one[OUTPUTS_MAX], odd[OUTPUTS_MAX * 3], series[OUTPUTS_MAX * SHORT],
+        tangent[OUTPUTS_MAX * SHORT], tangents[OUTPUTS_MAX * SHORT * DIRECTIONS], adjoints[INPUTS_MAX * SHORT];
+} results;
+
+static int find(const char *name)
+{
+    int i = 0;
+    while (i < operation_count && strcmp(any_function(i)->name, name) != 0) i++;
+    ck_assert_int_lt(i, operation_count);
+    return i;
+}
+
+/* code NULL: the tape's own. Lanes that the code has not are the interpreter's. */
+static void run(const function *f, const jet_sweeps *of_series, const jet_sweeps *of_values, results *r)
+{
+    static double x[INPUTS_MAX * SHORT], dx[INPUTS_MAX * SHORT * DIRECTIONS], zbar[OUTPUTS_MAX * SHORT],
+        lanes[INPUTS_MAX * LANES];
+    recording series = record_outputs(f, JET_TAPE_SERIES), values = record_outputs(f, JET_TAPE_VALUES);
+    jet_sweeps own[2];
+    if (of_series) series.tape->sweeps = jet_sweeps_merge(&own[0], series.tape->interpreted, of_series);
+    if (of_values) values.tape->sweeps = jet_sweeps_merge(&own[1], values.tape->interpreted, of_values);
+    dense_series(f, DEGREE, x);
+    for (int i = 0; i < f->inputs * SHORT * DIRECTIONS; i++) dx[i] = cos(1.0 + i);
+    for (int i = 0; i < f->outputs * SHORT; i++) zbar[i] = 1.0 / (1 + i % 7);
+    for (int i = 0; i < f->inputs * LANES; i++) lanes[i] = f->centre[i / LANES] + 0.01 * (i % LANES);
+    memset(r, 0, sizeof *r);
+    ck_assert(run_values(&values, LANES, lanes, r->values));
+    ck_assert(run_values(&values, 1, f->centre, r->one));
+    for (int i = 0; i < f->inputs * 3; i++) lanes[i] = f->centre[i / 3];
+    ck_assert(run_values(&values, 3, lanes, r->odd));
+    ck_assert(run_series(&series, DEGREE, 1, x, r->series));
+    run_tangents(&series, DEGREE, 1, x, dx, r->tangent);
+    run_tangents(&series, DEGREE, DIRECTIONS, x, dx, r->tangents);
+    run_adjoints(&series, DEGREE, x, zbar, r->adjoints);
+    recording_free(&series);
+    recording_free(&values);
+}
+
+static const jet_sweeps *const (*all(void))[2] { return dlsym(library, "sweeps"); }
+
+START_TEST(code_is_the_tape)
+{
+    static results tape, code;
+    for (int i = 0; i < operation_count + composition_count; i++) {
+        const function *f = any_function(i);
+        if (!is_tested(i)) continue;
+        run(f, NULL, NULL, &tape);
+        run(f, all()[i][0], all()[i][1], &code);
+        ck_assert_msg(memcmp(&tape, &code, offsetof(results, adjoints)) == 0, "%s", f->name);
+        for (int k = 0; k < f->inputs; k++)
+            check_series(f->name, DEGREE, code.adjoints + k * SHORT, tape.adjoints + k * SHORT, 1e-14);
+    }
+}
+END_TEST
+
+/* The code of another function is not what this one gives: it is the code that runs. */
+START_TEST(another_code_is_another_function)
+{
+    static results tape, other;
+    const int i = find("sinh");
+    const function *f = any_function(find("sin"));
+    run(f, NULL, NULL, &tape);
+    run(f, all()[i][0], all()[i][1], &other);
+    ck_assert(tape.values[0] != other.values[0] && tape.one[0] != other.one[0] && tape.series[2] != other.series[2]);
+    ck_assert(tape.tangents[2 * DIRECTIONS] != other.tangents[2 * DIRECTIONS]);
+    ck_assert(tape.adjoints[0] != other.adjoints[0]);
+    ck_assert(tape.odd[0] == other.odd[0] && tape.odd[1] == other.odd[1]);
+}
+END_TEST
+
+START_TEST(outside_is_refused)
+{
+    const int i = find("log");
+    recording r = record_outputs(any_function(i), JET_TAPE_VALUES);
+    jet_sweeps own;
+    double x[LANES] = {1, 2, 3, 4, 5, 6, 7, 8}, z[LANES];
+    r.tape->sweeps = jet_sweeps_merge(&own, r.tape->interpreted, all()[i][1]);
+    ck_assert(run_values(&r, LANES, x, z));
+    ck_assert(run_values(&r, 1, x, z));
+    x[5] = 0;
+    ck_assert(!run_values(&r, LANES, x, z));
+    ck_assert(!run_values(&r, 1, x + 5, z));
+    recording_free(&r);
+}
+END_TEST
+
+Suite *emit_suite(void)
+{
+    Suite *suite = suite_create("emit");
+    TCase *tests = add_case(suite, "generated code");
+    tcase_add_unchecked_fixture(tests, make_library, remove_library);
+    tcase_add_test(tests, code_is_the_tape);
+    tcase_add_test(tests, another_code_is_another_function);
+    tcase_add_test(tests, outside_is_refused);
+    return suite;
+}
