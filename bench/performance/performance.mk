@@ -1,6 +1,6 @@
 # What docs/performance.md shows, a minute and a half. Included by the Makefile after bench.mk.
 
-PERFORMANCE          := series gradient cost dispatch events targets
+PERFORMANCE          := series gradient cost dispatch events compiled targets
 PERFORMANCE_DIR       = $(BUILD)/bench/performance
 PERFORMANCE_PROGRAMS  = $(PERFORMANCE:%=$(PERFORMANCE_DIR)/%)
 PERFORMANCE_SHARED    = $(patsubst %,$(PERFORMANCE_DIR)/%.o,turns bodies curves stepping) $(EXPERIMENTS_DIR)/experiment.o
@@ -28,7 +28,7 @@ BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand.%.o)
 $(BY_HAND): BASE += -Ibench -Ibench/scenes -Ibench/baselines
 $(PERFORMANCE_DIR)/by_hand.o: TOOL = $(BASE)
 $(PERFORMANCE_DIR)/%.o: TOOL += -Ibench/baselines $(if $(ISAS),-DJET_ISA_X86)
-$(PERFORMANCE_DIR)/series: $(BY_HAND)
+$(PERFORMANCE_DIR)/series $(PERFORMANCE_DIR)/compiled: $(BY_HAND)
 
 # matrices where the library takes products, and the reverse
 $(PERFORMANCE_DIR)/cost: LDFLAGS += -Wl,--wrap=tvi_curve_jacobians_for

@@ -1,0 +1,202 @@
+/* compiled.c - generated code beside the tape and beside what is written by hand. Writes DIR/compiled.md, for which it
+ * compiles some dozens of systems: the cache is DIR/generated.
+ *
+ *   compiled DIR */
+#include "by_hand.h"
+#include "compiled/compiled.h"
+#include "curves.h"
+#include "experiments/experiment.h"
+#include "turns.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef double error_of(const run *row);
+static double energy_error(const run *row) { return row->energy_error; }
+static double position_error(const run *row) { return row->position_error; }
+
+/* A method of the library at the largest step that reaches the error, against a rival that does so too, or that has a
+ * step of its own: u and U of docs/performance.md. */
+typedef struct {
+    const scene *scene;
+    const char *title, *method;
+    int order;
+    error_of *error;
+    double target;
+    const char *rival;
+    int rival_order;
+    double rival_h; /* 0: the largest that reaches the error */
+    double most;    /* of the ratio of the times */
+} race;
+#define AGAINST_GAUSS(id, title, target)                                                                               \
+    {                                                                                                                  \
+        &scene_##id, title, "galerkin", 16, energy_error, target, "gauss", 16, 0, 1                                    \
+    }
+static const race races[] = {
+    AGAINST_GAUSS(pendulum, "pendulum, energy to 1e-8", 1e-8),
+    AGAINST_GAUSS(pendulum, "pendulum, 1e-12", 1e-12),
+    AGAINST_GAUSS(kepler, "Kepler, 1e-8", 1e-8),
+    AGAINST_GAUSS(kepler, "Kepler, 1e-12", 1e-12),
+    AGAINST_GAUSS(henon_heiles_12, "Henon-Heiles 1/12, 1e-8", 1e-8),
+    AGAINST_GAUSS(henon_heiles_12, "Henon-Heiles 1/12, 1e-12", 1e-12),
+    AGAINST_GAUSS(henon_heiles_8, "Henon-Heiles 1/8, 1e-8", 1e-8),
+    AGAINST_GAUSS(henon_heiles_8, "Henon-Heiles 1/8, 1e-12", 1e-12),
+    AGAINST_GAUSS(fpu, "FPU, 1e-8", 1e-8),
+    AGAINST_GAUSS(fpu, "FPU, 1e-12", 1e-12),
+    AGAINST_GAUSS(solar, "Solar System, 1e-8", 1e-8),
+    AGAINST_GAUSS(solar, "Solar System, 1e-12", 1e-12),
+    {&scene_kepler, "Kepler, position to 1e-10, in u", "midpoint", 20, position_error, 1e-10, "gauss", 16, 0.25, 5},
+    {&scene_solar, "Solar System, 1e-10, in U", "midpoint", 20, position_error, 1e-10, "gauss", 16, 400, 8},
+    {&scene_double_pendulum, "double pendulum, 1e-10", "galerkin", 16, position_error, 1e-10, "gauss-by-hand", 12, 0,
+     0.4},
+};
+enum { RACES = sizeof races / sizeof *races };
+
+static void insist(tvi_status status, const char *what)
+{
+    if (status != TVI_OK) experiment_fail(what, tvi_last_error());
+}
+
+static tvi_compiled *compile(const experiment *e, const tvi_system *system, const tvi_options *options)
+{
+    char cache[4096];
+    tvi_compiled *code;
+    snprintf(cache, sizeof cache, "%s/generated", e->dir);
+    insist(tvi_compile(&code, system, options, &(tvi_compiler){.cache = cache}), "a compilation");
+    return code;
+}
+
+/* The run with the largest step of the scene that reaches the error; status is not TVI_OK where none does. */
+static run fastest(const tvi_system *system, const race *r, const contender *who, double h)
+{
+    run found = {.status = TVI_ENOCONV};
+    for (const double *step = r->scene->steps; *step > 0 && found.status != TVI_OK; step++) {
+        run_contender(system, r->scene, who, h > 0 ? h : *step, INFINITY, &found);
+        if (found.status == TVI_OK && h == 0 && !(r->error(&found) <= r->target)) found.status = TVI_ENOCONV;
+    }
+    return found;
+}
+
+static const baseline *rival_of(const race *r)
+{
+    if (r->scene == &scene_double_pendulum) return &baseline_double_pendulum;
+    return baseline_find(r->rival, r->rival_order);
+}
+
+/* Of so many rounds of both in turns, the least times. */
+static void time_pair(const tvi_system *system, const run *a, const run *b, double least[2])
+{
+    double cpu[2];
+    least[0] = least[1] = INFINITY;
+    for (int round = 0; round < 3; round++) {
+        run_in_turns(system, a, b, cpu);
+        for (int i = 0; i < 2; i++) least[i] = fmin(least[i], cpu[i]);
+    }
+}
+
+static void write_race(FILE *table, const experiment *e, const race *r)
+{
+    tvi_system *system = experiment_system(r->scene);
+    contender who[3] = {{.name = r->method, .order = r->order, .symplectic = true},
+                        {.name = r->method, .order = r->order, .symplectic = true},
+                        {.name = r->rival, .order = r->rival_order, .symplectic = true, .baseline = rival_of(r)}};
+    insist(tvi_options_named(r->method, r->order, &who[0].options), r->method);
+    who[1].options = who[0].options;
+    tvi_compiled *code = compile(e, system, &who[0].options);
+    who[1].options.compiled = code;
+    const run tape = fastest(system, r, &who[0], 0), rival = fastest(system, r, &who[2], r->rival_h);
+    if (tape.status != TVI_OK || rival.status != TVI_OK) experiment_fail(r->title, "no step reaches the error");
+    run compiled = tape;
+    compiled.who = &who[1];
+    double ours[2], theirs[2];
+    time_pair(system, &tape, &compiled, ours);
+    time_pair(system, &compiled, &rival, theirs);
+    const double ratio = theirs[0] / theirs[1];
+    fprintf(table, "| %s | %s %d (%.4g), %.1e | %.3g | %.3g | %.2f | %s %d (%.4g) | %.3g | %.2f | %.4g | %s |\n",
+            r->title, r->method, r->order, tape.setting, r->error(&tape), 1e3 * ours[0], 1e3 * ours[1],
+            ours[0] / ours[1], r->rival, r->rival_order, rival.setting, 1e3 * theirs[1], ratio, r->most,
+            ratio <= r->most ? "yes" : "no");
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+    experiment_progress("compiled: %s", r->title);
+}
+
+/* ---- Series ------------------------------------------------------------------------------------------------------ */
+
+static const by_hand *widest_by_hand(void)
+{
+#ifdef JET_ISA_X86
+    const char *name = isa_name(ISA_WIDEST);
+    return strcmp(name, "avx512") == 0 ? &by_hand_avx512 : strcmp(name, "avx2") == 0 ? &by_hand_avx2 : &by_hand_base;
+#else
+    return &by_hand_base;
+#endif
+}
+
+enum { DEGREE = 10 };
+static const double SERIES_MOST = 1.2;
+
+typedef struct {
+    const by_hand *code;
+    bool is_kepler;
+    double tau;
+    power_weights weights;
+    kepler_series kepler;
+    solar_series solar;
+} hand;
+
+static void expand_by_hand(void *ctx)
+{
+    hand *x = ctx;
+    if (x->is_kepler) x->code->kepler(DEGREE, x->tau, &x->weights, &x->kepler);
+    else x->code->solar(DEGREE, x->tau, &x->weights, &x->solar);
+}
+
+static void write_series(FILE *table, const experiment *e, const scene *s, const char *title, double h)
+{
+    static hand x;
+    tvi_system *system = experiment_system(s);
+    tvi_options options;
+    insist(tvi_options_named("midpoint", 2 * DEGREE, &options), "midpoint");
+    tvi_compiled *code = compile(e, system, &options);
+    tvi_arena arena = {0};
+    (void)tvi_compiled_system(&arena, system, code);
+    char *memory = arena.base = aligned_alloc(ARENA_ALIGNMENT, arena.used);
+    if (!memory) abort();
+    arena.used = 0;
+    const tvi_system *clothed = tvi_compiled_system(&arena, system, code);
+    open_curve *tape = curve_open(system, DEGREE, s->q, s->p, h), *own = curve_open(clothed, DEGREE, s->q, s->p, h);
+    x = (hand){.code = widest_by_hand(), .is_kepler = s == &scene_kepler, .tau = tape->tau};
+    set_power_weights(DEGREE, &x.weights);
+    for (int k = 0; k < 2; k++) {
+        const double *Q = tvi_curve_Q(&tape->curve, k);
+        if (x.is_kepler) x.kepler.x[k] = Q[0], x.kepler.y[k] = Q[1];
+        else memcpy(x.solar.q[k], Q, 18 * sizeof *Q);
+    }
+    turn of[] = {
+        {.work = curve_expand, .ctx = tape}, {.work = curve_expand, .ctx = own}, {.work = expand_by_hand, .ctx = &x}};
+    turns_time(3, of);
+    const double ratio = of[1].seconds / of[2].seconds;
+    fprintf(table, "| series of %s | N = %d | %.3g | %.3g | %.2f | recurrence | %.3g | %.2f | %.4g | %s |\n", title,
+            DEGREE, 1e3 * of[0].seconds, 1e3 * of[1].seconds, of[0].seconds / of[1].seconds, 1e3 * of[2].seconds, ratio,
+            SERIES_MOST, ratio <= SERIES_MOST ? "yes" : "no");
+    curve_close(tape);
+    curve_close(own);
+    free(memory);
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+}
+
+int main(int argc, char *argv[])
+{
+    const experiment e = experiment_begin(argc, argv);
+    FILE *table = experiment_table(&e, "compiled",
+                                   "problem|method (h), error|tape, ms (time)|compiled, ms (time)|times faster (time)|"
+                                   "by hand (h)|ms (time)|compiled / by hand (time)|at most|met (time)");
+    for (int i = 0; i < RACES; i++) write_race(table, &e, &races[i]);
+    write_series(table, &e, &scene_kepler, "Kepler", 0.5);
+    write_series(table, &e, &scene_solar, "6 bodies", 800);
+    experiment_close(table);
+    return EXIT_SUCCESS;
+}
