@@ -1,4 +1,4 @@
-/* test_emit.c - generated code gives what the tape gives: every operation, every kind of sweep, with orders unrolled and
+/* test_emit.c - generated code gives what the tape gives: every operation, every sweep, with orders unrolled and
  * in loops, bit for bit where nothing is fused; but adjoints of sums, which are added in another order. All functions
  * are one shared library, made once. */
 #define _XOPEN_SOURCE 700
