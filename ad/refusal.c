@@ -51,9 +51,11 @@ static double operand_of(const jet_run *run, const double *x, int lanes, int mem
     return x[(run->op == OP_DIV ? run->b : run->a) * lanes + member];
 }
 
-bool jet_refuse_sweep(const jet_tape *tape, const double *x, int lanes)
+bool jet_refuse_sweep(const jet_tape *tape, double *x, int lanes)
 {
     double z;
+    (void)tape->interpreted->values(tape, x, lanes); /* generated code may leave slots out */
+    (void)jet_refuse(TVI_EDOMAIN, "an operation has no power series");
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
         if (!names[run->op]) continue;
         const double *a = x + (size_t)run->a * (size_t)lanes, *b = x + (size_t)run->b * (size_t)lanes;

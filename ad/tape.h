@@ -91,9 +91,9 @@ struct jet_sweeps {
 /* The widest that the machine has; the environment variable TVI_ISA = base or avx2 asks for less. */
 const jet_sweeps *jet_sweeps_choose(void);
 
-/* Sets the text of the refusal (refusal.h): the first operation of a block of values that is outside its domain.
- * Returns false. */
-bool jet_refuse_sweep(const jet_tape *tape, const double *x, int lanes);
+/* Sets the text of the refusal (refusal.h): the first operation of a block of values that is outside its domain,
+ * whose values are computed again. Returns false. */
+bool jet_refuse_sweep(const jet_tape *tape, double *x, int lanes);
 
 /* Values of all slots from the inputs, order 0. false where an operation is outside its domain. */
 static inline bool jet_sweep_values(const jet_tape *tape, double *x, int lanes)

@@ -31,15 +31,13 @@ by_pkg_config() {
     shift
     test "$("$@" --modversion tvi)" = "$version"
     out=$stage/pkg-config
-    rm -rf "$out" && mkdir -p "$out/static"
-    cp "$prefix/$lib/libtvi.a" "$out/static"
+    rm -rf "$out" && mkdir -p "$out"
     # shellcheck disable=SC2046,SC2086  # flags are words
     for language in c cpp; do
         [ $language = c ] && compiler="$CC -std=c11" || compiler="$CXX -std=c++11"
         $compiler $STRICT -o "$out/shared_$language" "$consumer/consumer.$language" $("$@" --cflags --libs tvi)
         run_shared "$out/shared_$language" "$prefix"
-        $compiler $STRICT -o "$out/alone_$language" "$consumer/consumer.$language" $("$@" --cflags tvi) \
-            -L"$out/static" $("$@" --static --libs tvi | sed "s|-L$prefix/$lib||")
+        $compiler $STRICT -o "$out/alone_$language" "$consumer/consumer.$language" $("$@" --cflags --libs tvi-static)
         run_static "$out/alone_$language"
     done
 }

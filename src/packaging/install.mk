@@ -8,7 +8,7 @@ EXAMPLES   := $(wildcard docs/examples/*)
 ROOT        = $(DESTDIR)$(PREFIX)
 CMAKE       = $(LIB)/cmake/tvi
 SHARE      := share/doc/tvi/examples
-FILLED      = $(LIB)/pkgconfig/tvi.pc $(CMAKE)/tvi-config.cmake $(CMAKE)/tvi-config-version.cmake
+FILLED      = $(LIB)/pkgconfig/tvi.pc $(LIB)/pkgconfig/tvi-static.pc $(CMAKE)/tvi-config.cmake $(CMAKE)/tvi-config-version.cmake
 FILL        = -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIB@|$(LIB)|' -e 's|@UP@|$(shell echo $(LIB) | sed 's|[^/]\+|..|g')|' \
               -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|'
 INSTALLED   = $(HEADERS:%=include/%) $(LIB)/libtvi.a $(LIB)/libtvi.so.$(VERSION) $(LIB)/libtvi.so.$(SOVERSION) \
