@@ -55,10 +55,11 @@ typedef jet tvi_lagrangian_fn(const jet q[], const jet v[], jet t, void *ctx);
 /* The Hamiltonian H at (q, p, t). */
 typedef jet tvi_hamiltonian_fn(const jet q[], const jet p[], jet t, void *ctx);
 
-/* Four ways to state a problem. Force and potential: M q'' = F(q, t) with M = diag(mass) > 0; mass[n] is copied, NULL
- * stands for all 1. The function is called once, during the call, with n coordinates. A Lagrangian or a Hamiltonian
- * with a constant diagonal mass and no other velocity in it is recognised, and costs what a potential costs. The system
- * must outlive its integrators; free it with tvi_system_free.
+/* Four ways to state a problem. Force and potential: M q'' = F(q, t) with M = diag(mass) > 0, and p = M v; mass[n] is
+ * copied, NULL stands for all 1, and a test particle has a very small one (docs/limits.md). The function is called
+ * once, during the call, with n coordinates. A Lagrangian or a Hamiltonian with a constant diagonal mass and no other
+ * velocity in it is recognised, and costs what a potential costs. The system must outlive its integrators; free it with
+ * tvi_system_free.
  *   TVI_EINVAL      n < 1 or above the maximum, NULL, a mass that is not positive, an output left unset, jets of two
  *                   recordings mixed
  *   TVI_ESINGULAR   a Lagrangian whose L_vv is singular everywhere
@@ -279,11 +280,11 @@ void tvi_event_free(tvi_event *event); /* NULL is allowed */
 
 /* Called at events[which], with its time and state; a value other than 0 ends the run there. */
 typedef int tvi_event_observer(int which, double t, const double q[], const double p[], void *ctx);
-/* tvi_integrate with events[count]: on_event is told of them in the order of time, before the observer is told of the
- * step that they are in. They are the sign changes of g along the step's curve (tvi_dense), between the ends of 8 equal
- * parts of it, and where |g| has a least value between them, there. To become 0 is to change sign, so that an event at
- * the end of a step is told once, with that step; to leave 0 is not, so that a run that starts on an event, to
- * roundoff, does not meet it. The time is found to roundoff of g. Either observer may be NULL; both are given ctx.
+/* tvi_integrate with events[count]. on_event is called for each in time order, before the observer is called for the
+ * step that they are in. Events are the sign changes of g along the step's curve (tvi_dense): it is looked at between 8
+ * equal parts, and where |g| has a least value between these. Reaching 0 counts as a sign change, so an event exactly
+ * at the end of a step is reported once, with that step. Leaving 0 does not, so a run that starts on an event, to
+ * roundoff, does not report it. The time is found to roundoff of g. Either observer may be NULL; both are given ctx.
  *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
  *                  event is no step: from it the run goes on as from any new state.
  *   TVI_EDOMAIN, TVI_ENONFINITE   also where g has no value: t, q, p are then those at the end of the step
