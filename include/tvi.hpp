@@ -162,6 +162,7 @@ class system
   public:
     const tvi_system *get() const noexcept { return handle_.get(); }
     int dimension() const noexcept { return tvi_system_dimension(get()); }
+    int parameters() const noexcept { return tvi_system_parameters(get()); }
 
     template <class Q, class P> double energy(double t, const Q &q, const P &p) const
     {
@@ -304,6 +305,22 @@ inline tvi_options options(const std::string &name, int order)
     return found;
 }
 
+/* Compiled code for the system and the options, to be their `compiled`: options.compiled = code.get(). */
+class compiled
+{
+  public:
+    compiled(const system &of, const tvi_options &options, const tvi_compiler *how = nullptr)
+    {
+        tvi_compiled *made = nullptr;
+        detail::check(tvi_compile(&made, of.get(), &options, how));
+        handle_.reset(made, tvi_compiled_free);
+    }
+    const tvi_compiled *get() const noexcept { return handle_.get(); }
+
+  private:
+    std::shared_ptr<tvi_compiled> handle_;
+};
+
 /* Runs return whether they came to their end; false: an observer or a terminal event stopped them. An observer returns
  * nothing, or true to stop. q and p are changed in place. */
 class integrator
@@ -320,16 +337,30 @@ class integrator
     const tvi_options &options() const { return *tvi_integrator_options(get()); }
     const tvi_stats &stats() const { return *tvi_integrator_stats(get()); }
     void reset() { tvi_integrator_reset(get()); }
+    /* [parameters] values of its own; energy is then that with these values. */
+    void set_parameters(const std::vector<double> &value)
+    {
+        const std::size_t count = static_cast<std::size_t>(system_.parameters());
+        detail::check(tvi_integrator_set_parameters(get(), detail::data_of("parameters", count, value)));
+    }
+    template <class Q, class P> double energy(double t, const Q &q, const P &p) const
+    {
+        double H = 0;
+        detail::check(
+            tvi_integrator_energy(get(), t, detail::data_of("q", size(), q), detail::data_of("p", size(), p), &H));
+        return H;
+    }
 
     template <class Q, class P> void step(double h, double &t, Q &q, P &p)
     {
         detail::check(tvi_step(get(), h, &t, of("q", q), of("p", p)));
     }
-    /* D [2n][columns], row-major. */
+    /* D [2n + parameters][columns], row-major. */
     template <class Q, class P, class Columns>
     void step_tangent(double h, double &t, Q &q, P &p, Columns &D, int columns)
     {
-        double *const d = detail::data_of("D", 2 * size() * static_cast<std::size_t>(columns), D);
+        const std::size_t rows = 2 * size() + static_cast<std::size_t>(system_.parameters());
+        double *const d = detail::data_of("D", rows * static_cast<std::size_t>(columns), D);
         detail::check(tvi_step_tangent(get(), h, &t, of("q", q), of("p", p), d, columns));
     }
     template <class Q, class P> void dense(double theta, Q &q, P &p)
@@ -372,16 +403,22 @@ class integrator
     bool integrate_events(double h, long steps, const std::vector<event> &events, double &t, Q &q, P &p,
                           On_event on_event, Observer observer = Observer())
     {
-        std::vector<const tvi_event *> list;
-        for (const event &one : events) list.push_back(one.get());
-        detail::observers<Observer, On_event> both = {detail::guarded<Observer>(observer),
-                                                      detail::guarded<On_event>(on_event)};
-        const tvi_status status = tvi_integrate_events(
-            get(), h, steps, list.data(), static_cast<int>(list.size()), &t, of("q", q), of("p", p),
-            detail::step_of<Observer, On_event>, detail::event_of<Observer, On_event>, static_cast<void *>(&both));
-        both.event.rethrow();
-        both.step.rethrow();
-        return detail::ended(status);
+        return run_with(
+            events, on_event, observer,
+            [&](const tvi_event *const list[], int count, tvi_observer *each, tvi_event_observer *call, void *g) {
+                return tvi_integrate_events(get(), h, steps, list, count, &t, of("q", q), of("p", p), each, call, g);
+            });
+    }
+    template <class Q, class P, class On_event, class Observer = detail::no_observer>
+    bool integrate_tolerance_events(double tolerance, double t_end, const std::vector<event> &events, double &t, Q &q,
+                                    P &p, On_event on_event, Observer observer = Observer())
+    {
+        return run_with(
+            events, on_event, observer,
+            [&](const tvi_event *const list[], int count, tvi_observer *each, tvi_event_observer *call, void *g) {
+                return tvi_integrate_tolerance_events(get(), tolerance, t_end, list, count, &t, of("q", q), of("p", p),
+                                                      each, call, g);
+            });
     }
 
     std::vector<char> save() const
@@ -406,6 +443,20 @@ class integrator
         detail::guarded<Observer> g(observer);
         const tvi_status status = steps(detail::observer_of<Observer, long>, static_cast<void *>(&g));
         g.rethrow();
+        return detail::ended(status);
+    }
+
+    template <class On_event, class Observer, class Run>
+    bool run_with(const std::vector<event> &events, On_event &on_event, Observer &observer, Run steps)
+    {
+        std::vector<const tvi_event *> list;
+        for (const event &one : events) list.push_back(one.get());
+        detail::observers<Observer, On_event> both = {detail::guarded<Observer>(observer),
+                                                      detail::guarded<On_event>(on_event)};
+        const tvi_status status = steps(list.data(), static_cast<int>(list.size()), detail::step_of<Observer, On_event>,
+                                        detail::event_of<Observer, On_event>, static_cast<void *>(&both));
+        both.event.rethrow();
+        both.step.rethrow();
         return detail::ended(status);
     }
 

@@ -151,6 +151,28 @@ static void runs()
     expect("saved", t_fresh == t && q_fresh == q && p_fresh == p);
     tvi::integrator taylor(orbit.system(), tvi::options("taylor", 12));
     expect("tolerance", taylor.integrate_tolerance(1e-10, t + 1, t, q, p));
+    expect("with events", !taylor.integrate_tolerance_events(1e-10, t + 10, events, t, q, p,
+                                                             [](int, double, const double *, const double *) {}));
+}
+
+/* V = k q^2/2, k a parameter: its values, the derivative with respect to it, and generated code for it. */
+static void parameters_and_code()
+{
+    const tvi::potential system(1, [](const jet *q, jet) { return 0.5 * jet_parameter(q[0], 0, 4) * sqr(q[0]); });
+    const tvi_compiler how = {nullptr, "-O1", ""};
+    tvi_options options = tvi::options("galerkin", 12);
+    const tvi::compiled code(system, options, &how);
+    options.compiled = code.get();
+    tvi::integrator swing(system, options);
+    double t = 0;
+    std::vector<double> q = {1}, p = {0}, D = {0, 0, 1}, none;
+    expect("one", system.parameters() == 1 && swing.stats().is_compiled);
+    expect("size", throws([&] { swing.set_parameters(none); }, TVI_EINVAL, "parameters has 0 components, not 1"));
+    swing.set_parameters({9});
+    expect("energy", swing.energy(t, q, p) == 4.5 && system.energy(t, q, p) == 2);
+    for (int step = 0; step < 10; step++) swing.step_tangent(0.1, t, q, p, D, 1);
+    expect("cos(3 t)", std::fabs(q[0] - std::cos(3.0)) < 1e-12);
+    expect("-t sin(3 t) / 6", std::fabs(D[0] + std::sin(3.0) / 6) < 1e-12);
 }
 
 static void powers()
@@ -183,6 +205,7 @@ int main()
     errors();
     thrown_by_users();
     runs();
+    parameters_and_code();
     powers();
     eigen();
     return failures != 0;
