@@ -205,11 +205,13 @@ check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMak
 do-install: all
 	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
 
-# the program of the README, and with events: 1010 passages, and the steps that there are without
+# the program of the README, and with events: 1010 passages, and the steps that there are without; the fragments of pages
 check-readme: ; $(REPORT) "the programs of the README" $(LOG) $(DO)
 do-readme: $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	tests/readme.sh README.md $(BUILD)/check
+	awk -f tests/fragments.awk docs/adaptive.md docs/roundoff.md > $(BUILD)/check/fragments.c
+	$(CC) -std=c11 $(STRICT) -Wno-unused-result -Iinclude -fsyntax-only $(BUILD)/check/fragments.c
 	$(MAKE) -s --no-print-directory help | grep -q '^make install '
 	for program in readme readme_events; do \
 	    $(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/$$program.c $(BUILD)/libtvi.a $(LIBS) && \
