@@ -61,17 +61,11 @@ static double inverse_power(double size)
     return power;
 }
 
-/* A <- R A C with rows, then columns, of size about 1: rows and columns may have different units. */
+/* A <- R A C with columns, then rows, of size about 1. The rows of the ends' Jacobians (closure.h) are coordinates, so
+ * that the columns, first, take the units out: the pivots do not depend on them. */
 static void equilibrate(tvi_factor *factor)
 {
     const int n = factor->n;
-    for (int i = 0; i < n; i++) {
-        double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
-        for (int j = 0; j < n; j++)
-            if (fabs(row[j]) > size) size = fabs(row[j]);
-        factor->row_scale[i] = inverse_power(size);
-        for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
-    }
     for (int j = 0; j < n; j++) {
         double size = 0;
         for (int i = 0; i < n; i++) {
@@ -80,6 +74,13 @@ static void equilibrate(tvi_factor *factor)
         }
         factor->column_scale[j] = inverse_power(size);
         for (int i = 0; i < n; i++) factor->lu[(size_t)i * (size_t)n + (size_t)j] *= factor->column_scale[j];
+    }
+    for (int i = 0; i < n; i++) {
+        double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
+        for (int j = 0; j < n; j++)
+            if (fabs(row[j]) > size) size = fabs(row[j]);
+        factor->row_scale[i] = inverse_power(size);
+        for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
     }
 }
 

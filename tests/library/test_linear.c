@@ -125,6 +125,38 @@ START_TEST(lone_entries_are_scaled)
 }
 END_TEST
 
+/* x with A x = b, or A^T x = b, where the second half of the unknowns, or of the equations, has a unit of its own. The
+ * matrix is near the identity, with some entries in which a unit may hide. */
+static void solve_in_unit(open_factor *f, double unit, bool transposed, double x[])
+{
+    const int n = f->factor.n;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            f->factor.lu[i * n + j] =
+                (i == j ? 1 : ldexp(sin(1 + i + 2 * j), -12 * (1 + (i < j)))) * (2 * j < n ? 1 : unit);
+    ck_assert_int_eq(tvi_factor_compute(&f->factor), TVI_OK);
+    for (int i = 0; i < n; i++) x[i] = cos(1 + i) * (transposed && 2 * i >= n ? unit : 1);
+    (transposed ? tvi_factor_solve_transposed : tvi_factor_solve)(&f->factor, x);
+    for (int i = 0; i < n && !transposed; i++) x[i] *= 2 * i < n ? 1 : unit;
+}
+
+/* Bit for bit: its pivots are the same ones. */
+START_TEST(units_of_columns_show_nowhere)
+{
+    static const double units[] = {0x1p-50, 0x1p-20, 0x1p20, 0x1p50};
+    const int n = _i;
+    open_factor f = open_of_size(n);
+    for (int transposed = 0; transposed < 2; transposed++)
+        for (size_t u = 0; u < sizeof units / sizeof *units; u++) {
+            double x[MOST], y[MOST];
+            solve_in_unit(&f, 1, transposed, x);
+            solve_in_unit(&f, units[u], transposed, y);
+            ck_assert_mem_eq(x, y, (size_t)n * sizeof *x);
+        }
+    free(f.memory);
+}
+END_TEST
+
 /* ---- One matrix in each lane ------------------------------------------------------------------------------------- */
 
 enum { LANES = TVI_GALERKIN_MAX_LANES };
@@ -227,6 +259,7 @@ Suite *suite_linear(void)
     tcase_add_loop_test(linear, solutions_are_those_of_lapack, 1, MOST + 1);
     tcase_add_loop_test(linear, singular_matrices_are_refused, 1, MOST + 1);
     tcase_add_loop_test(linear, lone_entries_are_scaled, 1, MOST + 1);
+    tcase_add_loop_test(linear, units_of_columns_show_nowhere, 2, MOST + 1);
     tcase_add_loop_test(linear, lanes_are_solved_alone, 0, MOST * LANE_COUNTS);
     tcase_add_loop_test(linear, singular_lanes_are_seen, 0, MOST * LANE_COUNTS);
     suite_add_tcase(suite, linear);
