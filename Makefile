@@ -50,9 +50,10 @@ ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
 SRC_LANES    := src/galerkin/loops.c src/galerkin/lagrangian_loops.c
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-SRC_OBJECTS  := $(BUILD)/src/embedded_code.o $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
+SRC_OBJECTS  := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
-EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(BUILD)/src/embedded_code.o
+EMBEDDED_SRC := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o
+EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas) -lm
 
@@ -104,10 +105,16 @@ $(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
 $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
+# the loops of the Galerkin curve, for one number of unknowns
+EMBEDDED_GALERKIN := src/method/origin.h src/algebra/sizes.h src/algebra/tail.h \
+                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h loops.c emitted_loops.h)
+$(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
+	@mkdir -p $(@D)
+	awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
 $(EMBEDDED): %.o: %.c
 	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
-GENERATED_FLAGS := -O3 -fno-math-errno -fno-tree-slp-vectorize
+GENERATED_FLAGS := -O3 -mtune=native -fno-math-errno -fno-tree-slp-vectorize
 quoted = "$(GENERATED_FLAGS) $(1)",
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 

@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-extern const char *const tvi_embedded_code[];
+extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[];
 
 static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 {
@@ -15,7 +15,8 @@ static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 
 uint64_t tvi_compiled_library(void)
 {
-    return hash_lines(hash_lines(JET_HASH_OF_NOTHING, jet_emit_lines()), tvi_embedded_code);
+    const uint64_t rules = hash_lines(JET_HASH_OF_NOTHING, jet_emit_lines());
+    return hash_lines(hash_lines(rules, tvi_embedded_code), tvi_embedded_galerkin);
 }
 
 static void emit_code(jet_text *text, const jet_emission *const tapes[], const tvi_system *stepped,

@@ -13,21 +13,25 @@ static void take(galerkin_field *field, tvi_arena *arena)
 }
 
 /* The outputs that drive the unknowns: F; or H_p, then H_q. */
-static int driving_slot(const tvi_system *system, int unknown)
+int tvi_galerkin_driving_slot(const tvi_system *system, int unknown)
 {
     const int n = system->n, output = system->form == TVI_SEPARABLE ? unknown : unknown < n ? unknown + n : unknown - n;
     return system->field_values->output[output];
 }
 
 /* An output may be an input: then moving one unknown would change what drives another. */
+int tvi_galerkin_driven_slot(const tvi_system *system, int unknown, int *copies)
+{
+    const int slot = tvi_galerkin_driving_slot(system, unknown);
+    return slot < system->inputs ? system->field_values->slots + (*copies)++ : slot;
+}
+
 static void prepare(galerkin_field *field)
 {
-    const jet_tape *tape = field->system->field_values;
     for (int u = 0; u < field->nodes.unknowns; u++) {
-        field->slot[u] = driving_slot(field->system, u);
-        if (field->slot[u] >= field->nodes.unknowns) continue;
-        field->copied[field->copies] = field->slot[u];
-        field->slot[u] = tape->slots + field->copies++;
+        const int copies = field->copies;
+        field->slot[u] = tvi_galerkin_driven_slot(field->system, u, &field->copies);
+        if (field->copies > copies) field->copied[copies] = tvi_galerkin_driving_slot(field->system, u);
     }
 }
 

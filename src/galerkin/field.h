@@ -18,6 +18,7 @@ typedef struct {
     const tvi_system *system;
     const galerkin_form *form;
     const galerkin_loops *loops;
+    const lagrangian_loops *lagrangian;
     int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
     int rows;            /* of nodes.x that a pass begins with */
@@ -59,6 +60,13 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
     return field->system->form == TVI_SEPARABLE;
 }
 
+/* Where in nodes.x what drives the unknown is: an output that is an input is copied, and counted. */
+int tvi_galerkin_driving_slot(const tvi_system *system, int unknown);
+int tvi_galerkin_driven_slot(const tvi_system *system, int unknown, int *copies);
+
+/* Defines `static const galerkin_loops NAME` of generated code that has the values (emit.c). */
+void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, bool has_pass, const char *name);
+
 /* Displaces the outputs of a tape of the field in its block. */
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);
 
@@ -82,6 +90,11 @@ static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved,
     if (field->form->pass) {
         const tvi_status status = field->form->pass(field, moved, stats);
         if (status != TVI_OK) return status;
+    } else if (field->loops->pass && !field->noise) {
+        if (!field->loops->pass(&field->nodes, field->matrix, moved)) {
+            (void)jet_refuse_sweep(field->system->field_values, field->nodes.x, field->nodes.lanes);
+            return TVI_EDOMAIN;
+        }
     } else {
         if (galerkin_evaluate(field) != TVI_OK) return TVI_EDOMAIN;
         *moved = field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);

@@ -5,6 +5,7 @@
  *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
  * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what
  * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
+#include "compiled/code.h"
 #include "galerkin/passes.h"
 #include "galerkin/predictor.h"
 
@@ -46,15 +47,30 @@ static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
 #endif
 };
 
+static const lagrangian_loops *const lagrangian_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_lagrangian_loops_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_lagrangian_loops_avx2,
+    [jet_isa_avx512] = &tvi_lagrangian_loops_avx512,
+#endif
+};
+
+static const galerkin_form *form_of(const tvi_system *system)
+{
+    return !system->second_values           ? &tvi_galerkin_form_plain
+           : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
+                                            : &tvi_galerkin_form_hamiltonian;
+}
+
 static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system *system, int points)
 {
     galerkin_nodes *nodes = &field->nodes;
     field->system = system;
     field->points = points;
-    field->loops = loops_of[system->field_values->sweeps->isa];
-    field->form = !system->second_values           ? &tvi_galerkin_form_plain
-                  : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
-                                                   : &tvi_galerkin_form_hamiltonian;
+    const galerkin_loops *generated = system->code ? system->code->galerkin : NULL;
+    field->loops = generated ? generated : loops_of[system->field_values->sweeps->isa];
+    field->lagrangian = lagrangian_of[system->field_values->sweeps->isa];
+    field->form = form_of(system);
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_for(points);
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
@@ -274,11 +290,16 @@ static void sample(void *work, const tvi_range of[2], const double q_start[], co
 
 /* ---- Generated code ---------------------------------------------------------------------------------------------- */
 
+static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
+{
+    tvi_galerkin_emit(text, system, lanes_for(options->degree), !form_of(system)->pass, name);
+}
+
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
     const int lanes = lanes_for(options->degree);
-    tvi_uses used = {.values = {.name = "values", .lanes = {lanes}}};
-    if (system->form == TVI_LAGRANGIAN) used.second = (jet_emission){.name = "second", .lanes = {lanes}};
+    tvi_uses used = {.values = {.name = "values", .lanes = {lanes}}, .emit_loops = emit_loops};
+    if (system->second_values) used.second = (jet_emission){.name = "second", .lanes = {lanes}};
     return used;
 }
 

@@ -151,7 +151,7 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     if (!evaluate(field, !serves)) return TVI_EDOMAIN;
     const double first = move(field), left_out = first * (serves ? w->moved : first) / count;
     go_round(field, w, first, fmax(left_out, NOTHING * count));
-    field->loops->lagrangian->linearise(&w->model.lanes, gradient_of(field));
+    field->lagrangian->linearise(&w->model.lanes, gradient_of(field));
     *moved = w->moved = first + move(field);
     return TVI_OK;
 }

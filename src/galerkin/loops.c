@@ -3,7 +3,6 @@
 #include "algebra/tail.h"
 #include "galerkin/lanes.h"
 #include "rule.h"
-#include "method/stepper.h"
 #include "vector.h"
 
 #include <math.h>
@@ -341,6 +340,7 @@ static void place(const galerkin_places *p, const double *table, const double *i
 #undef CALL
 }
 
-const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
-    move,           predict,      go_round, integrate, start,
-    start_drifting, end_drifting, tail,     place,     &JET_FOR_ISA(tvi_lagrangian_loops)};
+#ifndef JET_EMITTED
+const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {move,           predict,      go_round, integrate, start,
+                                                        start_drifting, end_drifting, tail,     place,     NULL};
+#endif

@@ -5,7 +5,9 @@
 #define TVI_SRC_GALERKIN_LOOPS_H
 
 #include "galerkin/lagrangian_loops.h"
-#include "method/stepper.h"
+#include "method/origin.h"
+
+#include <stdbool.h>
 
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12 };
@@ -55,7 +57,7 @@ typedef struct {
     const double *theta, *start, *drift, *scale;
 } galerkin_places;
 
-typedef struct {
+typedef struct galerkin_loops {
     /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
@@ -78,7 +80,8 @@ typedef struct {
     /* share, ratio [n]: scratch. */
     double (*tail)(const galerkin_motion *of, double *share, double *ratio);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
-    const lagrangian_loops *lagrangian;
+    /* A pass: values of the field, and `move`; false where the field has none. NULL but in generated code. */
+    bool (*pass)(const galerkin_nodes *nodes, const double *matrix, double *moved);
 } galerkin_loops;
 
 extern const galerkin_loops tvi_galerkin_loops_base, tvi_galerkin_loops_avx2, tvi_galerkin_loops_avx512;

@@ -70,5 +70,5 @@ void tvi_galerkin_model_linearise(galerkin_model *model, const galerkin_field *f
     double *moved = model->lanes.moved;
     for (size_t i = 0; i < half; i++) moved[i] = first[i] - model->values[i];
     for (size_t i = 0; i < half; i++) moved[half + i] = last[i] - model->values[half + i];
-    field->loops->lagrangian->linearise(&model->lanes, gradient);
+    field->lagrangian->linearise(&model->lanes, gradient);
 }

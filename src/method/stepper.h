@@ -4,6 +4,7 @@
 
 #include "algebra/block.h"
 #include "emit.h"
+#include "method/origin.h"
 #include "system/system.h"
 
 /* a + b = sum + *rest, exactly (two-sum). */
@@ -22,17 +23,6 @@ static inline double tvi_add_compensated(double x, double *low, double d)
     *low += rest;
     return sum;
 }
-
-/* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p +
- * p_low). */
-typedef struct {
-    double t, t_low;
-    const double *q, *q_low, *p, *p_low;
-} tvi_origin;
-
-/* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
-enum { TVI_SAMPLES = 8 };
-extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */
 
 /* Components first .. end - 1 of a vector. */
 typedef struct {

@@ -1,0 +1,91 @@
+/* emitted_loops.h - the loops of generated code (emit.c), which alone reads this, after the text of loops.c:
+ * UNKNOWNS and LANES are constants there. Nodes of another size, as halves of the unknowns, take the loops as they
+ * are. */
+#ifndef TVI_SRC_GALERKIN_EMITTED_LOOPS_H
+#define TVI_SRC_GALERKIN_EMITTED_LOOPS_H
+
+#include "galerkin/loops.h"
+
+#define GALERKIN_EMITTED_LOOPS(NAME, N, UNKNOWNS, LANES)                                                               \
+    JET_INLINE bool NAME##_fits(const galerkin_nodes *nodes)                                                           \
+    {                                                                                                                  \
+        return nodes->lanes == (LANES) && nodes->unknowns == (UNKNOWNS);                                               \
+    }                                                                                                                  \
+    JET_INLINE galerkin_nodes NAME##_sized(const galerkin_nodes *nodes)                                                \
+    {                                                                                                                  \
+        galerkin_nodes sized = *nodes;                                                                                 \
+        sized.lanes = (LANES);                                                                                         \
+        sized.unknowns = (UNKNOWNS);                                                                                   \
+        return sized;                                                                                                  \
+    }                                                                                                                  \
+    static double NAME##_move(const galerkin_nodes *nodes, const double *matrix, const double *drives,                 \
+                              const int slot[])                                                                        \
+    {                                                                                                                  \
+        if (!NAME##_fits(nodes)) return move_lanes(nodes, matrix, drives, slot, (LANES));                              \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        return move_lanes(&sized, matrix, drives, slot, (LANES));                                                      \
+    }                                                                                                                  \
+    static void NAME##_predict(const galerkin_nodes *nodes, int steps, const double *matrix,                           \
+                               const double *const impulses[])                                                         \
+    {                                                                                                                  \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        if (steps == 2) predict_lanes(&sized, 2, matrix, impulses, (LANES));                                           \
+        else predict_lanes(&sized, 1, matrix, impulses, (LANES));                                                      \
+    }                                                                                                                  \
+    static double NAME##_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds)          \
+    {                                                                                                                  \
+        return round_lanes(nodes, matrix, rounds, (LANES));                                                            \
+    }                                                                                                                  \
+    static void NAME##_integrate(const galerkin_nodes *nodes, const galerkin_weights *weights,                         \
+                                 const galerkin_sums *sums)                                                            \
+    {                                                                                                                  \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        integrate_lanes(&sized, weights, sums, (LANES));                                                               \
+    }                                                                                                                  \
+    static void NAME##_start(const galerkin_nodes *nodes, int n, const tvi_origin *origin)                             \
+    {                                                                                                                  \
+        start_lanes(nodes, 0, n, origin->q, origin->q_low, (LANES));                                                   \
+        start_lanes(nodes, n, n, origin->p, origin->p_low, (LANES));                                                   \
+    }                                                                                                                  \
+    static void NAME##_start_drifting(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin,          \
+                                      double *drift, double *drift_low)                                                \
+    {                                                                                                                  \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        start_drifting_lanes(&sized, c, origin, drift, drift_low, (LANES));                                            \
+    }                                                                                                                  \
+    static void NAME##_end_drifting(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,       \
+                                    const double *drift_low, double dq[], double dp[])                                 \
+    {                                                                                                                  \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        end_drifting(&sized, sums, drift, drift_low, dq, dp);                                                          \
+    }                                                                                                                  \
+    static double NAME##_tail(const galerkin_motion *of, double *share, double *ratio)                                 \
+    {                                                                                                                  \
+        galerkin_motion sized = *of;                                                                                   \
+        sized.n = (N);                                                                                                 \
+        sized.has_masses = (N) == (UNKNOWNS);                                                                          \
+        return tail(&sized, share, ratio);                                                                             \
+    }                                                                                                                  \
+    static void NAME##_place(const galerkin_places *p, const double *table, const double *impulses, double *out)       \
+    {                                                                                                                  \
+        place_lanes(p, table, impulses, out, (LANES), p->places);                                                      \
+    }
+
+/* Outputs that are inputs are copied behind the tape's slots, as by galerkin_evaluate. */
+#define GALERKIN_EMITTED_PASS(NAME, VALUES, SLOTS, LANES)                                                              \
+    static bool NAME##_pass(const galerkin_nodes *nodes, const double *matrix, double *moved)                          \
+    {                                                                                                                  \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        if (!VALUES(nodes->x, (LANES))) return false;                                                                  \
+        for (int i = 0; i < NAME##_copies; i++)                                                                        \
+            for (int lane = 0; lane < (LANES); lane++)                                                                 \
+                sized.x[((SLOTS) + i) * (LANES) + lane] = sized.x[NAME##_copied[i] * (LANES) + lane];                  \
+        *moved = move_lanes(&sized, matrix, sized.x, NAME##_slot, (LANES));                                            \
+        return true;                                                                                                   \
+    }
+
+#define GALERKIN_EMITTED_TABLE(NAME)                                                                                   \
+    NAME##_move, NAME##_predict, NAME##_round, NAME##_integrate, NAME##_start, NAME##_start_drifting,                  \
+        NAME##_end_drifting, NAME##_tail, NAME##_place
+
+#endif

@@ -1,0 +1,16 @@
+/* origin.h - where a step starts, and the places where a search looks at it. */
+#ifndef TVI_SRC_METHOD_ORIGIN_H
+#define TVI_SRC_METHOD_ORIGIN_H
+
+/* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p +
+ * p_low). */
+typedef struct {
+    double t, t_low;
+    const double *q, *q_low, *p, *p_low;
+} tvi_origin;
+
+/* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
+enum { TVI_SAMPLES = 8 };
+extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */
+
+#endif
