@@ -35,7 +35,8 @@ uninstall: man
 	@$(MAKE) --no-print-directory remove-installed
 remove-installed:
 	rm -f $(INSTALLED:%=$(ROOT)/%)
-	for folder in $(CMAKE) $(SHARE) $(dir $(SHARE)); do [ ! -d $(ROOT)/$$folder ] || rmdir $(ROOT)/$$folder; done
+	for folder in $(CMAKE) $(SHARE) $(dir $(SHARE)); do [ ! -d $(ROOT)/$$folder ] || \
+	    rmdir --ignore-fail-on-non-empty $(ROOT)/$$folder; done
 .PHONY: remove-installed
 
 # tvi(3) and jet(3), and a page for each function that refers to one of them
