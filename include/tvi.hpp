@@ -468,28 +468,38 @@ class integrator
 
 /* ---- std::sin(x) of a jet ---------------------------------------------------------------------------------------- */
 
-/* The functions of a jet are found by its type, without std::. These say so; where both are found, as after `using
- * std::sin`, the others are taken, which are no templates. */
-#define TVI_NOT_IN_STD(name, code)                                                                                     \
-    template <class Jet> typename enable_if<is_same<Jet, jet>::value, jet>::type name(Jet x)                           \
+/* The functions of a jet are found by its type, without std::, and these say so. They ask for a conversion, so that
+ * where both are found, as after `using std::pow`, the jet's own are taken. */
+namespace tvi
+{
+namespace detail
+{
+struct jet_in_std {
+    jet_in_std(jet) {}
+};
+struct number_in_std {
+    number_in_std(double) {}
+};
+} // namespace detail
+} // namespace tvi
+#define TVI_NOT_IN_STD_OF(name, ...)                                                                                   \
+    template <int right = 0> jet name(__VA_ARGS__)                                                                     \
     {                                                                                                                  \
-        static_assert(!is_same<Jet, jet>::value, "of a jet write " #name "(x), without std::");                        \
-        return x;                                                                                                      \
-    }
-#define TVI_NOT_IN_STD2(name, code)                                                                                    \
-    template <class A, class B>                                                                                        \
-    typename enable_if<is_same<A, jet>::value || is_same<B, jet>::value, jet>::type name(A, B)                         \
-    {                                                                                                                  \
-        static_assert(is_same<A, B>::value && !is_same<A, jet>::value,                                                 \
-                      "of a jet write " #name "(x, y), without std::");                                                \
+        static_assert(right != 0, "of a jet write " #name "(...), without std::");                                     \
         return jet();                                                                                                  \
     }
+#define TVI_NOT_IN_STD(name, code) TVI_NOT_IN_STD_OF(name, tvi::detail::jet_in_std)
+#define TVI_NOT_IN_STD2(name, code)                                                                                    \
+    TVI_NOT_IN_STD_OF(name, tvi::detail::jet_in_std, tvi::detail::jet_in_std)                                          \
+    TVI_NOT_IN_STD_OF(name, tvi::detail::jet_in_std, tvi::detail::number_in_std)                                       \
+    TVI_NOT_IN_STD_OF(name, tvi::detail::number_in_std, tvi::detail::jet_in_std)
 namespace std
 {
 JET_FUNCTION_LIST(TVI_NOT_IN_STD)
 JET_FUNCTION2_LIST(TVI_NOT_IN_STD2)
 TVI_NOT_IN_STD2(pow, JET_POW)
 } // namespace std
+#undef TVI_NOT_IN_STD_OF
 #undef TVI_NOT_IN_STD
 #undef TVI_NOT_IN_STD2
 

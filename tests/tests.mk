@@ -195,10 +195,11 @@ do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 	g++ -std=c++17 -g -fsanitize=address $(STRICT) -DWITH_EIGEN -isystem /usr/include/eigen3 -Iinclude \
 	    -o $(BUILD)/check/wrapper tests/library/wrapper.cpp $(BUILD)/libtvi.a $(LIBS)
 	$(BUILD)/check/wrapper
-	echo 'jet f(jet x) { return std::sin(x); }' > $(BUILD)/check/std.cpp
+	echo 'jet f(jet x) { return std::sin(x) + std::pow(x, 2); }' > $(BUILD)/check/std.cpp
 	for compiler in g++ clang++; do \
 	    ! $$compiler -include tvi.hpp -Iinclude -fsyntax-only $(BUILD)/check/std.cpp 2> $(BUILD)/check/std.log && \
-	    grep -q 'of a jet write sin(x), without std::' $(BUILD)/check/std.log || exit 1; done
+	    grep -q 'of a jet write sin(...), without std::' $(BUILD)/check/std.log && \
+	    grep -q 'of a jet write pow(...), without std::' $(BUILD)/check/std.log || exit 1; done
 
 # programs outside, with what is installed
 check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMake, in C and C++; manual; uninstall" $(LOG) $(DO)
