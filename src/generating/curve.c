@@ -87,14 +87,16 @@ void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
     }
 }
 
+/* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps that
+ * have it, and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
 static tvi_status expand_separable(tvi_curve *curve)
 {
     const tvi_system *system = curve->system;
     for (int k = 0; k + 2 <= curve->top; k++) {
         if (!jet_sweep_series(system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
         double *next = tvi_curve_input(curve, k + 2);
-        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
-        for (int i = 0; i < curve->n; i++) next[i] = factor / system->mass[i] * tvi_curve_field(curve, k, i);
+        const double divisor = (k + 1) * (k + 2), tau = curve->tau;
+        for (int i = 0; i < curve->n; i++) next[i] = curve->kappa[i] * tvi_curve_field(curve, k, i) * tau / divisor;
     }
     return TVI_OK;
 }
@@ -104,10 +106,10 @@ static tvi_status expand_hamiltonian(tvi_curve *curve)
     const int n = curve->n;
     for (int k = 0; k + 1 <= curve->top; k++) {
         if (!jet_sweep_series(curve->system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
-        const double factor = curve->tau / (k + 1);
+        const double divisor = k + 1, tau = curve->tau;
         for (int i = 0; i < n; i++) {
-            tvi_curve_input(curve, k + 1)[i] = factor * tvi_curve_field(curve, k, n + i);
-            (tvi_curve_input(curve, k + 1) + curve->n)[i] = -factor * tvi_curve_field(curve, k, i);
+            tvi_curve_input(curve, k + 1)[i] = tau * tvi_curve_field(curve, k, n + i) / divisor;
+            (tvi_curve_input(curve, k + 1) + curve->n)[i] = -tau * tvi_curve_field(curve, k, i) / divisor;
         }
     }
     return TVI_OK;
@@ -139,12 +141,12 @@ static tvi_status expand_lagrangian(tvi_curve *curve)
     if (status != TVI_OK) return status;
     for (int k = 1; k <= curve->top; k++) {
         for (int i = 0; i < n; i++) {
-            tvi_curve_input(curve, k)[i] = curve->tau / k * (tvi_curve_input(curve, k - 1) + curve->n)[i];
+            tvi_curve_input(curve, k)[i] = curve->tau * (tvi_curve_input(curve, k - 1) + curve->n)[i] / k;
             (tvi_curve_input(curve, k) + curve->n)[i] = 0;
         }
         (void)jet_sweep_series(tape, curve->x, k, 1);
         for (int i = 0; i < n; i++)
-            rest[i] = curve->tau / k * tvi_curve_field(curve, k - 1, i) - tvi_curve_field(curve, k, n + i);
+            rest[i] = curve->tau * tvi_curve_field(curve, k - 1, i) / k - tvi_curve_field(curve, k, n + i);
         tvi_factor_solve(&curve->slope, rest);
         memcpy((tvi_curve_input(curve, k) + curve->n), rest, (size_t)n * sizeof *rest);
         if (k < curve->top) (void)jet_sweep_series(tape, curve->x, k, 1);

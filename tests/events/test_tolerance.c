@@ -12,7 +12,7 @@ static const struct {
     const scene *scene;
     double roundoff;
 } smooth[] = {
-    {&scene_pendulum, 0},     {&scene_kepler, 5e-12}, {&scene_henon_heiles_12, 0}, {&scene_henon_heiles_8, 2e-12},
+    {&scene_pendulum, 0},     {&scene_kepler, 2e-12}, {&scene_henon_heiles_12, 0}, {&scene_henon_heiles_8, 2e-12},
     {&scene_fpu, 0},          {&scene_solar, 2e-12},  {&scene_double_pendulum, 0}, {&scene_magnetic, 0},
     {&scene_nonseparable, 0}, {&scene_vortices, 0},   {&scene_degenerate, 0},
 };
@@ -52,6 +52,30 @@ START_TEST(error_with_other_orders)
         ck_assert_msg(error <= 1e-8 && error >= 1e-15, "order %d: %g", orders[i], error);
         close_orbit(&o);
     }
+}
+END_TEST
+
+/* Roundoff is of either sign: over 20 orbits of Kepler's problem, 63 revolutions each, the mean energy error is 0 within
+ * its standard error of 4e-16; with coefficients (tau / k) x'_{k-1}, where the roundoff of 1/k is the same in all steps,
+ * it is -4.5e-15. The energy in long double. */
+START_TEST(roundoff_does_not_drift)
+{
+    enum { ORBITS = 20 };
+    double sum = 0, squares = 0;
+    for (int i = 0; i < ORBITS; i++) {
+        orbit o = open_scene(&scene_kepler, suited_order(1e-15));
+        const long double v = o.p[1] += i * 0x1p-9, H0 = v * v / 2 - 1;
+        ck_assert_int_eq(go(&o, 1e-15, 250, NULL, NULL), TVI_OK);
+        const long double H =
+            ((long double)o.p[0] * o.p[0] + (long double)o.p[1] * o.p[1]) / 2 - 1 / hypotl(o.q[0], o.q[1]);
+        const double error = (double)((H - H0) / H0);
+        sum += error / ORBITS;
+        squares += error * error / ORBITS;
+        close_orbit(&o);
+    }
+    ck_assert_double_le(fabs(sum), 1.8e-15);
+    ck_assert_double_le(sqrt(squares), 4e-15);
+    ck_assert_double_ge(sqrt(squares), 3e-16);
 }
 END_TEST
 
@@ -182,6 +206,7 @@ Suite *suite_tolerance(void)
     TCase *error = tcase_create("error"), *size = tcase_create("size");
     tcase_add_loop_test(error, error_within_tolerance, 0, SMOOTH);
     tcase_add_test(error, error_with_other_orders);
+    tcase_add_test(error, roundoff_does_not_drift);
     tcase_add_test(size, sizes_of_steps);
     tcase_add_test(size, masses_do_not_show);
     tcase_add_test(size, units_do_not_show);
