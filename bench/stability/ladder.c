@@ -103,7 +103,8 @@ static bool climb_step(climber *c, double h, state *x)
     const double before = energy_of(c, x);
     state seen = *x, made = *x, solution = *x;
     const tvi_status status = step(c->looks, h, &seen), blind = step(c->blind, h, &made);
-    const double change = blind == TVI_OK ? fabs(energy_of(c, &made) - before) / c->scale : INFINITY;
+    const double size = fmax(fabs(before), c->scale);
+    const double change = blind == TVI_OK ? fabs(energy_of(c, &made) - before) / size : INFINITY;
     if (status == TVI_OK) {
         c->counts.accepted++;
         c->counts.wrong += !(change <= LADDER_WRONG);

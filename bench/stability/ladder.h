@@ -13,8 +13,9 @@ typedef struct {
 } ladder_case;
 extern const ladder_case ladder_cases[]; /* of NULL ends */
 
-/* The part of the energy's scale, max(|H|, energy_scale) where a run begins, that no step may change; and how close to
- * the solution a step is right: in q and p, each relative to its largest component, and in H, relative to its scale. */
+/* The part of the energy's scale, the largest of energy_scale and |H| where the run and where the step begins, that no
+ * step may change; and how close to the solution a step is right: in q and p, each relative to its largest component,
+ * and in H, relative to its scale. */
 #define LADDER_WRONG 0.05
 #define LADDER_RIGHT 1e-3
 

@@ -87,8 +87,8 @@ void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
     }
 }
 
-/* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps that
- * have it, and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
+/* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps,
+ * and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
 static tvi_status expand_separable(tvi_curve *curve)
 {
     const tvi_system *system = curve->system;

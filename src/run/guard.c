@@ -66,8 +66,7 @@ static bool loses_energy(tvi_integrator *it)
     kept->is_known = false;
     if (tvi_energy_of(&it->energy, q[n], q, p, &after) != TVI_OK) return false;
     const double action = action_of(it, p), of_e = dimension > n ? it->dp[n] : 0;
-    const double scale = dimension > n ? fmax(kept->scale, fabs(kept->H)) : kept->scale; /* H may be of the time */
-    const double size = scale > NO_ENERGY * action ? scale : PART_OF_ACTION * action;
+    const double size = kept->scale > NO_ENERGY * action ? fmax(kept->scale, fabs(kept->H)) : PART_OF_ACTION * action;
     const double change = fabs(after - kept->H + of_e);
     kept->H = after;
     kept->is_known = true;

@@ -55,9 +55,9 @@ START_TEST(error_with_other_orders)
 }
 END_TEST
 
-/* Roundoff is of either sign: over 20 orbits of Kepler's problem, 63 revolutions each, the mean energy error is 0 within
- * its standard error of 4e-16; with coefficients (tau / k) x'_{k-1}, where the roundoff of 1/k is the same in all steps,
- * it is -4.5e-15. The energy in long double. */
+/* Roundoff is of either sign: over 20 orbits of Kepler's problem, 63 revolutions each, the mean energy error is 0
+ * within its standard error of 4e-16; with coefficients (tau / k) x'_{k-1}, where the roundoff of 1/k is the same in
+ * all steps, it is -4.5e-15. The energy in long double. */
 START_TEST(roundoff_does_not_drift)
 {
     enum { ORBITS = 20 };
