@@ -1,4 +1,4 @@
-/* dense.c - see galerkin_dense.h. */
+/* dense.c - see dense.h. */
 #include "galerkin/dense.h"
 
 enum { MAX_POINTS = TVI_GALERKIN_MAX_LANES };

@@ -249,7 +249,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 /* ---- Dense output -------------------------------------------------------------------------------------------------
  */
 
-/* x [components][places] = start + what is added to it at the places theta, by a table of galerkin_dense.h,
+/* x [components][places] = start + what is added to it at the places theta, by a table of dense.h,
  * [lanes][places], and the impulses that drive it. */
 static void integrate_impulses(const galerkin *w, tvi_range of, int places, const double theta[], const double *table,
                                const double *impulses, const double *start, const double *drift, const double *rise,

@@ -1,4 +1,4 @@
-/* loops.c - see galerkin.h. */
+/* loops.c - see loops.h. */
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "galerkin/lanes.h"
