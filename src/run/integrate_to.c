@@ -1,9 +1,11 @@
 /* integrate_to.c - a run that ends at a time, by a last shorter step. */
 #include "run/between.h"
+#include "run/run.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <float.h>
+#include <limits.h>
 #include <math.h>
 
 double tvi_time_left(const tvi_integrator *it, double t_end)
@@ -33,16 +35,17 @@ void tvi_end_at(tvi_integrator *it, double t_end, double *t)
 }
 
 /* A step of size h, or the last one. Where steps move in the time, its size is the rest of the way. */
-static tvi_status step_towards(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
-                               bool *is_last)
+static tvi_status step_to(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[], bool *is_last)
 {
-    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t)), rest = tvi_time_left(it, t_end);
-    *is_last = !tvi_is_rescaled(it) && fabs(rest) <= fabs(h) + roundoff;
-    tvi_status status = tvi_step(it, *is_last ? rest : h, t, q, p);
-    if (status != TVI_OK || *is_last) return status;
-    const double left = tvi_time_left(it, t_end);
-    *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
-    return fabs(left) > roundoff && *is_last ? shorten(it, t_end, t, q, p) : status;
+    const double t_end = plan->t_end, rest = tvi_time_left(it, t_end);
+    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
+    const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(plan->h) + roundoff;
+    tvi_status status = tvi_step(it, ends ? rest : plan->h, t, q, p);
+    const double left = ends ? 0 : tvi_time_left(it, t_end);
+    *is_last = fabs(left) <= roundoff || (left > 0) != (plan->h > 0);
+    if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten(it, t_end, t, q, p);
+    if (status == TVI_OK && *is_last) tvi_end_at(it, t_end, t);
+    return status;
 }
 
 tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
@@ -52,12 +55,7 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
         return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "t_end is not finite");
     if (h > 0 ? t_end < *t : t_end > *t)
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", h, *t, t_end);
-    tvi_status status = tvi_integrator_begin(it, *t, q, p);
-    bool is_last = *t == t_end;
-    for (long step = 1; !is_last && status == TVI_OK; step++) {
-        status = step_towards(it, h, t_end, t, q, p, &is_last);
-        if (status == TVI_OK && is_last) tvi_end_at(it, t_end, t);
-        if (status == TVI_OK && observer && observer(step, *t, q, p, ctx) != 0) status = TVI_ESTOPPED;
-    }
-    return status;
+    const tvi_plan plan = {.step = step_to, .steps = *t == t_end ? 0 : LONG_MAX, .h = h, .t_end = t_end};
+    const tvi_status status = tvi_integrator_begin(it, *t, q, p);
+    return status == TVI_OK ? tvi_run(it, &plan, &(tvi_audience){.observer = observer, .ctx = ctx}, t, q, p) : status;
 }

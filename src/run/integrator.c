@@ -319,16 +319,3 @@ void tvi_sample(tvi_integrator *it, const tvi_range of[2], double *x)
     for (int i = of[1].first; i < of[1].end; i++) p[i * TVI_SAMPLES + end] = it->now.p[i];
     t[end] = it->now.q[n];
 }
-
-tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
-                         tvi_observer *observer, void *ctx)
-{
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0)
-        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "steps is negative");
-    for (long step = 1; step <= steps; step++) {
-        const tvi_status status = tvi_step(it, h, t, q, p);
-        if (status != TVI_OK) return status;
-        if (observer && observer(step, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
-    }
-    return TVI_OK;
-}

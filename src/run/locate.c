@@ -320,22 +320,3 @@ bool tvi_events_fit(const tvi_integrator *it, const tvi_event *const events[], i
     }
     return false;
 }
-
-tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
-                                double *t, double q[], double p[], tvi_observer *observer, tvi_event_observer *on_event,
-                                void *ctx)
-{
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0)
-        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "steps is negative");
-    if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
-    if (count == 0) return tvi_integrate(it, h, steps, t, q, p, observer, ctx);
-    locator *s;
-    tvi_status status = tvi_locator_open(&s, it, events, count);
-    for (long step = 1; step <= steps && status == TVI_OK; step++) {
-        status = tvi_step(it, h, t, q, p);
-        if (status == TVI_OK) status = tvi_locator_tell(s, t, q, p, on_event, ctx);
-        if (status == TVI_OK && observer && observer(step, *t, q, p, ctx) != 0) status = TVI_ESTOPPED;
-    }
-    tvi_locator_close(s);
-    return status;
-}

@@ -1,0 +1,43 @@
+/* run.c - see run.h; and the runs of so many steps of one size. */
+#include "run/run.h"
+#include "system/refuse.h"
+
+#include <math.h>
+
+tvi_status tvi_run(tvi_integrator *it, const tvi_plan *plan, const tvi_audience *to, double *t, double q[], double p[])
+{
+    tvi_locator *locator = NULL;
+    tvi_status status = to->count > 0 ? tvi_locator_open(&locator, it, to->events, to->count) : TVI_OK;
+    bool is_last = false;
+    for (long step = 1; step <= plan->steps && !is_last && status == TVI_OK; step++) {
+        status = plan->step(it, plan, t, q, p, &is_last);
+        if (status == TVI_OK && locator) status = tvi_locator_tell(locator, t, q, p, to->on_event, to->ctx);
+        if (status == TVI_OK && to->observer && to->observer(step, *t, q, p, to->ctx) != 0) status = TVI_ESTOPPED;
+    }
+    tvi_locator_close(locator);
+    return status;
+}
+
+static tvi_status step_of_size(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[],
+                               bool *is_last)
+{
+    (void)is_last;
+    return tvi_step(it, plan->h, t, q, p);
+}
+
+tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
+                                double *t, double q[], double p[], tvi_observer *observer, tvi_event_observer *on_event,
+                                void *ctx)
+{
+    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0)
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "steps is negative");
+    if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
+    const tvi_plan plan = {.step = step_of_size, .steps = steps, .h = h};
+    return tvi_run(it, &plan, &(tvi_audience){events, count, on_event, observer, ctx}, t, q, p);
+}
+
+tvi_status tvi_integrate(tvi_integrator *it, double h, long steps, double *t, double q[], double p[],
+                         tvi_observer *observer, void *ctx)
+{
+    return tvi_integrate_events(it, h, steps, NULL, 0, t, q, p, observer, NULL, ctx);
+}

@@ -1,0 +1,29 @@
+/* run.h - a run: one step after another, of which the events and then the observer are told. What makes the next step,
+ * and chooses its size, is the plan's. */
+#ifndef TVI_SRC_RUN_RUN_H
+#define TVI_SRC_RUN_RUN_H
+
+#include "run/locate.h"
+
+typedef struct tvi_plan tvi_plan;
+struct tvi_plan {
+    /* The next step; *is_last: the run ends with it. */
+    tvi_status (*step)(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[], bool *is_last);
+    long steps;                 /* at most */
+    double h, tolerance, t_end; /* as the plan's step reads them */
+};
+
+/* Who is told of a step. */
+typedef struct {
+    const tvi_event *const *events; /* [count], which fit */
+    int count;
+    tvi_event_observer *on_event;
+    tvi_observer *observer; /* each may be NULL */
+    void *ctx;
+} tvi_audience;
+
+/* TVI_ESTOPPED where the observer or an event ends the run, else the status of the step that failed. */
+TVI_NODISCARD tvi_status tvi_run(tvi_integrator *integrator, const tvi_plan *plan, const tvi_audience *audience,
+                                 double *t, double q[], double p[]);
+
+#endif
