@@ -92,6 +92,15 @@ typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
  * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
 
+/* Forces that no potential gives, such as friction, drag, control, at (q, v, t) with v = dq/dt: sets force[0..n-1]. */
+typedef void tvi_drive_fn(const jet q[], const jet v[], jet t, jet force[], void *ctx);
+/* The same system with these forces added to dp/dt, for "galerkin" and "taylor", whose order they do not change
+ * (docs/driven.md). tvi_energy stays what it was: along the motion dH/dt is force . v. It shares nothing with the
+ * system.
+ *   TVI_EUNSUPPORTED  a system made from a force, a rescaled one, one that is driven already
+ *   others            as of tvi_system_hamiltonian                                *out is NULL on failure. */
+TVI_NODISCARD tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx);
+
 void tvi_system_free(tvi_system *system);           /* NULL is allowed */
 int tvi_system_dimension(const tvi_system *system); /* n */
 /* 1 + the largest index of its parameters (jet_parameter); 0: it has none. */

@@ -6,7 +6,13 @@
 #include "method/stepper.h"
 
 /* The forms of systems that a method serves, and what it says to the others. */
-enum { TVI_SERVES_SEPARABLE = 1, TVI_SERVES_LAGRANGIAN = 2, TVI_SERVES_REGULAR = 4, TVI_SERVES_DEGENERATE = 8 };
+enum {
+    TVI_SERVES_SEPARABLE = 1,
+    TVI_SERVES_LAGRANGIAN = 2,
+    TVI_SERVES_REGULAR = 4,
+    TVI_SERVES_DEGENERATE = 8,
+    TVI_SERVES_DRIVEN = 16
+};
 typedef struct {
     int forms;
     const char *refusal; /* static text; NULL where all forms are served */

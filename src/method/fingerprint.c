@@ -5,7 +5,7 @@
 
 uint64_t tvi_system_fingerprint(const tvi_system *system)
 {
-    const int numbers[] = {system->n, (int)system->form, system->inputs, system->uses_time};
+    const int numbers[] = {system->n, (int)system->form, system->inputs, system->uses_time, system->is_driven};
     const jet_tape *const tapes[] = {system->field_series, system->field_values, system->bend_values,
                                      system->second_values};
     uint64_t sum = jet_hash(JET_HASH_OF_NOTHING, numbers, sizeof numbers);

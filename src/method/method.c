@@ -11,7 +11,7 @@ enum {
     TYPE1_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_LAGRANGIAN | TVI_SERVES_REGULAR,
     HAMILTON_SERVES = TVI_SERVES_SEPARABLE | TVI_SERVES_REGULAR | TVI_SERVES_DEGENERATE
 };
-const tvi_service tvi_serves_all = {TYPE1_SERVES | HAMILTON_SERVES, NULL};
+const tvi_service tvi_serves_all = {TYPE1_SERVES | HAMILTON_SERVES | TVI_SERVES_DRIVEN, NULL};
 const tvi_service tvi_serves_type1 = {
     TYPE1_SERVES,
     "type I needs a Hamiltonian with regular H_pp, and this one is degenerate: take type II, III or Poincare"};
@@ -86,11 +86,14 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
 /* Why the method does not serve the system, NULL where it does. */
 static const char *misfit(const tvi_descriptor *descriptor, const tvi_system *system)
 {
+    const int forms = descriptor->serves->forms;
+    if (system->is_driven)
+        return forms & TVI_SERVES_DRIVEN ? NULL : "a driven system has no generating function: take galerkin or taylor";
     const int form = system->form == TVI_SEPARABLE    ? TVI_SERVES_SEPARABLE
                      : system->form == TVI_LAGRANGIAN ? TVI_SERVES_LAGRANGIAN
                      : system->regular                ? TVI_SERVES_REGULAR
                                                       : TVI_SERVES_DEGENERATE;
-    return descriptor->serves->forms & form ? NULL : descriptor->serves->refusal;
+    return forms & form ? NULL : descriptor->serves->refusal;
 }
 
 static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *descriptor, const char **why)

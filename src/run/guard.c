@@ -22,7 +22,8 @@ static const double ROUNDOFF = 64 * DBL_EPSILON, NO_ENERGY = 1e-6, PART_OF_ACTIO
 static bool keeps_energy(const tvi_integrator *it)
 {
     const bool rescaled = tvi_is_rescaled(it); /* keeps K = g (H + e) */
-    return it->energy.block && it->options.max_tail >= 0 && (rescaled || !it->system->uses_time);
+    const bool is_kept = rescaled || !(it->system->uses_time || it->system->is_driven);
+    return it->energy.block && it->options.max_tail >= 0 && is_kept;
 }
 
 void tvi_guard_begin(tvi_integrator *it)

@@ -14,34 +14,6 @@ typedef struct {
     void *ctx;
 } rescaling;
 
-/* ---- H ----------------------------------------------------------------------------------------------------------- */
-
-/* What the user stated, V, L or H, recorded once more at (q, second, t); second NULL: zeros. */
-static jet stated(const tvi_system *base, const jet q[], const jet second[], jet t)
-{
-    const int n = base->n, inputs = jet_graph_inputs(base->graph), time = base->energy_inputs;
-    jet_graph *graph;
-    const jet refused = jet_graph_of(1, q, &graph);
-    if (refused.node) return refused;
-    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* numbers 0 */
-    if (!input) return jet_poison(JET_NO_MEMORY);
-    for (int i = 0; i < n; i++) input[i] = q[i];
-    for (int i = n; i < time && second; i++) input[i] = second[i - n];
-    input[time] = t;
-    const bool lifted = jet_lift(base->graph, graph, input, input + inputs, NULL, 1, &base->stated, &value, &rate);
-    free(input);
-    return lifted ? value : jet_poison(JET_NO_MEMORY);
-}
-
-/* H = sum p_i^2 / (2 m_i) + V, where V is the stated function at p = 0 or v = 0, up to the sign; or stated itself. */
-static jet hamiltonian(const tvi_system *base, const jet q[], const jet p[], jet t)
-{
-    if (base->form == TVI_HAMILTONIAN) return stated(base, q, p, t);
-    jet H = jet_mul(base->energy_sign, stated(base, q, NULL, t));
-    for (int i = 0; i < base->n; i++) H = jet_add(H, jet_div(jet_sqr(p[i]), 2 * base->mass[i]));
-    return H;
-}
-
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
 
 /* sum_ij a_ij a_ji, a [n][n]. */
@@ -149,12 +121,10 @@ static jet transformed(const jet q[], const jet p[], jet s, void *ctx)
     const rescaling *r = ctx;
     const int n = r->base->n;
     (void)s;
-    const jet H = hamiltonian(r->base, q, p, q[n]);
+    const jet H = tvi_stated_hamiltonian(q, p, q[n], (void *)r->base);
     const jet g = r->g ? r->g(q, p, q[n], r->ctx) : automatic(r->base, H);
     return jet_mul(positive(g), jet_add(H, p[n]));
 }
-
-static jet as_it_was(const jet q[], const jet p[], jet t, void *ctx) { return hamiltonian(ctx, q, p, t); }
 
 tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx)
 {
@@ -164,6 +134,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     const char *const unsupported = !system->energy                  ? "a force has no Hamiltonian: state the potential"
                                     : system->form == TVI_LAGRANGIAN ? "state the Hamiltonian instead of the Lagrangian"
                                     : system->stepped != system      ? "the system is rescaled already"
+                                    : system->is_driven              ? "a driven system has no Hamiltonian flow"
                                                                      : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling r = {system, g, ctx};
@@ -171,7 +142,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     tvi_status status = tvi_system_with_second(&stepped, system->n + 1, transformed, &r);
     if (status != TVI_OK) return jet_refuse(status, "K = g (H + e): %s", jet_refusal());
     stepped->regular = false; /* K_ee = 0 */
-    status = tvi_system_hamiltonian(&rescaled, system->n, as_it_was, (void *)system);
+    status = tvi_system_hamiltonian(&rescaled, system->n, tvi_stated_hamiltonian, (void *)system);
     if (status != TVI_OK) {
         tvi_system_free(stepped);
         return status;

@@ -16,8 +16,10 @@ typedef struct {
     const double *mass;
     void *ctx;
     const tvi_system *base;
-    bool has_momenta;  /* of the lift: it is not separable */
-    bool wants_second; /* of a Hamiltonian */
+    bool has_momenta;    /* of the lift: it is not separable */
+    bool wants_second;   /* of a Hamiltonian */
+    tvi_drive_fn *drive; /* of a Hamiltonian or a Lagrangian; NULL: there is none */
+    void *drive_ctx;
 } statement;
 
 /* A recording at work: jets of the graph, freed with it. */
@@ -105,6 +107,22 @@ static tvi_status record_potential(recording *rec, const statement *given)
     return status == TVI_OK ? record_force(rec) : status;
 }
 
+/* Adds the forces to dp/dt, which is sign times the first half of the field. Then nothing is separable. */
+static tvi_status record_drive(recording *rec, const statement *given, const jet v[], double sign)
+{
+    tvi_system *system = rec->system;
+    const int n = system->n;
+    jet *force = malloc((size_t)n * sizeof *force);
+    if (!force) return TVI_ENOMEM;
+    for (int i = 0; i < n; i++) force[i] = jet_unset();
+    given->drive(rec->q, v, rec->t, force, given->drive_ctx);
+    const tvi_status status = jet_graph_accept(system->graph, n, force);
+    for (int i = 0; i < n; i++) rec->field[i] = jet_add(rec->field[i], jet_mul(sign, force[i]));
+    free(force);
+    system->is_driven = true;
+    return status;
+}
+
 /* field = (L_q, L_v); separable where L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
 static tvi_status record_lagrangian(recording *rec, const statement *given)
 {
@@ -113,7 +131,9 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
     bool separable = false;
-    if (status == TVI_OK) status = tvi_system_find_separable(system, rec->field + system->n, rec->field, &separable);
+    if (status == TVI_OK && given->drive) status = record_drive(rec, given, rec->v, 1);
+    else if (status == TVI_OK)
+        status = tvi_system_find_separable(system, rec->field + system->n, rec->field, &separable);
     system->energy_sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
@@ -140,7 +160,8 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
     bool separable = false;
-    if (status == TVI_OK) status = tvi_system_find_separable(system, rec->field + n, rec->field, &separable);
+    if (status == TVI_OK && given->drive) status = record_drive(rec, given, rec->field + n, -1);
+    else if (status == TVI_OK) status = tvi_system_find_separable(system, rec->field + n, rec->field, &separable);
     if (status != TVI_OK) return status;
     if (separable) {
         for (int i = 0; i < n; i++) system->mass[i] = 1 / system->mass[i];
@@ -311,4 +332,20 @@ tvi_status tvi_system_with_second(tvi_system **out, int n, tvi_hamiltonian_fn *h
 tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)
 {
     return make_system(out, n, &(statement){.hamiltonian = hamiltonian, .ctx = ctx});
+}
+
+tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx)
+{
+    if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
+    *out = NULL;
+    if (!system || !drive) return jet_refuse(TVI_EINVAL, "%s is NULL", system ? "drive" : "system");
+    const char *const unsupported = !system->energy             ? "a force has no energy: state the potential"
+                                    : system->stepped != system ? "the system is rescaled"
+                                    : system->is_driven         ? "the system is driven already: add the forces in one"
+                                                                : NULL;
+    if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
+    statement given = {.ctx = (void *)system, .drive = drive, .drive_ctx = ctx};
+    if (system->form == TVI_LAGRANGIAN) given.lagrangian = tvi_stated_lagrangian;
+    else given.hamiltonian = tvi_stated_hamiltonian;
+    return make_system(out, system->n, &given);
 }

@@ -26,6 +26,7 @@ struct tvi_system {
     tvi_form form;
     int inputs;       /* q and, unless separable, v or p: where the time stands, if it is used */
     bool uses_time;   /* the field depends on t */
+    bool is_driven;   /* there are forces in the field that the energy does not give */
     double *mass;     /* [n], separable only */
     bool regular;     /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
     jet_graph *graph; /* closed; kept so that jets that outlive it are recognised, and for the lift */
@@ -57,6 +58,10 @@ TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *sys
 
 /* value[tvi_system_parameters]; those that no function names stay as they are. */
 void tvi_system_recorded_parameters(const tvi_system *system, double value[]);
+
+/* Of a base that is ctx and has an energy: H, sum p_i^2 / (2 m_i) + V where there are masses; L of a Lagrangian. */
+jet tvi_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx);
+jet tvi_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
 
 /* While it is recorded, v the inputs n .. 2n - 1: whether `linear` [n] = diag(d) v with d > 0, and no component of
  * `other` [n] depends on v; then system->mass = d. TVI_ENOMEM. */

@@ -1,0 +1,33 @@
+/* stated.c - what the user stated, recorded once more for another system. */
+#include "system/system.h"
+
+#include <stdlib.h>
+
+/* What the user stated, V, L or H, recorded once more at (q, second, t); second NULL: zeros. */
+static jet stated(const tvi_system *base, const jet q[], const jet second[], jet t)
+{
+    const int n = base->n, inputs = jet_graph_inputs(base->graph), time = base->energy_inputs;
+    jet_graph *graph;
+    const jet refused = jet_graph_of(1, q, &graph);
+    if (refused.node) return refused;
+    jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* numbers 0 */
+    if (!input) return jet_poison(JET_NO_MEMORY);
+    for (int i = 0; i < n; i++) input[i] = q[i];
+    for (int i = n; i < time && second; i++) input[i] = second[i - n];
+    input[time] = t;
+    const bool lifted = jet_lift(base->graph, graph, input, input + inputs, NULL, 1, &base->stated, &value, &rate);
+    free(input);
+    return lifted ? value : jet_poison(JET_NO_MEMORY);
+}
+
+/* Where there are masses V is the stated function at p = 0 or v = 0, up to the sign. */
+jet tvi_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const tvi_system *base = ctx;
+    if (base->form == TVI_HAMILTONIAN) return stated(base, q, p, t);
+    jet H = jet_mul(base->energy_sign, stated(base, q, NULL, t));
+    for (int i = 0; i < base->n; i++) H = jet_add(H, jet_div(jet_sqr(p[i]), 2 * base->mass[i]));
+    return H;
+}
+
+jet tvi_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx) { return stated(ctx, q, v, t); }
