@@ -72,7 +72,6 @@ struct jet_node {
     jet_graph *graph; /* NULL: a poison node                                             */
     jet_op op;
     int index;          /* order of recording: operands come first, partners may come later */
-    int which;          /* PARAMETER: its index                                             */
     double number;      /* CONST, PARAMETER: the value; POW: the exponent; LINEAR: the number added */
     struct jet_node *a; /* the operand                                                      */
     struct jet_node *b; /* the second operand, NULL where there is none                     */
@@ -80,6 +79,7 @@ struct jet_node {
     jet_term *terms;    /* LINEAR                                                           */
     int count;          /* of terms; of a poison node its jet_reason                        */
     int mark;           /* scratch of whoever walks the graph                               */
+    int which;          /* PARAMETER: its index; the last member (tests/ad/test_sharing.c)  */
 };
 
 /* A new open graph whose first nodes are its inputs; NULL without memory. */

@@ -246,7 +246,8 @@ START_TEST(closed_recording_is_not_written)
     ck_assert(jet_gradient(graph, u, 2, gradient));
     ck_assert_int_eq(jet_graph_accept(graph, 1, gradient), TVI_EINVAL);
     ck_assert_int_eq(jet_graph_count(graph), count);
-    for (int i = 0; i < count; i++) ck_assert_mem_eq(&before[i], jet_graph_node(graph, i), sizeof before[i]);
+    const size_t bytes = offsetof(struct jet_node, which) + sizeof before->which; /* what follows is not set */
+    for (int i = 0; i < count; i++) ck_assert_mem_eq(&before[i], jet_graph_node(graph, i), bytes);
     jet_graph_free(graph);
 }
 END_TEST
