@@ -21,6 +21,25 @@ extern const adaptive_line adaptive_lines[];  /* rows of the table */
 extern const adaptive_line adaptive_errors[]; /* curves of the picture: error against time */
 extern const adaptive_line adaptive_steps[];  /* step against time */
 
+typedef struct {
+    tvi_system *system, *rescaled; /* rescaled: NULL where the steps are not */
+    tvi_integrator *integrator;
+    double t, q[BASELINE_N_MAX], p[BASELINE_N_MAX];
+} adaptive_motion;
+
+void adaptive_insist(tvi_status status, const char *what); /* ends the program where it is not TVI_OK */
+adaptive_motion adaptive_begin(const adaptive_line *line);
+double adaptive_end_of(const adaptive_line *line); /* t there */
+tvi_status adaptive_go(adaptive_motion *motion, const adaptive_line *line, double t_end, tvi_observer *observer,
+                       void *ctx);
+void adaptive_end(adaptive_motion *motion);
+/* CPU time of a run, s: the fastest of some. The unit: "galerkin" 16, fixed steps of 0.25, Kepler e = 0.36 to 250. */
+double adaptive_time_of(const adaptive_line *line, int repetitions);
+double adaptive_time_of_unit(void);
+
+/* tolerance.md, tolerance_times.md: what a run to a tolerance reaches, and how fast. */
+void adaptive_tolerances(const experiment *e);
+
 /* The distance of q from the solution, the 2-norm; NAN where it is not known. */
 double adaptive_error(const hard_scene *of, double t, const double q[]);
 

@@ -47,6 +47,17 @@ const adaptive_line adaptive_lines[] = {
     {&hard_pythagorean, POINCARE, .h = 0.2, TIMED},
     {&hard_pythagorean, RIGHT, .h = 0.04, TIMED},
     {&hard_pythagorean, TOLERANCE, TIMED},
+    {&hard_comet, FIXED, .h = 120.0 / 6400, TIMED},
+    {&hard_comet, OWN, .h = 0.06, TIMED},
+    {&hard_comet, AUTOMATIC, .h = 0.08, TIMED},
+    {&hard_comet, TOLERANCE, TIMED},
+    {&hard_sitnikov, FIXED, .h = TWO_PI / 40, TIMED},
+    {&hard_sitnikov, OWN, .h = 0.7, TIMED},
+    {&hard_sitnikov, TOLERANCE, TIMED},
+    {&hard_three_planets, FIXED, .h = 30.0 / 6400, TIMED},
+    {&hard_three_planets, OWN, .h = 0.5, TIMED},
+    {&hard_three_planets, AUTOMATIC, .h = 0.5, TIMED},
+    {&hard_three_planets, TOLERANCE, TIMED},
     {.of = NULL},
 };
 

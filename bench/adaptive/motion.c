@@ -1,0 +1,62 @@
+/* motion.c - runs of the lines of docs/adaptive.md. */
+#include "adaptive.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { UNIT_REPETITIONS = 40 };
+
+void adaptive_insist(tvi_status status, const char *what)
+{
+    if (status != TVI_OK) experiment_fail(what, tvi_status_string(status));
+}
+
+adaptive_motion adaptive_begin(const adaptive_line *l)
+{
+    const scene *s = &l->of->scene;
+    adaptive_motion r = {.system = experiment_system(s)};
+    tvi_options options;
+    adaptive_insist(tvi_options_named(l->method, l->order, &options), l->method);
+    if (l->g == ADAPTIVE_OWN || l->g == ADAPTIVE_AUTOMATIC)
+        adaptive_insist(tvi_system_rescaled(&r.rescaled, r.system, l->g == ADAPTIVE_OWN ? l->of->scale : NULL, NULL),
+                        s->name);
+    adaptive_insist(tvi_integrator_create(&r.integrator, r.rescaled ? r.rescaled : r.system, &options), l->method);
+    memcpy(r.q, s->q, (size_t)s->n * sizeof *r.q);
+    memcpy(r.p, s->p, (size_t)s->n * sizeof *r.p);
+    return r;
+}
+
+void adaptive_end(adaptive_motion *r)
+{
+    tvi_integrator_free(r->integrator);
+    tvi_system_free(r->rescaled);
+    tvi_system_free(r->system);
+}
+
+double adaptive_end_of(const adaptive_line *l) { return l->of->scene.t_end * fmax(l->lengths, 1); }
+
+tvi_status adaptive_go(adaptive_motion *r, const adaptive_line *l, double t_end, tvi_observer *observer, void *ctx)
+{
+    if (l->g == ADAPTIVE_TOLERANCE)
+        return tvi_integrate_tolerance(r->integrator, l->h, t_end, &r->t, r->q, r->p, observer, ctx);
+    return tvi_integrate_to(r->integrator, l->h, t_end, &r->t, r->q, r->p, observer, ctx);
+}
+
+double adaptive_time_of(const adaptive_line *l, int repetitions)
+{
+    double fastest = INFINITY;
+    for (int i = 0; i < repetitions; i++) {
+        adaptive_motion r = adaptive_begin(l);
+        const double before = run_clock();
+        adaptive_insist(adaptive_go(&r, l, adaptive_end_of(l), NULL, NULL), l->method);
+        fastest = fmin(fastest, run_clock() - before);
+        adaptive_end(&r);
+    }
+    return fastest;
+}
+
+double adaptive_time_of_unit(void)
+{
+    const hard_scene of = {.scene = scene_kepler};
+    return adaptive_time_of(&(adaptive_line){&of, "galerkin", 16, ADAPTIVE_FIXED, .h = 0.25}, UNIT_REPETITIONS);
+}
