@@ -98,7 +98,8 @@ typedef void tvi_drive_fn(const jet q[], const jet v[], jet t, jet force[], void
  * (docs/driven.md). tvi_energy stays what it was: along the motion dH/dt is force . v. It shares nothing with the
  * system.
  *   TVI_EUNSUPPORTED  a system made from a force, a rescaled one, one that is driven already
- *   others            as of tvi_system_hamiltonian                                *out is NULL on failure. */
+ *   others            as of tvi_system_hamiltonian
+ * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx);
 
 void tvi_system_free(tvi_system *system);           /* NULL is allowed */

@@ -73,7 +73,16 @@ template <class Function> struct guarded {
             return function(arguments...);
         } catch (...) {
             thrown = std::current_exception();
-            return jet_record_div(jet(1), jet(0)); /* which is refused */
+            return refused();
+        }
+    }
+    template <class... Arguments> void set(jet out[], Arguments... arguments)
+    {
+        try {
+            function(arguments..., out);
+        } catch (...) {
+            thrown = std::current_exception();
+            out[0] = refused();
         }
     }
     /* Whether the run stops. */
@@ -88,6 +97,7 @@ template <class Function> struct guarded {
     }
 
   private:
+    static jet refused() { return jet_record_div(jet(1), jet(0)); }
     template <class... Arguments> int observe(std::true_type, Arguments... arguments)
     {
         function(arguments...);
@@ -101,13 +111,12 @@ template <class Function> struct guarded {
 
 template <class Function> void force_of(const jet q[], jet t, jet force[], void *ctx)
 {
-    guarded<Function> &g = *static_cast<guarded<Function> *>(ctx);
-    try {
-        g.function(q, t, force);
-    } catch (...) {
-        g.thrown = std::current_exception();
-        force[0] = jet_record_div(jet(1), jet(0));
-    }
+    static_cast<guarded<Function> *>(ctx)->set(force, q, t);
+}
+
+template <class Function> void drive_of(const jet q[], const jet v[], jet t, jet force[], void *ctx)
+{
+    static_cast<guarded<Function> *>(ctx)->set(force, q, v, t);
 }
 
 template <class Function> jet potential_of(const jet q[], jet t, void *ctx)
@@ -270,6 +279,18 @@ class rescaled : public system
     {
         own(scale, [&](tvi_system **out, void *g) {
             return tvi_system_rescaled(out, base.get(), detail::value_of<Function>, g);
+        });
+    }
+};
+
+/* void drive(const jet *q, const jet *v, jet t, jet *force): added to dp/dt. */
+class driven : public system
+{
+  public:
+    template <class Function> driven(const system &base, Function drive)
+    {
+        own(drive, [&](tvi_system **out, void *g) {
+            return tvi_system_driven(out, base.get(), detail::drive_of<Function>, g);
         });
     }
 };

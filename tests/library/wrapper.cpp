@@ -175,6 +175,21 @@ static void parameters_and_code()
     expect("-t sin(3 t) / 6", std::fabs(D[0] + std::sin(3.0) / 6) < 1e-12);
 }
 
+/* q'' = -4 q - 2 q': damped. */
+static void drives()
+{
+    const double c = 2;
+    double t = 0;
+    std::vector<double> q = {1}, p = {-1};
+    const tvi::potential spring(1, [](const jet *x, jet) { return 2 * sqr(x[0]); });
+    tvi::integrator damped{tvi::driven(spring, [=](const jet *, const jet *v, jet, jet *f) { f[0] = -c * v[0]; })};
+    damped.integrate_to(0.1, 1, t, q, p);
+    expect("exp(-t) cos(sqrt 3 t)", std::fabs(q[0] - std::exp(-1.0) * std::cos(std::sqrt(3.0))) < 1e-12);
+    expect("a drive", throws_seven([&] {
+               tvi::driven(spring, [=](const jet *, const jet *, jet, jet *f) { f[0] = c, c > 0 ? throw 7 : 0; });
+           }));
+}
+
 static void powers()
 {
     using std::atan2; /* as generic code does */
@@ -212,6 +227,7 @@ int main()
     thrown_by_users();
     runs();
     parameters_and_code();
+    drives();
     powers();
     eigen();
     return failures != 0;
