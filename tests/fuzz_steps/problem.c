@@ -89,9 +89,25 @@ static int random_energy(problem *x, random_source *r)
     return apply(f, x->form == OF_LAGRANGIAN ? X_SUB : X_ADD, kinetic(f, r, x->n, SECOND), V);
 }
 
+/* From H(q, p, t) to K = g (H + e), in which t and e are the last coordinate and momentum. */
+static void rescale(problem *x, random_source *r)
+{
+    formula *f = &x->f;
+    const int t = x->n++, e = SECOND + t;
+    for (int i = INPUTS_MOST; i < f->count; i++) {
+        if (f->nodes[i].a == TIME) f->nodes[i].a = t;
+        if (f->nodes[i].b == TIME) f->nodes[i].b = t;
+    }
+    const int term = random_term(f, r, x->own, t, 2);
+    x->scale = apply(f, X_EXP, times(f, 0.5 / fmax(1, fabs(f->nodes[term].value)), term), 0);
+    x->H = x->energy;
+    f->nodes[e].value = x->p[t] = -f->nodes[x->H].value;
+    x->energy = apply(f, X_MUL, x->scale, apply(f, X_ADD, x->H, e));
+}
+
 problem problem_of(uint64_t seed)
 {
-    random_source r = {seed * UINT64_C(0xd1342543de82ef95)};
+    random_source r = {seed * UINT64_C(0xd1342543de82ef95)}, of_rescaled = {seed * UINT64_C(0x9e3779b97f4a7c15)};
     static const double places[] = {0, 0, 0, 1, 1e6}; /* that the coordinates are about */
     const int few = choose(&r, 4);
     const double about = places[choose(&r, 5)];
@@ -104,9 +120,12 @@ problem problem_of(uint64_t seed)
         x.mass[i] = choose(&r, 3) ? uniform(&r, 0.2, 5) : 1;
     }
     place[TIME] = x.t;
+    x.rescales = x.form == OF_HAMILTONIAN && x.n < N_MOST && choose(&of_rescaled, 3) == 0;
+    if (x.rescales) place[x.n] = x.q[x.n] = x.t;
     x.f = formula_of(INPUTS_MOST, place);
     x.own = own_coordinates(&x, about);
     x.energy = random_energy(&x, &r);
+    if (x.rescales) rescale(&x, &of_rescaled);
     gradient_of(&x.f, x.energy, INPUTS_MOST, gradient);
     for (int i = 0; i < x.n; i++) {
         x.dq[i] = x.form == OF_FORCE ? apply(&x.f, X_NEG, gradient[i], 0) : gradient[i];
@@ -154,8 +173,42 @@ static jet record_energy(const jet q[], const jet r[], jet t, void *ctx)
     return E;
 }
 
+/* Of the rescaled system: the nodes take the time from the place of the last coordinate. */
+static jet record_unscaled(const problem *x, int node, const jet q[], const jet p[], jet t)
+{
+    jet input[INPUTS_MOST], value;
+    const int n = x->n - 1;
+    for (int i = 0; i < INPUTS_MOST; i++) input[i] = jet_const(0);
+    for (int i = 0; i < n; i++) input[i] = q[i], input[SECOND + i] = p[i];
+    input[n] = t;
+    record(&x->f, input, 1, &node, &value);
+    return value;
+}
+
+static jet record_H(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const problem *x = ctx;
+    return record_unscaled(x, x->H, q, p, t);
+}
+
+static jet record_scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const problem *x = ctx;
+    return record_unscaled(x, x->scale, q, p, t);
+}
+
+static tvi_status rescaled_system(problem *x, tvi_system **system)
+{
+    tvi_system *base;
+    tvi_status status = tvi_system_hamiltonian(&base, x->n - 1, record_H, x);
+    if (status == TVI_OK) status = tvi_system_rescaled(system, base, record_scale, x);
+    tvi_system_free(base);
+    return status;
+}
+
 tvi_status problem_system(problem *x, tvi_system **system)
 {
+    if (x->rescales) return rescaled_system(x, system);
     switch (x->form) {
     case OF_FORCE: return tvi_system_force(system, x->n, x->mass, record_force, x);
     case OF_POTENTIAL: return tvi_system_potential(system, x->n, x->mass, record_potential, x);
@@ -206,7 +259,7 @@ void print_problem(FILE *to, const problem *x)
     };
     static const char *const forms[] = {"force -dV/dq of V", "potential V", "Lagrangian L, r = v,",
                                         "Hamiltonian H, r = p,"};
-    fprintf(to, "  n = %d, %s = ", x->n, forms[x->form]);
+    fprintf(to, "  n = %d, %s%s = ", x->n, x->rescales ? "rescaled " : "", forms[x->form]);
     print_formula(to, &x->f, x->energy, names);
     fprintf(to, "\n  t = %.17g\n", x->t);
     for (int i = 0; i < x->n; i++)

@@ -5,6 +5,8 @@
 #include "expression.h"
 #include "tvi.h"
 
+#include <stdbool.h>
+
 enum { N_MOST = 12, SECOND = N_MOST, TIME = 2 * N_MOST }; /* inputs: q at 0, p or v at SECOND, t */
 
 typedef enum { OF_FORCE, OF_POTENTIAL, OF_LAGRANGIAN, OF_HAMILTONIAN, FORMS } form;
@@ -14,8 +16,10 @@ typedef struct {
     int n;
     double mass[N_MOST]; /* of a force or a potential */
     formula f;
-    int own;        /* the first of n nodes, the coordinates less where they are about */
-    int energy;     /* node of V, L or H */
+    int own;      /* the first of n nodes, the coordinates less where they are about */
+    int energy;   /* node of V, L or H; of a rescaled system of K = g (H + e), whose last q is t and last p is e, */
+    int H, scale; /* and of H and g */
+    bool rescales;
     int dq[N_MOST]; /* nodes of F, or of the derivatives of the energy */
     int dp[N_MOST]; /* of the derivatives by v or p */
     double t, q[N_MOST], p[N_MOST];
