@@ -120,7 +120,7 @@ problem problem_of(uint64_t seed)
         x.mass[i] = choose(&r, 3) ? uniform(&r, 0.2, 5) : 1;
     }
     place[TIME] = x.t;
-    x.rescales = x.form == OF_HAMILTONIAN && x.n < N_MOST && choose(&of_rescaled, 3) == 0;
+    x.rescales = x.form == OF_HAMILTONIAN && x.n < N_MOST && choose(&of_rescaled, 3) == 1;
     if (x.rescales) place[x.n] = x.q[x.n] = x.t;
     x.f = formula_of(INPUTS_MOST, place);
     x.own = own_coordinates(&x, about);
