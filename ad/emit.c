@@ -12,6 +12,10 @@ const char *const *jet_emit_lines(void) { return jet_embedded_rules; }
 
 void jet_emit_rules(jet_text *text)
 {
+    static const char *const quiet[] = {"unused-function", "unused-const-variable", "missing-braces",
+                                        "missing-field-initializers"};
+    for (size_t i = 0; i < sizeof quiet / sizeof *quiet; i++)
+        jet_text_add(text, "#pragma GCC diagnostic ignored \"-W%s\"\n", quiet[i]);
     jet_text_add(text, "#define JET_EMITTED\n#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n"
                        "#include <stdint.h>\n");
     for (const char *const *line = jet_embedded_rules; *line; line++) jet_text_add(text, "%s", *line);

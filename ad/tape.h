@@ -88,6 +88,8 @@ struct jet_sweeps {
     void (*combine)(int count, const double *c, size_t stride, int width, const double *table, double *out);
 };
 
+#ifndef JET_EMITTED /* generated code has no interpreter */
+
 /* The widest that the machine has; the environment variable TVI_ISA = base or avx2 asks for less. */
 const jet_sweeps *jet_sweeps_choose(void);
 
@@ -123,4 +125,5 @@ static inline void jet_sweep_adjoints(const jet_tape *tape, const double *x, dou
     tape->sweeps->adjoints(tape, x, bar, k, top);
 }
 
+#endif
 #endif

@@ -10,6 +10,7 @@ rm -rf "$stage"
 mkdir -p "$stage"
 $MAKE -s --no-print-directory install PREFIX="$stage/usr" DESTDIR= >/dev/null
 export PKG_CONFIG_PATH="$stage/usr/lib/pkgconfig" LD_LIBRARY_PATH="$stage/usr/lib" OMP_NUM_THREADS=2
+export XDG_CACHE_HOME="$stage/cache"
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 cd "$examples"
 

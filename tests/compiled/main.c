@@ -74,6 +74,7 @@ int main(void)
     SRunner *runner = srunner_create(suite_same());
     srunner_add_suite(runner, suite_cache());
     srunner_add_suite(runner, suite_owners());
+    srunner_add_suite(runner, suite_ahead());
     srunner_run_all(runner, CK_ENV);
     const int failed = srunner_ntests_failed(runner);
     srunner_free(runner);
