@@ -64,9 +64,7 @@ TVI_NODISCARD tvi_status tvi_close_full(tvi_closure *closure, const tvi_combinat
 /* Sets p_size. */
 void tvi_close_measure(tvi_closure *closure);
 
-/* Type I: p0 = p- + d0 and p1 - p0 = (p+ - p-) + rise, [n] each; the curve joins q0 to q1. */
-void tvi_close_momenta(tvi_closure *closure, const double d0[], const double rise[]);
-/* Type I, expanded anywhere inside the step. */
-tvi_close_fn tvi_close_type1;
+/* Type I, expanded anywhere inside the step, and at its start or its end. */
+tvi_close_fn tvi_close_type1, tvi_close_type1_end;
 
 #endif
