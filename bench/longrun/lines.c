@@ -36,6 +36,8 @@ static const scene scene_spring = {.name = "spring",
                                    .p = spring_p,
                                    .energy_scale = 0.5};
 
+static jet scale(const jet q[], const jet p[], jet t, void *ctx) { return hard_kepler_90.scale(q, p, t, ctx); }
+
 /* ---- Rows -------------------------------------------------------------------------------------------------------- */
 
 #define CENTURIES (1000 * 36525.0) /* a thousand, in days */
@@ -49,6 +51,8 @@ static const scene scene_spring = {.name = "spring",
 #define SPRING .scene = &scene_spring, .title = "elastic pendulum", .form = "potential", .has_momentum = true
 #define DOUBLE .scene = &scene_double_pendulum, .title = "double pendulum", .form = "Lagrangian"
 
+#define RESCALED .scene = &hard_kepler_90.scene, .title = "Kepler, e = 0.9", .form = "rescaled", .has_momentum = true
+
 /* Unless it says otherwise a row has compensated sums and must hold. */
 const longrun_line longrun_lines[] = {
     {KEPLER, GALERKIN, .h = 0.1, .orbits = 96},
@@ -59,6 +63,7 @@ const longrun_line longrun_lines[] = {
     {BOTTLE, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
     {SPRING, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
     {DOUBLE, GALERKIN, .h = 0.015625, .steps = 1e6, .orbits = 72},
+    {RESCALED, GALERKIN, .scale = scale, .h = 0.83, .steps = 1e5, .orbits = 128, .rms_most = 1e-12},
     {KEPLER, GALERKIN, .h = 0.1, .sums = LONGRUN_ROUNDED, .orbits = 24, .duty = {LONGRUN_FAILS, LONGRUN_SHOWN}},
     {SOLAR(250, CENTURIES / 250), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},
     {SOLAR(400, CENTURIES / 400), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},

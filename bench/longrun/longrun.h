@@ -4,6 +4,7 @@
 #define LONGRUN_H
 
 #include "experiments/experiment.h"
+#include "hard.h"
 
 enum { LONGRUN_ORBITS_MAX = 256, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18, LONGRUN_WINDOW = 256 };
 
@@ -19,6 +20,7 @@ typedef enum { LONGRUN_HOLDS, LONGRUN_FAILS, LONGRUN_SHOWN } longrun_duty;
 typedef struct {
     const scene *scene;
     const char *title, *form; /* of the system, in the table */
+    tvi_rescale_fn *scale;    /* NULL: the time of the steps is t */
     const char *method;
     int order;
     longrun_sums sums;

@@ -12,7 +12,7 @@ enum { THREADS = 2, SAMPLES_A_DECADE = 10, FIRST_SAMPLE = 5 };
 static const double PERTURBATION = 1e-12, PI = 3.14159265358979323846;
 
 typedef struct {
-    const tvi_system *system;
+    const tvi_system *system; /* as stated */
     tvi_integrator *integrator;
     rounded *control; /* of LONGRUN_ROUNDED */
     double t, q[LONGRUN_N_MAX], p[LONGRUN_N_MAX];
@@ -21,7 +21,7 @@ typedef struct {
 /* What the threads share. */
 typedef struct {
     longrun_series *series;
-    const tvi_system *system;
+    const tvi_system *system, *stepped;
     atomic_int next; /* orbit to run */
 } ensemble;
 
@@ -45,12 +45,12 @@ static void centre(orbit *o, const scene *s)
 }
 
 /* Orbit number k of a scene has the same start in every line. */
-static void orbit_begin(orbit *o, const longrun_line *line, const tvi_system *system, int k)
+static void orbit_begin(orbit *o, const longrun_line *line, const ensemble *all, int k)
 {
     const scene *s = line->scene;
     const experiment_method method = experiment_find(line->method, line->order);
     uint64_t seed = UINT64_C(0x9e3779b97f4a7c15) * (uint64_t)(k + 1);
-    *o = (orbit){.system = system};
+    *o = (orbit){.system = all->system};
     for (int i = 0; i < 8; i++) random_number(&seed);
     for (int i = 0; i < s->n; i++) {
         o->q[i] = s->q[i] * (1 + PERTURBATION * random_number(&seed));
@@ -58,10 +58,10 @@ static void orbit_begin(orbit *o, const longrun_line *line, const tvi_system *sy
     }
     if (s == &scene_solar) centre(o, s);
     if (line->sums == LONGRUN_ROUNDED) {
-        if (!(o->control = rounded_create(system, line->h))) experiment_fail(s->name, "no memory");
+        if (!(o->control = rounded_create(all->system, line->h))) experiment_fail(s->name, "no memory");
         return;
     }
-    const tvi_status status = tvi_integrator_create(&o->integrator, system, &method.who.options);
+    const tvi_status status = tvi_integrator_create(&o->integrator, all->stepped, &method.who.options);
     if (status != TVI_OK) experiment_fail(s->name, tvi_status_string(status));
 }
 
@@ -126,12 +126,13 @@ static void observe(orbit *o, const longrun_line *line, const double start[], do
     for (int i = 0; i < LONGRUN_QUANTITIES && scatter; i++) scatter[i] = sqrt(fmax(0, squares[i] - mean[i] * mean[i]));
 }
 
-static void orbit_run(longrun_series *series, const tvi_system *system, int k)
+static void orbit_run(const ensemble *all, int k)
 {
+    longrun_series *series = all->series;
     const longrun_line *line = series->line;
     orbit o;
     double start[LONGRUN_QUANTITIES], first[LONGRUN_QUANTITIES], now[LONGRUN_QUANTITIES], scatter[LONGRUN_QUANTITIES];
-    orbit_begin(&o, line, system, k);
+    orbit_begin(&o, line, all, k);
     measure(&o, start);
     const double scale[LONGRUN_QUANTITIES] = {fmax(fabs(start[0]), line->scene->energy_scale), fabs(start[1])};
     observe(&o, line, start, first, scatter);
@@ -148,15 +149,17 @@ static void orbit_run(longrun_series *series, const tvi_system *system, int k)
 static void *run_some(void *ctx)
 {
     ensemble *all = ctx;
-    for (int k; (k = atomic_fetch_add(&all->next, 1)) < all->series->orbits;) orbit_run(all->series, all->system, k);
+    for (int k; (k = atomic_fetch_add(&all->next, 1)) < all->series->orbits;) orbit_run(all, k);
     return NULL;
 }
 
 void longrun_run(longrun_series *series, const longrun_line *line, int orbits, double steps)
 {
     pthread_t thread[THREADS];
-    tvi_system *system = experiment_system(line->scene);
-    ensemble all = {.series = series, .system = system};
+    tvi_system *system = experiment_system(line->scene), *rescaled = NULL;
+    if (line->scale && tvi_system_rescaled(&rescaled, system, line->scale, NULL) != TVI_OK)
+        experiment_fail(line->title, "cannot be rescaled");
+    ensemble all = {.series = series, .system = system, .stepped = rescaled ? rescaled : system};
     const double begin = run_clock();
     const int last = (int)floor(SAMPLES_A_DECADE * log10(steps / (FIRST_SAMPLE * LONGRUN_WINDOW)));
     if (last < 0) experiment_fail(line->title, "too few steps");
@@ -165,6 +168,7 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
     for (int i = 0; i < THREADS; i++)
         if (pthread_create(&thread[i], NULL, run_some, &all) != 0) experiment_fail("threads", "cannot be made");
     for (int i = 0; i < THREADS; i++) pthread_join(thread[i], NULL);
+    tvi_system_free(rescaled);
     tvi_system_free(system);
     series->cpu = run_clock() - begin;
 }

@@ -35,6 +35,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     laid.kept = tvi_arena_history(arena, sizeof *laid.kept);
     const bool uses_energy = system->stepped != system || options->max_tail >= 0;
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
+    if (laid.stepped != system) tvi_energy_take_precise(&laid.transformed, arena, laid.stepped);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
     laid.parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
     laid.of_state = arena->remembered;
@@ -139,14 +140,27 @@ static bool is_continued(const tvi_integrator *it, double t, const double q[], c
            memcmp(p, it->now.p, bytes) == 0;
 }
 
-/* e = -H(q, p, t), where K = g (H + e) is 0 (rescaled.c). */
+/* K as it is with another e, in long double. */
+static long double transformed_with(tvi_integrator *it, double e)
+{
+    it->now.p[it->system->n] = e;
+    return tvi_energy_precise(&it->transformed, 0, it->now.q, it->now.p);
+}
+
+/* e = -H(q, p, t), where K = g (H + e) is 0 (rescaled.c). The roundoff of H at a pericentre, whose terms cancel, would
+ * shift the period of the orbit: e is the root of K in long double, of which K is a linear function. */
 static tvi_status set_energy(tvi_integrator *it)
 {
     const int n = it->system->n;
     double H;
     const tvi_status status = tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &H);
-    if (status == TVI_OK) it->now.p[n] = -H;
-    return tvi_refuse_as("energy", status);
+    if (status != TVI_OK) return tvi_refuse_as("energy", status);
+    const double apart = H != 0 ? H : 1;
+    const long double there = transformed_with(it, apart - H), here = transformed_with(it, -H);
+    const long double correction = apart * (here / (here - there)), e = isfinite(correction) ? correction - H : -H;
+    it->now.p[n] = (double)e;
+    it->now.p_low[n] = (double)(e - it->now.p[n]);
+    return TVI_OK;
 }
 
 tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], const double p[])

@@ -40,6 +40,7 @@ struct tvi_integrator {
     double h, covered;           /* its size, and the time that it covers */
     double *dq, *dp;             /* [N + 1], [N] */
     tvi_energy_work energy;      /* its block is NULL where no step asks for it */
+    tvi_energy_work transformed; /* of a rescaled system: K */
     double *end;                 /* [2 N + 1] q and p at the end of a step (guard.c) */
     tvi_kept_energy *kept;       /* in the history */
     tvi_tangent *tangent;        /* NULL: never asked for; and what frees it */

@@ -102,6 +102,20 @@ tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], cons
     return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
 }
 
+void tvi_energy_take_precise(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
+{
+    tvi_energy_take(work, arena, system);
+    work->precise = tvi_arena_take(arena, (size_t)system->energy->slots * sizeof *work->precise);
+}
+
+long double tvi_energy_precise(tvi_energy_work *work, double t, const double q[], const double p[])
+{
+    double H;
+    if (energy_value(work, t, q, p, &H) != TVI_OK) return NAN;
+    jet_sweep_precisely(work->system->energy, work->block, work->precise);
+    return work->precise[work->system->energy->output[0]];
+}
+
 /* Work in memory of its own, which is to be freed; parameters NULL: as recorded. */
 static void *create_work(tvi_energy_work *work, const tvi_system *system, const double parameters[])
 {

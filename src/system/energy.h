@@ -9,6 +9,7 @@ typedef struct {
     double *block;         /* of the tape of the energy */
     tvi_legendre legendre; /* of a Lagrangian, as is */
     double *velocity;      /* [n] where Newton's method starts, and its result */
+    long double *precise;  /* [slots of the tape] of a Hamiltonian whose values are wanted in long double; else NULL */
 } tvi_energy_work;
 
 /* Of a system that has an energy. */
@@ -21,5 +22,9 @@ TVI_NODISCARD tvi_status tvi_transform(const tvi_system *system, const double pa
                                        const double in[], double out[], bool to_momenta);
 /* tvi_energy of a state that is finite. */
 TVI_NODISCARD tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H);
+
+/* The same of a Hamiltonian in long double, where what is taken has room for that; NaN where it has no value. */
+void tvi_energy_take_precise(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
+long double tvi_energy_precise(tvi_energy_work *work, double t, const double q[], const double p[]);
 
 #endif

@@ -1,7 +1,7 @@
 /* test_structure.c - a step in s is symplectic in (q, t) and (p, e), and nearly keeps K; the field without the terms
  * (H+e) has the same orbit, and its steps are not. */
 #include "rescaled.h"
-#include "system/system.h"
+#include "run/integrator.h"
 
 #include <float.h>
 #include <math.h>
@@ -134,6 +134,25 @@ START_TEST(midpoint_rule_by_hand)
 }
 END_TEST
 
+/* ---- e ----------------------------------------------------------------------------------------------------------- */
+
+/* -H at the start, in long double, where H in double has lost two digits by cancellation; its low part, too. */
+START_TEST(e_has_no_roundoff)
+{
+    run r = open_kepler(0.999, kepler_scale, NULL, 0);
+    const state x = r.x;
+    double H;
+    ck_assert_int_eq(run_steps(&r, 0.1, 1), TVI_OK);
+    const tvi_run_state *now = &r.integrator->now;
+    const number e = (number)now->p[2] + now->p_low[2];
+    const number exact = (number)x.p[1] * x.p[1] / 2 - 1 / (number)x.q[0];
+    ck_assert_int_eq(tvi_energy(r.system, x.t, x.q, x.p, &H), TVI_OK);
+    ck_assert(fabsl(e + exact) <= 1e-16L);
+    ck_assert(fabsl(H - exact) >= 1e-14L);
+    close_run(&r);
+}
+END_TEST
+
 /* ---- Long runs --------------------------------------------------------------------------------------------------- */
 
 static double energy_of(const run *r)
@@ -172,6 +191,7 @@ Suite *suite_structure(void)
     TCase *tests = tcase_create("structure");
     tcase_add_loop_test(tests, steps_are_symplectic, 0, SERVED);
     tcase_add_test(tests, midpoint_rule_by_hand);
+    tcase_add_test(tests, e_has_no_roundoff);
     tcase_add_test(tests, energy_is_bounded);
     tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);

@@ -1,0 +1,68 @@
+/* precise.c - values of a tape in long double, operation by operation: for a number that is asked for once, and in which
+ * large terms cancel. */
+#include "tape.h"
+
+#include <math.h>
+
+#define VALUE_LIST(ROW)                                                                                                \
+    ROW(OP_MUL, a *b)                                                                                                  \
+    ROW(OP_SQR, a *a)                                                                                                  \
+    ROW(OP_DIV, a / b)                                                                                                 \
+    ROW(OP_SQRT, sqrtl(a))                                                                                             \
+    ROW(OP_POW, powl(a, run->c))                                                                                       \
+    ROW(OP_HYPOT, hypotl(a, b))                                                                                        \
+    ROW(OP_ATAN2, atan2l(a, b))                                                                                        \
+    ROW(OP_EXP, expl(a))                                                                                               \
+    ROW(OP_SIN, sinl(a))                                                                                               \
+    ROW(OP_COS, cosl(a))                                                                                               \
+    ROW(OP_SINH, sinhl(a))                                                                                             \
+    ROW(OP_COSH, coshl(a))                                                                                             \
+    ROW(OP_TAN, tanl(a))                                                                                               \
+    ROW(OP_TANH, tanhl(a))                                                                                             \
+    ROW(OP_SECH2, 1 / (coshl(a) * coshl(a)))                                                                           \
+    ROW(OP_ERF, erfl(a))                                                                                               \
+    ROW(OP_LOG, logl(a))                                                                                               \
+    ROW(OP_ASIN, asinl(a))                                                                                             \
+    ROW(OP_ACOS, acosl(a))                                                                                             \
+    ROW(OP_ATAN, atanl(a))                                                                                             \
+    ROW(OP_ASINH, asinhl(a))                                                                                           \
+    ROW(OP_ACOSH, acoshl(a))                                                                                           \
+    ROW(OP_ATANH, atanhl(a))
+
+static long double value_of(const jet_run *run, long double a, long double b)
+{
+#define VALUE(op, value)                                                                                               \
+    case op: return value;
+    switch (run->op) {
+        VALUE_LIST(VALUE)
+    default: return NAN;
+    }
+}
+
+static long double linear_of(const jet_tape *tape, const jet_run *run, int i, const long double *y)
+{
+    long double sum = tape->base[run->first + i];
+    for (int k = run->term + i * run->terms, end = k + run->terms; k < end; k++)
+        sum += tape->term_coefficient[k] * y[tape->term_slot[k]];
+    return sum;
+}
+
+static long double product_of(const jet_tape *tape, const jet_run *run, int i, const long double *y)
+{
+    const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_second;
+    long double sum = 0;
+    for (int k = run->term; k < run->term + run->terms; k++)
+        sum += tape->term_coefficient[k] * y[tape->term_slot[k] + i] * y[second[k] + i];
+    return sum;
+}
+
+void jet_sweep_precisely(const jet_tape *tape, const double *x, long double *y)
+{
+    for (int i = 0; i < tape->inputs + tape->constants; i++) y[i] = x[i];
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        for (int i = 0; i < run->count; i++)
+            y[run->z + i] = run->op == OP_LINEAR ? linear_of(tape, run, i, y)
+                            : run->op == OP_PRODUCTS || run->op == OP_SQUARES
+                                ? product_of(tape, run, i, y)
+                                : value_of(run, y[run->a + i], y[run->b + i]);
+}
