@@ -25,6 +25,12 @@
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
         return move_lanes(&sized, matrix, drives, slot, (LANES));                                                      \
     }                                                                                                                  \
+    static double NAME##_move_both(const galerkin_nodes *nodes, const double *matrix, const double *drives,            \
+                                   const double *changes, const int slot[])                                            \
+    {                                                                                                                  \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        return move_both_lanes(&sized, matrix, drives, changes, slot, (LANES));                                        \
+    }                                                                                                                  \
     static void NAME##_predict(const galerkin_nodes *nodes, int steps, const double *matrix,                           \
                                const double *const impulses[])                                                         \
     {                                                                                                                  \
@@ -34,7 +40,7 @@
     }                                                                                                                  \
     static double NAME##_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds)          \
     {                                                                                                                  \
-        return round_lanes(nodes, matrix, rounds, (LANES));                                                            \
+        return go_round_lanes(nodes, matrix, rounds, (LANES));                                                         \
     }                                                                                                                  \
     static void NAME##_integrate(const galerkin_nodes *nodes, const galerkin_weights *weights,                         \
                                  const galerkin_sums *sums)                                                            \
@@ -85,7 +91,7 @@
     }
 
 #define GALERKIN_EMITTED_TABLE(NAME)                                                                                   \
-    NAME##_move, NAME##_predict, NAME##_round, NAME##_integrate, NAME##_start, NAME##_start_drifting,                  \
-        NAME##_end_drifting, NAME##_tail, NAME##_place
+    NAME##_move, NAME##_move_both, NAME##_predict, NAME##_round, NAME##_integrate, NAME##_start,                       \
+        NAME##_start_drifting, NAME##_end_drifting, NAME##_tail, NAME##_place
 
 #endif

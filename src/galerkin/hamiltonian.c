@@ -12,7 +12,7 @@
 #include <math.h>
 #include <string.h>
 
-/* The rows of nodes.x: Q, P, n each, and the gradient behind them. */
+/* The rows of nodes.x: Q, P, n each, the gradient behind them, and how it changes behind that. */
 typedef struct {
     galerkin_model model;
     lanes_rounds rounds;
@@ -37,7 +37,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     hamiltonian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
     hamiltonian w = {0};
     field->rows = field->nodes.unknowns;
-    field->nodes.x = tvi_arena_doubles(arena, 2 * numbers);
+    field->nodes.x = tvi_arena_doubles(arena, 3 * numbers);
     tvi_galerkin_model_take(&w.model, arena, field);
     field->inputs = w.model.values;
     field->ahead = field->matrix;
@@ -142,6 +142,16 @@ static void go_round(const galerkin_field *field, const hamiltonian *w, double f
     if (now > first) memset(rounds->moved, 0, numbers * sizeof *rounds->moved);
 }
 
+/* By the gradient where the rounds have led to. */
+static double finish(const galerkin_field *field, hamiltonian *w)
+{
+    const galerkin_nodes *nodes = &field->nodes;
+    const double *changes = nodes->x + nodes->unknowns * nodes->lanes;
+    w->model.lanes.gradient = NULL;
+    field->lagrangian->linearise(&w->model.lanes, gradient_of(field) + nodes->unknowns * nodes->lanes);
+    return field->loops->move_both(nodes, field->matrix, nodes->x, changes, field->slot);
+}
+
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     hamiltonian *w = field->own;
@@ -151,8 +161,7 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     if (!evaluate(field, !serves)) return TVI_EDOMAIN;
     const double first = move(field), left_out = first * (serves ? w->moved : first) / count;
     go_round(field, w, first, fmax(left_out, NOTHING * count));
-    field->lagrangian->linearise(&w->model.lanes, gradient_of(field));
-    *moved = w->moved = first + move(field);
+    *moved = w->moved = first + finish(field, w);
     return TVI_OK;
 }
 

@@ -131,7 +131,7 @@ static void correct(const lanes_factor *f, const double *P, const double *p, dou
 
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
-        V sum = JET_OF(V, m->gradient, m->output[i]);                                                                  \
+        V sum = m->gradient ? JET_OF(V, m->gradient, m->output[i]) : (V){0};                                           \
         for (int k = begin; k < m->end[i]; k++)                                                                        \
             sum += JET_OF(V, m->second, m->term[k].slot) * JET_OF(V, m->moved, m->term[k].column);                     \
         JET_AT(V, out, i) = sum;                                                                                       \

@@ -56,7 +56,7 @@ enum { CHAINS = 4 };
     }
 
 /* Once all impulses are there, and none waits for the one before it. */
-#define MOVE(V, blocks)                                                                                                \
+#define MOVE_BY(WEIGH, V, blocks)                                                                                      \
     {                                                                                                                  \
         V squares = {0};                                                                                               \
         WEIGH(V, blocks)                                                                                               \
@@ -73,6 +73,7 @@ enum { CHAINS = 4 };
         }                                                                                                              \
         moved = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                     \
     }
+#define MOVE(V, blocks) MOVE_BY(WEIGH, V, blocks)
 
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                              int lanes)
@@ -88,6 +89,45 @@ JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, 
 BY_LANES(double, return, move, nodes->lanes,
          (const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]), nodes, matrix,
          drives, slot)
+
+/* a b + c, rounded once where c is small beside a b; without fused operations by Dekker's product. */
+JET_INLINE double product_and(double a, double b, double c)
+{
+#ifdef __FMA__
+    return __builtin_fma(a, b, c);
+#else
+    const double split = 0x1p27 + 1, product = a * b, big_a = split * a, big_b = split * b;
+    const double high_a = big_a - (big_a - a), high_b = big_b - (big_b - b), low_a = a - high_a, low_b = b - high_b;
+    return product + ((((high_a * high_b - product) + high_a * low_b + low_a * high_b) + low_a * low_b) + c);
+#endif
+}
+
+/* If drives and changes were added first, a change of less than a unit of the drive would be rounded by what repeats
+ * itself from step to step (docs/method.md section 6). */
+#define WEIGH_BOTH(V, blocks)                                                                                          \
+    for (int u = 0; u < unknowns; u++) {                                                                               \
+        const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                                \
+        const double *change = changes + (size_t)slot[u] * (size_t)lanes;                                              \
+        for (int i = 0; i < lanes; i++)                                                                                \
+            impulse[u * lanes + i] = product_and(weight[i], drive[i], weight[i] * change[i]);                          \
+    }
+#define MOVE_BY_BOTH(V, blocks) MOVE_BY(WEIGH_BOTH, V, blocks)
+
+JET_INLINE double move_both_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives,
+                                  const double *changes, const int slot[], int lanes)
+{
+    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size,
+                 *weight = nodes->weight;
+    const int unknowns = nodes->unknowns;
+    double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
+    ALL_LANES(lanes, MOVE_BY_BOTH)
+    return moved;
+}
+
+BY_LANES(double, return, move_both, nodes->lanes,
+         (const galerkin_nodes *nodes, const double *matrix, const double *drives, const double *changes,
+          const int slot[]),
+         nodes, matrix, drives, changes, slot)
 
 #define PREDICT(V, blocks)                                                                                             \
     {                                                                                                                  \
@@ -150,21 +190,16 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
         moved = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                     \
     }
 
-JET_INLINE double round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, int lanes)
+JET_INLINE
+    double go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, int lanes)
 {
     double *impulse = rounds->impulse, moved = 0;
     ALL_LANES(lanes, ROUND)
     return moved;
 }
 
-static double go_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds)
-{
-    double sum;
-#define CALL(lanes) sum = round_lanes(nodes, matrix, rounds, lanes)
-    FOR_LANES(nodes->lanes, CALL)
-#undef CALL
-    return sum;
-}
+BY_LANES(double, return, go_round, nodes->lanes,
+         (const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds), nodes, matrix, rounds)
 
 /* Two-sums: what each addition loses is collected. */
 JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, jet_v4 term)
@@ -341,6 +376,6 @@ static void place(const galerkin_places *p, const double *table, const double *i
 }
 
 #ifndef JET_EMITTED
-const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {move,           predict,      go_round, integrate, start,
-                                                        start_drifting, end_drifting, tail,     place,     NULL};
+const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
+    move, move_both, predict, go_round, integrate, start, start_drifting, end_drifting, tail, place, NULL};
 #endif

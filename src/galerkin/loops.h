@@ -61,6 +61,9 @@ typedef struct galerkin_loops {
     /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
+    /* The same with L_j = weight_j (F_j + changes[slot[u]][j]), rounded once. */
+    double (*move_both)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const double *changes,
+                        const int slot[]);
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
     /* change <- scale sum_j matrix_ji weight_j (second change)_j, and moved += change. Returns the sum of the squares

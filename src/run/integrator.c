@@ -35,7 +35,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     laid.kept = tvi_arena_history(arena, sizeof *laid.kept);
     const bool uses_energy = system->stepped != system || options->max_tail >= 0;
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
-    if (laid.stepped != system) tvi_energy_take_precise(&laid.transformed, arena, laid.stepped);
+    if (system->stepped != system) tvi_energy_take_precise(&laid.transformed, arena, laid.stepped);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
     laid.parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
     laid.of_state = arena->remembered;
