@@ -1,5 +1,4 @@
-/* precise.c - values of a tape in long double, operation by operation: for a number that is asked for once, and in which
- * large terms cancel. */
+/* precise.c - values of a tape in long double: for a number that is asked for once, in which large terms cancel. */
 #include "tape.h"
 
 #include <math.h>
