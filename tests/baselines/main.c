@@ -1,8 +1,6 @@
-/* main.c - the baselines of the bench. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every Check program. */
+/* main.c - the baselines of the bench. */
 #include "baselines.h"
-
-#include <stddef.h>
-#include <stdlib.h>
+#include "problems/run_suites.h"
 
 static Suite *(*const suites[])(void) = {
     suite_forces,
@@ -11,12 +9,4 @@ static Suite *(*const suites[])(void) = {
     suite_galerkin,
 };
 
-int main(void)
-{
-    SRunner *all = srunner_create(NULL);
-    for (size_t i = 0; i < sizeof suites / sizeof *suites; i++) srunner_add_suite(all, suites[i]());
-    srunner_run_all(all, CK_ENV);
-    const int failed = srunner_ntests_failed(all);
-    srunner_free(all);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
+int main(void) { return RUN_SUITES(suites); }

@@ -1,8 +1,8 @@
 /* main.c - generated code: the same results as the tape's, what may go wrong on the way to it, and who owns it. The
- * environment variable TVI_COMPILED=all runs every scene with every method. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK
- * choose, as in every Check program. */
+ * environment variable TVI_COMPILED=all runs every scene with every method. */
 #define _XOPEN_SOURCE 700
 #include "compiled.h"
+#include "problems/run_suites.h"
 
 #include <dirent.h>
 #include <ftw.h>
@@ -69,14 +69,6 @@ int directory_count(const char *path, const char *ending)
     return count;
 }
 
-int main(void)
-{
-    SRunner *runner = srunner_create(suite_same());
-    srunner_add_suite(runner, suite_cache());
-    srunner_add_suite(runner, suite_owners());
-    srunner_add_suite(runner, suite_ahead());
-    srunner_run_all(runner, CK_ENV);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
+static Suite *(*const suites[])(void) = {suite_same, suite_cache, suite_owners, suite_ahead};
+
+int main(void) { return RUN_SUITES(suites); }

@@ -1,15 +1,7 @@
-/* main.c - friction and drives. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every Check program. */
+/* main.c - friction and drives. */
 #include "driven.h"
+#include "problems/run_suites.h"
 
-#include <stdlib.h>
+static Suite *(*const suites[])(void) = {suite_motion, suite_balance, suite_refused};
 
-int main(void)
-{
-    SRunner *runner = srunner_create(suite_motion());
-    srunner_add_suite(runner, suite_balance());
-    srunner_add_suite(runner, suite_refused());
-    srunner_run_all(runner, CK_ENV);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
+int main(void) { return RUN_SUITES(suites); }

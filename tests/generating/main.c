@@ -1,9 +1,6 @@
-/* main.c - the generating functions, on systems of every form. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in
- * every Check program. */
+/* main.c - the generating functions, on systems of every form. */
 #include "generating.h"
-
-#include <stddef.h>
-#include <stdlib.h>
+#include "problems/run_suites.h"
 
 static Suite *(*const suites[])(void) = {
     suite_methods,
@@ -29,10 +26,5 @@ static Suite *(*const suites[])(void) = {
 int main(void)
 {
     find_kinds();
-    SRunner *runner = srunner_create(NULL);
-    for (size_t i = 0; i < sizeof suites / sizeof *suites; i++) srunner_add_suite(runner, suites[i]());
-    srunner_run_all(runner, CK_ENV);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
+    return RUN_SUITES(suites);
 }

@@ -1,6 +1,6 @@
-/* main.c - the hard cases of bench/stability. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every
- * Check program. */
+/* main.c - the hard cases of bench/stability. */
 #include "stability.h"
+#include "problems/run_suites.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -66,17 +66,7 @@ tvi_status pair_step(const hard_pair *pair, double h, hard_state *x)
     return tvi_step(pair->integrator, h, &x->t, x->q, x->p);
 }
 
-int main(void)
-{
-    SRunner *runner = srunner_create(NULL);
-    srunner_add_suite(runner, suite_failing());
-    srunner_add_suite(runner, suite_limits());
-    srunner_add_suite(runner, suite_extremes());
-    srunner_add_suite(runner, suite_lowest());
-    srunner_add_suite(runner, suite_equilibria());
-    srunner_add_suite(runner, suite_guard());
-    srunner_run_all(runner, CK_ENV);
-    const int failed = srunner_ntests_failed(runner);
-    srunner_free(runner);
-    return failed ? EXIT_FAILURE : EXIT_SUCCESS;
-}
+static Suite *(*const suites[])(void) = {suite_failing, suite_limits,     suite_extremes,
+                                         suite_lowest,  suite_equilibria, suite_guard};
+
+int main(void) { return RUN_SUITES(suites); }
