@@ -10,7 +10,7 @@ CHECKS  := check-generating check-library $(patsubst %,check-%,$(filter-out gene
            check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
            check-symbols check-names check-floors check-instructions check-examples
 LONG    := check-sanitizers check-coverage check-equilibria check-optimized check-base check-threads
-.PHONY: check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
+.PHONY: check-generated do-generated check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
 
 # what several checks need is built before they run side by side; where that fails, they say so
@@ -88,6 +88,11 @@ do-base: $(addprefix $(BUILD)/check/,library events generating)
 	tests/suites.sh 'closed forms,order,structure,stepping,products,linear' $(BUILD)/check/library
 	$(BUILD)/check/events
 	tests/suites.sh 'forms,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
+
+# generated code: every scene with every method, some minutes of the compiler
+check-generated: ; $(REPORT) "generated code: every scene with every method" $(LOG) $(DO)
+do-generated: $(BUILD)/check/compiled
+	TVI_COMPILED=all tests/suites.sh same $<
 
 # 20,000 steps of every method about every equilibrium at 1 and at 100
 check-equilibria: ; $(REPORT) "long runs about equilibria" $(LOG) $(DO)
