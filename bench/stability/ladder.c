@@ -103,8 +103,9 @@ static bool climb_step(climber *c, double h, state *x)
     const double before = energy_of(c, x);
     state seen = *x, made = *x, solution = *x;
     const tvi_status status = step(c->looks, h, &seen), blind = step(c->blind, h, &made);
-    const double size = fmax(fabs(before), c->scale);
-    const double change = blind == TVI_OK ? fabs(energy_of(c, &made) - before) / size : INFINITY;
+    const double after =
+        energy_of(c, status == TVI_OK ? &seen : &made); /* the blind one's passes may have another past */
+    const double change = fabs(after - before) / fmax(fabs(before), c->scale);
     if (status == TVI_OK) {
         c->counts.accepted++;
         c->counts.wrong += !(change <= LADDER_WRONG);
