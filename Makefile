@@ -41,6 +41,11 @@ TOOL     := -std=c11 $(WARNINGS) -D_POSIX_C_SOURCE=200809L -Iinclude -Iad -Isrc 
 QUADCC   ?= gcc
 QUAD     := -std=gnu11 -O2 -Wall -Wextra -Iinclude -Iad -Ibench -Ibench/scenes
 
+# elementary functions in vectors (ad/elementary.h), where SLEEF is; SLEEF=0: those of the mathematical library
+SLEEF     ?= 1
+HAS_SLEEF := $(if $(filter-out 0,$(SLEEF)),$(shell pkg-config --exists sleef 2>/dev/null && echo sleef))
+BASE      += $(if $(HAS_SLEEF),-DJET_SLEEF)
+
 # what runs a tape is compiled once for each instruction set, and one is chosen at run time (ad/isa.c). Those that have
 # fused multiply-adds use them.
 ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx512)
@@ -55,7 +60,7 @@ SRC_OBJECTS  := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o $(
 EMBEDDED_SRC := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
-LIBS         = $(shell pkg-config --libs lapack blas) -lm
+LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) -lm
 
 .DELETE_ON_ERROR:
 .PHONY: help all check check-long bench choose references clean need-library need-check need-bench
@@ -71,6 +76,8 @@ help:
 
 PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
                     'libblas-dev:pkg-config --exists blas'
+# whose absence costs time alone: who may not install it goes on without
+SLEEF_PACKAGE    := $(if $(filter-out 0,$(SLEEF)),'libsleef-dev:pkg-config --exists sleef || [ "$$(id -u)" != 0 ]')
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
                     'clang-format:command -v clang-format' 'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
                     'libeigen3-dev:test -e /usr/include/eigen3/Eigen/Core' 'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun' \
@@ -86,18 +93,24 @@ define need
 	apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $$missing >/dev/null
 endef
 
-need-library: ; $(call need,$(PACKAGES_LIBRARY))
-need-check: ; $(call need,$(PACKAGES_LIBRARY) $(PACKAGES_CHECK))
-need-bench: ; $(call need,$(PACKAGES_LIBRARY) $(PACKAGES_BENCH))
+need-library: ; $(call need,$(PACKAGES_LIBRARY) $(SLEEF_PACKAGE))
+need-check: ; $(call need,$(PACKAGES_LIBRARY) $(SLEEF_PACKAGE) $(PACKAGES_CHECK))
+need-bench: ; $(call need,$(PACKAGES_LIBRARY) $(SLEEF_PACKAGE) $(PACKAGES_BENCH))
 
 # ---- The library -------------------------------------------------------------------------------------------------------
+
+# made anew when SLEEF comes or goes
+$(filter $(BUILD)/ad/rule_%,$(AD_OBJECTS)): $(BUILD)/elementary
+$(BUILD)/elementary: always
+	@mkdir -p $(@D) && echo '$(HAS_SLEEF)' | cmp -s - $@ || echo '$(HAS_SLEEF)' >$@
+.PHONY: always
 
 $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
 	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
-EMBEDDED_RULES := $(addprefix ad/,vector.h graph.h tape.h rule.h sums.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
+EMBEDDED_RULES := $(addprefix ad/,vector.h graph.h tape.h rule.h sums.h elementary.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
 $(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
 	@mkdir -p $(@D)
 	awk -v NAME=jet_embedded_rules -f ad/embed.awk ad/vector.h include/jet.h $(filter-out ad/vector.h,$(EMBEDDED_RULES)) >$@

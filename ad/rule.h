@@ -63,6 +63,10 @@ typedef struct {
 #define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 
+/* Values of a run of sines and of the run of cosines of the same operands, which cost little more than one of them. */
+#define jet_sine_cosine JET_FOR_ISA(jet_sine_cosine)
+void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes);
+
 /* Every rule and its row of the table, in the order of jet_op. */
 #define JET_RULE_LIST(ROW)                                                                                             \
     ROW(OP_MUL, mul)                                                                                                   \

@@ -1,6 +1,7 @@
 /* Functions whose derivative is another series times that of the argument, z' = s w a' with s = 1 or -1: exponential,
  * trigonometric and hyperbolic functions, and the error function. The partner w is computed beside z and read at lower
  * orders only. */
+#include "elementary.h"
 #include "rule.h"
 
 #include <math.h>
@@ -42,7 +43,7 @@
     static bool name##_value(double c, int width, const double *a, const double *b, double *restrict z)                \
     {                                                                                                                  \
         (void)c, (void)b;                                                                                              \
-        for (int i = 0; i < width; i++) z[i] = function(a[i]);                                                         \
+        jet_all_##function(width, a, z);                                                                               \
         return true;                                                                                                   \
     }                                                                                                                  \
     JET_FRAMES(name, SIGN)                                                                                             \
@@ -62,15 +63,20 @@ GROWTH_RULES(tan, tan, PLUS, 1)   /* w = 1 + z^2 */
 GROWTH_RULES(tanh, tanh, PLUS, 1) /* w = sech2 a */
 GROWTH_RULES(erf, erf, PLUS, 1)   /* w = 2 exp(-a^2) / sqrt(pi) */
 
+void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes)
+{
+    const size_t each = (size_t)lanes;
+    jet_all_sincos(sine->count * lanes, x + (size_t)sine->a * each, x + (size_t)sine->z * each,
+                   x + (size_t)cosine->z * each);
+}
+
 /* ---- z = sech^2 a = 1 - w^2 with w = tanh a: the value without the cancellation, the series with w --------------- */
 
 static bool sech2_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)c, (void)b;
-    for (int i = 0; i < width; i++) {
-        const double cosine = cosh(a[i]);
-        z[i] = 1 / (cosine * cosine);
-    }
+    jet_all_cosh(width, a, z);
+    for (int i = 0; i < width; i++) z[i] = 1 / (z[i] * z[i]);
     return true;
 }
 

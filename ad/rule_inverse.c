@@ -1,5 +1,6 @@
 /* Functions whose derivative divides by another series, z' = s a' / w with s = 1 or -1: the logarithm and the inverse
  * trigonometric and hyperbolic functions. The partner w is read at lower orders only. */
+#include "elementary.h"
 #include "rule.h"
 
 #include <math.h>
@@ -46,10 +47,8 @@
     {                                                                                                                  \
         (void)c, (void)b;                                                                                              \
         int bad = 0;                                                                                                   \
-        for (int i = 0; i < width; i++) {                                                                              \
-            bad |= outside(a[i]);                                                                                      \
-            z[i] = function(a[i]);                                                                                     \
-        }                                                                                                              \
+        for (int i = 0; i < width; i++) bad |= outside(a[i]);                                                          \
+        jet_all_##function(width, a, z);                                                                               \
         return !bad;                                                                                                   \
     }                                                                                                                  \
     JET_FRAMES(name, SIGN)                                                                                             \

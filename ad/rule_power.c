@@ -1,4 +1,5 @@
 /* Powers with a constant exponent. */
+#include "elementary.h"
 #include "rule.h"
 
 #include <float.h>
@@ -58,28 +59,31 @@ JET_RULE(sqrt, 1, W_NONE)
 
 /* ---- z = a^c,  a_0 != 0 where c is an integer, else a_0 > 0 ------------------------------------------------------ */
 
-enum { HALVES_MAX = 16 };
+enum { QUARTERS_MAX = 32 };
 
-/* a^(halves/2) by multiplications and a square root, which vectorise, where pow does not; the best where the compiler
- * knows halves. */
-JET_INLINE void power_by(int halves, int width, const double *a, double *restrict z)
+/* a^(quarters/4) by multiplications and square roots, which are faster than pow; the best where the compiler knows
+ * quarters. */
+JET_INLINE void power_by(int quarters, int width, const double *a, double *restrict z)
 {
-    const int count = abs(halves);
+    const int count = abs(quarters);
     for (int w = 0; w < width; w++) {
-        double power = count % 2 ? sqrt(a[w]) : 1;
-        for (int i = 0; i < count / 2; i++) power *= a[w];
-        z[w] = halves < 0 ? 1 / power : power;
+        const double root = count % 4 ? sqrt(a[w]) : 1;
+        double power = count % 2 == 0 ? root : count % 4 == 1 ? sqrt(root) : root * sqrt(root);
+        for (int i = 0; i < count / 4; i++) power *= a[w];
+        z[w] = quarters < 0 ? 1 / power : power;
     }
 }
 
-static void power_by_halves(int halves, int width, const double *a, double *restrict z)
+static void power_by_quarters(int quarters, int width, const double *a, double *restrict z)
 {
-    switch (halves) {
-    case -5: power_by(-5, width, a, z); break;
-    case -2: power_by(-2, width, a, z); break;
-    case -1: power_by(-1, width, a, z); break; /* and its potential */
-    case 3: power_by(3, width, a, z); break;
-    default: power_by(halves, width, a, z);
+    switch (quarters) {
+    case -10: power_by(-10, width, a, z); break;
+    case -4: power_by(-4, width, a, z); break;
+    case -2: power_by(-2, width, a, z); break; /* the potential of gravity */
+    case -1: power_by(-1, width, a, z); break;
+    case 3: power_by(3, width, a, z); break; /* r^(3/2), and its derivative */
+    case 6: power_by(6, width, a, z); break;
+    default: power_by(quarters, width, a, z);
     }
 }
 
@@ -133,7 +137,7 @@ static bool gravity(int width, const double *a, double *restrict z)
 #else
 static bool gravity(int width, const double *a, double *restrict z)
 {
-    power_by(-3, width, a, z);
+    power_by(-6, width, a, z);
     return is_positive(width, a);
 }
 #endif
@@ -141,11 +145,8 @@ static bool gravity(int width, const double *a, double *restrict z)
 /* Apart, so that gravity does not pay for the registers of all the others. */
 static __attribute__((noinline)) bool other_power(double c, int width, const double *a, double *restrict z)
 {
-    if (fabs(2 * c) <= HALVES_MAX && 2 * c == floor(2 * c)) {
-        power_by_halves((int)(2 * c), width, a, z);
-    } else {
-        for (int w = 0; w < width; w++) z[w] = pow(a[w], c);
-    }
+    if (fabs(4 * c) <= QUARTERS_MAX && 4 * c == floor(4 * c)) power_by_quarters((int)(4 * c), width, a, z);
+    else jet_all_pow(c, width, a, z);
     return c == floor(c) ? is_nonzero(width, a) : is_positive(width, a);
 }
 

@@ -42,7 +42,7 @@ PROGRAMS     := $(addprefix $(BUILD)/check/,$(FOLDERS))
 
 CHECK_CFLAGS = $(shell pkg-config --cflags check)
 CHECK_LIBS   = $(shell pkg-config --libs check) -lquadmath $(LIBS)
-TEST_FLAGS   = $(TOOL) -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
+TEST_FLAGS   = $(TOOL) $(if $(HAS_SLEEF),-DJET_SLEEF) -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
 QUAD_FLAGS   = $(QUAD) -Isrc -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS) -MMD -MP
 
 $(filter-out $(QUAD_OBJECTS),$(TEST_OBJECTS)): $(BUILD)/%.o: %.c
