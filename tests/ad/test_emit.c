@@ -12,6 +12,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* The elementary functions of the library. */
+#ifdef JET_SLEEF
+#define ELEMENTARY "-DJET_SLEEF -lsleef"
+#else
+#define ELEMENTARY ""
+#endif
+
 enum { DEGREE = 3, SHORT = DEGREE + 1, LANES = 8, DIRECTIONS = 3, MANY_ORDERS = 1000000 };
 
 static void *library;
@@ -72,8 +79,8 @@ static void make_library(void)
     ck_assert_int_eq(fclose(file), 0);
     free(text.data);
     snprintf(command, sizeof command,
-             "cc -w -O1 -ffp-contract=off -fno-math-errno -shared -fPIC -o %s/emit.so %s/emit.c -lm", directory,
-             directory);
+             "cc -w -O1 -ffp-contract=off -fno-math-errno -shared -fPIC -o %s/emit.so %s/emit.c " ELEMENTARY " -lm",
+             directory, directory);
     ck_assert_int_eq(system(command), 0);
     snprintf(command, sizeof command, "%s/emit.so", directory);
     library = dlopen(command, RTLD_NOW);
