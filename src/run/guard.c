@@ -54,7 +54,8 @@ static double roundoff_of(const tvi_integrator *it)
     return ROUNDOFF * sum / fabs(it->dq[n]);
 }
 
-/* Whether the step changes the energy by what no step does, or leads to where it has no value. */
+/* Whether the step changes the energy by what no step does, or overflows it. Outside of its domain, where the
+ * next step says so, nothing is known. */
 static bool loses_energy(tvi_integrator *it)
 {
     const int n = it->system->n, dimension = it->stepped->n;
@@ -65,7 +66,8 @@ static bool loses_energy(tvi_integrator *it)
     if (!kept->is_known && tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &kept->H) != TVI_OK)
         return false;
     kept->is_known = false;
-    if (tvi_energy_of(&it->energy, q[n], q, p, &after) != TVI_OK) return true;
+    const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &after);
+    if (status != TVI_OK) return status == TVI_ENONFINITE;
     const double action = action_of(it, p), of_e = dimension > n ? it->dp[n] : 0;
     const double size = kept->scale > NO_ENERGY * action ? fmax(kept->scale, fabs(kept->H)) : PART_OF_ACTION * action;
     const double change = fabs(after - kept->H + of_e);
