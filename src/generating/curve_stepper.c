@@ -14,9 +14,6 @@ typedef struct {
     bool corrects;
     bool is_rough;
     const tvi_options *options;
-    tvi_stats *stats; /* of the step at hand */
-    const tvi_origin *origin;
-    double tau; /* likewise */
     int q_degree;
     tvi_action action;
     tvi_newton newton;
@@ -30,6 +27,14 @@ typedef struct {
     double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
     double *shift;                      /* [n] */
 } work;
+
+/* A step at hand. */
+typedef struct {
+    work *work;
+    const tvi_origin *origin;
+    double tau;
+    tvi_stats *stats;
+} attempt;
 
 static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_expanded *expanded,
                          int degree, bool corrects)
@@ -126,27 +131,32 @@ static void prepare(void *taken)
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
-static tvi_status expand(work *w, const double z[], double centre)
+static tvi_status expand(const attempt *a, const double z[], double centre)
 {
-    w->stats->expansions++;
-    tvi_curve_set(&w->closure.curve, w->tau, z);
-    return tvi_curve_expand(&w->closure.curve, centre);
+    tvi_curve *curve = &a->work->closure.curve;
+    a->stats->expansions++;
+    tvi_curve_set(curve, a->tau, z);
+    return tvi_curve_expand(curve, centre);
 }
 
 /* z at the centre, by the curve that starts at (q0, p0). */
-static tvi_status predict(work *w)
+static tvi_status predict(const attempt *a)
 {
-    const tvi_origin *origin = w->origin;
+    work *w = a->work;
+    const tvi_origin *origin = a->origin;
     tvi_status status =
-        tvi_legendre_start(&w->legendre, w->closure.system, w->tau, origin->t, origin->q, origin->p, w->velocity, w->z);
+        tvi_legendre_start(&w->legendre, w->closure.system, a->tau, origin->t, origin->q, origin->p, w->velocity, w->z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
-    status = expand(w, w->z, origin->t + origin->t_low);
+    status = expand(a, w->z, origin->t + origin->t_low);
     tvi_curve_sum(&w->closure.curve, &w->q_centre, w->z);
     tvi_curve_sum(&w->closure.curve, &w->z_centre, w->z + w->closure.n);
     return status;
 }
 
-static double centre(const work *w) { return w->origin->t + (w->origin->t_low - w->closure.span.from * w->tau); }
+static double centre(const attempt *a)
+{
+    return a->origin->t + (a->origin->t_low - a->work->closure.span.from * a->tau);
+}
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
@@ -155,11 +165,10 @@ static double centre(const work *w) { return w->origin->t + (w->origin->t_low - 
  * unknown but for a Lagrangian. */
 static void set_scale(void *self, double scale[])
 {
-    const work *w = self;
-    const tvi_closure *c = &w->closure;
-    const tvi_curve *curve = &w->closure.curve;
-    const int n = w->closure.n;
-    const bool hamiltonian = w->closure.system->form == TVI_HAMILTONIAN;
+    const tvi_closure *c = &((const attempt *)self)->work->closure;
+    const tvi_curve *curve = &c->curve;
+    const int n = c->n;
+    const bool hamiltonian = c->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 2 * (size_t)n * sizeof *scale);
     for (int k = curve->top; k >= 0; k--) {
         const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + n : Q;
@@ -176,10 +185,11 @@ static void set_scale(void *self, double scale[])
 }
 
 /* r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
-static void form_residual(work *w, double r[])
+static void form_residual(const attempt *a, double r[])
 {
+    const work *w = a->work;
     const tvi_closure *c = &w->closure;
-    const tvi_origin *origin = w->origin;
+    const tvi_origin *origin = a->origin;
     const int n = c->n;
     const double *Q0 = tvi_curve_Q(&c->curve, 0);
     tvi_curve_sum(&c->curve, &w->q_back, r);
@@ -193,54 +203,56 @@ static void form_residual(work *w, double r[])
 
 static tvi_status residual(void *self, const double z[], double r[])
 {
-    work *w = self;
+    const attempt *a = self;
+    work *w = a->work;
     tvi_closure *c = &w->closure;
-    tvi_status status = expand(w, z, centre(w));
+    tvi_status status = expand(a, z, centre(a));
     if (status != TVI_OK) return status;
-    w->stats->force_evaluations += w->action.points;
+    a->stats->force_evaluations += w->action.points;
     status = tvi_action_seed(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
-    status = c->solver->close(c, z, w->newton.scale, w->stats);
-    if (status == TVI_OK) form_residual(w, r);
+    status = c->solver->close(c, z, w->newton.scale, a->stats);
+    if (status == TVI_OK) form_residual(a, r);
     return status;
 }
 
 /* d(q-, kappa p-)/dz: the residual's without the change of the small corrections. */
 static bool jacobian(void *self, double matrix[])
 {
-    tvi_closure *c = &((work *)self)->closure;
+    tvi_closure *c = &((attempt *)self)->work->closure;
     return c->solver->jacobian(c, matrix);
 }
 
 /* What the field at the nodes makes of (q-, kappa p-). */
 static void residual_roundoff(void *self, double r[])
 {
-    work *w = self;
-    const tvi_closure *c = &w->closure;
-    const double h = (c->span.to - c->span.from) * w->tau;
-    w->stats->force_evaluations +=
-        tvi_action_roundoff(&w->action, &c->curve, h, w->origin->q, w->origin->p, r, r + c->n);
+    const attempt *a = self;
+    const tvi_closure *c = &a->work->closure;
+    const double h = (c->span.to - c->span.from) * a->tau;
+    a->stats->force_evaluations +=
+        tvi_action_roundoff(&a->work->action, &c->curve, h, a->origin->q, a->origin->p, r, r + c->n);
     for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
 }
 
 /* Or its inverse. */
 static void apply_inverse(void *self, double correction[])
 {
-    tvi_closure *c = &((work *)self)->closure;
+    tvi_closure *c = &((attempt *)self)->work->closure;
     c->solver->correct(c, correction);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-static tvi_status correct(work *w)
+static tvi_status correct(attempt *a)
 {
+    work *w = a->work;
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
     /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */
     const bool is_rough = w->is_rough || w->q_degree == 0;
     const tvi_solver *solver = w->closure.solver;
-    const tvi_equations equations = {.self = w,
+    const tvi_equations equations = {.self = a,
                                      .residual = residual,
                                      .scale = set_scale,
                                      .jacobian = is_identity || !solver->jacobian ? NULL : jacobian,
@@ -249,7 +261,7 @@ static tvi_status correct(work *w)
                                      .is_rough = is_rough};
     solver->begin(&w->closure);
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
-    const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, w->stats);
+    const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, a->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
     if (status == TVI_OK) tvi_curve_aim(&w->closure.curve, w->dz);
     return status;
@@ -280,22 +292,21 @@ static void increments(work *w, const tvi_combination *q_rise, const tvi_combina
 }
 
 /* From the curve to what the step returns. */
-static void finish(work *w, double dq[], double dp[])
+static void finish(const attempt *a, double dq[], double dp[])
 {
+    work *w = a->work;
     increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
-    w->stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree, w->closure.p_degree);
+    a->stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree, w->closure.p_degree);
 }
 
 static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     work *w = taken;
-    w->origin = origin;
-    w->stats = stats;
-    w->tau = w->closure.span.tau * h;
-    tvi_status status = predict(w);
-    if (status == TVI_OK) status = w->corrects ? correct(w) : expand(w, w->z, centre(w));
+    attempt a = {w, origin, w->closure.span.tau * h, stats};
+    tvi_status status = predict(&a);
+    if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
-    finish(w, dq, dp);
+    finish(&a, dq, dp);
     return TVI_OK;
 }
 
@@ -305,22 +316,23 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
 static const double WIDE = 16;
 enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
 
-/* The curve from the start of the step, whose tau is a power of 2 near its reach, or near the farthest it may go; from
+/* The curve from the start of the step, and its tau: a power of 2 near its reach, or near the farthest it may go; from
  * a good guess that is one expansion. *reach is what serves the tolerance, without sign. */
-static tvi_status expand_within(work *w, double tolerance, double guess, double most, double *reach)
+static tvi_status expand_within(attempt *a, double tolerance, double guess, double most, double *reach)
 {
+    const work *w = a->work;
     const tvi_curve *curve = &w->closure.curve;
     int exponent, highest;
     (void)frexp(guess, &exponent);
     (void)frexp(most, &highest);
     for (int count = 0; count < MOST_EXPANSIONS; count++) {
-        w->tau = copysign(ldexp(1, exponent), most);
-        tvi_status status = predict(w);
-        if (status == TVI_OK) status = expand(w, w->z, centre(w));
+        a->tau = copysign(ldexp(1, exponent), most);
+        tvi_status status = predict(a);
+        if (status == TVI_OK) status = expand(a, w->z, centre(a));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double part = 0; /* where the coefficients overflow */
         if (status == TVI_OK) part = tvi_curve_reach(curve, w->q_degree, w->closure.p_degree, tolerance, w->shift);
-        *reach = part * fabs(w->tau);
+        *reach = part * fabs(a->tau);
         if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
         const int wanted = part == 0 ? -4 * WIDE_BITS : isfinite(part) ? ilogb(part) : highest - exponent;
         exponent = exponent + wanted < highest ? exponent + wanted : highest;
@@ -332,19 +344,17 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
                               double dp[], tvi_stats *stats)
 {
     work *w = taken;
+    attempt a = {w, origin, 0, stats};
     double reach;
-    w->origin = origin;
-    w->stats = stats;
-    const tvi_status status = expand_within(w, tolerance, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
+    const tvi_status status = expand_within(&a, tolerance, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
     if (status != TVI_OK) return status;
     if (reach < fabs(*h)) {
         *h = copysign(reach, *h);
         *w->chosen = reach;
         if (origin->t + *h == origin->t) return TVI_ENOCONV;
     }
-    tvi_curve_rescale(&w->closure.curve, *h / w->tau);
-    w->tau = *h;
-    finish(w, dq, dp);
+    tvi_curve_rescale(&w->closure.curve, *h / a.tau);
+    finish(&a, dq, dp);
     return TVI_OK;
 }
 
