@@ -96,13 +96,13 @@ static void prepare(void *taken)
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
 /* B^T multiplier = R_v;  out += sign (A - I)^T multiplier. */
-static tvi_status solve_multiplier(tvi_both_ends *w, tvi_side *x)
+static tvi_status solve_multiplier(const tvi_both_ends *w, tvi_side *x, tvi_stats *stats)
 {
     const size_t n = (size_t)w->n;
     tvi_curve_sum_jacobian(&x->curve, &x->to_end, x->G);
     for (size_t i = 0; i < n; i++) memcpy(x->factor.lu + i * n, x->G + i * 2 * n + n, n * sizeof(double));
     memcpy(x->multiplier, x->R + n, n * sizeof(double));
-    w->stats->factorisations++;
+    stats->factorisations++;
     const tvi_status status = tvi_factor_compute(&x->factor);
     if (status == TVI_OK) tvi_factor_solve_transposed(&x->factor, x->multiplier);
     return status;
@@ -116,10 +116,10 @@ static double pulled(const tvi_both_ends *w, const tvi_side *x, int j)
     return sum;
 }
 
-static tvi_status close_equations(tvi_both_ends *w)
+static tvi_status close_equations(tvi_both_ends *w, tvi_stats *stats)
 {
-    tvi_status status = solve_multiplier(w, &w->a);
-    if (status == TVI_OK) status = solve_multiplier(w, &w->b);
+    tvi_status status = solve_multiplier(w, &w->a, stats);
+    if (status == TVI_OK) status = solve_multiplier(w, &w->b, stats);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n; i++) {
         const double at_a = pulled(w, &w->a, i), at_b = pulled(w, &w->b, i);
@@ -129,16 +129,24 @@ static tvi_status close_equations(tvi_both_ends *w)
     return TVI_OK;
 }
 
-static tvi_status expand(tvi_both_ends *w, tvi_side *x, const double z[], double centre)
+/* A step at hand. */
+typedef struct {
+    tvi_both_ends *work;
+    const tvi_origin *origin;
+    double h;
+    tvi_stats *stats;
+} attempt;
+
+static tvi_status expand(const attempt *a, tvi_side *x, const double z[], double centre)
 {
-    w->stats->expansions++;
-    tvi_curve_set(&x->curve, w->tau, z);
+    a->stats->expansions++;
+    tvi_curve_set(&x->curve, a->h, z);
     return tvi_curve_expand(&x->curve, centre);
 }
 
 static void set_scale(void *self, double scale[])
 {
-    const tvi_both_ends *w = self;
+    const tvi_both_ends *w = ((const attempt *)self)->work;
     const int n = w->n;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     memset(scale, 0, 3 * (size_t)n * sizeof *scale);
@@ -159,9 +167,10 @@ static void set_scale(void *self, double scale[])
 }
 
 /* r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */
-static void form_residual(tvi_both_ends *w, const double q1[], double r[])
+static void form_residual(const attempt *a, const double q1[], double r[])
 {
-    const tvi_origin *origin = w->origin;
+    tvi_both_ends *w = a->work;
+    const tvi_origin *origin = a->origin;
     const int n = w->n;
     tvi_curve_sum(&w->a.curve, &w->a.to_end, r);
     tvi_curve_sum(&w->b.curve, &w->b.to_end, r + n);
@@ -177,20 +186,21 @@ static void form_residual(tvi_both_ends *w, const double q1[], double r[])
 
 static tvi_status residual(void *self, const double x[], double r[])
 {
-    tvi_both_ends *w = self;
+    const attempt *a = self;
+    tvi_both_ends *w = a->work;
+    const tvi_origin *origin = a->origin;
     const size_t n = (size_t)w->n;
-    const double t = w->origin->t + w->origin->t_low;
-    memcpy(w->z, w->origin->q, n * sizeof *x);
+    memcpy(w->z, origin->q, n * sizeof *x);
     memcpy(w->z + n, x, n * sizeof *x);
-    tvi_status status = expand(w, &w->a, w->z, t);
-    if (status == TVI_OK) status = expand(w, &w->b, x + n, w->origin->t + (w->origin->t_low + w->tau));
+    tvi_status status = expand(a, &w->a, w->z, origin->t + origin->t_low);
+    if (status == TVI_OK) status = expand(a, &w->b, x + n, origin->t + (origin->t_low + a->h));
     if (status != TVI_OK) return status;
     tvi_curve_differentiate(&w->a.curve);
     tvi_curve_differentiate(&w->b.curve);
-    status = tvi_both_ends_gradient(w);
-    if (status == TVI_OK) status = close_equations(w);
+    status = tvi_both_ends_gradient(w, a->stats);
+    if (status == TVI_OK) status = close_equations(w, a->stats);
     if (status != TVI_OK) return status;
-    form_residual(w, x + n, r);
+    form_residual(a, x + n, r);
     return TVI_OK;
 }
 
@@ -198,7 +208,7 @@ static tvi_status residual(void *self, const double x[], double r[])
  *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
 static bool jacobian(void *self, double matrix[])
 {
-    const tvi_both_ends *w = self;
+    const tvi_both_ends *w = ((const attempt *)self)->work;
     const size_t n = (size_t)w->n, row = 3 * n;
     memset(matrix, 0, row * row * sizeof *matrix);
     tvi_curve_sum_jacobian(&w->a.curve, &w->a.near_u, w->b.G);
@@ -217,11 +227,12 @@ static bool jacobian(void *self, double matrix[])
 /* What the field at the nodes makes of (a(1), b(-1), kappa p_a(0)). */
 static void residual_roundoff(void *self, double r[])
 {
-    tvi_both_ends *w = self;
+    const attempt *a = self;
+    tvi_both_ends *w = a->work;
     const int n = w->n;
     double *of_u = r + 2 * n;
-    w->stats->force_evaluations +=
-        tvi_action_roundoff(&w->a.action, &w->a.curve, w->tau, w->origin->q, w->origin->p, r, of_u);
+    a->stats->force_evaluations +=
+        tvi_action_roundoff(&w->a.action, &w->a.curve, a->h, a->origin->q, a->origin->p, r, of_u);
     memcpy(r + n, r, (size_t)n * sizeof *r);
     for (int i = 0; i < n; i++) of_u[i] *= fabs(w->a.curve.kappa[i]);
 }
@@ -229,14 +240,15 @@ static void residual_roundoff(void *self, double r[])
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
 /* The curve a from (q0, p0), and its end as the data of b. */
-static tvi_status predict(tvi_both_ends *w)
+static tvi_status predict(const attempt *a)
 {
+    tvi_both_ends *w = a->work;
     const size_t n = (size_t)w->n;
-    const tvi_origin *origin = w->origin;
+    const tvi_origin *origin = a->origin;
     tvi_status status =
-        tvi_legendre_start(&w->legendre, w->system, w->tau, origin->t, origin->q, origin->p, w->velocity, w->z);
+        tvi_legendre_start(&w->legendre, w->system, a->h, origin->t, origin->q, origin->p, w->velocity, w->z);
     if (status != TVI_OK) return status;
-    status = expand(w, &w->a, w->z, origin->t + origin->t_low);
+    status = expand(a, &w->a, w->z, origin->t + origin->t_low);
     memcpy(w->newton.x, w->z + n, n * sizeof(double));
     tvi_curve_sum(&w->a.curve, &w->q_unit, w->newton.x + n);
     tvi_curve_sum(&w->a.curve, &w->z_unit, w->newton.x + 2 * n);
@@ -244,10 +256,10 @@ static tvi_status predict(tvi_both_ends *w)
 }
 
 /* What z of the curves lacks: the low-order part of q0, and the last correction. */
-static void keep_missing(tvi_both_ends *w)
+static void keep_missing(tvi_both_ends *w, const tvi_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);
-    memcpy(w->a.dz, w->origin->q_low, bytes);
+    memcpy(w->a.dz, origin->q_low, bytes);
     memcpy(w->a.dz + n, w->newton.correction, bytes);
     memcpy(w->b.dz, w->newton.correction + n, 2 * bytes);
     tvi_curve_aim(&w->a.curve, w->a.dz);
@@ -274,19 +286,17 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
 {
     tvi_both_ends *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *dq;
-    const tvi_equations equations = {.self = w,
+    attempt a = {w, origin, h, stats};
+    const tvi_equations equations = {.self = &a,
                                      .residual = residual,
                                      .scale = set_scale,
                                      .jacobian = jacobian,
                                      .roundoff = residual_roundoff,
                                      .is_rough = true};
-    w->origin = origin;
-    w->stats = stats;
-    w->tau = h;
-    tvi_status status = predict(w);
+    tvi_status status = predict(&a);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, w->options, stats);
     if (status != TVI_OK) return status;
-    keep_missing(w);
+    keep_missing(w, origin);
     increments(w, dq, dp);
     memcpy(w->dq, dq, bytes);
     memcpy(w->dp, dp, bytes);

@@ -28,10 +28,7 @@ typedef struct {
 typedef struct {
     const tvi_system *system;
     const tvi_options *options;
-    tvi_stats *stats;
-    const tvi_origin *origin;
     int n, degree, points;
-    double tau;
     bool has_pi;
     tvi_side a, b;
     tvi_newton newton; /* unknowns v0, q1, v1, scaled as the z of the curves */
@@ -49,6 +46,6 @@ typedef struct {
 } tvi_both_ends;
 
 /* R of both curves, in defect form. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, TVI_ENOCONV. */
-TVI_NODISCARD tvi_status tvi_both_ends_gradient(tvi_both_ends *work);
+TVI_NODISCARD tvi_status tvi_both_ends_gradient(tvi_both_ends *work, tvi_stats *stats);
 
 #endif

@@ -59,7 +59,7 @@ static void place_nodes(tvi_both_ends *w)
         add_side_at_nodes(w, &w->a, i);
         add_side_at_nodes(w, &w->b, i);
     }
-    for (int i = 0; i < w->n * w->points; i++) w->v[i] /= w->tau;
+    for (int i = 0; i < w->n * w->points; i++) w->v[i] /= w->a.curve.tau;
 }
 
 /* The seeds of one curve. */
@@ -78,12 +78,12 @@ static void seed_side(const tvi_both_ends *w, tvi_side *x)
         }
 }
 
-tvi_status tvi_both_ends_gradient(tvi_both_ends *w)
+tvi_status tvi_both_ends_gradient(tvi_both_ends *w, tvi_stats *stats)
 {
     const tvi_action *nodes = &w->a.action;
     const bool on_curve = w->options->nodes == TVI_NODES_ON_CURVE;
     place_nodes(w);
-    w->stats->force_evaluations += w->points;
+    stats->force_evaluations += w->points;
     const tvi_status status = tvi_action_lagrange(&w->a.action, &w->a.curve, w->y, w->v, w->pi);
     if (status != TVI_OK) return status;
     for (int i = 0; i < w->n * w->points; i++) {
