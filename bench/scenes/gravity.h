@@ -11,4 +11,18 @@ jet gravity_potential(const jet q[], int bodies, int axes, const double mass[]);
 /* The time scale of the closest pairs: g = (sum_{i<j} (m_i + m_j) / |q_i - q_j|^3)^(-1/2). */
 jet gravity_scale(const jet q[], int bodies, int axes, const double mass[]);
 
+/* Defines both as functions of a scene: potential and scale, of bodies with the masses of an array. */
+#define GRAVITY_OF(mass, axes)                                                                                         \
+    enum { BODIES = sizeof mass / sizeof *mass };                                                                      \
+    static jet potential(const jet q[], jet t, void *ctx)                                                              \
+    {                                                                                                                  \
+        (void)t, (void)ctx;                                                                                            \
+        return gravity_potential(q, BODIES, axes, mass);                                                               \
+    }                                                                                                                  \
+    static jet scale(const jet q[], const jet p[], jet t, void *ctx)                                                   \
+    {                                                                                                                  \
+        (void)p, (void)t, (void)ctx;                                                                                   \
+        return gravity_scale(q, BODIES, axes, mass);                                                                   \
+    }
+
 #endif

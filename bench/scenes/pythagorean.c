@@ -4,25 +4,13 @@
 
 /* Burrau's problem: masses 3, 4, 5 at rest in the corners opposite to the sides 3, 4, 5 of a triangle. The closest of
  * its encounters is at 4.1e-4; at t = 60 the lightest body leaves. To t = 70. */
-enum { BODIES = 3, AXES = 2 };
-static const double mass[BODIES] = {3, 4, 5};
-
-static jet potential(const jet q[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    return gravity_potential(q, BODIES, AXES, mass);
-}
-
-static jet scale(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)p, (void)t, (void)ctx;
-    return gravity_scale(q, BODIES, AXES, mass);
-}
+static const double mass[] = {3, 4, 5};
+GRAVITY_OF(mass, 2)
 
 const hard_scene hard_pythagorean = {
     .scene = {.name = "pythagorean",
               .title = "Pythagorean three bodies",
-              .n = BODIES * AXES,
+              .n = 2 * BODIES,
               .mass = (const double[]){3, 3, 4, 4, 5, 5},
               .potential = potential,
               .q = (const double[]){1, 3, -2, -1, 1, -1},

@@ -4,25 +4,13 @@
 
 /* Three planets too close to each other: a = 1, 1.18, 1.42, masses 1e-3 of the star's, on circles at phases 0, 1 and 3.
  * The inner two pass each other at 0.0011 at t = 5.07. To t = 30; the motion is chaotic. */
-enum { BODIES = 4, AXES = 2 };
-static const double mass[BODIES] = {1, 1e-3, 1e-3, 1e-3};
-
-static jet potential(const jet q[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    return gravity_potential(q, BODIES, AXES, mass);
-}
-
-static jet scale(const jet q[], const jet p[], jet t, void *ctx)
-{
-    (void)p, (void)t, (void)ctx;
-    return gravity_scale(q, BODIES, AXES, mass);
-}
+static const double mass[] = {1, 1e-3, 1e-3, 1e-3};
+GRAVITY_OF(mass, 2)
 
 const hard_scene hard_three_planets = {
     .scene = {.name = "three_planets",
               .title = "Three planets with a close encounter",
-              .n = BODIES * AXES,
+              .n = 2 * BODIES,
               .mass = (const double[]){1, 1, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3},
               .potential = potential,
               .q = (const double[]){0, 0, 1, 0, 0.637556721, 0.992935762, -1.40578935, 0.200390411},

@@ -8,7 +8,6 @@
 #ifndef TVI_SRC_GENERATING_CURVE_H
 #define TVI_SRC_GENERATING_CURVE_H
 
-#include "algebra/block.h"
 #include "algebra/linear.h"
 #include "method/stepper.h"
 

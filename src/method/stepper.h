@@ -2,7 +2,6 @@
 #ifndef TVI_SRC_METHOD_STEPPER_H
 #define TVI_SRC_METHOD_STEPPER_H
 
-#include "algebra/block.h"
 #include "emit.h"
 #include "method/origin.h"
 #include "system/system.h"

@@ -63,7 +63,7 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     if (!tvi_arena_open(&arena)) return jet_refuse_memory(TVI_ENOMEM);
     tvi_integrator *it = *out = lay_out(&arena, system, resolved, stepper);
     tvi_compiled_hold(resolved->compiled);
-    tvi_blocks_prepare(it->blocks);
+    tvi_system_prepare(system, it->blocks, NULL);
     tvi_system_recorded_parameters(system, it->parameters);
     if (stepper->prepare) stepper->prepare(it->work);
     if (it->energy.block) tvi_energy_prepare(&it->energy);

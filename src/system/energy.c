@@ -125,8 +125,7 @@ static void *create_work(tvi_energy_work *work, const tvi_system *system, const 
     void *memory = tvi_arena_open(&arena);
     if (!memory) return NULL;
     tvi_energy_take(work, &arena, system);
-    tvi_blocks_prepare(arena.blocks);
-    if (parameters) tvi_blocks_set_parameters(arena.blocks, tvi_system_parameters(system), parameters);
+    tvi_system_prepare(system, arena.blocks, parameters);
     tvi_energy_prepare(work);
     return memory;
 }

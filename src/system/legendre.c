@@ -177,8 +177,7 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
     *memory = tvi_arena_open(&arena);
     if (!*memory) return TVI_ENOMEM;
     tvi_legendre_take(legendre, &arena, system);
-    tvi_blocks_prepare(arena.blocks);
-    if (parameters) tvi_blocks_set_parameters(arena.blocks, tvi_system_parameters(system), parameters);
+    tvi_system_prepare(system, arena.blocks, parameters);
     if (system->form != TVI_SEPARABLE) tvi_legendre_prepare(legendre);
     return TVI_OK;
 }

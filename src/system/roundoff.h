@@ -4,7 +4,6 @@
 #ifndef TVI_SRC_SYSTEM_ROUNDOFF_H
 #define TVI_SRC_SYSTEM_ROUNDOFF_H
 
-#include "algebra/block.h"
 #include "system/system.h"
 
 /* Corrections that no longer shrink are roundoff up to this many units of it: near equilibria one in a hundred of those

@@ -116,7 +116,9 @@ static tvi_status record_drive(recording *rec, const statement *given, const jet
     if (!force) return TVI_ENOMEM;
     for (int i = 0; i < n; i++) force[i] = jet_unset();
     given->drive(rec->q, v, rec->t, force, given->drive_ctx);
+    jet_graph_name(system->graph, "driving force");
     const tvi_status status = jet_graph_accept(system->graph, n, force);
+    jet_graph_name(system->graph, name_of(given));
     for (int i = 0; i < n; i++) rec->field[i] = jet_add(rec->field[i], jet_mul(sign, force[i]));
     free(force);
     system->is_driven = true;

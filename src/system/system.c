@@ -26,6 +26,12 @@ int tvi_system_parameters(const tvi_system *system)
     return own > of_steps ? own : of_steps;
 }
 
+void tvi_system_prepare(const tvi_system *system, const tvi_block *blocks, const double parameters[])
+{
+    tvi_blocks_prepare(blocks);
+    if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), parameters);
+}
+
 /* Of one recording. */
 static void read_parameters(const jet_graph *graph, double value[])
 {

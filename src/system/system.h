@@ -2,7 +2,7 @@
 #ifndef TVI_SRC_SYSTEM_SYSTEM_H
 #define TVI_SRC_SYSTEM_SYSTEM_H
 
-#include "tape.h"
+#include "algebra/block.h"
 #include "tvi.h"
 
 /* The forms in which equations of motion reach the steppers. A Lagrangian or a Hamiltonian whose structure allows it
@@ -56,6 +56,8 @@ TVI_NODISCARD tvi_status tvi_system_with_second(tvi_system **out, int n, tvi_ham
 typedef enum { TVI_LIFT_PAIRED, TVI_LIFT_SEPARABLE } tvi_lift;
 TVI_NODISCARD tvi_status tvi_system_lift(tvi_system **out, const tvi_system *system, tvi_lift lift);
 
+/* Fills the blocks of its tapes; with these values of the parameters, NULL: as recorded. */
+void tvi_system_prepare(const tvi_system *system, const tvi_block *blocks, const double parameters[]);
 /* value[tvi_system_parameters]; those that no function names stay as they are. */
 void tvi_system_recorded_parameters(const tvi_system *system, double value[]);
 

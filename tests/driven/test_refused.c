@@ -54,8 +54,8 @@ static const struct {
     {"of a rescaled system", make_rescaled, unset, TVI_EUNSUPPORTED, "rescaled"},
     {"twice", make_driven, unset, TVI_EUNSUPPORTED, "driven already"},
     {"no function", NULL, NULL, TVI_EINVAL, "drive is NULL"},
-    {"nothing set", NULL, unset, TVI_EINVAL, "was not set"},
-    {"no value", NULL, outside, TVI_EDOMAIN, "jet_log"},
+    {"nothing set", NULL, unset, TVI_EINVAL, "driving force was not set"},
+    {"no value", NULL, outside, TVI_EDOMAIN, "driving force is made of jet_log"},
 };
 
 START_TEST(systems_that_are_refused)
