@@ -1,10 +1,10 @@
-# man.awk - a manual page from the comments and declarations of a header.
-#   awk -v version=V -v date=D -v example=program.c -f man.awk tvi.h > tvi.3
-#   awk -v names=1 -f man.awk tvi.h            the functions that it declares, one a line
+# man.awk - a manual page from the comments and declarations of a header, and of those that it includes.
+#   awk -v version=V -v date=D -v example=program.c -f man.awk tvi.h [tvi_runs.h ...] > tvi.3
+#   awk -v names=1 -f man.awk tvi.h ...        the functions that they declare, one a line
 #
-# The first comment gives name and description, a ruler comment a section, a comment at the beginning of a line the text of
-# the declarations that follow it up to the next empty line. What is for C++ or one compiler alone is left out, and so is
-# what only the library's own macros use.
+# The first comment gives name and description (that of a further header is left out), a ruler comment a section, a comment
+# at the beginning of a line the text of the declarations that follow it up to the next empty line. What is for C++ or one
+# compiler alone is left out, and so is what only the library's own macros use.
 
 BEGIN { WIDTH = 72 } # of what is not filled: 80 with the margin of the page
 
@@ -138,6 +138,8 @@ function begin()
 hidden[depth] { next }
 
 # ---- Comments ------------------------------------------------------------------------------------------------------------
+FNR == 1 && begun { skipped = 1 }
+skipped { if (/\*\//) skipped = 0; next }
 in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() } next }
 /^\/\* ----/ {
     flush()

@@ -5,10 +5,10 @@
 set -eu
 floors='run generating galerkin compiled method system algebra jets'
 
-# where a file stands, and where what it includes: tvi.h is what the systems are made of, jet.h belongs to the jets
+# where a file stands, and where what it includes: tvi.h and its like are what the systems are made of, jet.h belongs to the jets
 grep -oE '^ *# *include "[^"]*"' src/*/*.[ch] ad/*.[ch] | sed 's/:[^"]*"/ /; s/"//' | while read -r file header; do
     case $file in ad/*) from=jets ;; *) from=${file#src/} from=${from%%/*} ;; esac
-    case $header in tvi.h) to=algebra ;; */*) to=${header%%/*} ;; *) to=jets ;; esac
+    case $header in tvi*.h) to=algebra ;; */*) to=${header%%/*} ;; *) to=jets ;; esac
     echo "$file $from $to"
 done | awk -v order="$floors" '
     BEGIN { count = split(order, name); for (i = 1; i <= count; i++) height[name[i]] = count - i + 1 }

@@ -189,7 +189,7 @@ CXX_STANDARDS := g++/11 g++/14 g++/17 g++/20 g++/23 clang++/11 clang++/14 clang+
 check-headers: ; $(REPORT) "headers in C and C++" $(LOG) $(DO)
 do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
-	for header in jet tvi; do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
+	for header in $(basename $(notdir $(wildcard include/*.h))); do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
 	    for compiler in 'gcc -std=c11' 'clang -std=c11' 'g++ -std=c++11 -x c++' 'clang++ -std=c++11 -x c++'; do \
 	        $$compiler $(STRICT) -Iinclude -fsyntax-only $(BUILD)/check/$$header.c || exit 1; done; done
 	for compiler in g++ clang++; do \
@@ -239,7 +239,7 @@ do-examples: all
 
 check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
-	tests/symbols.sh $^ include/jet.h include/tvi.h
+	tests/symbols.sh $^ include/*.h
 
 # a program that links the static library may use every other name for its own
 check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(LOG) $(DO)

@@ -1,0 +1,97 @@
+/* tvi_runs.h - runs with events, with results at given times, to a given time, and to a tolerance. tvi.h includes it. */
+#ifndef TVI_RUNS_H
+#define TVI_RUNS_H
+
+#include "tvi.h"
+
+#if defined(__GNUC__)
+#pragma GCC visibility push(default)
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Events, and results at given times -------------------------------------------------------------------------- */
+
+/* Both give states between steps. Such a state is that of a step of the method, of the part of h that leads there from
+ * the start of the step at hand, in an integrator of its own: its invariants are as good as those of the steps, and the
+ * steps are bit for bit those of tvi_integrate. A state at a given time costs one step. Events cost each step a search,
+ * of which the states are shared, and each event that is found costs one or two steps (docs/performance.md). */
+
+/* A function g of the state; an event is where it changes sign. It is written in jets, like a force. */
+typedef jet tvi_event_fn(const jet q[], const jet p[], jet t, void *ctx);
+/* Of g along the run, whatever the sign of h. */
+typedef enum { TVI_FALLING = -1, TVI_EITHER = 0, TVI_RISING = 1 } tvi_direction;
+
+typedef struct tvi_event tvi_event;
+/* g is called once, during the call, with n coordinates and momenta; a terminal event ends the run. The event serves
+ * every system of dimension n, is read-only once made and may be shared. *out is NULL on failure; statuses as of
+ * tvi_system_force.
+ *   TVI_EINVAL  also what is no direction */
+TVI_NODISCARD tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, bool terminal,
+                                          tvi_event_fn *g, void *ctx);
+void tvi_event_free(tvi_event *event); /* NULL is allowed */
+
+/* Called at events[which], with its time and state; a value other than 0 ends the run there. */
+typedef int tvi_event_observer(int which, double t, const double q[], const double p[], void *ctx);
+/* tvi_integrate with events[count]. on_event is called for each in time order, before the observer is called for the
+ * step that they are in. Events are the sign changes of g along the step's curve (tvi_dense): it is looked at between 8
+ * equal parts, and where |g| has a least value between these. Reaching 0 counts as a sign change, so an event exactly
+ * at the end of a step is reported once, with that step. Leaving 0 does not, so a run that starts on an event, to
+ * roundoff, does not report it. The time is found to roundoff of g. Either observer may be NULL; both are given ctx.
+ *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
+ *                  event is no step: from it the run goes on as from any new state.
+ *   TVI_EDOMAIN, TVI_ENONFINITE   also where g has no value: t, q, p are then those at the end of the step
+ *   TVI_EINVAL     also an event of another dimension or NULL, count < 0
+ *   TVI_ENOMEM     no memory */
+TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double h, long steps,
+                                              const tvi_event *const events[], int count, double *t, double q[],
+                                              double p[], tvi_observer *observer, tvi_event_observer *on_event,
+                                              void *ctx);
+
+/* Steps of size h until the last of times[count] is reached or passed. The observer is called at each of the times,
+ * with 1..count as its step. They go the way of h, none before *t. The state is that after the last step, not that at
+ * the last time; where the observer stopped the run (TVI_ESTOPPED), after the step that holds that time.
+ *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order
+ *   TVI_ENOMEM     no memory
+ *   others         as of tvi_integrate */
+TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, const double times[], int count,
+                                          double *t, double q[], double p[], tvi_observer *observer, void *ctx);
+
+/* Steps of size h to t_end exactly, by a last shorter step; h goes the way to t_end. Of a rescaled system h is in s:
+ * the step that passes t_end is taken back, and the part of it found that ends there to roundoff. Each step is the
+ * method's, but the last one has another size: a run that goes on from t_end is not the one without a stop there.
+ *   TVI_EINVAL     NULL, h = 0, values that are not finite, t_end on the other side of *t
+ *   TVI_ENOMEM     no memory
+ *   others         as of tvi_integrate, also where the step that would pass t_end fails */
+TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, double t_end, double *t, double q[],
+                                          double p[], tvi_observer *observer, void *ctx);
+
+/* Steps to t_end exactly, either way, each as large as a relative tolerance allows. "taylor" only, for short accurate
+ * runs: it is not symplectic, and its energy drifts. Of the last coefficients x_k of the curve of order N, rho is the
+ * least (|x_0| / |x_k|)^(1/k), the largest component each, of q and p apart; h = rho (tolerance / e^5)^(1/N). The order
+ * that suits a tolerance is N = ceil(1 - ln(tolerance) / 2), where h = rho e^(-2 - 3/N): 8 for 1e-6, 13 for 1e-10, 19
+ * for 1e-15 (Jorba and Zou, Experimental Mathematics 14 (2005)); one half as large again is a little faster where the
+ * system is small. A step's error is some hundredths of the tolerance, and the error of a run over tens of revolutions
+ * at most 100 times the tolerance, or roundoff (docs/adaptive.md). The size is chosen before the step is summed: a step
+ * costs one expansion, and none is rejected for its size. The observer is called after each step, and may ask
+ * tvi_dense.
+ *   TVI_EINVAL       NULL, a tolerance below DBL_EPSILON or not below 1, t_end that is not finite
+ *   TVI_EUNSUPPORTED another method, a rescaled system
+ *   TVI_ENOCONV      also a step below roundoff of t, as before a collision
+ *   others           as of tvi_integrate */
+TVI_NODISCARD tvi_status tvi_integrate_tolerance(tvi_integrator *integrator, double tolerance, double t_end, double *t,
+                                                 double q[], double p[], tvi_observer *observer, void *ctx);
+/* The same steps, with events as in tvi_integrate_events. */
+TVI_NODISCARD tvi_status tvi_integrate_tolerance_events(tvi_integrator *integrator, double tolerance, double t_end,
+                                                        const tvi_event *const events[], int count, double *t,
+                                                        double q[], double p[], tvi_observer *observer,
+                                                        tvi_event_observer *on_event, void *ctx);
+
+#ifdef __cplusplus
+}
+#endif
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
+#endif
