@@ -9,6 +9,13 @@ typedef struct {
     const double *q, *q_low, *p, *p_low;
 } tvi_origin;
 
+/* The starts of the steps of several members of an ensemble, each in a lane of its own: [components][width], the member
+ * fastest; t and t_low [width]. */
+typedef struct {
+    const double *t, *t_low;
+    const double *q, *q_low, *p, *p_low;
+} tvi_crowd_origin;
+
 /* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
 enum { TVI_SAMPLES = 8 };
 extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */

@@ -35,6 +35,31 @@ typedef struct {
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 } tvi_uses;
 
+/* What a step made of the members: all that the stepper writes, but its own work. */
+typedef struct {
+    double *dq, *dp;    /* [components][width] */
+    tvi_status *status; /* [width] a lane with another one than TVI_OK is left alone: nothing of it is written */
+    double *tail;       /* [width] tvi_stats.tail of the lane */
+    int *passes;        /* [width] of this step */
+} tvi_crowd_end;
+
+/* Steps of several members at once. Lanes do not know of each other: the bits of a member depend neither on its lane
+ * nor on what the others do, and to roundoff they are those of the stepper's own step. */
+typedef struct {
+    /* The members of a block, a power of two; 1: one after the other serves the system better. */
+    int (*width)(const tvi_system *system, const tvi_options *options);
+    /* As those of the stepper. The history is of one block; all zeros before a first step. */
+    void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
+    void (*prepare)(void *work);
+    /* Lanes that are left alone hold a state that is finite, in the domain as far as is known. The counts of the stats
+     * are those of all lanes together. */
+    void (*step)(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats);
+    /* What steps have left in the history of the lane is zeros again: its member starts anew. */
+    void (*forget)(void *work, int lane);
+    /* As that of the stepper, [width]; NULL: it has none. */
+    void (*most_change)(const void *work, double change[]);
+} tvi_crowd_stepper;
+
 typedef struct {
     /* Lays out the stepper's work in the arena; NULL while the arena only measures. What a step leaves to the next one
      * is taken from the arena's history, which is as it was again after a step that failed, and all zeros before a
@@ -62,6 +87,7 @@ typedef struct {
      * whether the energy is looked at (guard.c). */
     double (*most_change)(const void *work);
     tvi_uses (*uses)(const tvi_system *system, const tvi_options *options);
+    const tvi_crowd_stepper *crowd; /* NULL: members of an ensemble go one after the other */
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;
