@@ -1,4 +1,4 @@
-/* tvi_runs.h - runs with events, with results at given times, to a given time, and to a tolerance. tvi.h includes it. */
+/* tvi_runs.h - runs with events, results at given times, to a given time, to a tolerance. Included by tvi.h. */
 #ifndef TVI_RUNS_H
 #define TVI_RUNS_H
 
