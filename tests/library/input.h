@@ -78,11 +78,11 @@ tvi_potential_fn harmonic; /* |q|^2/2, n = 2 */
 tvi_lagrangian_fn mixed_lagrangian;
 tvi_hamiltonian_fn mixed_hamiltonian;
 
-TCase *tcase_options(void);   /* in input_options.c */
-TCase *tcase_functions(void); /* in input_functions.c */
-/* in input_steps.c */
-TCase *tcase_bad_steps(void);
-TCase *tcase_failed_steps(void);
+TCase *tcase_systems(void);      /* in input_systems.c */
+TCase *tcase_options(void);      /* in input_options.c */
+TCase *tcase_functions(void);    /* in input_functions.c */
+TCase *tcase_bad_steps(void);    /* in input_steps.c */
+TCase *tcase_failed_steps(void); /* in input_failures.c */
 /* in input_runs.c */
 TCase *tcase_integrate(void);
 TCase *tcase_dense(void);
