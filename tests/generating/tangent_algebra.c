@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- Algebra ----------------------------------------------------------------------------------------------------- */
-
 /* Over two steps of different size D becomes M(h2) M(h1); and for a symmetric method, back again the identity. */
 START_TEST(maps_multiply)
 {

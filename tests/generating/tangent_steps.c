@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- The step itself --------------------------------------------------------------------------------------------- */
-
 /* Bit for bit what tvi_step makes, step after step, the low-order parts, dense output and counts too. */
 START_TEST(step_is_the_step)
 {

@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- After a failure --------------------------------------------------------------------------------------------- */
-
 enum { BEFORE_MOST = 20, AFTER = 20, LONG_RUN = BEFORE_MOST + AFTER };
 
 /* Step number `step` of a run: of changing size, back and forth. */

@@ -7,9 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* ---- States, methods and refusals ------------------------------------------------------------------------------------ */
-
-/* ---- Shared ------------------------------------------------------------------------------------------------------ */
+/* ---- States, methods and refusals -------------------------------------------------------------------------------- */
 
 const method methods[] = {
     {"tvi", 1},       {"tvi", 4},       {"tvi", 7},           {"start", 2},     {"start", 6},
@@ -91,7 +89,7 @@ tvi_integrator *create_integrator(const tvi_system *system, const method *m)
     return integrator;
 }
 
-/* ---- Problems ---------------------------------------------------------------------------------------------------- */
+/* ---- Problems, each with every method ---------------------------------------------------------------------------- */
 
 /* V = q^2/2 - log q: a well that exists for q > 0 only, so that steps beyond it leave the domain. */
 static jet half_line(const jet q[], jet t, void *ctx)

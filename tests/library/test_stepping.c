@@ -1,27 +1,24 @@
-/* test_stepping.c - the corrector's passes and options (docs/method.md section 5), and steps that follow one another:
- * varying, backward, continued, reset. */
-#include "problems/problems.h"
+/* test_stepping.c - the corrector's passes and options (docs/method.md section 5), and large steps. Steps that follow one
+ * another are in stepping_sequences.c. */
+#include "stepping.h"
 #include "suites.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-static const test_problem *const step_problems[] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles,
-                                                    &problem_chain};
-enum { STEP_PROBLEMS = sizeof step_problems / sizeof *step_problems };
+const test_problem *const step_problems[STEP_PROBLEMS] = {&problem_pendulum, &problem_kepler, &problem_henon_heiles,
+                                                          &problem_chain};
 
-static bool same_bits(const test_state *a, const test_state *b) { return memcmp(a, b, sizeof *a) == 0; }
+bool same_bits(const test_state *a, const test_state *b) { return memcmp(a, b, sizeof *a) == 0; }
 
-static tvi_options on_curve(tvi_expansion expansion, int degree)
+tvi_options on_curve(tvi_expansion expansion, int degree)
 {
     return options_type1(expansion, TVI_NODES_ON_CURVE, degree);
 }
 
-/* The state after steps of size h from the start of the problem, and the counts. */
-static test_state run_from_start(const test_problem *problem, const tvi_options *options, double h, long steps,
-                                 tvi_stats *stats)
+test_state run_from_start(const test_problem *problem, const tvi_options *options, double h, long steps,
+                          tvi_stats *stats)
 {
     runner run = runner_open(problem, options);
     test_state x = problem_start(problem);
@@ -253,151 +250,9 @@ START_TEST(start_at_rest_converges)
 }
 END_TEST
 
-/* ---- Steps that follow one another ------------------------------------------------------------------------------- */
-
-/* Backward in time from the start of the problem, against the exact solution there. */
-START_TEST(negative_steps_go_back)
+static TCase *tcase_passes(void)
 {
-    const test_problem *problem = step_problems[_i / 2];
-    const tvi_options options = on_curve(_i % 2 ? TVI_AT_MIDPOINT : TVI_AT_START, 8);
-    const exact_state exact = problem_exact(problem, NULL, problem->t0 - 1);
-    const test_state x = run_from_start(problem, &options, -0.03125, 32, NULL);
-    ck_assert_double_eq_tol(x.t, problem->t0 - 1, 1e-15);
-    ck_assert_double_lt(larger(state_error(problem->scene->n, &x, &exact)), 3e-13);
-}
-END_TEST
-
-/* Steps of many sizes that add up to t0 + 1. */
-START_TEST(steps_may_vary)
-{
-    static const double step[] = {0.03125, 0.0625, 0.015625, 0.015625, -0.03125, 0.0625, 0.03125, 0.0625};
-    enum { COUNT = sizeof step / sizeof *step };
-    const test_problem *problem = step_problems[_i / 2];
-    const tvi_options options = on_curve(_i % 2 ? TVI_AT_MIDPOINT : TVI_AT_START, 10);
-    const exact_state exact = problem_exact(problem, NULL, problem->t0 + 1);
-    runner run = runner_open(problem, &options);
-    test_state x = problem_start(problem);
-    for (int cycle = 0; cycle < 4; cycle++)
-        for (int i = 0; i < COUNT; i++) runner_steps(&run, step[i], 1, &x);
-    runner_close(&run);
-    ck_assert_double_eq_tol(x.t, problem->t0 + 1, 1e-15);
-    ck_assert_double_lt(larger(state_error(problem->scene->n, &x, &exact)), 3e-13);
-}
-END_TEST
-
-static const struct {
-    tvi_method method;
-    tvi_expansion expansion;
-    int degree;
-} followers[] = {{TVI_TYPE1, TVI_AT_START, 5},
-                 {TVI_TYPE1, TVI_AT_MIDPOINT, 5},
-                 {TVI_TAYLOR, TVI_AT_START, 12},
-                 {TVI_STORMER_VERLET, TVI_AT_START, 1}};
-enum { FOLLOWERS = sizeof followers / sizeof *followers };
-
-static runner open_follower(int i)
-{
-    const tvi_options options = {.method = followers[i % FOLLOWERS].method,
-                                 .expansion = followers[i % FOLLOWERS].expansion,
-                                 .degree = followers[i % FOLLOWERS].degree};
-    return runner_open(step_problems[i / FOLLOWERS], &options);
-}
-
-/* Two halves are one run, bit for bit, whatever is between them: other memory, or a look at the energy. */
-START_TEST(two_halves_are_one_run)
-{
-    runner one = open_follower(_i), two = open_follower(_i);
-    test_state x = problem_start(one.problem), y = x, moved;
-    runner_steps(&one, 0.05, 200, &x);
-    runner_steps(&two, 0.05, 100, &y);
-    memcpy(&moved, &y, sizeof y);
-    runner_steps(&two, 0.05, 100, &moved);
-    ck_assert(same_bits(&x, &moved));
-    runner_close(&one);
-    runner_close(&two);
-}
-END_TEST
-
-/* After a reset an integrator is like a new one; without it the low-order parts carry on. */
-START_TEST(reset_forgets)
-{
-    runner used = open_follower(_i), carried = open_follower(_i);
-    test_state x = problem_start(used.problem), y, z = x;
-    for (int step = 0; step < 200; step++) {
-        runner fresh = open_follower(_i);
-        y = x;
-        runner_steps(&fresh, 0.05, 1, &y);
-        runner_close(&fresh);
-        tvi_integrator_reset(used.integrator);
-        runner_steps(&used, 0.05, 1, &x);
-        ck_assert(same_bits(&x, &y));
-    }
-    runner_steps(&carried, 0.05, 200, &z);
-    ck_assert(!same_bits(&x, &z));
-    runner_close(&used);
-    runner_close(&carried);
-}
-END_TEST
-
-/* Any one number of the state that is not what the last step returned. */
-START_TEST(changed_state_is_forgotten)
-{
-    for (int which = 0; which < 3; which++) {
-        runner used = open_follower(_i), fresh = open_follower(_i);
-        test_state x = problem_start(used.problem), y;
-        runner_steps(&used, 0.05, 50, &x);
-        double *number = which == 0 ? &x.t : which == 1 ? &x.q[used.problem->scene->n - 1] : &x.p[0];
-        *number = nextafter(*number, 10);
-        y = x;
-        runner_steps(&used, 0.05, 50, &x);
-        runner_steps(&fresh, 0.05, 50, &y);
-        ck_assert(same_bits(&x, &y));
-        runner_close(&used);
-        runner_close(&fresh);
-    }
-}
-END_TEST
-
-/* A step does not depend on the size of the last one, but for the low-order parts. */
-START_TEST(last_step_leaves_no_trace)
-{
-    runner used = open_follower(_i), fresh = open_follower(_i);
-    test_state x = problem_start(used.problem), y;
-    runner_steps(&used, 0.075, 3, &x);
-    tvi_integrator_reset(used.integrator);
-    y = x;
-    runner_steps(&used, 0.05, 1, &x);
-    runner_steps(&fresh, 0.05, 1, &y);
-    ck_assert(same_bits(&x, &y));
-    runner_close(&used);
-    runner_close(&fresh);
-}
-END_TEST
-
-static int stop_at(long step, double t, const double q[], const double p[], void *ctx)
-{
-    (void)t, (void)q, (void)p;
-    return step >= *(const long *)ctx;
-}
-
-START_TEST(observer_sees_every_step_and_stops)
-{
-    runner run = open_follower(_i), other = open_follower(_i);
-    test_state x = problem_start(run.problem), y = x;
-    long last = 7;
-    ck_assert_int_eq(tvi_integrate(run.integrator, 0.05, 20, &x.t, x.q, x.p, stop_at, &last), TVI_ESTOPPED);
-    ck_assert_int_eq(tvi_integrator_stats(run.integrator)->steps, 7);
-    runner_steps(&other, 0.05, 7, &y);
-    ck_assert(same_bits(&x, &y));
-    runner_close(&run);
-    runner_close(&other);
-}
-END_TEST
-
-Suite *suite_stepping(void)
-{
-    Suite *suite = suite_create("stepping");
-    TCase *tcase = tcase_create("stepping");
+    TCase *tcase = tcase_create("passes");
     tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, few_passes_converge, 0, 3);
     tcase_add_loop_test(tcase, work_is_counted, 0, 2);
@@ -408,13 +263,13 @@ Suite *suite_stepping(void)
     tcase_add_loop_test(tcase, fresh_jacobian_solves_large_steps, 0, REFRESHED);
     tcase_add_loop_test(tcase, hopeless_step_is_refused, 0, HOPELESS);
     tcase_add_loop_test(tcase, start_at_rest_converges, 0, 2 * STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, negative_steps_go_back, 0, 2 * STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, steps_may_vary, 0, 2 * STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, two_halves_are_one_run, 0, FOLLOWERS * STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, reset_forgets, 0, FOLLOWERS * STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, changed_state_is_forgotten, 0, FOLLOWERS * STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, last_step_leaves_no_trace, 0, FOLLOWERS * STEP_PROBLEMS);
-    tcase_add_loop_test(tcase, observer_sees_every_step_and_stops, 0, FOLLOWERS * STEP_PROBLEMS);
-    suite_add_tcase(suite, tcase);
+    return tcase;
+}
+
+Suite *suite_stepping(void)
+{
+    Suite *suite = suite_create("stepping");
+    suite_add_tcase(suite, tcase_passes());
+    suite_add_tcase(suite, tcase_sequences());
     return suite;
 }
