@@ -54,7 +54,7 @@ $(QUAD_OBJECTS): $(BUILD)/%.o: %.c
 	$(QUADCC) $(QUAD_FLAGS) -c -o $@ $<
 
 # what the programs take from each other and from the bench
-HELPERS := $(call objects_of,tests/problems/problems.c $(filter-out %/reference.c,$(wildcard bench/references/*.c)) $(wildcard bench/scenes/*.c bench/baselines/*.c) \
+HELPERS := $(call objects_of,$(wildcard tests/problems/*.c) $(filter-out %/reference.c,$(wildcard bench/references/*.c)) $(wildcard bench/scenes/*.c bench/baselines/*.c) \
             $(filter-out %/stability.c,$(wildcard bench/stability/*.c)))
 $(BUILD)/check/helpers.a: $(HELPERS)
 	@mkdir -p $(@D) && rm -f $@

@@ -132,9 +132,9 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     *out = NULL;
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");
     const char *const unsupported = !system->energy                  ? "a force has no Hamiltonian: state the potential"
+                                    : system->is_driven              ? "a driven system has no Hamiltonian flow"
                                     : system->form == TVI_LAGRANGIAN ? "state the Hamiltonian instead of the Lagrangian"
                                     : system->stepped != system      ? "the system is rescaled already"
-                                    : system->is_driven              ? "a driven system has no Hamiltonian flow"
                                                                      : NULL;
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling r = {system, g, ctx};

@@ -2,6 +2,7 @@
 #ifndef TVI_TESTS_INPUT_H
 #define TVI_TESTS_INPUT_H
 
+#include "problems/refusals.h"
 #include "scenes/scene.h"
 #include "tvi.h"
 
@@ -16,16 +17,6 @@ typedef struct {
 state start_of(const scene *s);
 bool state_is_finite(const state *s);
 void expect_same(const char *what, const state *is, const state *was); /* bit for bit */
-void expect_status(const char *what, tvi_status is, tvi_status wanted);
-/* The call has the status, and where that is a refusal tvi_last_error is of this call, and names the culprit. */
-#define expect_refusal(what, call, wanted, culprit)                                                                    \
-    (begin_refusal(), expect_status(what, call, wanted), end_refusal(what, wanted, culprit))
-#define expect(what, call, wanted) expect_refusal(what, call, wanted, "")
-/* The culprit is what the case is called by. */
-#define refused(culprit, call, wanted) expect_refusal(culprit, call, wanted, culprit)
-void begin_refusal(void);
-void end_refusal(const char *what, tvi_status wanted, const char *culprit);
-
 /* Every method, at orders that it has. */
 typedef struct {
     const char *name;

@@ -1,4 +1,5 @@
 /* test_refused.c - what is refused: systems, methods, and time scales that are none. */
+#include "problems/refusals.h"
 #include "rescaled.h"
 
 #include <math.h>
@@ -88,12 +89,11 @@ static tvi_system *rescale(tvi_system *base, tvi_rescale_fn *g, void *ctx)
 }
 
 /* Refused, with a text that has this in it. */
-static void refuse(tvi_system *base, tvi_rescale_fn *g, void *ctx, tvi_status expected, const char *text)
+static void refuse(tvi_system *base, tvi_rescale_fn *g, void *ctx, tvi_status expected, const char *culprit)
 {
     tvi_system *rescaled = base;
-    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, g, ctx), expected);
+    refused(culprit, tvi_system_rescaled(&rescaled, base, g, ctx), expected);
     ck_assert_ptr_null(rescaled);
-    ck_assert_msg(strstr(tvi_last_error(), text) != NULL, "%s: %s", text, tvi_last_error());
     tvi_system_free(base);
 }
 
@@ -110,7 +110,7 @@ START_TEST(systems)
     ck_assert_int_eq(tvi_system_force(&system, 1, NULL, force, NULL), TVI_OK);
     refuse(system, NULL, NULL, TVI_EUNSUPPORTED, "a force has no Hamiltonian");
     refuse(NULL, NULL, NULL, TVI_EINVAL, "system is NULL");
-    ck_assert_int_eq(tvi_system_rescaled(NULL, NULL, NULL, NULL), TVI_EINVAL);
+    refused("out is NULL", tvi_system_rescaled(NULL, NULL, NULL, NULL), TVI_EINVAL);
     ck_assert_int_eq(tvi_system_lagrangian(&system, 1, curved, NULL), TVI_OK);
     refuse(system, NULL, NULL, TVI_EUNSUPPORTED, "state the Hamiltonian instead of the Lagrangian");
     ck_assert_int_eq(tvi_system_lagrangian(&system, 1, flat, NULL), TVI_OK);
@@ -159,15 +159,14 @@ START_TEST(jets_that_are_no_scale)
 END_TEST
 
 /* A step where g is negative, zero or too large is refused, and the state is as it was. */
-static void check_step(tvi_rescale_fn *g, double q0, tvi_status expected, const char *text)
+static void check_step(tvi_rescale_fn *g, double q0, tvi_status expected, const char *culprit)
 {
     static const char *const names[] = {"galerkin", "poincare", "right", "left", "taylor"};
     for (int i = 0; i < 5; i++) {
         state start = {.q = {q0}, .p = {0.5}};
         run r = open_run(rescale(of_potential(spring), g, NULL), names[i], 6, &start);
-        ck_assert_int_eq(run_steps(&r, 0.1, 1), expected);
+        refused(culprit, run_steps(&r, 0.1, 1), expected);
         ck_assert_ptr_nonnull(strstr(tvi_last_error(), "step of 0.1 in s, of K = g (H + e), from t = 0"));
-        ck_assert_msg(strstr(tvi_last_error(), text) != NULL, "%s: %s", text, tvi_last_error());
         ck_assert(memcmp(&r.x, &start, sizeof start) == 0);
         ck_assert_int_eq(tvi_dense(r.integrator, 0.5, start.q, start.p), TVI_EINVAL);
         r.x.q[0] = g == position ? 0.5 : -0.01; /* and it goes on where there is a scale */
@@ -191,8 +190,8 @@ START_TEST(collision)
     const double way = _i ? -1 : 1;
     const double end = acos(-1) / sqrt(8);
     run r = open_run(rescaled_system(2, NULL, kepler, kepler_scale), NULL, 0, &start);
-    ck_assert_int_eq(tvi_integrate_to(r.integrator, way * 0.5, way * 2, &r.x.t, r.x.q, r.x.p, NULL, NULL), TVI_ENOCONV);
-    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "the time does not move"));
+    refused("the time does not move",
+            tvi_integrate_to(r.integrator, way * 0.5, way * 2, &r.x.t, r.x.q, r.x.p, NULL, NULL), TVI_ENOCONV);
     ck_assert_double_eq_tol(r.x.t, way * end, 1e-15);
     ck_assert_double_le(fabs(r.x.q[0]), 1e-18);
     close_run(&r);
@@ -202,17 +201,16 @@ END_TEST
 /* Type I has no generating function, and Stormer-Verlet no mass. */
 START_TEST(methods)
 {
-    static const char *const refused[] = {"tvi",       "start",         "end",           "midpoint",
-                                          "both-ends", "symmetric-tvi", "stormer-verlet"};
+    static const char *const names[] = {"tvi",       "start",         "end",           "midpoint",
+                                        "both-ends", "symmetric-tvi", "stormer-verlet"};
     tvi_system *system = rescale(of_potential(spring), NULL, NULL);
     for (int i = 0; i < 7; i++) {
         tvi_options options;
         tvi_integrator *integrator;
-        const char *why = NULL;
-        ck_assert_int_eq(tvi_options_named(refused[i], 2, &options), TVI_OK);
-        ck_assert_int_eq(tvi_options_check(system, &options, &why), TVI_EUNSUPPORTED);
-        ck_assert_ptr_nonnull(strstr(why, i < 6 ? "degenerate" : "mass"));
-        ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_EUNSUPPORTED);
+        ck_assert_int_eq(tvi_options_named(names[i], 2, &options), TVI_OK);
+        const char *const culprit = i < 6 ? "degenerate" : "mass";
+        refused(culprit, tvi_options_check(system, &options, NULL), TVI_EUNSUPPORTED);
+        refused(culprit, tvi_integrator_create(&integrator, system, &options), TVI_EUNSUPPORTED);
     }
     tvi_system_free(system);
 }
