@@ -3,27 +3,13 @@
 
 #include <math.h>
 
-/* E - e sin E = M, -pi <= M <= pi, by bisection and Newton's method. */
-static long double eccentric_anomaly(long double e, long double M)
-{
-    long double low = -4, high = 4;
-    for (int i = 0; i < 40; i++) {
-        const long double E = (low + high) / 2;
-        if (E - e * sinl(E) < M) low = E;
-        else high = E;
-    }
-    long double E = (low + high) / 2;
-    for (int i = 0; i < 3; i++) E -= (E - e * sinl(E) - M) / (1 - e * cosl(E));
-    return E;
-}
-
 /* From pericentre at (r, 0) with the velocity (0, v). The orbit is that of r and v as they are rounded, 1/a = (2 - v^2
  * r)/r without cancellation: the roundoff of v alone moves the end of 100 revolutions at e = 0.999 by 1e-8. */
 static void kepler_position(const scene *s, double t, long double q[2])
 {
     const long double r = s->q[0], v = s->p[1], square = v * v, rest = fmal(v, v, -square);
     const long double a = r / (fmal(-square, r, 2) - rest * r), e = 1 - r / a;
-    const long double E = eccentric_anomaly(e, remainderl(t / (a * sqrtl(a)), 2 * acosl(-1)));
+    const long double E = kepler_anomaly(e, t / (a * sqrtl(a)));
     q[0] = a * (cosl(E) - e);
     q[1] = a * sqrtl((1 - e) * (1 + e)) * sinl(E);
 }

@@ -14,4 +14,7 @@ extern const hard_scene hard_kepler_90, hard_kepler_99, hard_kepler_999, hard_py
     hard_three_planets;
 extern const hard_scene *const hard_scenes[]; /* all of them; NULL ends */
 
+/* Kepler's equation: the E with E - e sin E = M, -pi <= E <= pi, M taken modulo a turn. */
+long double kepler_anomaly(long double e, long double M);
+
 #endif

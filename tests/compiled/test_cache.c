@@ -189,30 +189,43 @@ static struct stat state_of(const char *path)
     return s;
 }
 
+/* One file in a cache of its own. */
+typedef struct {
+    const char *cache;
+    tvi_compiler how;
+    char path[256];
+    struct stat was;
+} kept_file;
+
+static kept_file keep_one(void)
+{
+    kept_file k = {.cache = directory_make()};
+    k.how = (tvi_compiler){"cc", "-O1", k.cache};
+    ck_assert_int_eq(try(&scene_kepler, &k.how), TVI_OK);
+    find_file(k.cache, k.path, sizeof k.path);
+    k.was = state_of(k.path);
+    return k;
+}
+
 START_TEST(the_second_time_nothing_is_compiled)
 {
-    const char *cache = directory_make();
-    char path[256];
-    const tvi_compiler how = {"cc", "-O1", cache};
-    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
-    find_file(cache, path, sizeof path);
-    const struct stat before = state_of(path);
-    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
-    ck_assert(state_of(path).st_ino == before.st_ino);
-    ck_assert_int_eq(directory_count(cache, ""), 1);
-    ck_assert_int_eq(try(&scene_pendulum, &how), TVI_OK);
-    ck_assert_int_eq(directory_count(cache, ""), 2);
-    directory_remove(cache);
+    const kept_file k = keep_one();
+    ck_assert_int_eq(try(&scene_kepler, &k.how), TVI_OK);
+    ck_assert(state_of(k.path).st_ino == k.was.st_ino);
+    ck_assert_int_eq(directory_count(k.cache, ""), 1);
+    ck_assert_int_eq(try(&scene_pendulum, &k.how), TVI_OK);
+    ck_assert_int_eq(directory_count(k.cache, ""), 2);
+    directory_remove(k.cache);
 }
 END_TEST
 
 /* Cut short, a byte changed, longer, empty, another's, open to others: what is wrong is made anew. */
 enum { CUT, CHANGED, CHANGED_LAST, LONGER, EMPTY, SWAPPED, OPEN, DAMAGES };
 
-static void damage(const char *cache, const char *path, int how)
+static void damage(const kept_file *k, int how)
 {
-    const off_t size = state_of(path).st_size;
-    const int file = open(path, O_RDWR);
+    const off_t size = k->was.st_size;
+    const int file = open(k->path, O_RDWR);
     ck_assert_int_ge(file, 0);
     char byte = 0;
     const off_t at = how == CHANGED_LAST ? size - 1 : size / 2;
@@ -227,28 +240,22 @@ static void damage(const char *cache, const char *path, int how)
     }
     close(file);
     if (how != SWAPPED) return;
-    const tvi_compiler other = {"cc", "-O1", cache};
     char command[800], kept[300];
-    snprintf(kept, sizeof kept, "%s.kept", path);
-    ck_assert_int_eq(rename(path, kept), 0);
-    ck_assert_int_eq(try(&scene_pendulum, &other), TVI_OK);
-    snprintf(command, sizeof command, "mv %s/*.so %s && rm %s", cache, path, kept);
+    snprintf(kept, sizeof kept, "%s.kept", k->path);
+    ck_assert_int_eq(rename(k->path, kept), 0);
+    ck_assert_int_eq(try(&scene_pendulum, &k->how), TVI_OK);
+    snprintf(command, sizeof command, "mv %s/*.so %s && rm %s", k->cache, k->path, kept);
     ck_assert_int_eq(system(command), 0);
 }
 
 START_TEST(a_damaged_file_is_made_anew)
 {
-    const char *cache = directory_make();
-    char path[256];
-    const tvi_compiler how = {"cc", "-O1", cache};
-    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
-    find_file(cache, path, sizeof path);
-    const struct stat before = state_of(path);
-    damage(cache, path, _i);
-    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
-    ck_assert(state_of(path).st_ino != before.st_ino || _i == SWAPPED);
-    ck_assert_int_eq(directory_count(cache, ""), 1);
-    directory_remove(cache);
+    const kept_file k = keep_one();
+    damage(&k, _i);
+    ck_assert_int_eq(try(&scene_kepler, &k.how), TVI_OK);
+    ck_assert(state_of(k.path).st_ino != k.was.st_ino || _i == SWAPPED);
+    ck_assert_int_eq(directory_count(k.cache, ""), 1);
+    directory_remove(k.cache);
 }
 END_TEST
 

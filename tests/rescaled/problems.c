@@ -1,5 +1,6 @@
 /* problems.c - see rescaled.h. */
 #include "rescaled.h"
+#include "scenes/hard.h"
 
 #include <math.h>
 
@@ -34,24 +35,9 @@ jet driven_scale(const jet q[], const jet p[], jet t, void *ctx)
 
 state kepler_start(double e) { return (state){0, {1 - e, 0}, {0, sqrt((1 + e) / (1 - e))}}; }
 
-/* Kepler's equation E - e sin E = t, by bisection and Newton's method in long double. */
-static long double anomaly(long double e, long double t)
-{
-    const long double turn = 2 * acosl(-1), mean = remainderl(t, turn);
-    long double low = -turn / 2 - 1, high = turn / 2 + 1;
-    for (int i = 0; i < 60; i++) {
-        const long double E = (low + high) / 2;
-        if (E - e * sinl(E) < mean) low = E;
-        else high = E;
-    }
-    long double E = (low + high) / 2;
-    for (int i = 0; i < 3; i++) E -= (E - e * sinl(E) - mean) / (1 - e * cosl(E));
-    return E;
-}
-
 state kepler_at(double e, double t)
 {
-    const long double E = anomaly(e, t), b = sqrtl(1 - (long double)e * e), rate = 1 / (1 - e * cosl(E));
+    const long double E = kepler_anomaly(e, t), b = sqrtl(1 - (long double)e * e), rate = 1 / (1 - e * cosl(E));
     return (state){
         t, {(double)(cosl(E) - e), (double)(b * sinl(E))}, {(double)(-sinl(E) * rate), (double)(b * cosl(E) * rate)}};
 }
