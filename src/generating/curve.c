@@ -10,6 +10,7 @@
  * each with the field evaluated as a power series along the curve, one order after the other. */
 #include "generating/curve.h"
 #include "algebra/tail.h"
+#include "algebra/weigh.h"
 
 #include <math.h>
 #include <string.h>
@@ -154,6 +155,14 @@ static tvi_status expand_lagrangian(tvi_curve *curve)
     return TVI_OK;
 }
 
+static bool is_finite(const tvi_curve *curve)
+{
+    double zero = 0;
+    for (int k = 0; k <= curve->top; k++)
+        for (int i = 0; i < curve->system->inputs; i++) zero += 0 * tvi_curve_input(curve, k)[i];
+    return zero == 0;
+}
+
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
     const tvi_system *system = curve->system;
@@ -166,11 +175,7 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
                               : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
                                                                : expand_hamiltonian(curve);
     if (status != TVI_OK) return status;
-    const int inputs = system->inputs;
-    for (int k = 0; k <= curve->top; k++)
-        for (int i = 0; i < inputs; i++)
-            if (!isfinite(tvi_curve_input(curve, k)[i])) return TVI_ENONFINITE;
-    return TVI_OK;
+    return is_finite(curve) ? TVI_OK : TVI_ENONFINITE;
 }
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
@@ -194,16 +199,12 @@ void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, d
     const int n = curve->n;
     const int *slot = curve->system->field_series->output + n;
     memset(out, 0, (size_t)n * sizeof *out);
-    for (int k = curve->top; k >= 0; k--) {
-        const double weight = combination->weight[k], *x = tvi_curve_input(curve, k);
-        if (weight == 0) continue;
-        if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN) {
-            for (int i = 0; i < n; i++) out[i] += weight * x[slot[i]];
-        } else {
-            const double *coefficient = x + (combination->of_momentum ? n : 0);
-            for (int i = 0; i < n; i++) out[i] += weight * coefficient[i];
-        }
-    }
+    const size_t orders = (size_t)curve->top + 1, stride = tvi_curve_slots(curve);
+    if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN)
+        for (int i = 0; i < n; i++) tvi_add_rows(orders, combination->weight, stride, 1, curve->x + slot[i], out + i);
+    else
+        tvi_add_rows(orders, combination->weight, stride, (size_t)n, curve->x + (combination->of_momentum ? n : 0),
+                     out);
 }
 
 /* p = |P_0| + sum k |P_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */

@@ -1,5 +1,6 @@
 /* jacobian.c - the Jacobians of a curve with respect to its centre data, as matrices, by tangents in all directions;
  * what is made of them, or of products.h. */
+#include "algebra/weigh.h"
 #include "generating/products.h"
 
 #include <string.h>
@@ -97,8 +98,7 @@ static void store(const tvi_curve *curve, const block *b, const int slot_of_comp
     for (int k = 0; k <= curve->top; k++)
         for (size_t i = 0; i < n; i++) {
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
-            memcpy(jacobian + ((size_t)k * n + i) * 2 * n + (size_t)b->first, tangent(curve, b, k, slot),
-                   b->lanes * sizeof *jacobian);
+            scale_lanes(b->lanes, 1, tangent(curve, b, k, slot), jacobian + ((size_t)k * n + i) * 2 * n + b->first);
         }
 }
 
@@ -143,11 +143,7 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
 {
     const size_t size = 2 * (size_t)curve->n * (size_t)curve->n;
     memset(matrix, 0, size * sizeof *matrix);
-    for (int k = curve->top; k >= 0; k--) {
-        const double weight = combination->weight[k], *dC = jacobians(curve, combination) + (size_t)k * size;
-        if (weight == 0) continue;
-        for (size_t i = 0; i < size; i++) matrix[i] += weight * dC[i];
-    }
+    tvi_add_rows((size_t)curve->top + 1, combination->weight, size, size, jacobians(curve, combination), matrix);
 }
 
 /* Matrices take their directions in blocks, the last one of what is left. */
@@ -194,22 +190,14 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
     }
 }
 
-static void pull_rows(const tvi_curve *curve, const double jacobian[], const double seed[], double out[])
-{
-    const size_t directions = 2 * (size_t)curve->n;
-    for (int row = (curve->top + 1) * curve->n - 1; row >= 0; row--) {
-        if (seed[row] == 0) continue;
-        for (size_t d = 0; d < directions; d++) out[d] += seed[row] * jacobian[(size_t)row * directions + d];
-    }
-}
-
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
     if (tvi_curve_has_products(curve)) {
         tvi_products_pull(curve, seed_Q, out);
         return;
     }
-    memset(out, 0, 2 * (size_t)curve->n * sizeof *out);
-    if (curve->dU && seed_U) pull_rows(curve, curve->dU, seed_U, out);
-    pull_rows(curve, curve->dQ, seed_Q, out);
+    const size_t directions = 2 * (size_t)curve->n, rows = ((size_t)curve->top + 1) * (size_t)curve->n;
+    memset(out, 0, directions * sizeof *out);
+    if (curve->dU && seed_U) tvi_add_rows(rows, seed_U, directions, directions, curve->dU, out);
+    tvi_add_rows(rows, seed_Q, directions, directions, curve->dQ, out);
 }
