@@ -61,30 +61,17 @@ JET_RULE(sqrt, 1, W_NONE)
 
 enum { QUARTERS_MAX = 32 };
 
-/* a^(quarters/4) by multiplications and square roots, which are faster than pow; the best where the compiler knows
- * quarters. */
-JET_INLINE void power_by(int quarters, int width, const double *a, double *restrict z)
-{
-    const int count = abs(quarters);
-    for (int w = 0; w < width; w++) {
-        const double root = count % 4 ? sqrt(a[w]) : 1;
-        double power = count % 2 == 0 ? root : count % 4 == 1 ? sqrt(root) : root * sqrt(root);
-        for (int i = 0; i < count / 4; i++) power *= a[w];
-        z[w] = quarters < 0 ? 1 / power : power;
-    }
-}
-
+/* a^(quarters/4) by multiplications and square roots, which are faster than pow. */
 static void power_by_quarters(int quarters, int width, const double *a, double *restrict z)
 {
-    switch (quarters) {
-    case -10: power_by(-10, width, a, z); break;
-    case -4: power_by(-4, width, a, z); break;
-    case -2: power_by(-2, width, a, z); break; /* the potential of gravity */
-    case -1: power_by(-1, width, a, z); break;
-    case 3: power_by(3, width, a, z); break; /* r^(3/2), and its derivative */
-    case 6: power_by(6, width, a, z); break;
-    default: power_by(quarters, width, a, z);
+    const int count = abs(quarters), rest = count % 4;
+    for (int w = 0; w < width; w++) {
+        const double root = rest ? sqrt(a[w]) : 1;
+        z[w] = rest % 2 == 0 ? root : rest == 1 ? sqrt(root) : root * sqrt(root);
     }
+    for (int i = 0; i < count / 4; i++)
+        for (int w = 0; w < width; w++) z[w] *= a[w];
+    for (int w = 0; w < width && quarters < 0; w++) z[w] = 1 / z[w];
 }
 
 static bool is_positive(int width, const double *a)
@@ -101,43 +88,46 @@ static bool is_nonzero(int width, const double *a)
     return !outside;
 }
 
-/* a^(-3/2), the force of gravity. */
+/* a^(-k/2), k = 3, 5, 7: the force of gravity and its derivatives. The compiler knows k. */
 #if defined(__AVX512F__)
 /* With y near a^(-1/2), of so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12:
- *   a^(-3/2) = y^3 (1 - e)^(-3/2) = y^3 (1 + 3/2 e + 15/8 e^2 + 35/16 e^3 + 315/128 e^4 + ...),
- * which is rounded once, where a root, a product and a quotient round three times and take twice as long. */
-static inline __m512d inverse_cube_of_root(__m512d a)
+ *   a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...),
+ * which is rounded once for k = 3, where a root, a product and a quotient round three times and take twice as long. */
+JET_INLINE __m512d inverse_of_roots(int k, __m512d a)
 {
+    const double c1 = k / 2.0, c2 = c1 * (k + 2) / 4, c3 = c2 * (k + 4) / 6, c4 = c3 * (k + 6) / 8;
     const __m512d bounded = _mm512_min_pd(_mm512_set1_pd(DBL_MAX), a); /* a NaN stays */
     const __m512i few_bits = _mm512_set1_epi64(~((1LL << 36) - 1));
     const __m512d y = _mm512_castsi512_pd(_mm512_and_epi64(_mm512_castpd_si512(_mm512_rsqrt14_pd(bounded)), few_bits));
-    const __m512d square = y * y, cube = square * y;
-    const __m512d e = _mm512_fnmadd_pd(bounded, square, _mm512_set1_pd(1));
-    const __m512d series = (1.5 + e * 1.875) + (e * e) * (2.1875 + e * 2.4609375);
-    return _mm512_fmadd_pd(cube * e, series, cube);
+    const __m512d square = y * y, e = _mm512_fnmadd_pd(bounded, square, _mm512_set1_pd(1));
+    const __m512d series = (c1 + e * c2) + (e * e) * (c3 + e * c4);
+    __m512d power = y;
+    for (int i = 1; i < k; i += 2) power *= square;
+    const __mmask8 finite = _mm512_cmp_pd_mask(power, _mm512_set1_pd(INFINITY), _CMP_NEQ_UQ);
+    return _mm512_mask3_fmadd_pd(power * e, series, power, finite);
 }
 
-static bool gravity(int width, const double *a, double *restrict z)
+JET_INLINE bool gravity(int k, int width, const double *a, double *restrict z)
 {
     __mmask8 outside = 0;
     int w = 0;
     for (; w + 8 <= width; w += 8) {
         const __m512d block = _mm512_loadu_pd(a + w);
         outside |= _mm512_cmp_pd_mask(block, _mm512_setzero_pd(), _CMP_LE_OQ);
-        _mm512_storeu_pd(z + w, inverse_cube_of_root(block));
+        _mm512_storeu_pd(z + w, inverse_of_roots(k, block));
     }
     if (w < width) {
         const __mmask8 rest = (__mmask8)((1 << (width - w)) - 1);
         const __m512d block = _mm512_maskz_loadu_pd(rest, a + w);
         outside |= _mm512_mask_cmp_pd_mask(rest, block, _mm512_setzero_pd(), _CMP_LE_OQ);
-        _mm512_mask_storeu_pd(z + w, rest, inverse_cube_of_root(block));
+        _mm512_mask_storeu_pd(z + w, rest, inverse_of_roots(k, block));
     }
     return !outside;
 }
 #else
-static bool gravity(int width, const double *a, double *restrict z)
+JET_INLINE bool gravity(int k, int width, const double *a, double *restrict z)
 {
-    power_by(-6, width, a, z);
+    power_by_quarters(-2 * k, width, a, z);
     return is_positive(width, a);
 }
 #endif
@@ -153,7 +143,10 @@ static __attribute__((noinline)) bool other_power(double c, int width, const dou
 static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return c == -1.5 ? gravity(width, a, z) : other_power(c, width, a, z);
+    return c == -1.5   ? gravity(3, width, a, z)
+           : c == -2.5 ? gravity(5, width, a, z)
+           : c == -3.5 ? gravity(7, width, a, z)
+                       : other_power(c, width, a, z);
 }
 
 /* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). */

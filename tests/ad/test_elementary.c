@@ -23,6 +23,9 @@ POW(pow_large, -17)
 POW(pow_3_4, 0.75)
 POW(pow_1_4, 0.25)
 POW(pow_7_4, -1.75)
+POW(pow_3_2, -1.5)
+POW(pow_5_2, -2.5)
+POW(pow_7_2, -3.5)
 
 /* A function and what it should be; where it is tried at random, and how many ulps it may be off. */
 typedef struct {
@@ -59,6 +62,9 @@ static const elementary functions[] = {
     {"pow", {pow_1_4}, 0.25, 1e-3, 1e3, 1.5},
     {"pow", {pow_3_4}, 0.75, 1e-3, 1e3, 2.5},
     {"pow", {pow_7_4}, -1.75, 1e-3, 1e3, 5},
+    {"pow", {pow_3_2}, -1.5, 1e-60, 1e60, 2.5},
+    {"pow", {pow_5_2}, -2.5, 1e-60, 1e60, 3},
+    {"pow", {pow_7_2}, -3.5, 1e-60, 1e60, 3.5},
 };
 enum { FUNCTIONS = sizeof functions / sizeof *functions, SETS = 3, WIDTH = 11, ROUNDS = 3000 };
 static const char *const sets[SETS] = {"base", "avx2", "avx512"};
