@@ -16,15 +16,13 @@ typedef struct {
 
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
 
-/* sum_ij a_ij a_ji, a [n][n]. */
-static jet trace_of_square(int n, const jet a[])
+/* sum_ij a_ij a_ji, a [n][n]; terms [n][n] is scratch. */
+static jet trace_of_square(int n, const jet a[], jet terms[])
 {
-    jet sum = jet_const(0);
-    for (int i = 0; i < n; i++) {
-        sum = jet_add(sum, jet_sqr(a[i * n + i]));
-        for (int j = 0; j < i; j++) sum = jet_add(sum, jet_mul(2, jet_mul(a[i * n + j], a[j * n + i])));
-    }
-    return sum;
+    int count = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j <= i; j++) terms[count++] = jet_mul(i == j ? 1 : 2, jet_mul(a[i * n + j], a[j * n + i]));
+    return jet_sum(terms, count);
 }
 
 /* row[i] = d x / d z_i of K's recording, whose inputs are q, t, p, e: z = q, and p where all 2 n are asked for. */
@@ -45,11 +43,14 @@ static bool second_derivatives(jet H, int n, int count, jet first[], jet all[], 
     return derived;
 }
 
-/* (M^-1 V_qq) to be squared, by columns of (m_i m_j)^(-1/2), which leave the trace as it is. */
-static void scale_by_masses(int n, const double mass[], jet a[])
+/* tr (M^-1 V_qq)^2 = sum_ij V_ij^2 / (m_i m_j), V_qq = a. */
+static jet trace_of_forces(int n, const double mass[], const jet a[], jet terms[])
 {
+    int count = 0;
     for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) a[i * n + j] = jet_mul(1 / mass[i], a[i * n + j]);
+        for (int j = 0; j <= i; j++)
+            terms[count++] = jet_mul((i == j ? 1 : 2) / (mass[i] * mass[j]), jet_sqr(a[i * n + j]));
+    return jet_sum(terms, count);
 }
 
 /* square = (J a)^2, J a = (a_pq, a_pp; -a_qq, -a_qp), [2n][2n]. */
@@ -77,9 +78,8 @@ static jet automatic(const tvi_system *base, jet H)
     jet *Ja = a + elements, *square = Ja + elements, *first = square + elements, *all = first + count;
     if (!H.node || jet_is_poison(H)) sum = H.node ? H : jet_const(0);
     else if (second_derivatives(H, n, count, first, all, a)) {
-        if (separable) scale_by_masses(n, base->mass, a);
-        else square_of_field(n, a, Ja, square);
-        sum = separable ? trace_of_square(n, a) : jet_div(trace_of_square(count, square), 2);
+        if (!separable) square_of_field(n, a, Ja, square);
+        sum = separable ? trace_of_forces(n, base->mass, a, Ja) : jet_div(trace_of_square(count, square, Ja), 2);
     }
     free(a);
     return jet_pow(sum, -0.25);

@@ -25,8 +25,12 @@ jet tvi_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_system *base = ctx;
     if (base->form == TVI_HAMILTONIAN) return stated(base, q, p, t);
-    jet H = jet_mul(base->energy_sign, stated(base, q, NULL, t));
-    for (int i = 0; i < base->n; i++) H = jet_add(H, jet_div(jet_sqr(p[i]), 2 * base->mass[i]));
+    jet *terms = malloc(((size_t)base->n + 1) * sizeof *terms);
+    if (!terms) return jet_poison(JET_NO_MEMORY);
+    terms[0] = jet_mul(base->energy_sign, stated(base, q, NULL, t));
+    for (int i = 0; i < base->n; i++) terms[1 + i] = jet_div(jet_sqr(p[i]), 2 * base->mass[i]);
+    const jet H = jet_sum(terms, base->n + 1);
+    free(terms);
     return H;
 }
 
