@@ -12,17 +12,19 @@
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
-# make performance   the tables and the picture of docs/performance.md, a minute and a half; make performance-docs puts them there
+# make performance   the tables and the picture of docs/performance.md, a minute and a half
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
-# make stability  where methods break: the tables and pictures of docs/stability.md, four minutes; make stability-docs puts them there
+# make stability  where methods break: the tables and pictures of docs/stability.md, four minutes
 # make guard      the steps that are refused: its table in docs/adaptive.md alone, a minute and a half
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
-# make verify     the tables of the documents made anew and compared, times excepted; make docs-tables replaces them
+# make verify     the tables of the documents made anew and compared, times excepted
+# make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs, choose-docs,
+#                 bench-docs, tails-docs, stability-docs, guard-docs, longrun-docs, adaptive-docs, chaos-docs, order-doubling-docs,
+#                 experiments-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md
 # make adaptive  fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of docs/adaptive.md
-# make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute;
-#                 make experiments-docs puts them into docs/experiments.md and docs/experiments
+# make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute
 # make references bench/scenes/references.h anew, in quadruple precision
 
 BUILD   ?= build

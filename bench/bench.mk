@@ -40,12 +40,15 @@ chaos: need-bench
 	gnuplot -c bench/chaos/chaos.gp $(BUILD)/bench bench/experiments
 .PHONY: chaos
 
-# The generated tables of the documents: all made anew and compared, but for times; or put into the documents.
+# The generated tables and pictures of the documents: all made anew and compared, but for times; or put into the
+# documents; or those alone that one target makes: make performance-docs, make choose-docs.
 DOCUMENTS ?= README.md $(wildcard docs/*.md)
 verify: need-bench
-	MAKE='$(MAKE)' bench/tables.sh verify $(BUILD) $(DOCUMENTS)
+	MAKE='$(MAKE)' bench/tables.sh verify $(BUILD) all $(DOCUMENTS)
 docs-tables: need-bench
-	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) $(DOCUMENTS)
+	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) all $(DOCUMENTS)
+%-docs: need-bench
+	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) $* $(DOCUMENTS)
 .PHONY: verify docs-tables
 
 # all of them, or those of SCENE=name

@@ -1,35 +1,51 @@
 #!/bin/sh
-# tables.sh verify|replace BUILD DOCUMENT...
-# The generated tables of the documents. A table stands between two lines,
+# tables.sh verify|replace BUILD TARGET|all DOCUMENT...
+# The generated tables and pictures of the documents: those that `make TARGET` writes, or all. A table stands between two
+# lines,
 #     <!-- table: PATH : make TARGET -->                or     <!-- table: PATH : make TARGET (times only) -->
 #     <!-- end -->
-# and is the file BUILD/PATH that `make TARGET` writes.
+# and is the file BUILD/PATH. A picture follows its line,
+#     <!-- picture: PATH : make TARGET -->
+#     ![text](FILE)
+# where FILE, below the document's folder, is a copy of BUILD/PATH.
 #   verify    makes each target once and compares: cells word by word, numbers within a factor of 2 once they are 1e-12 or
-#             more, other words exactly. Columns whose heads end in "(time)" or "(chaotic)" are not compared, nor tables of times only.
+#             more, other words exactly. Columns whose heads end in "(time)" or "(chaotic)" are not compared, nor tables of times only, nor pictures.
 #   replace   makes every target, those of times too, and puts the files into the documents.
 set -u
-mode=$1 build=$2
-shift 2
+mode=$1 build=$2 wanted=$3
+shift 3
 [ "$mode" = verify ] || [ "$mode" = replace ] || { echo "tables.sh: verify or replace, not $mode" >&2; exit 2; }
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
 
-# ---- What there is: document, line, path, target, "times" or "all" -----------------------------------------------------
+# ---- What there is: document, line, path, target, "times", "all", or the file of a picture -------------------------------
 
-awk -v OFS='\t' '
+awk -v OFS='\t' -v wanted="$wanted" '
     function bad(what) { print FILENAME ":" FNR ": " what > "/dev/stderr"; failed = 1 }
     FNR == 1 && open { print document ": a table without <!-- end -->" > "/dev/stderr"; failed = 1; open = 0 }
     /^<!-- table:/ {
         if (open) bad("a table within a table")
         if ($0 !~ /^<!-- table: [^ ]+ : make [^ ]+( \(times only\))? -->$/) { bad("not a line of a table: " $0); next }
-        print FILENAME, FNR, $3, $6, ($7 == "(times" ? "times" : "all")
+        if (wanted == "all" || wanted == $6) print FILENAME, FNR, $3, $6, ($7 == "(times" ? "times" : "all")
         open = 1; document = FILENAME
     }
     /^<!-- end -->$/ { open = 0 }
+    picture != "" {
+        if (!match($0, /^!\[.*\]\([^)]+\)$/)) { bad("a picture without its line"); picture = ""; next }
+        folder = FILENAME
+        if (!sub(/\/[^\/]*$/, "", folder)) folder = "."
+        sub(/^!\[.*\]\(/, ""); sub(/\)$/, "")
+        if (wanted == "all" || wanted == made_by) print FILENAME, FNR, picture, made_by, folder "/" $0
+        picture = ""
+    }
+    /^<!-- picture:/ {
+        if ($0 !~ /^<!-- picture: [^ ]+ : make [^ ]+ -->$/) { bad("not a line of a picture: " $0); next }
+        picture = $3; made_by = $6
+    }
     END { if (open) { print document ": a table without <!-- end -->" > "/dev/stderr"; failed = 1 }; exit failed }
 ' "$@" >"$work/tables" || exit 1
-[ -s "$work/tables" ] || { echo "tables.sh: no tables in $*" >&2; exit 1; }
+[ -s "$work/tables" ] || { echo "tables.sh: no tables of $wanted in $*" >&2; exit 1; }
 
 # ---- Make -------------------------------------------------------------------------------------------------------------
 
@@ -89,16 +105,16 @@ compare() {
 # ---- Replace ----------------------------------------------------------------------------------------------------------
 
 replace() {
-    awk -v build="$build" '
+    awk -v build="$build" -v wanted="$wanted" '
         /^<!-- end -->$/ { inside = 0 }
         !inside { print }
-        /^<!-- table:/ { inside = 1; while ((getline line < (build "/" $3)) > 0) print line }
+        /^<!-- table:/ && (wanted == "all" || wanted == $6) { inside = 1; while ((getline line < (build "/" $3)) > 0) print line }
     ' "$1" >"$work/new" && cat "$work/new" >"$1"
 }
 
 tab=$(printf '\t')
 while IFS=$tab read -r document line path target kind; do
-    if [ "$mode" = verify ] && [ "$kind" = times ]; then continue; fi
+    if [ "$mode" = verify ] && [ "$kind" != all ]; then continue; fi
     if [ ! -s "$build/$path" ]; then
         echo "$document:$line: make $target wrote no $build/$path"
         failed=1
@@ -108,6 +124,9 @@ while IFS=$tab read -r document line path target kind; do
 done <"$work/tables"
 if [ $failed -eq 0 ] && [ "$mode" = replace ]; then
     for document in "$@"; do replace "$document" || failed=1; done
+    while IFS=$tab read -r document line path target kind; do
+        [ "$kind" = times ] || [ "$kind" = all ] || cp "$build/$path" "$kind" || failed=1
+    done <"$work/tables"
 fi
-[ $failed -eq 0 ] && echo "$mode: $(wc -l <"$work/tables") tables in $# documents"
+[ $failed -eq 0 ] && echo "$mode: $(wc -l <"$work/tables") tables and pictures in $# documents"
 exit $failed

@@ -18,7 +18,7 @@ sed 's/17/170/; s/| 1 |$/| 99 |/; s/1\.0e-05/1.9e-05/; s/4\.0e-13/9.0e-14/' "$wo
 document() {
     { echo 'Before.'; echo '<!-- table: toy.md : make toy -->'; cat "$1"; echo '<!-- end -->'; echo 'After.'; } >"$work/toy.md"
 }
-tables() { MAKE=true bench/tables.sh "$1" "$work/made" "$work/toy.md" >"$work/output" 2>&1; }
+tables() { MAKE=true bench/tables.sh "$1" "$work/made" "${2:-all}" "$work/toy.md" >"$work/output" 2>&1; }
 
 # expect STATUS TEXT: of a verification of the document
 expect() {
@@ -40,7 +40,7 @@ changed() {
 }
 
 document "$work/table"
-expect 0 'verify: 1 tables'
+expect 0 'verify: 1 tables and pictures'
 changed '1\.9e-05' '2.1e-05' 'toy.md:5: column "error": written 2.1e-05, made 1.0e-05'
 changed '1\.9e-05' '0.4e-05' 'column "error"'
 changed '1\.9e-05' '-1.0e-05' 'column "error"'
@@ -69,6 +69,19 @@ expect 1 'no tables'
 document "$work/changed" && tables replace && cp "$work/toy.md" "$work/replaced"
 document "$work/made/toy.md"
 cmp "$work/replaced" "$work/toy.md" || failed=1
+# a picture, and a table that another target makes
+picture() { printf '%s\n' '' '<!-- picture: toy.png : make toy -->' "$1" >>"$work/toy.md"; }
+echo drawn >"$work/made/toy.png" && picture '![Toy](new.png)'
+rm -f "$work/new.png" && tables replace toy && cmp "$work/made/toy.png" "$work/new.png" || failed=1
+document "$work/changed" && sed -i 's/make toy/make another/' "$work/toy.md" && picture '![Toy](new.png)'
+cp "$work/toy.md" "$work/before" && tables replace toy && cmp "$work/before" "$work/toy.md" || failed=1
+tables replace none && failed=1
+picture 'no picture'
+expect 1 'a picture without its line'
+document "$work/table" && echo '<!-- picture: toy.png -->' >>"$work/toy.md"
+expect 1 'not a line of a picture'
+
+document "$work/made/toy.md"
 sed -i 's/make toy/make toy (times only)/; s/1\.0e-05/7/' "$work/toy.md"
 expect 0 'verify: 1 tables'
 [ $failed -eq 0 ] && echo 'tables: all as expected'

@@ -13,11 +13,7 @@ experiments: need-bench
 	done
 	@echo "Wrote:" && ls $(EXPERIMENTS_DIR)/*.csv $(EXPERIMENTS_DIR)/*.md $(EXPERIMENTS_DIR)/*.png $(EXPERIMENTS_DIR)/*.svg
 
-# the tables and pictures of docs/experiments.md anew
-experiments-docs: need-bench
-	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) docs/experiments.md
-	mkdir -p docs/experiments && cp $(EXPERIMENTS_DIR)/*.png docs/experiments
-.PHONY: experiments experiments-docs
+.PHONY: experiments
 
 $(EXPERIMENT_PROGRAMS): $(EXPERIMENTS_DIR)/%: $(EXPERIMENTS_DIR)/%.o $(EXPERIMENTS_DIR)/experiment.o $(SWEEP_OBJECTS) \
                         $(BUILD)/libtvi.a

@@ -17,11 +17,7 @@ performance: need-bench need-check
 	@[ -n "$(ONE)" ] || gnuplot -c bench/performance/performance.gp $(PERFORMANCE_DIR) bench/experiments
 	@for file in $(or $(ONE:%=$(PERFORMANCE_DIR)/%.md),$(PERFORMANCE_DIR)/*.md); do echo && cat $$file; done
 
-# docs/performance.md anew: its tables and its picture
-performance-docs: need-bench
-	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) docs/performance.md
-	cp $(PERFORMANCE_DIR)/performance.png docs/performance.png
-.PHONY: performance performance-docs
+.PHONY: performance
 
 # the recurrences by hand, compiled as the library is
 BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand.%.o)

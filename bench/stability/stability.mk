@@ -16,11 +16,7 @@ guard: need-bench
 	@cat $(STABILITY)/guard.md
 .PHONY: guard
 
-# the tables and pictures of docs/stability.md anew
-stability-docs: need-bench
-	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) docs/stability.md
-	mkdir -p docs/stability && cp $(STABILITY)/*.png docs/stability
-.PHONY: stability stability-docs
+.PHONY: stability
 
 $(BUILD)/check/stability: CHECK_LIBS += $(BASELINE_LIBS)
 
