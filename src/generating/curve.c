@@ -180,18 +180,10 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
 
-static double momentum(const tvi_curve *curve, int k, int i)
-{
-    switch (curve->system->form) {
-    case TVI_SEPARABLE: return k < curve->top ? (k + 1) * tvi_curve_input(curve, k + 1)[i] / curve->kappa[i] : 0;
-    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve->n + i);
-    default: return (tvi_curve_input(curve, k) + curve->n)[i];
-    }
-}
-
 void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
 {
-    for (int i = 0; i < curve->n; i++) out[i] = momentum(curve, k, i);
+    const bool is_separable = curve->system->form == TVI_SEPARABLE;
+    for (int i = 0; i < curve->n; i++) out[i] = tvi_curve_U(curve, k, i) / (is_separable ? curve->kappa[i] : 1);
 }
 
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
@@ -210,9 +202,14 @@ void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, d
 /* p = |P_0| + sum k |P_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
 static tvi_tail_part tail_part(const tvi_curve *curve, int q_degree, int p_degree, int i)
 {
-    tvi_tail_part part = {.momentum = fabs(momentum(curve, 0, i)), .place = fabs(tvi_curve_Q(curve, 0)[i])};
-    for (int k = 1; k <= p_degree; k++) part.momentum += part.last_p = k * fabs(momentum(curve, k, i));
-    for (int k = 1; k <= q_degree; k++) part.movement += part.last_q = k * fabs(tvi_curve_Q(curve, k)[i]);
+    const double per_kappa = 1 / fabs(curve->kappa[i]);
+    tvi_tail_part part = {.momentum = fabs(tvi_curve_U(curve, 0, i)), .place = fabs(tvi_curve_Q(curve, 0)[i])};
+    for (int k = 1; k <= q_degree; k++) {
+        part.movement += part.last_q = k * fabs(tvi_curve_Q(curve, k)[i]);
+        if (k <= p_degree) part.momentum += part.last_p = k * fabs(tvi_curve_U(curve, k, i));
+    }
+    part.momentum *= per_kappa;
+    part.last_p *= per_kappa;
     if (curve->system->form == TVI_SEPARABLE) part.last_q = 0;
     part.per_momentum = 1 / part.momentum;
     part.per_movement = 1 / part.movement;

@@ -90,6 +90,16 @@ static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
+/* U_k = kappa P_k of component i. */
+static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
+{
+    switch (curve->system->form) {
+    case TVI_SEPARABLE: return k < curve->top ? (k + 1) * tvi_curve_input(curve, k + 1)[i] : 0;
+    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve->n + i);
+    default: return (tvi_curve_input(curve, k) + curve->n)[i];
+    }
+}
+
 /* P_k [n]. */
 void tvi_curve_momentum(const tvi_curve *curve, int k, double out[]);
 /* Q_k where it stands. */
@@ -111,9 +121,8 @@ double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree);
 
 /* ---- Steps that adapt (reach.c) ---------------------------------------------------------------------------------- */
 
-/* The largest s at which the curve, of Q and P to these degrees, serves a tolerance; INFINITY where it is exact.
- * scratch [n]. */
-double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, double tolerance, double scratch[]);
+/* The largest s at which the curve, of Q and P to these degrees, serves a tolerance; INFINITY where it is exact. */
+double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, double tolerance);
 
 /* The same curve in s / factor: tau and its coefficients, of q and p. */
 void tvi_curve_rescale(tvi_curve *curve, double factor);

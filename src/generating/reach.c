@@ -19,17 +19,15 @@ enum { LAST = 3, SIZED_BY = 2 };
 typedef struct {
     const tvi_curve *curve;
     bool of_momentum;
-    double *scratch; /* [n] */
 } series;
 
 /* max_i |x_k|, of p in the unit of kappa p, so that masses do not show. */
 static double size_of(const series *x, int k)
 {
-    const tvi_curve *curve = x->curve;
-    if (!x->of_momentum) return tvi_largest(curve->n, tvi_curve_Q(curve, k), 1);
-    tvi_curve_momentum(curve, k, x->scratch);
-    for (int i = 0; i < curve->n; i++) x->scratch[i] *= curve->kappa[i];
-    return tvi_largest(curve->n, x->scratch, 1);
+    double size = 0;
+    if (!x->of_momentum) return tvi_largest(x->curve->n, tvi_curve_Q(x->curve, k), 1);
+    for (int i = 0; i < x->curve->n; i++) size = fmax(size, fabs(tvi_curve_U(x->curve, k, i)));
+    return size;
 }
 
 /* The first coefficients that are not 0: the size of x along the curve is that of the largest of their terms. */
@@ -73,9 +71,9 @@ static double reach_of(const series *x, int degree, double log_part)
     return reach;
 }
 
-double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, double tolerance, double scratch[])
+double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, double tolerance)
 {
-    const series q = {curve, false, scratch}, p = {curve, true, scratch};
+    const series q = {curve, false}, p = {curve, true};
     const double log_part = log(tolerance) - SAFETY;
     return exp(fmin(reach_of(&q, q_degree, log_part), reach_of(&p, p_degree, log_part)));
 }
