@@ -48,13 +48,19 @@ SLEEF     ?= 1
 HAS_SLEEF := $(if $(filter-out 0,$(SLEEF)),$(shell pkg-config --exists sleef 2>/dev/null && echo sleef))
 BASE      += $(if $(HAS_SLEEF),-DJET_SLEEF)
 
+# threads for the members of an ensemble (src/run/spread.c), where the compiler has OpenMP; OPENMP=0: one thread
+OPENMP     ?= 1
+OPENMP_LIB := $(if $(filter-out 0,$(OPENMP)),$(shell $(CC) -fopenmp -include omp.h -E -x c /dev/null >/dev/null 2>&1 && \
+                { $(CC) --version | grep -q clang && echo omp || echo gomp; }))
+$(BUILD)/src/run/spread.o: BASE += $(if $(OPENMP_LIB),-fopenmp)
+
 # what runs a tape is compiled once for each instruction set, and one is chosen at run time (ad/isa.c). Those that have
 # fused multiply-adds use them.
 ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx512)
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := src/galerkin/loops.c src/galerkin/lagrangian_loops.c
+SRC_LANES    := src/galerkin/loops.c src/galerkin/lagrangian_loops.c src/run/crowd_loops.c
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 SRC_OBJECTS  := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
@@ -62,7 +68,7 @@ SRC_OBJECTS  := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o $(
 EMBEDDED_SRC := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
-LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) -lm
+LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
 
 .DELETE_ON_ERROR:
 .PHONY: help all check check-long bench choose references clean need-library need-check need-bench
@@ -133,7 +139,7 @@ GENERATED_FLAGS := -O3 -mtune=native -fno-math-errno -fno-tree-slp-vectorize
 quoted = "$(GENERATED_FLAGS) $(1)",
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
-$(addprefix $(BUILD)/,ad/isa.o src/galerkin/galerkin.o src/compiled/load.o): BASE += $(if $(ISAS),-DJET_ISA_X86)
+$(addprefix $(BUILD)/,ad/isa.o src/galerkin/galerkin.o src/compiled/load.o src/run/crowd.o): BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects
 $(BUILD)/%.$(1).o: %.c

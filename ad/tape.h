@@ -74,8 +74,9 @@ uint64_t jet_tape_hash(uint64_t so_far, const jet_tape *tape);
  * it has done so, so that nothing can be read unseen that was not evaluated. */
 void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
 
-/* Sets value[i], i < count, in all lanes of parameter i of a block that is prepared; others stay as they are. */
-void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, const double value[]);
+/* Sets value[i][width], i < count, in the lanes of parameter i of a block that is prepared, every width lanes again;
+ * others stay as they are. */
+void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, int width, const double value[]);
 
 /* The sweeps, compiled for one instruction set. */
 struct jet_sweeps {

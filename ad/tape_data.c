@@ -37,10 +37,11 @@ void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
         for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
 }
 
-void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, const double value[])
+void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, int width, const double value[])
 {
     for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameters; it++)
-        for (int lane = 0; it->which < count && lane < lanes; lane++) x[it->slot * lanes + lane] = value[it->which];
+        for (int lane = 0; it->which < count && lane < lanes; lane++)
+            x[it->slot * lanes + lane] = value[it->which * width + lane % width];
 }
 
 void jet_tape_free(jet_tape *tape)

@@ -338,5 +338,6 @@ TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double
 #endif
 
 #include "tvi_runs.h"
+#include "tvi_ensemble.h"
 
 #endif

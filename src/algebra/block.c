@@ -18,8 +18,8 @@ void tvi_blocks_prepare(const tvi_block *first)
         jet_tape_prepare(block->tape, block->x, block->orders, block->lanes);
 }
 
-void tvi_blocks_set_parameters(const tvi_block *first, int count, const double value[])
+void tvi_blocks_set_parameters(const tvi_block *first, int count, int width, const double value[])
 {
     for (const tvi_block *block = first; block; block = block->next)
-        jet_tape_place_parameters(block->tape, block->x, block->lanes, count, value);
+        jet_tape_place_parameters(block->tape, block->x, block->lanes, count, width, value);
 }

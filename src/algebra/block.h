@@ -17,7 +17,7 @@ double *tvi_arena_block(tvi_arena *arena, const jet_tape *tape, int orders, int 
 
 /* Fills all blocks of the list with the constants of their tapes, once the memory, all zeros, is there. */
 void tvi_blocks_prepare(const tvi_block *first);
-/* value[i] of parameter i, i < count, in all blocks that are prepared. */
-void tvi_blocks_set_parameters(const tvi_block *first, int count, const double value[]);
+/* value[i][width] of parameter i, i < count, in all blocks that are prepared, every width lanes again. */
+void tvi_blocks_set_parameters(const tvi_block *first, int count, int width, const double value[]);
 
 #endif

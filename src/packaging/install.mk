@@ -10,7 +10,8 @@ CMAKE       = $(LIB)/cmake/tvi
 SHARE      := share/doc/tvi/examples
 FILLED      = $(LIB)/pkgconfig/tvi.pc $(LIB)/pkgconfig/tvi-static.pc $(CMAKE)/tvi-config.cmake $(CMAKE)/tvi-config-version.cmake
 FILL        = -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIB@|$(LIB)|' -e 's|@UP@|$(shell echo $(LIB) | sed 's|[^/]\+|..|g')|' \
-              -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@SLEEF@|$(HAS_SLEEF)|'
+              -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@SLEEF@|$(HAS_SLEEF)|' \
+              -e 's|@OPENMP@|$(OPENMP_LIB:%=-l%)|'
 INSTALLED   = $(HEADERS:%=include/%) $(LIB)/libtvi.a $(LIB)/libtvi.so.$(VERSION) $(LIB)/libtvi.so.$(SOVERSION) \
               $(LIB)/libtvi.so $(FILLED) $(EXAMPLES:docs/examples/%=$(SHARE)/%) \
               $(patsubst $(BUILD)/man/%,share/man/%,$(wildcard $(MAN)/*.3))

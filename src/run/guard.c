@@ -36,64 +36,87 @@ void tvi_guard_begin(tvi_integrator *it)
 }
 
 /* p.dq/dt of the step: 2 T, where there is one. */
-static double action_of(const tvi_integrator *it, const double p[])
+static double action_of(const tvi_guarded *s)
 {
-    const int n = it->system->n;
     double action = 0;
-    for (int i = 0; i < n; i++) action += (fabs(it->now.p[i]) + fabs(p[i])) * fabs(it->dq[i]);
-    return action / (2 * fabs(it->dq[n]));
+    for (int k = 0; k < s->n * s->stride; k += s->stride)
+        action += (fabs(s->p[k]) + fabs(s->p[k] + s->dp[k])) * fabs(s->dq[k]);
+    return action / (2 * fabs(s->dq[s->n * s->stride]));
 }
 
 /* What the roundoff of q and p makes of the energy, H_p = dq/dt and -H_q = dp/dt: where terms cancel that are much
  * larger than their sum, as along an unstable direction. */
-static double roundoff_of(const tvi_integrator *it)
+static double roundoff_of(const tvi_guarded *s)
 {
-    const int n = it->system->n;
     double sum = 0;
-    for (int i = 0; i < n; i++) sum += fabs(it->now.q[i] * it->dp[i]) + fabs(it->now.p[i] * it->dq[i]);
-    return ROUNDOFF * sum / fabs(it->dq[n]);
+    for (int k = 0; k < s->n * s->stride; k += s->stride) sum += fabs(s->q[k] * s->dp[k]) + fabs(s->p[k] * s->dq[k]);
+    return ROUNDOFF * sum / fabs(s->dq[s->n * s->stride]);
 }
 
-/* Whether the step changes the energy by what no step does, or overflows it. Outside of its domain, where the
- * next step says so, nothing is known. */
-static bool loses_energy(tvi_integrator *it)
+bool tvi_guard_loses(const tvi_guarded *s, tvi_kept_energy *kept, tvi_status status, double after)
 {
-    const int n = it->system->n, dimension = it->stepped->n;
-    double *q = it->end, *p = q + dimension + 1, after;
-    tvi_kept_energy *kept = it->kept;
-    for (int i = 0; i <= dimension; i++) q[i] = it->now.q[i] + it->dq[i];
-    for (int i = 0; i < dimension; i++) p[i] = it->now.p[i] + it->dp[i];
-    if (!kept->is_known && tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &kept->H) != TVI_OK)
-        return false;
-    kept->is_known = false;
-    const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &after);
+    const double before = kept->H;
+    kept->is_known = status == TVI_OK;
     if (status != TVI_OK) return status == TVI_ENONFINITE;
-    const double action = action_of(it, p), of_e = dimension > n ? it->dp[n] : 0;
-    const double size = kept->scale > NO_ENERGY * action ? fmax(kept->scale, fabs(kept->H)) : PART_OF_ACTION * action;
-    const double change = fabs(after - kept->H + of_e);
     kept->H = after;
-    kept->is_known = true;
-    return change > MOST_CHANGE * size + roundoff_of(it);
+    const double action = action_of(s), of_e = s->dimension > s->n ? s->dp[s->n * s->stride] : 0;
+    const double size = kept->scale > NO_ENERGY * action ? fmax(kept->scale, fabs(before)) : PART_OF_ACTION * action;
+    return fabs(after - before + of_e) > MOST_CHANGE * size + roundoff_of(s);
 }
 
 /* Whether the energy need not be computed. */
-static bool is_sure(const tvi_integrator *it, const tvi_stats *before)
+static bool is_sure(const tvi_guarded *s, const tvi_kept_energy *kept)
 {
-    const tvi_stats *stats = &it->stats;
-    if (it->stepper->most_change) return it->stepper->most_change(it->work) <= MOST_CHANGE * it->kept->scale;
-    return stats->tail <= SURE_TAIL && stats->passes - before->passes <= SURE_PASSES &&
-           stats->expansions == before->expansions;
+    if (s->most_change) return *s->most_change <= MOST_CHANGE * kept->scale;
+    return s->tail <= SURE_TAIL && s->passes <= SURE_PASSES && !s->took_series;
+}
+
+bool tvi_guard_asks(const tvi_integrator *it, const tvi_guarded *s, tvi_kept_energy *kept)
+{
+    if (keeps_energy(it) && !is_sure(s, kept)) return true;
+    kept->is_known = false;
+    return false;
+}
+
+tvi_status tvi_guard_tail(const tvi_integrator *it, const tvi_guarded *s)
+{
+    const double most = it->options.max_tail;
+    return most >= 0 && s->tail > most ? jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", s->tail, most)
+                                       : TVI_OK;
+}
+
+/* The energies where the step starts, if it is not known, and where it ends. */
+static bool loses_energy(tvi_integrator *it, const tvi_guarded *s)
+{
+    const int n = s->n;
+    double *q = it->end, *p = q + s->dimension + 1, after = 0;
+    tvi_kept_energy *kept = it->kept;
+    for (int i = 0; i <= n; i++) q[i] = s->q[i] + s->dq[i];
+    for (int i = 0; i < n; i++) p[i] = s->p[i] + s->dp[i];
+    if (!kept->is_known && tvi_energy_of(&it->energy, s->q[n], s->q, s->p, &kept->H) != TVI_OK) return false;
+    const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &after);
+    return tvi_guard_loses(s, kept, status, after);
 }
 
 tvi_status tvi_guard_step(tvi_integrator *it, const tvi_stats *before)
 {
-    const tvi_stats *stats = &it->stats;
-    const double most = it->options.max_tail;
-    if (stats->tail > stats->largest_tail) it->stats.largest_tail = stats->tail;
-    if (most >= 0 && stats->tail > most)
-        return jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", stats->tail, most);
-    if (keeps_energy(it) && !is_sure(it, before))
-        return loses_energy(it) ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does") : TVI_OK;
-    it->kept->is_known = false;
-    return TVI_OK;
+    tvi_stats *stats = &it->stats;
+    const double change = it->stepper->most_change ? it->stepper->most_change(it->work) : 0;
+    if (stats->tail > stats->largest_tail) stats->largest_tail = stats->tail;
+    const tvi_guarded s = {
+        .n = it->system->n,
+        .dimension = it->stepped->n,
+        .stride = 1,
+        .q = it->now.q,
+        .p = it->now.p,
+        .dq = it->dq,
+        .dp = it->dp,
+        .tail = stats->tail,
+        .passes = stats->passes - before->passes,
+        .took_series = stats->expansions != before->expansions,
+        .most_change = it->stepper->most_change ? &change : NULL,
+    };
+    const tvi_status status = tvi_guard_tail(it, &s);
+    const bool is_lost = status == TVI_OK && tvi_guard_asks(it, &s, it->kept) && loses_energy(it, &s);
+    return is_lost ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does") : status;
 }

@@ -48,8 +48,8 @@ static tvi_status step_to(tvi_integrator *it, const tvi_plan *plan, double *t, d
     return status;
 }
 
-tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
-                            tvi_observer *observer, void *ctx)
+tvi_status tvi_run_to(tvi_integrator *it, double h, double t_end, const tvi_audience *to, double *t, double q[],
+                      double p[])
 {
     if (!it || !t || !q || !p || h == 0 || !isfinite(h) || !isfinite(t_end))
         return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "t_end is not finite");
@@ -57,5 +57,11 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", h, *t, t_end);
     const tvi_plan plan = {.step = step_to, .steps = *t == t_end ? 0 : LONG_MAX, .h = h, .t_end = t_end};
     const tvi_status status = tvi_integrator_begin(it, *t, q, p);
-    return status == TVI_OK ? tvi_run(it, &plan, &(tvi_audience){.observer = observer, .ctx = ctx}, t, q, p) : status;
+    return status == TVI_OK ? tvi_run(it, &plan, to, t, q, p) : status;
+}
+
+tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
+                            tvi_observer *observer, void *ctx)
+{
+    return tvi_run_to(it, h, t_end, &(tvi_audience){.observer = observer, .ctx = ctx}, t, q, p);
 }

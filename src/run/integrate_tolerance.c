@@ -6,8 +6,14 @@
 #include <limits.h>
 #include <math.h>
 
-/* A relative tolerance that double precision can serve. */
-static bool is_tolerance(double tolerance) { return tolerance >= DBL_EPSILON && tolerance < 1; }
+tvi_status tvi_serves_tolerance(const tvi_integrator *it, double tolerance)
+{
+    if (!(tolerance >= DBL_EPSILON && tolerance < 1))
+        return jet_refuse(TVI_EINVAL, "tolerance is below DBL_EPSILON or not below 1");
+    return it->stepper->step_within && !tvi_is_rescaled(it)
+               ? TVI_OK
+               : jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
+}
 
 /* A step to t_end at most. */
 static tvi_status step_within(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[],
@@ -24,13 +30,11 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
                                           const tvi_event *const events[], int count, double *t, double q[], double p[],
                                           tvi_observer *observer, tvi_event_observer *on_event, void *ctx)
 {
-    if (!it || !t || !q || !p || !is_tolerance(tolerance) || !isfinite(t_end))
-        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1},
-                              is_tolerance(tolerance) ? "t_end is not finite"
-                                                      : "tolerance is below DBL_EPSILON or not below 1");
+    if (!it || !t || !q || !p || !isfinite(t_end))
+        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "t_end is not finite");
     if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
-    if (!it->stepper->step_within || tvi_is_rescaled(it))
-        return jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
+    const tvi_status served = tvi_serves_tolerance(it, tolerance);
+    if (served != TVI_OK) return served;
     const tvi_plan plan = {
         .step = step_within, .steps = *t == t_end ? 0 : LONG_MAX, .tolerance = tolerance, .t_end = t_end};
     const tvi_status status = tvi_integrator_begin(it, *t, q, p);

@@ -132,11 +132,10 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     integrator->stats.largest_tail = 0;
 }
 
-/* Whether the state is bitwise what the last successful step returned. */
-static bool is_continued(const tvi_integrator *it, double t, const double q[], const double p[])
+bool tvi_integrator_has(const tvi_integrator *it, double t, const double q[], const double p[])
 {
     const size_t n = (size_t)it->system->n, bytes = n * sizeof *q;
-    return *it->continues && memcmp(&t, &it->now.q[n], sizeof t) == 0 && memcmp(q, it->now.q, bytes) == 0 &&
+    return memcmp(&t, &it->now.q[n], sizeof t) == 0 && memcmp(q, it->now.q, bytes) == 0 &&
            memcmp(p, it->now.p, bytes) == 0;
 }
 
@@ -166,7 +165,7 @@ static tvi_status set_energy(tvi_integrator *it)
 tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], const double p[])
 {
     const int n = it->system->n;
-    if (is_continued(it, t, q, p)) return TVI_OK;
+    if (*it->continues && tvi_integrator_has(it, t, q, p)) return TVI_OK;
     if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
     tvi_arena_copy(it->history, NULL, it->remembered);
     memcpy(it->now.q, q, (size_t)n * sizeof *q);

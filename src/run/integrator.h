@@ -56,11 +56,20 @@ static inline bool tvi_is_rescaled(const tvi_integrator *integrator)
 /* Makes the state the integrator's own, as every step begins; nothing where it is what the last one returned. */
 TVI_NODISCARD tvi_status tvi_integrator_begin(tvi_integrator *integrator, double t, const double q[], const double p[]);
 
+/* Whether its own state is bitwise this one, also after a step that failed. */
+bool tvi_integrator_has(const tvi_integrator *integrator, double t, const double q[], const double p[]);
+
 /* Another one for the same system and options, which has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *integrator);
 
 /* Makes the values in `parameters` those that steps are made with. */
 void tvi_integrator_apply_parameters(tvi_integrator *integrator);
+
+/* The same with these values, the next one `stride` further on; a run goes on as if they had always been. */
+void tvi_integrator_lend_parameters(tvi_integrator *integrator, const double value[], int stride);
+
+/* The tangent's memory, for so many columns (tangent.c). */
+TVI_NODISCARD tvi_status tvi_integrator_provide_tangent(tvi_integrator *integrator, int columns);
 
 /* tvi_step, with a tolerance > 0 of a size that serves it, of at most h (stepper.h); integrator->h is its size. */
 TVI_NODISCARD tvi_status tvi_step_within(tvi_integrator *integrator, double tolerance, double h, double *t, double q[],

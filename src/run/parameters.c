@@ -9,7 +9,18 @@ static tvi_status no_integrator(void) { return jet_refuse(TVI_EINVAL, "integrato
 
 void tvi_integrator_apply_parameters(tvi_integrator *it)
 {
-    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->parameters);
+    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), 1, it->parameters);
+}
+
+void tvi_integrator_lend_parameters(tvi_integrator *it, const double value[], int stride)
+{
+    const int count = tvi_system_parameters(it->system);
+    bool is_same = true;
+    for (int i = 0; i < count; i++) {
+        is_same = is_same && it->parameters[i] == value[i * stride];
+        it->parameters[i] = value[i * stride];
+    }
+    if (!is_same) tvi_integrator_apply_parameters(it);
 }
 
 tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[])

@@ -25,5 +25,11 @@ typedef struct {
 /* TVI_ESTOPPED where the observer or an event ends the run, else the status of the step that failed. */
 TVI_NODISCARD tvi_status tvi_run(tvi_integrator *integrator, const tvi_plan *plan, const tvi_audience *audience,
                                  double *t, double q[], double p[]);
+/* A tolerance that double precision can serve, and an integrator that has steps by one; else TVI_EINVAL or
+ * TVI_EUNSUPPORTED. */
+TVI_NODISCARD tvi_status tvi_serves_tolerance(const tvi_integrator *integrator, double tolerance);
+/* tvi_integrate_to, with events. */
+TVI_NODISCARD tvi_status tvi_run_to(tvi_integrator *integrator, double h, double t_end, const tvi_audience *audience,
+                                    double *t, double q[], double p[]);
 
 #endif

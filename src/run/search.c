@@ -260,7 +260,7 @@ static double *make_block(const tvi_integrator *it, const jet_tape *tape, int la
     double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
     if (!block) return NULL;
     jet_tape_prepare(tape, block, 1, lanes);
-    jet_tape_place_parameters(tape, block, lanes, tvi_system_parameters(it->system), it->parameters);
+    jet_tape_place_parameters(tape, block, lanes, tvi_system_parameters(it->system), 1, it->parameters);
     return block;
 }
 

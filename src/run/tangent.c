@@ -66,7 +66,7 @@ static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
 }
 
 /* Makes the integrator's tangent at its first use, and room for the columns. */
-static tvi_status provide(tvi_integrator *it, int columns)
+tvi_status tvi_integrator_provide_tangent(tvi_integrator *it, int columns)
 {
     if (!it->tangent) {
         tvi_tangent *tangent;
@@ -151,7 +151,7 @@ static tvi_status differentiate(const tvi_integrator *it, const double q[], cons
     const size_t n = (size_t)tangent->n, bytes = n * sizeof *q;
     memcpy(tangent->flow, q, bytes);
     memcpy(tangent->flow + n, p, bytes);
-    jet_tape_place_parameters(tape, tangent->flow, 1, tvi_system_parameters(it->system), it->parameters);
+    jet_tape_place_parameters(tape, tangent->flow, 1, tvi_system_parameters(it->system), 1, it->parameters);
     if (!jet_sweep_values(tape, tangent->flow, 1)) return TVI_EDOMAIN;
     for (size_t i = 0; i < 2 * n; i++) tangent->gradient[i] = tangent->flow[tape->output[i]];
     return TVI_OK;
@@ -231,7 +231,7 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
     for (int row = 0; row < 2 * n + tvi_system_parameters(it->system); row++)
         if (!tvi_all_finite(columns, D + (size_t)row * (size_t)columns))
             return jet_refuse(TVI_ENONFINITE, "row %d of D is not finite", row);
-    tvi_status status = provide(it, columns);
+    tvi_status status = tvi_integrator_provide_tangent(it, columns);
     if (status == TVI_OK) status = tvi_integrator_begin(it, *t, q, p);
     for (int i = 0; i < columns && status == TVI_OK; i++)
         status = move_column(it, h, D + i, columns, it->tangent->D + i);

@@ -102,6 +102,30 @@ tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], cons
     return status == TVI_OK && !isfinite(*H) ? TVI_ENONFINITE : status;
 }
 
+void tvi_energy_lanes_take(tvi_energy_lanes *lanes, tvi_arena *arena, const tvi_system *system, int width)
+{
+    *lanes = (tvi_energy_lanes){system, tvi_arena_block(arena, system->energy, 1, width, 0), width};
+}
+
+void tvi_energy_in_lanes(const tvi_energy_lanes *lanes, const double t[], const double q[], const double p[],
+                         double H[])
+{
+    const tvi_system *system = lanes->system;
+    const jet_tape *tape = system->energy;
+    const size_t width = (size_t)lanes->width, row = width * sizeof *q, n = (size_t)system->n;
+    const bool has_masses = system->form == TVI_SEPARABLE;
+    double *x = lanes->block;
+    memcpy(x, q, n * row);
+    if (!has_masses) memcpy(x + n * width, p, n * row);
+    if (tape->inputs > system->energy_inputs) memcpy(x + (size_t)system->energy_inputs * width, t, row);
+    (void)jet_sweep_values(tape, x, lanes->width);
+    const double *value = x + (size_t)tape->output[0] * width, sign = has_masses ? system->energy_sign : 1;
+    for (size_t lane = 0; lane < width; lane++) H[lane] = sign * value[lane];
+    for (size_t i = 0; i < n && has_masses; i++)
+        for (size_t lane = 0; lane < width; lane++)
+            H[lane] += p[i * width + lane] * p[i * width + lane] / (2 * system->mass[i]);
+}
+
 void tvi_energy_take_precise(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system)
 {
     tvi_energy_take(work, arena, system);

@@ -23,6 +23,17 @@ TVI_NODISCARD tvi_status tvi_transform(const tvi_system *system, const double pa
 /* tvi_energy of a state that is finite. */
 TVI_NODISCARD tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H);
 
+/* The energies of several states, [n][width], each in a lane of the block; not finite where there is none. Not of a
+ * Lagrangian, as is. */
+typedef struct {
+    const tvi_system *system;
+    double *block;
+    int width;
+} tvi_energy_lanes;
+void tvi_energy_lanes_take(tvi_energy_lanes *lanes, tvi_arena *arena, const tvi_system *system, int width);
+void tvi_energy_in_lanes(const tvi_energy_lanes *lanes, const double t[], const double q[], const double p[],
+                         double H[]);
+
 /* The same of a Hamiltonian in long double, where what is taken has room for that; NaN where it has no value. */
 void tvi_energy_take_precise(tvi_energy_work *work, tvi_arena *arena, const tvi_system *system);
 long double tvi_energy_precise(tvi_energy_work *work, double t, const double q[], const double p[]);

@@ -11,7 +11,7 @@ tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system, const doub
     rates->block = malloc((size_t)system->field_values->slots * sizeof *rates->block);
     if (!rates->block) return TVI_ENOMEM;
     jet_tape_prepare(system->field_values, rates->block, 1, 1);
-    jet_tape_place_parameters(system->field_values, rates->block, 1, tvi_system_parameters(system), parameters);
+    jet_tape_place_parameters(system->field_values, rates->block, 1, tvi_system_parameters(system), 1, parameters);
     return TVI_OK;
 }
 

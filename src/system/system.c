@@ -29,7 +29,7 @@ int tvi_system_parameters(const tvi_system *system)
 void tvi_system_prepare(const tvi_system *system, const tvi_block *blocks, const double parameters[])
 {
     tvi_blocks_prepare(blocks);
-    if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), parameters);
+    if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), 1, parameters);
 }
 
 /* Of one recording. */

@@ -1,0 +1,100 @@
+/* tvi_ensemble.h - ensembles: many orbits of one system, on all cores, several at once in the lanes of the processor's
+ * vectors. tvi.h includes it. */
+#ifndef TVI_ENSEMBLE_H
+#define TVI_ENSEMBLE_H
+
+#include "tvi.h"
+
+#if defined(__GNUC__)
+#pragma GCC visibility push(default)
+#endif
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- Ensembles --------------------------------------------------------------------------------------------------- */
+
+/* Members are orbits of one system, each with a state and parameters of its own. Arrays have the member fastest:
+ * q[n][members], p[n][members], t[members], status[members]. What a member does depends on no other: its bits are the
+ * same in every ensemble, at every place in it, and for every number of threads; and they are those of an integrator of
+ * its own, where steps are made in lanes to roundoff (docs/ensembles.md). A member that fails keeps its last good state
+ * and its status, and the others go on; later runs leave it as it is, until its state is another one or
+ * tvi_ensemble_reset. An ensemble is used by one thread at a time. */
+typedef struct tvi_ensemble tvi_ensemble;
+
+/* options NULL: tvi_options_default. threads 0: as many as OpenMP has; without OpenMP it is always one. *out is NULL on
+ * failure.
+ *   TVI_EINVAL  also members < 1, threads < 0
+ *   others      as of tvi_integrator_create */
+TVI_NODISCARD tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, const tvi_options *options,
+                                             int members, int threads);
+void tvi_ensemble_free(tvi_ensemble *ensemble); /* NULL is allowed */
+
+/* As tvi_integrator_set_parameters for each member: value[tvi_system_parameters][members]. */
+TVI_NODISCARD tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double value[]);
+/* As tvi_integrator_reset for each member; members that have failed are tried again. */
+void tvi_ensemble_reset(tvi_ensemble *ensemble);
+
+/* Called after each step, 1..steps, with the states of all members, on the thread that runs the ensemble; a value other
+ * than 0 stops. */
+typedef int tvi_ensemble_observer(long step, int members, const double t[], const double q[], const double p[],
+                                  const tvi_status status[], void *ctx);
+/* steps steps of size h of each member. status[m] is TVI_OK, or that of the step at which member m failed, as of
+ * tvi_step. The observer may be NULL, and members then need not wait for each other.
+ *   TVI_OK        also where members have failed
+ *   TVI_ESTOPPED  the observer stopped it
+ *   TVI_EINVAL    NULL, h = 0 or not finite, steps < 0
+ *   TVI_ENOMEM    no memory */
+TVI_NODISCARD tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h, long steps, double t[], double q[],
+                                                double p[], tvi_status status[], tvi_ensemble_observer *observer,
+                                                void *ctx);
+
+/* Called for one member, with q[n] and p[n], one call at a time, but on any thread; of one member in order of time, of
+ * several in any order. A value other than 0 ends the run of the member (TVI_ESTOPPED). */
+typedef int tvi_member_observer(int member, int which, double t, const double q[], const double p[], void *ctx);
+
+/* Any other run: how far it goes, and what it tells. 0 or NULL: nothing of that kind. */
+typedef struct {
+    double h;            /* the step, or 0 and */
+    double tolerance;    /* steps as those of tvi_integrate_tolerance */
+    long steps;          /* so many steps of h; 0: */
+    double t_end;        /* to this time exactly, as tvi_integrate_to; */
+    const double *times; /* or steps of h as tvi_integrate_at, */
+    int time_count;      /* and at_time is called at each of the times, with 1..time_count */
+    const tvi_event *const *events;
+    int event_count;                 /* on_event is called at each event, with its index, as by tvi_integrate_events */
+    double *D;                       /* [2n + parameters][columns][members], moved on as by tvi_step_tangent */
+    int columns;                     /* of D, with steps alone */
+    tvi_ensemble_observer *observer; /* of steps, without events; it may change D */
+    tvi_member_observer *at_time, *on_event;
+    void *ctx; /* of all three */
+} tvi_ensemble_plan;
+/* Members are as after a run of an integrator of their own, and status[m] is its status, so TVI_ESTOPPED where an event
+ * or an observer of the member ended it: from there its next run goes on.
+ *   TVI_EINVAL       as of these runs, NULL, a plan of more than one way to go, and what does not go with its way
+ *   TVI_EUNSUPPORTED a tolerance with another method than "taylor", or a rescaled system
+ *   others           as of tvi_ensemble_integrate */
+TVI_NODISCARD tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *plan, double t[], double q[],
+                                          double p[], tvi_status status[]);
+
+/* Counts of all members together, since the ensemble was made; largest_tail is that of any, tail and residual are 0.
+ *   TVI_EINVAL  NULL */
+TVI_NODISCARD tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats);
+
+/* All that the members hold between runs, as tvi_state_save and tvi_state_load: with as many members, for any number of
+ * threads. */
+TVI_NODISCARD tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t *size);
+TVI_NODISCARD tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t size);
+/* The states that the runs go on from, also after a load, and the status of each member.
+ *   TVI_EINVAL  NULL, before the first run */
+TVI_NODISCARD tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[],
+                                           tvi_status status[]);
+
+#ifdef __cplusplus
+}
+#endif
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
+
+#endif

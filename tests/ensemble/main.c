@@ -1,0 +1,7 @@
+/* main.c - ensembles. */
+#include "ensemble.h"
+#include "problems/run_suites.h"
+
+static Suite *(*const suites[])(void) = {suite_bits, suite_runs, suite_failing, suite_states, suite_refused};
+
+int main(void) { return RUN_SUITES(suites); }

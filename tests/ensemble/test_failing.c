@@ -1,0 +1,2 @@
+#include "ensemble.h"
+Suite *suite_failing(void) { return suite_create("failing"); }

@@ -1,0 +1,2 @@
+#include "ensemble.h"
+Suite *suite_states(void) { return suite_create("states"); }
