@@ -306,7 +306,6 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
  * tvi_stats only the bytes count what the columns take, without their recording of the lifted system.
  *   TVI_EINVAL      as tvi_step, and D NULL, columns < 1
  *   TVI_ENONFINITE  as tvi_step, and D that is not finite, before or after
- *   TVI_EUNSUPPORTED  derivatives with respect to parameters of a rescaled system
  *   others          as tvi_step; t, q, p and D are then as they were */
 TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, double *t, double q[], double p[],
                                           double D[], int columns);

@@ -18,7 +18,8 @@ struct tvi_tangent {
     double *Q, *P;    /* [2n] the lifted state */
     double *column;   /* [2n + parameters] one vector, */
     double *gradient; /* [2n] K_q, K_p */
-    double *flow;     /* of a rescaled system: a block of the field's tape; else NULL */
+    double *flow;     /* of a rescaled system: a block of the field's tape, else NULL, */
+    double *change;   /* and one of the lift's energy, the change of K along a column */
     double *values;   /* [2 parameters] of the lifted system: the integrator's, and the rates of those */
     double *D;        /* [2 n of the user][columns] the result until the whole step is known to succeed */
     int columns;      /* that it has room for */
@@ -35,28 +36,36 @@ static void free_tangent(tvi_tangent *tangent)
     free(tangent);
 }
 
-static size_t flow_bytes(const tvi_integrator *it)
+/* Those of a rescaled system. */
+static tvi_status take_blocks(tvi_integrator *it, tvi_tangent *tangent)
 {
-    return !tvi_is_rescaled(it) ? 0 : (size_t)it->stepped->field_values->slots * sizeof(double);
+    const jet_tape *flow = it->stepped->field_values, *change = tangent->system->energy;
+    const size_t numbers = (size_t)flow->slots + (size_t)change->slots;
+    tangent->flow = malloc(numbers * sizeof *tangent->flow);
+    if (!tangent->flow) return TVI_ENOMEM;
+    tangent->change = tangent->flow + flow->slots;
+    jet_tape_prepare(flow, tangent->flow, 1, 1);
+    jet_tape_prepare(change, tangent->change, 1, 1);
+    it->stats.bytes += numbers * sizeof *tangent->flow;
+    return TVI_OK;
 }
 
-static tvi_status create(tvi_tangent **out, const tvi_integrator *it)
+static tvi_status create(tvi_tangent **out, tvi_integrator *it)
 {
-    const size_t n = (size_t)it->stepped->n, bytes = flow_bytes(it);
+    const size_t n = (size_t)it->stepped->n;
     const size_t parameters = (size_t)tvi_system_parameters(it->system);
     tvi_tangent *tangent = *out = calloc(1, sizeof *tangent);
     if (!tangent) return TVI_ENOMEM;
     tangent->n = it->stepped->n;
     tangent->Q = calloc(8 * n + 3 * parameters, sizeof *tangent->Q);
-    tangent->flow = bytes ? malloc(bytes) : NULL;
-    if (!tangent->Q || (bytes && !tangent->flow)) return TVI_ENOMEM;
-    if (bytes) jet_tape_prepare(it->stepped->field_values, tangent->flow, 1, 1);
+    if (!tangent->Q) return TVI_ENOMEM;
     tangent->P = tangent->Q + 2 * n;
     tangent->column = tangent->P + 2 * n;
     tangent->gradient = tangent->column + 2 * n + parameters;
     tangent->values = tangent->gradient + 2 * n;
     const tvi_lift lift = tvi_method_of(&it->options)->pairs_momenta ? TVI_LIFT_PAIRED : TVI_LIFT_SEPARABLE;
-    const tvi_status status = tvi_system_lift(&tangent->system, it->stepped, lift);
+    tvi_status status = tvi_system_lift(&tangent->system, it->stepped, lift);
+    if (status == TVI_OK && tvi_is_rescaled(it)) status = take_blocks(it, tangent);
     if (status != TVI_OK) return status;
     tangent->paired = tangent->system->form != TVI_SEPARABLE;
     tvi_options options = it->options;
@@ -77,8 +86,8 @@ tvi_status tvi_integrator_provide_tangent(tvi_integrator *it, int columns)
         }
         it->tangent = tangent;
         it->free_tangent = free_tangent;
-        it->stats.bytes += sizeof *tangent + 8 * (size_t)tangent->n * sizeof *tangent->Q + flow_bytes(it) +
-                           tangent->integrator->stats.bytes;
+        it->stats.bytes +=
+            sizeof *tangent + 8 * (size_t)tangent->n * sizeof *tangent->Q + tangent->integrator->stats.bytes;
     }
     tvi_tangent *tangent = it->tangent;
     if (columns <= tangent->columns) return TVI_OK;
@@ -116,21 +125,30 @@ static tvi_status set_parameters(const tvi_integrator *it, int exponent)
     return tvi_integrator_set_parameters(tangent->integrator, tangent->values);
 }
 
+/* The lifted state: the integrator's own, and the column at a scale. */
+static void place_column(const tvi_integrator *it, int exponent)
+{
+    const tvi_tangent *tangent = it->tangent;
+    const int n = tangent->n;
+    const size_t bytes = (size_t)n * sizeof(double);
+    double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n);
+    memcpy(tangent->Q, it->now.q, bytes);
+    memcpy(tangent->P + (tangent->paired ? n : 0), it->now.p, bytes);
+    for (int i = 0; i < n; i++) {
+        dq[i] = ldexp(tangent->column[i], -exponent);
+        dp[i] = ldexp(tangent->column[n + i], -exponent);
+    }
+}
+
 /* column <- M column, of a step from the integrator's own state. */
 static tvi_status step_column(const tvi_integrator *it, double h)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
-    const size_t bytes = (size_t)n * sizeof(double);
     double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n), *column = tangent->column;
     double t = it->now.q[n];
     const int exponent = exponent_of(n, it->now.q, it->now.p, column);
-    memcpy(tangent->Q, it->now.q, bytes);
-    memcpy(tangent->P + (tangent->paired ? n : 0), it->now.p, bytes);
-    for (int i = 0; i < n; i++) {
-        dq[i] = ldexp(column[i], -exponent);
-        dp[i] = ldexp(column[n + i], -exponent);
-    }
+    place_column(it, exponent);
     tvi_integrator_reset(tangent->integrator);
     tvi_status status = set_parameters(it, exponent);
     if (status == TVI_OK) status = tvi_step(tangent->integrator, h, &t, tangent->Q, tangent->P);
@@ -161,12 +179,17 @@ static tvi_status differentiate(const tvi_integrator *it, const double q[], cons
 static tvi_status set_energy(const tvi_integrator *it)
 {
     const tvi_tangent *tangent = it->tangent;
+    const jet_tape *tape = tangent->system->energy;
     const int n = tangent->n, e = 2 * n - 1;
-    const tvi_status status = differentiate(it, it->now.q, it->now.p);
-    double sum = 0;
-    for (int i = 0; i < e; i++) sum += tangent->gradient[i] * tangent->column[i];
-    tangent->column[e] = -sum / tangent->gradient[e];
-    return status;
+    tvi_status status = differentiate(it, it->now.q, it->now.p);
+    if (status == TVI_OK) status = set_parameters(it, 0);
+    if (status != TVI_OK) return status;
+    place_column(it, 0);
+    memcpy(tangent->change, tangent->Q, 4 * (size_t)n * sizeof *tangent->Q);
+    jet_tape_place_parameters(tape, tangent->change, 1, tvi_system_parameters(tangent->system), tangent->values);
+    const bool inside = jet_sweep_values(tape, tangent->change, 1);
+    tangent->column[e] = -tangent->change[tape->output[0]] / tangent->gradient[e];
+    return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
 /* After a step in s it is at another time: back along the flow, dq - dt K_p / g, dp + dt K_q / g. */
@@ -202,13 +225,10 @@ static tvi_status move_column(const tvi_integrator *it, double h, const double D
 {
     const size_t stride = (size_t)columns;
     const tvi_tangent *tangent = it->tangent;
-    const int n = it->system->n, dimension = tangent->n;
+    const int n = it->system->n;
     const bool rescaled = tangent->flow != NULL;
-    const int parameters = tvi_system_parameters(it->system);
-    double *dq = tangent->column, *dp = dq + dimension;
+    double *dq = tangent->column, *dp = dq + tangent->n;
     read_column(it, D, stride);
-    if (rescaled && tvi_largest(parameters, dp + dimension, 1) > 0)
-        return jet_refuse(TVI_EUNSUPPORTED, "parameters of a rescaled system have no tangents");
     tvi_status status = rescaled ? set_energy(it) : TVI_OK;
     if (status == TVI_OK) status = step_column(it, h);
     if (status == TVI_OK && rescaled) status = project(it);

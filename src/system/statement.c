@@ -233,11 +233,15 @@ static tvi_status record_lift(recording *rec, const statement *given)
     jet *of_parameter = rate + outputs;
     place_inputs(rec, base, input, direction);
     place_parameters(rec, parameters, of_parameter);
-    const bool lifted =
+    bool lifted =
         jet_lift(base->graph, system->graph, input, direction, of_parameter, base->inputs, base->field, value, rate);
     if (lifted) place_field(rec, base, value, rate);
+    if (lifted && base->form == TVI_HAMILTONIAN) /* the lift's own H is the rate of H */
+        lifted =
+            jet_lift(base->graph, system->graph, input, direction, of_parameter, 1, &base->stated, value, &rec->scalar);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
+    if (base->form == TVI_HAMILTONIAN && jet_graph_accept(system->graph, 1, &rec->scalar) != TVI_OK) return TVI_ENOMEM;
     return system->form == TVI_HAMILTONIAN  ? record_bend(rec)
            : system->form == TVI_LAGRANGIAN ? tvi_second_record(system, &rec->second)
                                             : TVI_OK;
@@ -271,7 +275,7 @@ static tvi_status lower(recording *rec, const statement *given)
         if (!system->bend_values) return TVI_ENOMEM;
     }
     if (rec->second && tvi_second_lower(system, rec->second) != TVI_OK) return TVI_ENOMEM;
-    if (given->force || given->base) return TVI_OK;
+    if (given->force || (given->base && given->base->form != TVI_HAMILTONIAN)) return TVI_OK;
     system->energy_inputs = given->potential ? n : 2 * n;
     system->stated = rec->scalar;
     system->energy = jet_tape_create(system->graph, system->energy_inputs, 1, &rec->scalar, JET_TAPE_VALUES);

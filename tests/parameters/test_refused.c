@@ -75,23 +75,6 @@ START_TEST(no_parameters)
 }
 END_TEST
 
-/* Of a rescaled system the derivatives with respect to parameters are not there. */
-START_TEST(sensitivities_of_rescaled_systems)
-{
-    double D[2 * N + PARAMETERS] = {1};
-    tvi_system *system = system_of(&forms[3], NULL);
-    tvi_integrator *it = integrator_of(system, &methods[0]);
-    state x = start;
-    ck_assert_int_eq(tvi_step_tangent(it, H, &x.t, x.q, x.p, D, 1), TVI_OK);
-    const state before = x;
-    D[2 * N] = 1;
-    refused("rescaled", tvi_step_tangent(it, H, &x.t, x.q, x.p, D, 1), TVI_EUNSUPPORTED);
-    ck_assert(memcmp(&before, &x, sizeof x) == 0);
-    tvi_integrator_free(it);
-    tvi_system_free(system);
-}
-END_TEST
-
 Suite *suite_refused(void)
 {
     Suite *suite = suite_create("refused");
@@ -99,7 +82,6 @@ Suite *suite_refused(void)
     tcase_add_loop_test(tests, recordings_that_are_refused, 0, (int)(sizeof cases / sizeof *cases));
     tcase_add_test(tests, values_that_are_refused);
     tcase_add_test(tests, no_parameters);
-    tcase_add_test(tests, sensitivities_of_rescaled_systems);
     suite_add_tcase(suite, tests);
     return suite;
 }
