@@ -186,7 +186,7 @@ static tvi_status set_energy(const tvi_integrator *it)
     if (status != TVI_OK) return status;
     place_column(it, 0);
     memcpy(tangent->change, tangent->Q, 4 * (size_t)n * sizeof *tangent->Q);
-    jet_tape_place_parameters(tape, tangent->change, 1, tvi_system_parameters(tangent->system), tangent->values);
+    jet_tape_place_parameters(tape, tangent->change, 1, tvi_system_parameters(tangent->system), 1, tangent->values);
     const bool inside = jet_sweep_values(tape, tangent->change, 1);
     tangent->column[e] = -tangent->change[tape->output[0]] / tangent->gradient[e];
     return inside ? TVI_OK : TVI_EDOMAIN;
