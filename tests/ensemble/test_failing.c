@@ -1,2 +1,137 @@
+/* test_failing.c - a member that fails keeps its last good state and its status, and harms no other. */
 #include "ensemble.h"
-Suite *suite_failing(void) { return suite_create("failing"); }
+
+#include <math.h>
+#include <string.h>
+
+enum { MEMBERS = 19, STEPS = 40 };
+
+/* V = |q|^2 / 2 + x^2 y - y^3 / 3 + sqrt(x + 1/2) / 100: beyond the walls the motion escapes, left of x = -1/2 there is
+ * none. */
+static jet potential(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    const jet cubic = jet_sub(jet_mul(jet_sqr(q[0]), q[1]), jet_div(jet_pow(q[1], 3), 3));
+    const jet wall = jet_mul(0.01, jet_sqrt(jet_add(q[0], 0.5)));
+    return jet_add(jet_add(jet_mul(0.5, jet_dot(q, q, N)), cubic), wall);
+}
+
+/* Members that fail. */
+static const struct {
+    int member;
+    double q[N], p[N];
+} bad[] = {
+    {2, {NAN, 0}, {0, 0}},       /* TVI_ENONFINITE */
+    {3, {-0.75, 0}, {0, 0}},     /* TVI_EDOMAIN */
+    {8, {-0.25, 0}, {-0.75, 0}}, /* runs out of the domain */
+    {9, {0, 4}, {0, 4}},         /* escapes */
+    {17, {1e200, 0}, {0, 1e200}},
+};
+enum { BAD = sizeof bad / sizeof *bad };
+
+static bool is_bad(int member)
+{
+    for (int k = 0; k < BAD; k++)
+        if (bad[k].member == member) return true;
+    return false;
+}
+
+static crowd with, without, one;
+
+static void spoil(crowd *c)
+{
+    for (int k = 0; k < BAD; k++)
+        for (int i = 0; i < N; i++) {
+            c->q[i * MEMBERS + bad[k].member] = bad[k].q[i];
+            c->p[i * MEMBERS + bad[k].member] = bad[k].p[i];
+        }
+}
+
+static tvi_ensemble *create(const tvi_system *system, const tvi_options *options, int threads)
+{
+    tvi_ensemble *ensemble;
+    OK(tvi_ensemble_create(&ensemble, system, options, MEMBERS, threads));
+    return ensemble;
+}
+
+/* As an integrator of its own fails: its status, and in steps one after the other its state. */
+static void expect_failure(const tvi_system *system, const tvi_options *options, int k, bool in_lanes)
+{
+    const int m = bad[k].member;
+    tvi_integrator *integrator;
+    OK(tvi_integrator_create(&integrator, system, options));
+    one.members = 1;
+    one.t[0] = 0;
+    memcpy(one.q, bad[k].q, sizeof bad[k].q);
+    memcpy(one.p, bad[k].p, sizeof bad[k].p);
+    one.status[0] = tvi_integrate(integrator, H, STEPS, &one.t[0], one.q, one.p, NULL, NULL);
+    for (int d = 0; d < ROWS * COLUMNS; d++) one.D[d] = with.D[d * MEMBERS + m];
+    ck_assert_int_ne(with.status[m], TVI_OK);
+    if (!in_lanes || one.t[0] == 0) expect_same("failed", &with, m, &one, 0);
+    else ck_assert_double_le(distance(&with, m, &one, 0), 1e-9 * fabs(one.q[1]) + 1e-12);
+    tvi_integrator_free(integrator);
+}
+
+START_TEST(failures_stay_where_they_are)
+{
+    tvi_system *system;
+    tvi_options options;
+    OK(tvi_system_potential(&system, N, NULL, potential, NULL));
+    ck_assert(has_options(system, &methods[_i], &options));
+    tvi_ensemble *ensemble = create(system, &options, 2), *sound = create(system, &options, 1);
+    start_crowd(&with, MEMBERS, 0);
+    start_crowd(&without, MEMBERS, 0);
+    spoil(&with);
+    OK(tvi_ensemble_integrate(ensemble, H, STEPS, with.t, with.q, with.p, with.status, NULL, NULL));
+    OK(tvi_ensemble_integrate(sound, H, STEPS, without.t, without.q, without.p, without.status, NULL, NULL));
+    for (int m = 0; m < MEMBERS; m++)
+        if (!is_bad(m)) expect_same("sound", &with, m, &without, m);
+    for (int k = 0; k < BAD; k++) expect_failure(system, &options, k, has_lanes(ensemble));
+    /* they are left as they are by the next run, */
+    static crowd before;
+    before = with;
+    OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
+    for (int k = 0; k < BAD; k++) expect_same("left alone", &with, bad[k].member, &before, bad[k].member);
+    /* and go on from another state */
+    start_crowd(&without, MEMBERS, 0);
+    OK(tvi_ensemble_integrate(sound, H, 1, without.t, without.q, without.p, without.status, NULL, NULL));
+    start_crowd(&with, MEMBERS, 0);
+    OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
+    for (int m = 0; m < MEMBERS; m++) expect_same("set anew", &with, m, &without, m);
+    tvi_ensemble_free(sound);
+    tvi_ensemble_free(ensemble);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* A member that has failed is tried again after a reset, with a step that it can make. */
+START_TEST(a_reset_tries_again)
+{
+    tvi_system *system;
+    tvi_options options;
+    tvi_ensemble *ensemble;
+    OK(tvi_system_potential(&system, N, NULL, potential, NULL));
+    ck_assert(has_options(system, &methods[0], &options));
+    OK(tvi_ensemble_create(&ensemble, system, &options, 2, 1));
+    start_crowd(&with, 2, 0);
+    OK(tvi_ensemble_integrate(ensemble, 40, 1, with.t, with.q, with.p, with.status, NULL, NULL));
+    for (int m = 0; m < 2; m++) ck_assert_int_ne(with.status[m], TVI_OK);
+    OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
+    for (int m = 0; m < 2; m++) ck_assert_int_ne(with.status[m], TVI_OK);
+    tvi_ensemble_reset(ensemble);
+    OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
+    for (int m = 0; m < 2; m++) ck_assert_int_eq(with.status[m], TVI_OK);
+    tvi_ensemble_free(ensemble);
+    tvi_system_free(system);
+}
+END_TEST
+
+Suite *suite_failing(void)
+{
+    Suite *suite = suite_create("failing");
+    TCase *tests = tcase_create("failing");
+    tcase_add_loop_test(tests, failures_stay_where_they_are, 0, method_count);
+    tcase_add_test(tests, a_reset_tries_again);
+    suite_add_tcase(suite, tests);
+    return suite;
+}

@@ -1,2 +1,139 @@
+/* test_refused.c - what is no ensemble and no run of one: nothing is touched, and the text names it. */
 #include "ensemble.h"
-Suite *suite_refused(void) { return suite_create("refused"); }
+
+#include <math.h>
+#include <string.h>
+
+enum { MEMBERS = 5 };
+
+static tvi_system *system_one;
+static tvi_ensemble *ensemble;
+static crowd is, was;
+
+static void open_one(void)
+{
+    tvi_options options;
+    system_one = system_of(&forms[0]);
+    ck_assert(has_options(system_one, &methods[0], &options));
+    OK(tvi_ensemble_create(&ensemble, system_one, &options, MEMBERS, 1));
+    start_crowd(&is, MEMBERS, 0);
+    was = is;
+}
+
+static void close_one(void)
+{
+    tvi_ensemble_free(ensemble);
+    tvi_system_free(system_one);
+}
+
+static void expect_refusal(tvi_status status, tvi_status wanted, const char *text)
+{
+    ck_assert_msg(status == wanted, "\"%s\": %s", text, tvi_status_string(status));
+    ck_assert_msg(strstr(tvi_last_error(), text), "\"%s\" in the place of \"%s\"", tvi_last_error(), text);
+    for (int m = 0; m < MEMBERS; m++) expect_same(text, &is, m, &was, m);
+}
+
+static int never(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)member, (void)which, (void)t, (void)q, (void)p, (void)ctx;
+    ck_abort_msg("called");
+}
+
+static int never_all(long step, int members, const double t[], const double q[], const double p[],
+                     const tvi_status status[], void *ctx)
+{
+    (void)step, (void)members, (void)t, (void)q, (void)p, (void)status, (void)ctx;
+    ck_abort_msg("called");
+}
+
+static const double times[] = {1};
+static double D[ROWS];
+static const tvi_event *const nothing[] = {NULL};
+
+static const struct {
+    tvi_ensemble_plan plan;
+    const char *text;
+} plans[] = {
+    {{.h = H, .steps = -1}, "steps is negative"},
+    {{.h = 0, .steps = 1}, "h is 0"},
+    {{.h = NAN, .steps = 1}, "not finite"},
+    {{.h = INFINITY, .t_end = 1}, "not finite"},
+    {{.h = H, .time_count = -1}, "a count is negative"},
+    {{.h = H, .time_count = 1}, "times is NULL"},
+    {{.h = H, .steps = 1, .times = times, .time_count = 1}, "steps and times"},
+    {{.h = H, .tolerance = 1e-9, .t_end = 1}, "h and tolerance"},
+    {{.tolerance = 1e-9, .steps = 1}, "a tolerance goes to t_end"},
+    {{.tolerance = 1e-20, .t_end = 1}, "DBL_EPSILON"},
+    {{.h = H, .t_end = NAN}, "t_end is not finite"},
+    {{.h = H, .steps = 1, .event_count = -1}, "a count is negative"},
+    {{.h = H, .steps = 1, .event_count = 1}, "events is NULL"},
+    {{.h = H, .steps = 1, .events = nothing, .event_count = 1}, "events[0] is NULL"},
+    {{.h = H, .times = times, .time_count = 1, .events = nothing, .event_count = 1}, "times have no events"},
+    {{.h = H, .steps = 1, .columns = -1}, "a count is negative"},
+    {{.h = H, .steps = 1, .columns = 1}, "D is NULL"},
+    {{.h = H, .t_end = 1, .D = D, .columns = 1}, "D goes with steps alone"},
+    {{.h = H, .steps = 1, .events = nothing, .event_count = 1, .D = D, .columns = 1}, "D goes with steps alone"},
+    {{.h = H, .t_end = 1, .observer = never_all}, "an observer of all"},
+};
+enum { PLANS = sizeof plans / sizeof *plans };
+
+START_TEST(plans_that_are_none)
+{
+    tvi_ensemble_plan plan = plans[_i].plan;
+    plan.on_event = plan.at_time = never;
+    expect_refusal(tvi_ensemble_run(ensemble, &plan, is.t, is.q, is.p, is.status), TVI_EINVAL, plans[_i].text);
+}
+END_TEST
+
+START_TEST(arguments_that_are_missing)
+{
+    const tvi_ensemble_plan plan = {.h = H, .steps = 1}, fine = {.tolerance = 1e-9, .t_end = 1};
+    tvi_status *status = is.status;
+    double *t = is.t, *q = is.q, *p = is.p;
+    size_t size = 0;
+    tvi_stats stats;
+    tvi_ensemble *none = ensemble;
+    expect_refusal(tvi_ensemble_run(NULL, &plan, t, q, p, status), TVI_EINVAL, "ensemble is NULL");
+    expect_refusal(tvi_ensemble_run(ensemble, NULL, t, q, p, status), TVI_EINVAL, "plan is NULL");
+    expect_refusal(tvi_ensemble_run(ensemble, &plan, NULL, q, p, status), TVI_EINVAL, "t is NULL");
+    expect_refusal(tvi_ensemble_run(ensemble, &plan, t, NULL, p, status), TVI_EINVAL, "q is NULL");
+    expect_refusal(tvi_ensemble_run(ensemble, &plan, t, q, NULL, status), TVI_EINVAL, "p is NULL");
+    expect_refusal(tvi_ensemble_run(ensemble, &plan, t, q, p, NULL), TVI_EINVAL, "status is NULL");
+    expect_refusal(tvi_ensemble_run(ensemble, &fine, t, q, p, status), TVI_EUNSUPPORTED, "\"taylor\"");
+    expect_refusal(tvi_ensemble_integrate(NULL, H, 1, t, q, p, status, NULL, NULL), TVI_EINVAL, "ensemble is NULL");
+    expect_refusal(tvi_ensemble_integrate(ensemble, H, 1, t, q, p, NULL, NULL, NULL), TVI_EINVAL, "status is NULL");
+    expect_refusal(tvi_ensemble_integrate(ensemble, 0, 1, t, q, p, status, NULL, NULL), TVI_EINVAL, "h is 0");
+    expect_refusal(tvi_ensemble_integrate(ensemble, H, -1, t, q, p, status, NULL, NULL), TVI_EINVAL, "negative");
+    expect_refusal(tvi_ensemble_create(NULL, system_one, NULL, 1, 1), TVI_EINVAL, "out is NULL");
+    expect_refusal(tvi_ensemble_create(&none, NULL, NULL, 1, 1), TVI_EINVAL, "system is NULL");
+    expect_refusal(tvi_ensemble_create(&none, system_one, NULL, 0, 1), TVI_EINVAL, "members = 0");
+    expect_refusal(tvi_ensemble_create(&none, system_one, NULL, 1, -1), TVI_EINVAL, "threads = -1");
+    expect_refusal(tvi_ensemble_create(&none, system_one, &(tvi_options){.order = 77}, 1, 1), TVI_EINVAL, "order");
+    ck_assert_ptr_null(none);
+    expect_refusal(tvi_ensemble_set_parameters(NULL, D), TVI_EINVAL, "ensemble is NULL");
+    expect_refusal(tvi_ensemble_set_parameters(ensemble, NULL), TVI_EINVAL, "value is NULL");
+    const double bad[MEMBERS] = {1, 1, 1, NAN, 1};
+    expect_refusal(tvi_ensemble_set_parameters(ensemble, bad), TVI_ENONFINITE, "value[3]");
+    expect_refusal(tvi_ensemble_stats(NULL, &stats), TVI_EINVAL, "ensemble is NULL");
+    expect_refusal(tvi_ensemble_stats(ensemble, NULL), TVI_EINVAL, "stats is NULL");
+    expect_refusal(tvi_ensemble_save(NULL, NULL, &size), TVI_EINVAL, "ensemble is NULL");
+    expect_refusal(tvi_ensemble_save(ensemble, NULL, NULL), TVI_EINVAL, "size is NULL");
+    expect_refusal(tvi_ensemble_load(NULL, D, size), TVI_EINVAL, "ensemble is NULL");
+    expect_refusal(tvi_ensemble_load(ensemble, NULL, size), TVI_EINVAL, "buffer is NULL");
+    expect_refusal(tvi_ensemble_last(ensemble, t, q, p, NULL), TVI_EINVAL, "status is NULL");
+    expect_refusal(tvi_ensemble_last(ensemble, t, q, p, status), TVI_EINVAL, "no run");
+    tvi_ensemble_free(NULL);
+    tvi_ensemble_reset(NULL);
+}
+END_TEST
+
+Suite *suite_refused(void)
+{
+    Suite *suite = suite_create("refused");
+    TCase *tests = tcase_create("refused");
+    tcase_add_checked_fixture(tests, open_one, close_one);
+    tcase_add_loop_test(tests, plans_that_are_none, 0, PLANS);
+    tcase_add_test(tests, arguments_that_are_missing);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
