@@ -206,7 +206,10 @@ static tvi_status polish_by_rates(locator *s, tvi_root *r, double x[], bool *is_
     const double slope = (after - before) / (2 * CHORD), way = -g / slope;
     const double tail = fmax(s->seen.it->stats.tail, s->between.partial->stats.tail), error = tail * tail;
     *is_done = status == TVI_OK && fabs(way) * error <= DBL_EPSILON / 8 && is_short(r, r->guess, way);
-    return *is_done ? follow_rates(s, r, way, slope, x) : status;
+    if (!*is_done) return status;
+    status = follow_rates(s, r, way, slope, x);
+    *is_done = tvi_all_finite(s->size, x); /* else a step of a part of h says why */
+    return status;
 }
 
 /* Whether the method follows the field, but for the square of the tail. */

@@ -48,7 +48,7 @@ void tvi_energy_take(tvi_energy_work *work, tvi_arena *arena, const tvi_system *
     work->block = tvi_arena_block(arena, system->energy, 1, 1, 0);
     if (system->form != TVI_LAGRANGIAN) return;
     tvi_legendre_take(&work->legendre, arena, system);
-    work->velocity = tvi_arena_doubles(arena, (size_t)system->n);
+    work->velocity = tvi_arena_history(arena, (size_t)system->n * sizeof *work->velocity);
 }
 
 void tvi_energy_prepare(tvi_energy_work *work)
@@ -85,9 +85,13 @@ static tvi_status lagrangian_energy(tvi_energy_work *work, double t, const doubl
 {
     double *v = work->velocity;
     tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
-    if (status == TVI_OK) status = energy_value(work, t, q, v, H);
+    if (status != TVI_OK) {
+        memset(v, 0, (size_t)work->system->n * sizeof *v); /* do not start from there again */
+        return status;
+    }
+    status = energy_value(work, t, q, v, H);
     *H = -*H;
-    for (int i = 0; status == TVI_OK && i < work->system->n; i++) *H += p[i] * v[i];
+    for (int i = 0; i < work->system->n; i++) *H += p[i] * v[i];
     return status;
 }
 

@@ -8,132 +8,6 @@
 #include <string.h>
 #include <unistd.h>
 
-/* ---- Bytes ------------------------------------------------------------------------------------------------------- */
-
-int byte(bytes *b)
-{
-    if (b->left == 0) return 0;
-    b->left--;
-    return *b->data++;
-}
-
-int below(bytes *b, int count) { return byte(b) % count; }
-
-double number(bytes *b)
-{
-    static const double extreme[] = {0,     1,    -1,       2,         0.5,         -0.5,   1e-300,   1e300,
-                                     1e-12, 1e12, INFINITY, -INFINITY, (double)NAN, 5e-324, -1.7e308, 1e-8};
-    const int first = byte(b);
-    if (first % 16 == 15) return extreme[first / 16];
-    return (first - 128) / 32.0 + byte(b) / 8192.0;
-}
-
-int integer(bytes *b, int usual)
-{
-    static const int odd[] = {-1, -2, INT_MIN, INT_MAX, 1000, 101};
-    const int first = byte(b);
-    return first >= 248 ? odd[first % 6] : first % usual;
-}
-
-/* ---- Functions --------------------------------------------------------------------------------------------------- */
-
-enum { OPERATIONS = 24, POOL = 2 * N_MAX + 1 + OPERATIONS };
-
-static jet operation(bytes *b, const jet pool[], int count)
-{
-    enum { FUNCTIONS = JET_FUNCTION_COUNT, ALL = FUNCTIONS + JET_FUNCTION2_COUNT, OTHERS = 10 };
-    const int op = below(b, ALL + OTHERS);
-    const jet x = pool[below(b, count)], y = pool[below(b, count)];
-    if (op < FUNCTIONS) return jet_record_function((jet_function)op, x);
-    if (op < ALL) return jet_record_function2((jet_function2)(op - FUNCTIONS), x, y);
-    switch (op - ALL) {
-    case 0: return jet_add(x, y);
-    case 1: return jet_sub(x, y);
-    case 2: return jet_div(x, y);
-    case 3: return jet_pow(x, number(b));
-    case 4: return jet_const(number(b));
-    case 5: return jet_sum(pool, count);
-    case 6: return jet_dot(pool, pool + count / 2, count / 2);
-    case 7: return jet_mul(number(b), x);
-    case 8: return jet_add(number(b), x);
-    default: return jet_mul(x, y);
-    }
-}
-
-/* Operations on q, r (NULL: none) and t. */
-static int record(const recorder *f, const jet q[], const jet r[], jet t, jet pool[POOL])
-{
-    int count = 0;
-    for (int i = 0; i < f->n; i++) pool[count++] = q[i];
-    for (int i = 0; r && i < f->n; i++) pool[count++] = r[i];
-    pool[count++] = t;
-    for (int left = below(f->b, OPERATIONS); left > 0; left--) {
-        pool[count] = operation(f->b, pool, count);
-        count++;
-    }
-    return count;
-}
-
-static void force(const jet q[], jet t, jet F[], void *ctx)
-{
-    const recorder *f = ctx;
-    jet pool[POOL];
-    const int count = record(f, q, NULL, t, pool);
-    for (int i = 0; i < f->n; i++) F[i] = pool[below(f->b, count)];
-}
-
-static jet potential(const jet q[], jet t, void *ctx) { return scalar_of(ctx, q, NULL, t); }
-
-jet scalar_of(const recorder *f, const jet q[], const jet r[], jet t)
-{
-    jet pool[POOL];
-    const int count = record(f, q, r, t, pool);
-    return pool[count - 1];
-}
-
-/* r^2 / 2 is added mostly, so that many of them are regular. */
-static jet two_arguments(const jet q[], const jet r[], jet t, void *ctx)
-{
-    const recorder *f = ctx;
-    const jet scalar = scalar_of(f, q, r, t);
-    return below(f->b, 8) == 0 ? scalar : jet_add(scalar, jet_mul(0.5, jet_dot(r, r, f->n)));
-}
-
-static jet time_scale(const jet q[], const jet p[], jet t, void *ctx)
-{
-    const recorder *f = ctx;
-    const jet scalar = scalar_of(f, q, p, t);
-    return below(f->b, 4) ? jet_exp(jet_mul(0.25, scalar)) : scalar;
-}
-
-static tvi_status make_base(recorder f, tvi_system **system)
-{
-    bytes *b = f.b;
-    double mass[N_MAX];
-    const int form = below(b, 4), own = below(b, 4);
-    for (int i = 0; i < N_MAX; i++) mass[i] = own ? 1 + i / 3.0 : number(b);
-    switch (form) {
-    case 0: return tvi_system_force(system, f.n, own == 1 ? NULL : mass, force, &f);
-    case 1: return tvi_system_potential(system, f.n, own == 1 ? NULL : mass, potential, &f);
-    case 2: return tvi_system_lagrangian(system, f.n, two_arguments, &f);
-    default: return tvi_system_hamiltonian(system, f.n, two_arguments, &f);
-    }
-}
-
-/* One in four with steps that adapt. */
-static tvi_status make_system(bytes *b, tvi_system **system, world *w)
-{
-    tvi_system *base;
-    recorder f = {b, w->n = 1 + below(b, N_MAX)};
-    tvi_status status = make_base(f, &base);
-    *system = base;
-    w->adapts = base && below(b, 4) == 0;
-    if (!w->adapts) return status;
-    status = tvi_system_rescaled(system, base, below(b, 2) ? time_scale : NULL, &f);
-    tvi_system_free(base);
-    return status;
-}
-
 /* ---- Options ----------------------------------------------------------------------------------------------------- */
 
 static tvi_options make_options(bytes *b)
@@ -201,13 +75,6 @@ void expect_end(const world *w, tvi_status status, const state *before, const ch
 {
     expect_status(status);
     insist(memcmp(before, &w->x, sizeof *before) == 0 || (status != TVI_EINVAL && finite_state(w, &w->x)), what);
-}
-
-double step_size(bytes *b)
-{
-    static const double odd[] = {1e-300, 1e300, 0, (double)NAN, INFINITY, 1e-17, 100, -1e6};
-    const int first = byte(b);
-    return first < 64 ? odd[first % 8] : (first - 160) / 256.0;
 }
 
 static void make_state(bytes *b, world *w)
@@ -294,15 +161,20 @@ static void integrate_tolerance(bytes *b, world *w)
 
 static void step_tangent(bytes *b, world *w)
 {
-    double D[2 * N_MAX * 3], before_D[2 * N_MAX * 3];
-    const int columns = below(b, 4);
-    for (int i = 0; i < 2 * N_MAX * 3; i++) D[i] = i % 7 == 0;
+    enum { ROWS_MOST = 2 * N_MAX + PARAMETERS_MOST };
+    double D[ROWS_MOST * 3], before_D[ROWS_MOST * 3];
+    const int columns = below(b, 4), rows = 2 * w->n + tvi_system_parameters(w->system);
+    const int rates = below(b, 2) ? ROWS_MOST : 2 * w->n; /* the rows of parameters are 0 */
+    for (int i = 0; i < ROWS_MOST * 3; i++) D[i] = i < rates * columns && i % 7 == 0;
     if (below(b, 8) == 0) D[0] = number(b);
     memcpy(before_D, D, sizeof D);
     const state before = w->x;
     const tvi_status status = tvi_step_tangent(w->integrator, step_size(b), &w->x.t, w->x.q, w->x.p, D, columns);
     expect_state(w, status, &before, &w->x, "step with tangents");
-    insist(status == TVI_OK ? finite_all(2 * w->n * columns, D) : memcmp(D, before_D, sizeof D) == 0, "tangents");
+    const int moved = (status == TVI_OK ? 2 * w->n : 0) * columns;
+    insist(finite_all(moved, D) && memcmp(D + moved, before_D + moved, sizeof D - (size_t)moved * sizeof *D) == 0,
+           "tangents");
+    insist(rows <= ROWS_MOST, "parameters");
 }
 
 static void ask_system(bytes *b, world *w)
@@ -318,6 +190,30 @@ static void ask_system(bytes *b, world *w)
     out = before;
     status = tvi_velocity(w->system, w->x.t, w->x.q, w->x.p, out.p);
     insist(status == TVI_OK ? finite_all(w->n, out.p) : memcmp(&before, &out, sizeof out) == 0, "velocity");
+}
+
+/* Of the integrator: at the recorded values what the system says. */
+static void ask_integrator(bytes *b, world *w)
+{
+    (void)b;
+    const double was = 42;
+    double H = was, p[N_MAX] = {was}, v[N_MAX] = {was};
+    const tvi_integrator *it = w->integrator;
+    tvi_status status = tvi_integrator_energy(it, w->x.t, w->x.q, w->x.p, &H);
+    insist(status == TVI_OK ? isfinite(H) : H == was, "energy of an integrator");
+    status = tvi_integrator_momentum(it, w->x.t, w->x.q, w->x.p, p);
+    insist(status == TVI_OK ? finite_all(w->n, p) : p[0] == was, "momentum of an integrator");
+    status = tvi_integrator_velocity(it, w->x.t, w->x.q, w->x.p, v);
+    insist(status == TVI_OK ? finite_all(w->n, v) : v[0] == was, "velocity of an integrator");
+}
+
+static void set_parameters(bytes *b, world *w)
+{
+    double value[PARAMETERS_MOST];
+    const int count = tvi_system_parameters(w->system);
+    for (int i = 0; i < count; i++) value[i] = i < 3 ? number(b) : 0.5;
+    const tvi_status status = tvi_integrator_set_parameters(w->integrator, value);
+    insist(status == (finite_all(count, value) ? TVI_OK : TVI_ENONFINITE), "parameters");
 }
 
 static void last_state(bytes *b, world *w)
@@ -336,8 +232,9 @@ static void reset(bytes *b, world *w)
 
 typedef void call(bytes *b, world *w);
 static call *const calls[] = {
-    step,       step,       step,  dense,      save_and_load, integrate,    integrate_events,   step_tangent,
-    ask_system, last_state, reset, make_state, integrate_at,  integrate_to, integrate_tolerance};
+    step,          step,       step,  dense,      save_and_load, integrate,    integrate_events,    step_tangent,
+    ask_system,    last_state, reset, make_state, integrate_at,  integrate_to, integrate_tolerance, ask_integrator,
+    set_parameters};
 enum { CALLS = sizeof calls / sizeof *calls, CALLS_MOST = 16 };
 
 long fuzz_one(const uint8_t data[], size_t size)

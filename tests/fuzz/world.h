@@ -21,7 +21,7 @@ double step_size(bytes *b);
 
 /* ---- Functions --------------------------------------------------------------------------------------------------- */
 
-enum { N_MAX = 10 };
+enum { N_MAX = 10, PARAMETERS_MOST = 1000 };
 
 typedef struct {
     bytes *b;
@@ -45,6 +45,9 @@ typedef struct {
     state x;
     long steps; /* that succeeded */
 } world;
+
+/* out is NULL where it is not TVI_OK. */
+tvi_status make_system(bytes *b, tvi_system **out, world *w);
 
 void insist(bool good, const char *what);
 bool finite_all(int count, const double x[]);
