@@ -78,6 +78,9 @@ void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes);
  * others stay as they are. */
 void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, int width, const double value[]);
 
+/* value[i] of the parameters that stand in a lane of the block; others stay as they are. */
+void jet_tape_read_parameters(const jet_tape *tape, const double *x, int lanes, int lane, double value[]);
+
 /* The sweeps, compiled for one instruction set. */
 struct jet_sweeps {
     jet_isa isa;

@@ -44,6 +44,12 @@ void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int c
             x[it->slot * lanes + lane] = value[it->which * width + lane % width];
 }
 
+void jet_tape_read_parameters(const jet_tape *tape, const double *x, int lanes, int lane, double value[])
+{
+    for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameters; it++)
+        value[it->which] = x[it->slot * lanes + lane];
+}
+
 void jet_tape_free(jet_tape *tape)
 {
     if (!tape) return;

@@ -6,6 +6,7 @@
 #ifndef TVI_AD_VECTOR_H
 #define TVI_AD_VECTOR_H
 
+#include <limits.h>
 #include <stddef.h>
 
 #define JET_INLINE static inline __attribute__((always_inline))
@@ -14,6 +15,15 @@ typedef double jet_v8 __attribute__((vector_size(64), aligned(8), may_alias));
 typedef double jet_v4 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double jet_v2 __attribute__((vector_size(16), aligned(8), may_alias));
 typedef double jet_v1;
+
+/* Masks of lanes, whose bits are all set or none, as comparisons give them; and what is chosen by one. */
+typedef long long jet_mask_of_jet_v8 __attribute__((vector_size(64), aligned(8), may_alias));
+typedef long long jet_mask_of_jet_v4 __attribute__((vector_size(32), aligned(8), may_alias));
+typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8), may_alias));
+#define JET_MASK(V) jet_mask_of_##V
+#define JET_CHOOSE(V, mask, yes, no)                                                                                   \
+    ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
+#define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
 
 /* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \

@@ -66,4 +66,20 @@ static inline double tvi_tail_of(double ratio, double share, double largest)
     return ratio * (share < least ? part : 1);
 }
 
+/* out[width] = the tails of several members, of share and ratio [n][width]. */
+enum { TVI_TAIL_MOST_WIDTH = 64 };
+static inline void tvi_tails_of_members(int n, int width, const double *share, const double *ratio, double *out)
+{
+    double largest[TVI_TAIL_MOST_WIDTH] = {0}, most[TVI_TAIL_MOST_WIDTH] = {0};
+    for (int i = 0; i < n; i++)
+        for (int m = 0; m < width; m++)
+            largest[m] = share[i * width + m] > largest[m] ? share[i * width + m] : largest[m];
+    for (int i = 0; i < n; i++)
+        for (int m = 0; m < width; m++) {
+            const double tail = tvi_tail_of(ratio[i * width + m], share[i * width + m], largest[m]);
+            most[m] = tail > most[m] ? tail : most[m];
+        }
+    for (int m = 0; m < width; m++) out[m] = most[m];
+}
+
 #endif

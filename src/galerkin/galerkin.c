@@ -6,28 +6,12 @@
  * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what
  * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
 #include "compiled/code.h"
-#include "galerkin/passes.h"
-#include "galerkin/predictor.h"
+#include "galerkin/step.h"
 
 #include <math.h>
 #include <string.h>
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
-
-typedef struct {
-    const tvi_options *options;
-    int n;
-    galerkin_field field;
-    galerkin_coefficients coefficients;
-    galerkin_predictor predictor;
-    galerkin_probe probe;
-    tvi_passes_rule rule;
-    galerkin_dense dense;
-    double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
-    double *share, *ratio;     /* [n] of the tail */
-    double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
-    galerkin_motion motion;
-} galerkin;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
@@ -61,6 +45,8 @@ static const galerkin_form *form_of(const tvi_system *system)
            : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
                                             : &tvi_galerkin_form_hamiltonian;
 }
+
+bool tvi_galerkin_is_plain(const tvi_system *system) { return form_of(system) == &tvi_galerkin_form_plain; }
 
 static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system *system, int points)
 {
@@ -124,13 +110,12 @@ static void prepare(void *work)
     w->field.form->prepare(&w->field);
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
     w->motion.per_weight = w->coefficients.inverse_b;
-    w->rule = tvi_galerkin_rule(&w->field, w->options);
+    w->rule = tvi_galerkin_rule(w->field.form->rule, w->field.nodes.unknowns * w->field.nodes.lanes, w->options);
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-/* What depends on the size of the step alone. */
-static void set_size(galerkin *w, double h)
+void tvi_galerkin_set_size(galerkin *w, double h)
 {
     const galerkin_nodes *nodes = &w->field.nodes;
     if (h == w->field.h) return;
@@ -164,9 +149,6 @@ static void set_start(galerkin *w, const tvi_origin *origin)
     else loops->start(&w->field.nodes, w->n, origin);
 }
 
-/* A component that is small beside the others of its group has no better roundoff than they. */
-static const double LEAST_SHARE = 1e-3;
-
 /* 1 / (|start| + |predicted end - start|). */
 static void set_sizes(const galerkin_nodes *nodes, int n)
 {
@@ -178,7 +160,7 @@ static void set_sizes(const galerkin_nodes *nodes, int n)
             nodes->inverse_size[u] = size;
             largest = size > largest ? size : largest;
         }
-        const double least = largest > 0 ? LEAST_SHARE * largest : 1;
+        const double least = largest > 0 ? TVI_GALERKIN_LEAST_SHARE * largest : 1;
         for (int u = first; u < first + n; u++) nodes->inverse_size[u] = 1 / (nodes->inverse_size[u] + least);
     }
 }
@@ -231,7 +213,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 {
     galerkin *w = work;
     const galerkin_history *last = w->predictor.last;
-    set_size(w, h);
+    tvi_galerkin_set_size(w, h);
     set_start(w, origin);
     double part, slowest = h == last->h ? last->slowest : 0;
     const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY &&
@@ -309,4 +291,5 @@ const tvi_stepper tvi_stepper_galerkin = {.take = take,
                                           .dense = dense,
                                           .sample = sample,
                                           .is_superconvergent = true,
-                                          .uses = uses};
+                                          .uses = uses,
+                                          .crowd = &tvi_galerkin_crowd};

@@ -257,18 +257,9 @@ BY_LANES(void, , integrate, nodes->lanes,
 /* A loop without comparisons that last from one component to the next is one of vectors. */
 JET_INLINE void tails_of(const galerkin_motion *of, double *restrict share, double *restrict ratio, bool has_masses)
 {
-    const int n = of->n, first = has_masses ? 0 : n; /* of p */
-    const double *q = of->q, *p = of->p, *dp = of->dp, *scale = of->scale, per_weight = of->per_weight;
-    const double *reach_q = of->sums.reach, *reach_p = reach_q + first, *last_q = of->sums.last,
-                 *last_p = last_q + first;
-    for (int i = 0; i < n; i++) {
-        tvi_tail_part part = {.momentum = fabs(p[i]) + (fabs(dp[i]) + reach_p[i] * per_weight),
-                              .last_p = last_p[i],
-                              .last_q = has_masses ? 0 : last_q[i],
-                              .place = fabs(q[i])};
-        part.per_momentum = 1 / part.momentum;
-        part.movement = has_masses ? fabs(scale[i]) * part.momentum : reach_q[i] * per_weight;
-        part.per_movement = has_masses ? of->per_scale[i] * part.per_momentum : 1 / part.movement;
+    const size_t n = (size_t)of->n, momenta = has_masses ? 0 : n;
+    for (size_t i = 0; i < n; i++) {
+        const tvi_tail_part part = galerkin_tail_part(of, has_masses, of->scale[i], of->per_scale[i], i, i + momenta);
         share[i] = tvi_tail_share(&part, has_masses);
         ratio[i] = tvi_tail_ratio(&part);
     }

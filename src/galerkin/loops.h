@@ -4,10 +4,12 @@
 #ifndef TVI_SRC_GALERKIN_LOOPS_H
 #define TVI_SRC_GALERKIN_LOOPS_H
 
+#include "algebra/tail.h"
 #include "galerkin/lagrangian_loops.h"
 #include "method/origin.h"
 
 #include <stdbool.h>
+#include <stddef.h>
 
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12 };
@@ -35,6 +37,24 @@ typedef struct {
     double *scale, *per_scale; /* [n] of the nodes, and 1 / |scale| */
     const double *q, *p, *dp;  /* [n] at the start, and the increment */
 } galerkin_motion;
+
+/* Of a component of the motion, where the arrays have what is of its coordinate and of its momentum. */
+static inline tvi_tail_part galerkin_tail_part(const galerkin_motion *of, bool has_masses, double scale,
+                                               double per_scale, size_t at, size_t of_momentum)
+{
+    const double per_weight = of->per_weight, *reach = of->sums.reach, *last = of->sums.last;
+    tvi_tail_part part = {.momentum = fabs(of->p[at]) + (fabs(of->dp[at]) + reach[of_momentum] * per_weight),
+                          .last_p = last[of_momentum],
+                          .last_q = has_masses ? 0 : last[at],
+                          .place = fabs(of->q[at])};
+    part.per_momentum = 1 / part.momentum;
+    part.movement = has_masses ? fabs(scale) * part.momentum : reach[at] * per_weight;
+    part.per_movement = has_masses ? per_scale * part.per_momentum : 1 / part.movement;
+    return part;
+}
+
+/* A component that is small beside the others of its group has no better roundoff than they. */
+#define TVI_GALERKIN_LEAST_SHARE 1e-3
 
 /* Unknown u of node i stands at x[u][i]. What drives it, F_j = drives[slot[u]][j], acts by its impulses
  * L_j = weight_j F_j, which are rounded once and enter all sums alike: what these sums keep does not depend on how L_j

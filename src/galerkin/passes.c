@@ -32,12 +32,11 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
 const tvi_passes_rule tvi_galerkin_quasi_newton = {NEWTON};
 const tvi_passes_rule tvi_galerkin_newton = {NEWTON, .is_quadratic = true};
 
-tvi_passes_rule tvi_galerkin_rule(const galerkin_field *field, const tvi_options *o)
+tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *o)
 {
-    const double count = field->nodes.unknowns * field->nodes.lanes;
-    tvi_passes_rule rule = *field->form->rule;
+    tvi_passes_rule rule = *of_one;
     double *const sizes[] = {&rule.goal, &rule.far, &rule.noise, &rule.first_noise, &rule.roundoff};
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *sizes[i] *= count;
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *sizes[i] *= numbers;
     return tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
 }
 

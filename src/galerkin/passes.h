@@ -14,8 +14,8 @@ typedef struct {
 
 void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const galerkin_field *field);
 
-/* That of the form for all unknowns at all nodes, as the options have it. */
-tvi_passes_rule tvi_galerkin_rule(const galerkin_field *field, const tvi_options *options);
+/* That of one unknown at one node for so many numbers, as the options have it. */
+tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *options);
 
 /* From the unknowns that the field has, until the rule lets the passes end.
  * *slowest: how far passes contract, or 0: of an earlier step of the same size, then of this one. Sets stats->residual

@@ -94,8 +94,8 @@ bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_fi
 {
     const galerkin_history *last = w->last;
     if (last->h == 0) return false;
-    const double gap = t - (last->t + last->h), ratio = field->h / last->h;
-    const bool is_next = fabs(gap) < 0.25 * fabs(field->h);
+    const double ratio = field->h / last->h;
+    const bool is_next = galerkin_is_next(last, field->h, t);
     *part = is_next ? 1 : 0;
     return ratio <= 1.5 && (is_next ? ratio >= -2 : t == last->t && ratio > 0);
 }

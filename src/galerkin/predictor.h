@@ -26,6 +26,12 @@ typedef struct {
 void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int unknowns, int lanes);
 void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field);
 
+/* Whether a step of size h from t begins where the last one ended. */
+static inline bool galerkin_is_next(const galerkin_history *last, double h, double t)
+{
+    return fabs(t - (last->t + last->h)) < 0.25 * fabs(h);
+}
+
 /* Whether the step of the field's size from t begins where the last one ended, or began, after `part` of it, and its
  * nodes are near those of that one. */
 bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part);

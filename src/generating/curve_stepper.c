@@ -378,5 +378,10 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 }
 
 const tvi_stepper tvi_stepper_curve = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};
-const tvi_stepper tvi_stepper_taylor = {
-    .take = take, .prepare = prepare, .step = step, .dense = dense, .step_within = step_within, .uses = uses};
+const tvi_stepper tvi_stepper_taylor = {.take = take,
+                                        .prepare = prepare,
+                                        .step = step,
+                                        .dense = dense,
+                                        .step_within = step_within,
+                                        .uses = uses,
+                                        .crowd = &tvi_taylor_crowd};

@@ -88,7 +88,7 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 }
 
 static const tvi_stepper stepper = {
-    .take = take, .step = step, .dense = dense, .most_change = most_change, .uses = uses};
+    .take = take, .step = step, .dense = dense, .most_change = most_change, .uses = uses, .crowd = &tvi_verlet_crowd};
 
 static const tvi_service service = {TVI_SERVES_SEPARABLE,
                                     "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

@@ -1,0 +1,323 @@
+/* crowd.c - steps of the Galerkin curves of several members of an ensemble at once. Lane i * width + m of a sweep is
+ * node i of member m, so that all but the field is loops over members that need no sums across lanes (crowd_loops.h).
+ *
+ * A member converges by passes of its own: one that has done so moves no more, while the others go on. Steps in lanes
+ * are those that go on from two steps of the same size, and whose passes converge to a roundoff that is known. All
+ * others, as the first two of a run, are made by the stepper of a single curve, one after the other; so whatever may
+ * happen in a step is written once. */
+#include "galerkin/crowd_loops.h"
+#include "galerkin/step.h"
+#include "method/single.h"
+
+#include <math.h>
+
+enum { MOST_LANES = 64, LEAST_WIDTH = 8 };
+/* Of a block of the tape: what is left of a first-level cache of 32 KiB beside the impulses. */
+enum { MOST_BYTES = 24 << 10 };
+
+typedef enum { LEFT_ALONE, IN_LANES, SOLVED, BY_ITSELF } progress;
+
+typedef struct {
+    tvi_single by_itself;
+    galerkin *single; /* its work, which has all tables */
+    const galerkin_crowd_loops *loops;
+    galerkin_crowd_nodes nodes;
+    galerkin_crowd_drift drift;
+    galerkin_motion motion;
+    tvi_passes_rule rule;
+    int *slot;                       /* [unknowns] what drives them: all is read before anything moves */
+    double *dq, *dp, *share, *ratio; /* [n][width] */
+    double *moved;                   /* [width] */
+    tvi_passes *passes;              /* [width] */
+    progress *now;                   /* [width] */
+    galerkin_history *last;          /* [width] in the history, as the impulses, of the last step and the one before */
+    double *impulses[2];             /* [unknowns][points][width] */
+} crowd;
+
+/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
+
+static const galerkin_crowd_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_galerkin_crowd_loops_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_galerkin_crowd_loops_avx2,
+    [jet_isa_avx512] = &tvi_galerkin_crowd_loops_avx512,
+#endif
+};
+
+static int width_of(const tvi_system *system, const tvi_options *options)
+{
+    const int points = options->degree, bytes = system->field_values->slots * points * (int)sizeof(double);
+    if (!tvi_galerkin_is_plain(system) || options->passes == TVI_PREDICT_ONLY) return 1;
+    int width = LEAST_WIDTH;
+    while (2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES) width *= 2;
+    return width * bytes <= MOST_BYTES ? width : 1;
+}
+
+static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_system *system, int points, int width)
+{
+    const size_t of_unknowns = (size_t)system->inputs * (size_t)width, numbers = of_unknowns * (size_t)points;
+    nodes->width = width;
+    nodes->points = points;
+    nodes->unknowns = system->inputs;
+    nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, 0);
+    nodes->start = tvi_arena_doubles(arena, of_unknowns);
+    nodes->base = tvi_arena_doubles(arena, numbers);
+    nodes->impulse = tvi_arena_doubles(arena, numbers);
+    nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
+    nodes->is_moving = tvi_arena_take(arena, (size_t)width * sizeof *nodes->is_moving);
+}
+
+static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+{
+    crowd *taken = tvi_arena_take(arena, sizeof *taken);
+    crowd w = {.loops = loops_of[system->field_values->sweeps->isa]};
+    tvi_single_take(&w.by_itself, arena, &tvi_stepper_galerkin, system, options, width, options->degree);
+    w.single = w.by_itself.work;
+    take_nodes(&w.nodes, arena, system, options->degree, width);
+    const size_t count = (size_t)width, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
+    galerkin_sums *sums = &w.motion.sums;
+    double **const of_unknowns[] = {&sums->once, &sums->twice, &sums->last, &sums->reach, &w.drift.high, &w.drift.low};
+    double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio};
+    for (size_t i = 0; i < 6; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
+    for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, n);
+    w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
+    w.moved = tvi_arena_doubles(arena, count);
+    w.passes = tvi_arena_take(arena, count * sizeof *w.passes);
+    w.now = tvi_arena_take(arena, count * sizeof *w.now);
+    w.last = tvi_arena_history(arena, count * sizeof *w.last);
+    for (int i = 0; i < 2; i++)
+        w.impulses[i] = tvi_arena_history(arena, unknowns * (size_t)options->degree * sizeof(double));
+    if (taken) *taken = w;
+    return taken;
+}
+
+static void prepare(void *work)
+{
+    crowd *w = work;
+    galerkin *single = w->single;
+    galerkin_crowd_nodes *nodes = &w->nodes;
+    tvi_single_prepare(&w->by_itself);
+    nodes->stride = single->field.nodes.lanes;
+    nodes->weight = single->field.nodes.weight;
+    nodes->scale = single->field.nodes.scale;
+    for (int u = 0; u < nodes->unknowns; u++) w->slot[u] = tvi_galerkin_driving_slot(single->field.system, u);
+    const galerkin_sums sums = w->motion.sums;
+    w->motion = single->motion;
+    w->motion.sums = sums;
+    w->rule = tvi_galerkin_rule(single->field.form->rule, nodes->unknowns * nodes->points, single->options);
+}
+
+/* ---- Members one by one ------------------------------------------------------------------------------------------ */
+
+/* Between [unknowns][points][width] and [unknowns][lanes]. */
+static void gather_impulses(const crowd *w, const double *from, int m, double *to)
+{
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    for (int u = 0; u < nodes->unknowns; u++)
+        tvi_gather(nodes->points, nodes->width, from + u * nodes->points * nodes->width, m, to + u * nodes->stride);
+}
+
+static void scatter_impulses(const crowd *w, const double *from, int m, double *to)
+{
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    for (int u = 0; u < nodes->unknowns; u++)
+        tvi_scatter(nodes->points, nodes->width, from + u * nodes->stride, m, to + u * nodes->points * nodes->width);
+}
+
+/* The history of a lane, as the single stepper has it. */
+static void hand_over(const crowd *w, int m)
+{
+    const galerkin_predictor *predictor = &w->single->predictor;
+    *predictor->last = w->last[m];
+    for (int i = 0; i < 2; i++) gather_impulses(w, w->impulses[i], m, predictor->impulses[i]);
+}
+
+static void take_over(const crowd *w, int m)
+{
+    const galerkin_predictor *predictor = &w->single->predictor;
+    const int turn = predictor->last->turn;
+    w->last[m] = *predictor->last;
+    w->last[m].turn = 0;
+    scatter_impulses(w, predictor->impulses[turn], m, w->impulses[0]);
+    scatter_impulses(w, predictor->impulses[!turn], m, w->impulses[1]);
+}
+
+static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
+                           tvi_stats *stats)
+{
+    const jet_tape *tape = w->single->field.system->field_values;
+    hand_over(w, m);
+    if (tvi_single_step(&w->by_itself, tape, w->nodes.x, w->nodes.points, h, origin, end, m, stats)) take_over(w, m);
+}
+
+/* ---- The start of a step ----------------------------------------------------------------------------------------- */
+
+/* What goes by itself rests where it starts, so that it does not disturb the sweeps. */
+static void rest(const crowd *w, int m)
+{
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    nodes->is_moving[m] = 0;
+    for (int row = 0; row < nodes->unknowns * nodes->points; row++)
+        nodes->impulse[row * nodes->width + m] = nodes->base[row * nodes->width + m] = 0;
+}
+
+/* Returns how many are in lanes. */
+static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_status status[])
+{
+    int count = 0;
+    for (int m = 0; m < w->nodes.width; m++) {
+        const bool goes_on = w->last[m].h_before == h && galerkin_is_next(&w->last[m], h, origin->t[m]);
+        w->now[m] = status[m] != TVI_OK ? LEFT_ALONE : goes_on ? IN_LANES : BY_ITSELF;
+        w->nodes.is_moving[m] = w->now[m] == IN_LANES ? -1 : 0;
+        w->passes[m] = TVI_NO_PASSES;
+        w->passes[m].slowest = w->last[m].slowest;
+        count += w->now[m] == IN_LANES;
+    }
+    return count;
+}
+
+static void set_start(crowd *w, const tvi_crowd_origin *origin)
+{
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    if (galerkin_is_second_order(&w->single->field)) {
+        w->loops->start_drifting(nodes, w->single->coefficients.c, origin, &w->drift);
+    } else {
+        w->loops->start(nodes, 0, w->single->n, origin->q, origin->q_low);
+        w->loops->start(nodes, w->single->n, w->single->n, origin->p, origin->p_low);
+    }
+}
+
+static void set_times(const crowd *w, double h, const tvi_crowd_origin *origin)
+{
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    double *t = nodes->x + nodes->unknowns * nodes->points * nodes->width;
+    if (!w->single->field.system->uses_time) return;
+    for (int i = 0; i < nodes->points; i++)
+        for (int m = 0; m < nodes->width; m++)
+            *t++ = origin->t[m] + (origin->t_low[m] + h * w->single->coefficients.c[i]);
+}
+
+static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
+{
+    set_start(w, origin);
+    for (int m = 0; m < w->nodes.width; m++)
+        if (w->now[m] != IN_LANES) rest(w, m);
+    w->loops->predict(&w->nodes, w->single->predictor.from_two, w->impulses[0], w->impulses[1]);
+    set_times(w, h, origin);
+    w->loops->set_sizes(&w->nodes, w->single->n);
+}
+
+/* ---- Passes ------------------------------------------------------------------------------------------------------ */
+
+static void leave(crowd *w, int m)
+{
+    w->now[m] = BY_ITSELF;
+    rest(w, m);
+}
+
+static void pass(crowd *w, tvi_stats *stats)
+{
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_field *field = &w->single->field;
+    const jet_tape *tape = field->system->field_values;
+    const bool inside = tape->sweeps->values(tape, nodes->x, nodes->points * nodes->width);
+    for (int m = 0; m < nodes->width; m++) {
+        if (!nodes->is_moving[m]) continue;
+        stats->force_evaluations += nodes->points;
+        stats->passes++;
+        if (!inside && !tvi_single_is_inside(&w->by_itself, tape, nodes->x, nodes->points, m)) leave(w, m);
+    }
+    w->loops->move(nodes, field->matrix, nodes->x, w->slot, w->moved);
+}
+
+/* What a pass means for those that it has moved; returns how many go on. */
+static int judge(crowd *w)
+{
+    int count = 0;
+    for (int m = 0; m < w->nodes.width; m++) {
+        if (!w->nodes.is_moving[m]) continue;
+        const tvi_passes_verdict verdict =
+            isfinite(w->moved[m]) ? tvi_passes_judge(&w->passes[m], &w->rule, w->moved[m]) : TVI_PASSES_STUCK;
+        if (verdict == TVI_PASSES_STUCK) leave(w, m);
+        if (verdict == TVI_PASSES_MAY_END) {
+            w->now[m] = SOLVED;
+            w->nodes.is_moving[m] = 0;
+        }
+        count += verdict == TVI_PASSES_GO_ON;
+    }
+    return count;
+}
+
+static void iterate(crowd *w, int count, tvi_stats *stats)
+{
+    for (int passes = 0; count > 0 && passes < w->rule.most; passes++) {
+        pass(w, stats);
+        count = judge(w);
+    }
+    for (int m = 0; m < w->nodes.width; m++)
+        if (w->now[m] == IN_LANES) w->now[m] = BY_ITSELF;
+}
+
+/* ---- The end of a step ------------------------------------------------------------------------------------------- */
+
+static void integrate(crowd *w)
+{
+    const galerkin_sums *sums = &w->motion.sums;
+    const int n = w->single->n, width = w->nodes.width;
+    w->loops->integrate(&w->nodes, &w->single->coefficients.weights, sums);
+    if (galerkin_is_second_order(&w->single->field)) {
+        w->loops->end_drifting(&w->nodes, sums, &w->drift, w->dq);
+        w->motion.dp = sums->once;
+    } else {
+        w->loops->end(&w->nodes, 0, n, sums->once, w->dq);
+        w->loops->end(&w->nodes, n, n, sums->once + n * width, w->dp);
+        w->motion.dp = w->dp;
+    }
+}
+
+/* Of those that are solved. */
+static void finish(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+{
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const int n = w->single->n;
+    integrate(w);
+    w->motion.q = origin->q;
+    w->motion.p = origin->p;
+    for (int m = 0; m < nodes->width; m++) nodes->is_moving[m] = w->now[m] == SOLVED ? -1 : 0;
+    w->loops->remember(nodes, w->impulses[0], w->impulses[1]);
+    w->loops->choose(nodes, n, w->dq, end->dq);
+    w->loops->choose(nodes, n, w->motion.dp, end->dp);
+    w->loops->tail(&w->motion, nodes->width, w->share, w->ratio, w->moved);
+    for (int m = 0; m < nodes->width; m++) {
+        if (w->now[m] != SOLVED) continue;
+        w->last[m] = (galerkin_history){h, h, origin->t[m], w->passes[m].slowest, 0};
+        end->tail[m] = stats->tail = w->moved[m];
+        end->passes[m] = w->passes[m].count;
+        stats->residual = sqrt(w->passes[m].size);
+    }
+}
+
+static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+{
+    crowd *w = work;
+    tvi_galerkin_set_size(w->single, h);
+    const int count = begin(w, h, origin, end->status);
+    if (count > 0) {
+        predict(w, h, origin);
+        iterate(w, count, stats);
+        finish(w, h, origin, end, stats);
+    }
+    for (int m = 0; m < w->nodes.width; m++)
+        if (w->now[m] == BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
+}
+
+static void forget(void *work, int lane)
+{
+    const crowd *w = work;
+    w->last[lane] = (galerkin_history){0};
+    for (int row = 0; row < w->nodes.unknowns * w->nodes.points; row++)
+        w->impulses[0][row * w->nodes.width + lane] = w->impulses[1][row * w->nodes.width + lane] = 0;
+}
+
+const tvi_crowd_stepper tvi_galerkin_crowd = {
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .forget = forget};

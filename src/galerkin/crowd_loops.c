@@ -1,0 +1,291 @@
+/* crowd_loops.c - see crowd_loops.h. */
+#include "galerkin/crowd_loops.h"
+#include "rule.h"
+#include "vector.h"
+
+#include <math.h>
+
+/* ---- Members in vectors ------------------------------------------------------------------------------------------ */
+
+/* Row of [rows][width], at the block of members. */
+#define ROW_AT(V, array, row) (*(V *)((array) + (size_t)(row)*width + here))
+#define ROW_OF(V, array, row) (*(const V *)((array) + (size_t)(row)*width + here))
+
+#define IS_MOVING(V) (*(const JET_MASK(V) *)(nodes->is_moving + here))
+
+/* BODY(V, count) for nodes first .. first + count - 1: in chains that do not wait for each other. */
+#define IN_NODES(BODY, V)                                                                                              \
+    int first = 0;                                                                                                     \
+    for (; first + 8 <= points; first += 8) BODY(V, 8)                                                                 \
+    for (; first + 4 <= points; first += 4) BODY(V, 4)                                                                 \
+    for (; first < points; first++) BODY(V, 1)
+
+/* sum[i] += sum_j matrix[j][first + i] (row j of the impulses of the unknown). */
+#define ADD_PRODUCT(V, count, sum, matrix, impulses)                                                                   \
+    for (int j = 0; j < points; j++) {                                                                                 \
+        const V of_node = ROW_OF(V, impulses, u * points + j);                                                         \
+        const double *column = (matrix) + j * stride + first;                                                          \
+        for (int i = 0; i < (count); i++) sum[i] += column[i] * of_node;                                               \
+    }
+
+/* name(parameters) calls name_sized(..., points, stride, width) with the usual ones known to the compiler. */
+#define BY_SIZE(name, parameters, ...)                                                                                 \
+    static void name parameters                                                                                        \
+    {                                                                                                                  \
+        const int points = nodes->points, stride = nodes->stride, width = nodes->width;                                \
+        if (points == 8 && width == 8) name##_sized(__VA_ARGS__, 8, 8, 8);                                             \
+        else name##_sized(__VA_ARGS__, points, stride, (size_t)width);                                                 \
+    }
+
+/* ---- Passes ------------------------------------------------------------------------------------------------------ */
+
+#define WEIGH(V, S)                                                                                                    \
+    {                                                                                                                  \
+        const JET_MASK(V) moves = IS_MOVING(V);                                                                        \
+        for (int u = 0; u < unknowns; u++)                                                                             \
+            for (int j = 0; j < points; j++) {                                                                         \
+                const V was = ROW_OF(V, impulse, u * points + j),                                                      \
+                        is = weight[j] * ROW_OF(V, drives, slot[u] * points + j);                                      \
+                ROW_AT(V, impulse, u *points + j) = JET_CHOOSE(V, moves, is, was);                                     \
+            }                                                                                                          \
+    }
+
+#define MOVE_NODES(V, count)                                                                                           \
+    {                                                                                                                  \
+        V sum[count] = {0};                                                                                            \
+        ADD_PRODUCT(V, count, sum, matrix, impulse)                                                                    \
+        for (int i = 0; i < (count); i++) {                                                                            \
+            const int row = u * points + first + i;                                                                    \
+            const V place = start + (ROW_OF(V, base, row) + scale[u] * sum[i]);                                        \
+            const V change = (place - ROW_OF(V, x, row)) * inverse_size;                                               \
+            squares[i % 2] += change * change;                                                                         \
+            ROW_AT(V, x, row) = place;                                                                                 \
+        }                                                                                                              \
+    }
+
+#define MOVE(V, S)                                                                                                     \
+    {                                                                                                                  \
+        V squares[2] = {0};                                                                                            \
+        WEIGH(V, S)                                                                                                    \
+        for (int u = 0; u < unknowns; u++) {                                                                           \
+            const V start = ROW_OF(V, nodes->start, u), inverse_size = ROW_OF(V, nodes->inverse_size, u);              \
+            IN_NODES(MOVE_NODES, V)                                                                                    \
+        }                                                                                                              \
+        ROW_AT(V, moved, 0) = squares[0] + squares[1];                                                                 \
+    }
+
+JET_INLINE void move_sized(const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives,
+                           const int slot[], double moved[], int points, int stride, size_t width)
+{
+    const int unknowns = nodes->unknowns;
+    const double *weight = nodes->weight, *base = nodes->base, *scale = nodes->scale;
+    double *x = nodes->x, *impulse = nodes->impulse;
+    JET_EIGHTS((int)width, MOVE, )
+}
+
+BY_SIZE(move,
+        (const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives, const int slot[],
+         double moved[]),
+        nodes, matrix, drives, slot, moved)
+
+#define PREDICT_NODES(V, count)                                                                                        \
+    {                                                                                                                  \
+        V sum[count] = {0};                                                                                            \
+        ADD_PRODUCT(V, count, sum, matrix, last)                                                                       \
+        ADD_PRODUCT(V, count, sum, of_before, before)                                                                  \
+        for (int i = 0; i < (count); i++) {                                                                            \
+            const int row = u * points + first + i;                                                                    \
+            ROW_AT(V, x, row) = start + (ROW_OF(V, base, row) + scale[u] * sum[i]);                                    \
+        }                                                                                                              \
+    }
+
+#define PREDICT(V, S)                                                                                                  \
+    for (int u = 0; u < unknowns; u++) {                                                                               \
+        const V start = ROW_OF(V, nodes->start, u);                                                                    \
+        IN_NODES(PREDICT_NODES, V)                                                                                     \
+    }
+
+JET_INLINE void predict_sized(const galerkin_crowd_nodes *nodes, const double *matrix, const double *last,
+                              const double *before, int points, int stride, size_t width)
+{
+    const int unknowns = nodes->unknowns;
+    const double *base = nodes->base, *scale = nodes->scale, *of_before = matrix + stride * stride;
+    double *x = nodes->x;
+    JET_EIGHTS((int)width, PREDICT, )
+}
+
+BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const double *last, const double *before),
+        nodes, matrix, last, before)
+
+#define SIZES                                                                                                          \
+    const size_t width = (size_t)nodes->width;                                                                         \
+    const int points = nodes->points, unknowns = nodes->unknowns
+
+/* ---- The end of a step ------------------------------------------------------------------------------------------- */
+
+/* Two-sums: what each addition loses is collected. */
+#define ADD_TWO_SUM(V, total, lost, term)                                                                              \
+    {                                                                                                                  \
+        const V adds = (term), next = (total) + adds, added = next - (total);                                          \
+        (lost) += ((total) - (next - added)) + (adds - added);                                                         \
+        (total) = next;                                                                                                \
+    }
+
+/* once and twice: nodes in turns make two chains, which do not wait for each other. */
+#define ADD_NODE(V)                                                                                                    \
+    {                                                                                                                  \
+        const V of_node = ROW_OF(V, impulse, u * points + j);                                                          \
+        const V of_twice = weights->pair[j * OF_PAIR + 1] * of_node;                                                   \
+        sum += weights->last[j] * of_node;                                                                             \
+        ADD_TWO_SUM(V, once[j % 2], once_lost[j % 2], of_node)                                                         \
+        ADD_TWO_SUM(V, twice[j % 2], twice_lost[j % 2], of_twice)                                                      \
+    }
+
+#define SUM_UP(V, row, total, lost)                                                                                    \
+    ADD_TWO_SUM(V, total[0], lost[0], total[1])                                                                        \
+    ROW_AT(V, row, u) = total[0] + (lost[0] + lost[1]);
+
+#define INTEGRATE(V, S)                                                                                                \
+    for (int u = 0; u < unknowns; u++) {                                                                               \
+        V sum = {0}, once[2] = {0}, once_lost[2] = {0}, twice[2] = {0}, twice_lost[2] = {0};                           \
+        for (int j = 0; j < points; j++) ADD_NODE(V)                                                                   \
+        SUM_UP(V, sums->once, once, once_lost)                                                                         \
+        SUM_UP(V, sums->twice, twice, twice_lost)                                                                      \
+        ROW_AT(V, sums->last, u) = JET_ABS(V, sum);                                                                    \
+        ROW_AT(V, sums->reach, u) =                                                                                    \
+            JET_ABS(V, ROW_OF(V, impulse, u * points)) + JET_ABS(V, ROW_OF(V, impulse, (u + 1) * points - 1));         \
+    }
+
+JET_INLINE void integrate_sized(const galerkin_crowd_nodes *nodes, const galerkin_weights *weights,
+                                const galerkin_sums *sums, int points, int stride, size_t width)
+{
+    const int unknowns = nodes->unknowns;
+    const double *impulse = nodes->impulse;
+    (void)stride;
+    JET_EIGHTS((int)width, INTEGRATE, )
+}
+
+BY_SIZE(integrate, (const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
+        nodes, weights, sums)
+
+#define REMEMBER(V, S)                                                                                                 \
+    for (int row = 0; row < unknowns * points; row++) {                                                                \
+        const JET_MASK(V) moves = IS_MOVING(V);                                                                        \
+        const V now = ROW_OF(V, last, row);                                                                            \
+        ROW_AT(V, before, row) = JET_CHOOSE(V, moves, now, ROW_OF(V, before, row));                                    \
+        ROW_AT(V, last, row) = JET_CHOOSE(V, moves, ROW_OF(V, nodes->impulse, row), now);                              \
+    }
+
+static void remember(const galerkin_crowd_nodes *nodes, double *last, double *before)
+{
+    SIZES;
+    JET_EIGHTS(nodes->width, REMEMBER, )
+}
+
+#define CHOOSE_ROWS(V, S)                                                                                              \
+    for (int row = 0; row < rows; row++)                                                                               \
+        ROW_AT(V, to, row) = JET_CHOOSE(V, IS_MOVING(V), ROW_OF(V, from, row), ROW_OF(V, to, row));
+
+static void choose(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to)
+{
+    const size_t width = (size_t)nodes->width;
+    JET_EIGHTS(nodes->width, CHOOSE_ROWS, )
+}
+
+/* Products with the size of the step are exact, as in loops.c. */
+static void end_drifting(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,
+                         const galerkin_crowd_drift *drift, double *dq)
+{
+    const size_t width = (size_t)nodes->width, unknowns = (size_t)nodes->unknowns;
+    for (size_t u = 0; u < unknowns; u++) {
+        const double scale = nodes->scale[u], *high = drift->high + u * width, *low = drift->low + u * width;
+        const double *twice = sums->twice + u * width;
+        double *restrict to = dq + u * width;
+        for (size_t m = 0; m < width; m++) to[m] = high[m] + fma(scale, twice[m], low[m]);
+    }
+}
+
+static void end(const galerkin_crowd_nodes *nodes, int first, int count, const double *once, double *restrict rise)
+{
+    const size_t width = (size_t)nodes->width;
+    for (int i = 0; i < count; i++, once += width, rise += width)
+        for (size_t m = 0; m < width; m++) rise[m] = nodes->scale[first + i] * once[m];
+}
+
+/* ---- The start of a step ----------------------------------------------------------------------------------------- */
+
+static void start(const galerkin_crowd_nodes *nodes, int first, int count, const double *q, const double *q_low)
+{
+    const size_t width = (size_t)nodes->width, points = (size_t)nodes->points;
+    double *restrict to = nodes->start + (size_t)first * width;
+    double *restrict base = nodes->base + (size_t)first * points * width;
+    for (size_t k = 0; k < (size_t)count * width; k++) to[k] = q[k];
+    for (int i = 0; i < count; i++, q_low += width)
+        for (size_t j = 0; j < points; j++, base += width)
+            for (size_t m = 0; m < width; m++) base[m] = q_low[m];
+}
+
+static void start_drifting(const galerkin_crowd_nodes *nodes, const double c[], const tvi_crowd_origin *origin,
+                           const galerkin_crowd_drift *drift)
+{
+    SIZES;
+    for (size_t u = 0; u < (size_t)unknowns; u++) {
+        const double scale = nodes->scale[u], *q = origin->q + u * width, *q_low = origin->q_low + u * width;
+        const double *p = origin->p + u * width, *p_low = origin->p_low + u * width;
+        double *restrict high = drift->high + u * width, *restrict low = drift->low + u * width;
+        double *restrict to = nodes->start + u * width, *restrict base = nodes->base + u * (size_t)points * width;
+        for (size_t m = 0; m < width; m++) {
+            to[m] = q[m];
+            high[m] = scale * p[m];
+            low[m] = fma(scale, p[m], -high[m]) + scale * p_low[m];
+        }
+        for (int j = 0; j < points; j++, base += width)
+            for (size_t m = 0; m < width; m++) base[m] = (q_low[m] + c[j] * low[m]) + c[j] * high[m];
+    }
+}
+
+/* As set_sizes of galerkin.c, each member alone. */
+#define SET_SIZES(V, S)                                                                                                \
+    for (int first = 0; first < unknowns; first += n) {                                                                \
+        V largest = {0};                                                                                               \
+        for (int u = first; u < first + n; u++) {                                                                      \
+            const V from = ROW_OF(V, nodes->start, u), to = ROW_OF(V, nodes->x, (u + 1) * points - 1);                 \
+            const V size = JET_ABS(V, from) + JET_ABS(V, to - from);                                                   \
+            ROW_AT(V, nodes->inverse_size, u) = size;                                                                  \
+            largest = JET_CHOOSE(V, size > largest, size, largest);                                                    \
+        }                                                                                                              \
+        const V none = {0}, least = JET_CHOOSE(V, largest > none, TVI_GALERKIN_LEAST_SHARE * largest, none + 1);       \
+        for (int u = first; u < first + n; u++)                                                                        \
+            ROW_AT(V, nodes->inverse_size, u) = 1 / (ROW_OF(V, nodes->inverse_size, u) + least);                       \
+    }
+
+static void set_sizes(const galerkin_crowd_nodes *nodes, int n)
+{
+    SIZES;
+    JET_EIGHTS(nodes->width, SET_SIZES, )
+}
+
+/* ---- The tail ---------------------------------------------------------------------------------------------------- */
+
+JET_INLINE void tails_of(const galerkin_motion *of, size_t width, double *restrict share, double *restrict ratio,
+                         bool has_masses)
+{
+    const size_t n = (size_t)of->n, momenta = has_masses ? 0 : n * width;
+    for (size_t i = 0; i < n; i++)
+        for (size_t at = i * width; at < (i + 1) * width; at++) {
+            const tvi_tail_part part =
+                galerkin_tail_part(of, has_masses, of->scale[i], of->per_scale[i], at, at + momenta);
+            share[at] = tvi_tail_share(&part, has_masses);
+            ratio[at] = tvi_tail_ratio(&part);
+        }
+}
+
+static void tail(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
+{
+    if (of->has_masses) tails_of(of, (size_t)width, share, ratio, true);
+    else tails_of(of, (size_t)width, share, ratio, false);
+    tvi_tails_of_members(of->n, width, share, ratio, out);
+}
+
+const galerkin_crowd_loops JET_FOR_ISA(tvi_galerkin_crowd_loops) = {
+    start, start_drifting, set_sizes, predict, move, integrate, remember, choose, end, end_drifting, tail};

@@ -1,0 +1,53 @@
+/* crowd_loops.h - the loops of the Galerkin curves of several members at once (crowd.c), compiled once for each
+ * instruction set: those of loops.h with the members as the fastest lanes, so that no sum runs across lanes. */
+#ifndef TVI_SRC_GALERKIN_CROWD_LOOPS_H
+#define TVI_SRC_GALERKIN_CROWD_LOOPS_H
+
+#include "galerkin/loops.h"
+
+/* Unknown u of node i of member m stands at x[u][i][m]; tables of the nodes are those of one curve, whose rows are
+ * `stride` numbers apart. The rest as in galerkin_nodes. */
+typedef struct {
+    int width, points, unknowns, stride;
+    double *x;
+    double *start;        /* [unknowns][width] */
+    double *base;         /* [unknowns][points][width] */
+    double *weight;       /* [points] */
+    double *impulse;      /* [unknowns][points][width] */
+    double *scale;        /* [unknowns] */
+    double *inverse_size; /* [unknowns][width] */
+    long long *is_moving; /* [width] all bits, or none: the impulses of the others stay, and so do their unknowns */
+} galerkin_crowd_nodes;
+
+/* Where the drift h M^-1 p0 of a separable system is, [unknowns][width] each; NULL of other systems. */
+typedef struct {
+    double *high, *low;
+} galerkin_crowd_drift;
+
+typedef struct {
+    void (*start)(const galerkin_crowd_nodes *nodes, int first, int count, const double *q, const double *q_low);
+    void (*start_drifting)(const galerkin_crowd_nodes *nodes, const double c[], const tvi_crowd_origin *origin,
+                           const galerkin_crowd_drift *drift);
+    /* inverse_size: 1 / (|start| + |x at the last node - start|) of each of the unknowns, in groups of n. */
+    void (*set_sizes)(const galerkin_crowd_nodes *nodes, int n);
+    /* From the impulses of the last two steps, matrix [2][j][i]. */
+    void (*predict)(const galerkin_crowd_nodes *nodes, const double *matrix, const double *last, const double *before);
+    /* moved [width]. */
+    void (*move)(const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives, const int slot[],
+                 double moved[]);
+    /* sums [unknowns][width] */
+    void (*integrate)(const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
+    /* Of the members that is_moving names: before = last, last = the impulses; to = from, of so many rows. */
+    void (*remember)(const galerkin_crowd_nodes *nodes, double *last, double *before);
+    void (*choose)(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to);
+    void (*end)(const galerkin_crowd_nodes *nodes, int first, int count, const double *once, double *rise);
+    void (*end_drifting)(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,
+                         const galerkin_crowd_drift *drift, double *dq);
+    /* q, p, dp, tail: [n][width]; share, ratio: scratch. */
+    void (*tail)(const galerkin_motion *of, int width, double *share, double *ratio, double tail[]);
+} galerkin_crowd_loops;
+
+extern const galerkin_crowd_loops tvi_galerkin_crowd_loops_base, tvi_galerkin_crowd_loops_avx2,
+    tvi_galerkin_crowd_loops_avx512;
+
+#endif

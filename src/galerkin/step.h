@@ -1,0 +1,29 @@
+/* step.h - what a step of the Galerkin curve is made with (galerkin.c), for those of several members, too (crowd.c). */
+#ifndef TVI_SRC_GALERKIN_STEP_H
+#define TVI_SRC_GALERKIN_STEP_H
+
+#include "galerkin/passes.h"
+#include "galerkin/predictor.h"
+
+typedef struct {
+    const tvi_options *options;
+    int n;
+    galerkin_field field;
+    galerkin_coefficients coefficients;
+    galerkin_predictor predictor;
+    galerkin_probe probe;
+    tvi_passes_rule rule;
+    galerkin_dense dense;
+    double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
+    double *share, *ratio;     /* [n] of the tail */
+    double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
+    galerkin_motion motion;
+} galerkin;
+
+/* What depends on the size of the step alone: the weights and scales of the nodes. */
+void tvi_galerkin_set_size(galerkin *w, double h);
+
+/* Whether its passes know no second derivatives. */
+bool tvi_galerkin_is_plain(const tvi_system *system);
+
+#endif

@@ -1,0 +1,139 @@
+/* taylor_crowd.c - steps of the plain Taylor method of several members of an ensemble at once: lane m of a sweep is
+ * member m. A member whose curve cannot be expanded goes by itself, and fails as it does there. */
+#include "generating/taylor_loops.h"
+#include "method/single.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_WIDTH = 32, LEAST_WIDTH = 8 };
+/* Of a block of the series, in the first-level cache; a block of the least width may be larger. */
+enum { MOST_BYTES = 30 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
+
+typedef struct {
+    tvi_single by_itself;
+    const tvi_system *system;
+    const tvi_taylor_loops *loops;
+    int degree;
+    tvi_taylor_lanes curve;
+    double *kappa;                          /* [n] */
+    double *dq, *dp, *share, *ratio, *tail; /* [n][width] */
+} crowd;
+
+static const tvi_taylor_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_taylor_loops_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_taylor_loops_avx2,
+    [jet_isa_avx512] = &tvi_taylor_loops_avx512,
+#endif
+};
+
+static int width_of(const tvi_system *system, const tvi_options *options)
+{
+    const int bytes = system->field_series->slots * (options->degree + 1) * (int)sizeof(double);
+    int width = LEAST_WIDTH;
+    if (system->form == TVI_LAGRANGIAN || LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
+    while (2 * width <= MOST_WIDTH && 2 * width * bytes <= MOST_BYTES) width *= 2;
+    return width;
+}
+
+static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+{
+    crowd *taken = tvi_arena_take(arena, sizeof *taken);
+    const jet_tape *tape = system->field_series;
+    const size_t n = (size_t)system->n;
+    crowd w = {.system = system, .loops = loops_of[tape->sweeps->isa], .degree = options->degree};
+    tvi_single_take(&w.by_itself, arena, &tvi_stepper_taylor, system, options, width, 1);
+    double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio, &w.tail};
+    for (size_t i = 0; i < 5; i++) *of_n[i] = tvi_arena_doubles(arena, n * (size_t)width);
+    w.kappa = tvi_arena_doubles(arena, n);
+    w.curve = (tvi_taylor_lanes){.n = system->n,
+                                 .width = width,
+                                 .top = options->degree,
+                                 .stride = (size_t)tape->slots * (size_t)width,
+                                 .kappa = w.kappa,
+                                 .output = tape->output,
+                                 .x = tvi_arena_block(arena, tape, options->degree + 1, width, 0),
+                                 .has_masses = system->form == TVI_SEPARABLE};
+    if (taken) *taken = w;
+    return taken;
+}
+
+static void prepare(void *work)
+{
+    crowd *w = work;
+    tvi_single_prepare(&w->by_itself);
+}
+
+/* The data at the start: (q, tau v) or (q, p). */
+static void set_start(crowd *w, double h, const tvi_crowd_origin *origin)
+{
+    tvi_taylor_lanes *curve = &w->curve;
+    const int width = curve->width;
+    const size_t numbers = (size_t)curve->n * (size_t)width;
+    double *second = curve->has_masses ? curve->x + curve->stride : curve->x + numbers;
+    curve->tau = h;
+    memcpy(curve->x, origin->q, numbers * sizeof *curve->x);
+    for (int i = 0; i < curve->n; i++) {
+        w->kappa[i] = curve->has_masses ? h / w->system->mass[i] : 1;
+        for (int at = i * width; at < (i + 1) * width; at++) second[at] = w->kappa[i] * origin->p[at];
+    }
+    double *time = curve->x + w->system->inputs * width;
+    for (int m = 0; w->system->uses_time && m < width; m++) {
+        time[m] = origin->t[m] + origin->t_low[m];
+        time[curve->stride + (size_t)m] = h;
+    }
+}
+
+/* Whether all values of the field are inside its domain. */
+static bool expand(const crowd *w)
+{
+    const tvi_taylor_lanes *curve = &w->curve;
+    const jet_tape *tape = w->system->field_series;
+    const int first = curve->has_masses ? 2 : 1;
+    bool inside = true;
+    for (int k = 0; k + first <= curve->top; k++) {
+        inside &= tape->sweeps->series(tape, curve->x, k, curve->width);
+        w->loops->advance(curve, k);
+    }
+    return inside;
+}
+
+static bool is_finite(const crowd *w, int m)
+{
+    for (int at = m; at < w->curve.n * w->curve.width; at += w->curve.width)
+        if (!isfinite(w->dq[at]) || !isfinite(w->dp[at])) return false;
+    return true;
+}
+
+static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+{
+    crowd *w = work;
+    const tvi_taylor_lanes *curve = &w->curve;
+    const jet_tape *tape = w->system->field_series;
+    const int n = curve->n, width = curve->width, p_degree = w->degree - 1;
+    set_start(w, h, origin);
+    const bool inside = expand(w);
+    w->loops->rise(curve, w->degree, p_degree, w->dq, w->dp);
+    if (p_degree > 1) w->loops->tail(curve, w->degree, p_degree, w->share, w->ratio, w->tail);
+    for (int m = 0; m < width; m++) {
+        if (end->status[m] != TVI_OK) continue;
+        if ((!inside && !tvi_single_is_inside(&w->by_itself, tape, curve->x, 1, m)) || !is_finite(w, m)) {
+            (void)tvi_single_step(&w->by_itself, tape, curve->x, 1, h, origin, end, m, stats);
+            continue;
+        }
+        for (int at = m; at < n * width; at += width) {
+            end->dq[at] = w->dq[at];
+            end->dp[at] = w->dp[at];
+        }
+        end->tail[m] = stats->tail = w->tail[m];
+        end->passes[m] = 0;
+        stats->expansions++;
+    }
+}
+
+/* Of steps of a given size there is no history. */
+static void forget(void *work, int lane) { (void)work, (void)lane; }
+
+const tvi_crowd_stepper tvi_taylor_crowd = {
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .forget = forget};

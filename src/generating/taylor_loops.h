@@ -1,0 +1,31 @@
+/* taylor_loops.h - the loops of the Taylor curves of several members at once (taylor_crowd.c), compiled once for each
+ * instruction set: the members are the fastest lanes, so that no sum runs across lanes. */
+#ifndef TVI_SRC_GENERATING_TAYLOR_LOOPS_H
+#define TVI_SRC_GENERATING_TAYLOR_LOOPS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* The block of the series: order k of row i of member m stands at x[k * stride + i * width + m]. */
+typedef struct {
+    int n, width, top;
+    size_t stride;
+    double tau;
+    const double *kappa; /* [n] */
+    const int *output;   /* of the field */
+    double *x;
+    bool has_masses; /* a separable system */
+} tvi_taylor_lanes;
+
+typedef struct {
+    /* The curve's coefficients that order k of the field gives (docs/method.md section 2). */
+    void (*advance)(const tvi_taylor_lanes *curve, int k);
+    /* dq = sum_k Q_k, k = 1 .. q_degree, and dp likewise, [n][width]; the small terms first. */
+    void (*rise)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *dq, double *dp);
+    /* tvi_stats.tail of each member, for P and Q to these degrees; share, ratio [n][width]: scratch. */
+    void (*tail)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *share, double *ratio, double *tail);
+} tvi_taylor_loops;
+
+extern const tvi_taylor_loops tvi_taylor_loops_base, tvi_taylor_loops_avx2, tvi_taylor_loops_avx512;
+
+#endif
