@@ -136,6 +136,55 @@ START_TEST(units_do_not_matter)
 }
 END_TEST
 
+/* ---- Why there is no floor (docs/adaptive.md) --------------------------------------------------------------------- */
+
+/* The automatic scale of the pendulum and of Kepler's problem with a floor, w0^4 added. */
+static double floor_4;
+
+static jet pendulum(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(jet_cos(q[0]));
+}
+
+static jet pendulum_scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_pow(jet_add(floor_4, jet_sqr(jet_cos(q[0]))), -0.25);
+}
+
+static jet floored_scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_pow(jet_add(floor_4, jet_mul(5, jet_pow(jet_dot(q, q, 2), -3))), -0.25);
+}
+
+/* The steps to t_end with w0 a part of the frequency at the start; 0: they end before. */
+static long steps_with(double part, run r, double frequency, tvi_potential_fn *potential, tvi_rescale_fn *g, double h)
+{
+    floor_4 = pow(part * frequency, 4);
+    r = open_run(rescaled_system(r.x.p[1] != 0 ? 2 : 1, NULL, potential, g), NULL, 0, &r.x);
+    const tvi_status status = tvi_integrate_to(r.integrator, h, 100, &r.x.t, r.x.q, r.x.p, NULL, NULL);
+    const long steps = status == TVI_OK ? tvi_integrator_stats(r.integrator)->steps : 0;
+    close_run(&r);
+    return steps;
+}
+
+/* One that carries the pendulum across 90 degrees takes the long steps from an orbit that starts at its pericentre. */
+START_TEST(a_floor_helps_one_and_harms_the_other)
+{
+    const run turning = {.x = {0, {0.5}, {1.8}}}, eccentric = {.x = kepler_start(0.9)};
+    static const double parts[] = {0, 1e-4, 0.5};
+    long over[3], around[3];
+    for (int i = 0; i < 3; i++) {
+        over[i] = steps_with(parts[i], turning, sqrt(cos(0.5)), pendulum, pendulum_scale, 0.3);
+        around[i] = steps_with(parts[i], eccentric, pow(5, 0.25) * pow(0.1, -1.5), kepler, floored_scale, 1.25);
+    }
+    ck_assert(over[0] == 0 && over[1] == 0 && over[2] > 200);
+    ck_assert(around[0] > 100 && around[1] == around[0] && around[2] > 10 * around[0]);
+}
+END_TEST
+
 Suite *suite_scale(void)
 {
     Suite *suite = suite_create("scale");
@@ -144,6 +193,7 @@ Suite *suite_scale(void)
     tcase_add_test(tests, automatic_of_springs);
     tcase_add_test(tests, automatic_of_a_hamiltonian);
     tcase_add_loop_test(tests, units_do_not_matter, 0, 4);
+    tcase_add_test(tests, a_floor_helps_one_and_harms_the_other);
     suite_add_tcase(suite, tests);
     return suite;
 }
