@@ -249,7 +249,7 @@ static void sweep_paper(sweep *b)
 int main(int argc, char *argv[])
 {
     const experiment e = experiment_begin(argc, argv);
-    sweep b = {.begin = run_wall_clock(), .longest = LONGEST};
+    sweep b = {.begin = run_clock(), .longest = LONGEST};
     b.end = b.begin + BUDGET;
     if (!report_open(&b.report, e.dir, argc, argv)) return EXIT_FAILURE;
     report_remark(&b.report, "flags of the baselines: %s", baseline_flags);

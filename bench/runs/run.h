@@ -23,7 +23,7 @@ typedef struct {
     double h;             /* then the mean of them */
     long steps;
     double cpu;             /* s: the fastest of several repetitions, without making the system and the integrator */
-    double wall;            /* s: the whole measurement, repetitions included */
+    double whole;           /* s: the whole measurement, repetitions included */
     double energy_error;    /* max |H - H0| / max(|H0|, energy_scale), over all steps or RUN_SAMPLES at least */
     double end_error;       /* maximum norm of (q,p) - reference at t_end */
     double position_error;  /* 2-norm of q - reference */
@@ -35,8 +35,7 @@ typedef struct {
 
 enum { RUN_SAMPLES = 1000 };
 
-double run_clock(void);      /* CPU time of this process, s */
-double run_wall_clock(void); /* s */
+double run_clock(void); /* CPU time of this process, s */
 
 /* A contender before the start of a scene: h and steps, or tolerance, from the setting. */
 typedef struct {
@@ -58,8 +57,8 @@ double runner_time(runner *r); /* CPU time, the fastest of several repetitions; 
 /* Runs the scene once with an observer for the errors and some times without one for the time. Sets all but method. */
 void run_measure(const tvi_system *system, const scene *s, const tvi_options *options, double h, run *result);
 
-/* The same for any contender; status is TVI_ESTOPPED where the first run is not over at `deadline` of the wall
- * clock. */
+/* The same for any contender; status is TVI_ESTOPPED where the first run is not over at `deadline` of
+ * run_clock. */
 void run_contender(const tvi_system *system, const scene *s, const contender *who, double setting, double deadline,
                    run *result);
 

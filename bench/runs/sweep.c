@@ -65,7 +65,7 @@ static bool outdone(const sweep *b, const run *r)
 static double expected(const run *last, double setting)
 {
     const bool adaptive = last->who->baseline && last->who->baseline->adaptive;
-    return last->wall * (adaptive ? 1.5 : last->setting / setting);
+    return last->whole * (adaptive ? 1.5 : last->setting / setting);
 }
 
 /* ---- A line ------------------------------------------------------------------------------------------------------ */
@@ -88,7 +88,7 @@ static void skip_from(line *l, int i, double cost, double left)
 /* Time left for one run. */
 static double left_for(const line *l)
 {
-    const double left = l->end - run_wall_clock();
+    const double left = l->end - run_clock();
     return l->sweep->longest > 0 ? fmin(left, l->sweep->longest) : left;
 }
 
@@ -96,7 +96,7 @@ static tvi_status climb_to(line *l, int i)
 {
     run *r = &l->rung[i];
     char why[128];
-    run_contender(l->system, l->scene, l->who, l->ladder[i], run_wall_clock() + left_for(l), r);
+    run_contender(l->system, l->scene, l->who, l->ladder[i], run_clock() + left_for(l), r);
     if (r->status == TVI_OK) return TVI_OK;
     if (r->status == TVI_ESTOPPED) {
         l->sweep->skipped += l->rungs - i;
@@ -183,8 +183,8 @@ static bool report_line(line *l, double begin, double end)
         from = from ? from : r;
         to = r;
     }
-    fprintf(stderr, "%3.0f%%  %-16s%-24s%2d", 100 * (run_wall_clock() - begin) / (end - begin), l->scene->name,
-            l->who->name, l->who->order);
+    fprintf(stderr, "%3.0f%%  %-16s%-24s%2d", 100 * (run_clock() - begin) / (end - begin), l->scene->name, l->who->name,
+            l->who->order);
     if (to)
         fprintf(stderr, "  h %-8.4g to %-9.4g error %-8.1e to %-8.1e", from->h, to->h, from->end_error, to->end_error);
     fprintf(stderr, "  (%s)\n", l->why);
@@ -205,7 +205,7 @@ static bool serves(sweep *b, const tvi_system *system, const scene *s, const con
 
 double sweep_share(double end, double part)
 {
-    const double now = run_wall_clock();
+    const double now = run_clock();
     return now + (end - now) * part;
 }
 

@@ -7,7 +7,7 @@
 
 typedef struct {
     report report;
-    double begin, end;       /* of the wall clock: when the sweeps began, and must be over */
+    double begin, end;       /* of run_clock: when the sweeps began, and must be over */
     double longest;          /* s: no measurement may take longer; 0 = only the budget ends it */
     double enough;           /* a line ends below this error; 0 = at roundoff */
     report_error *enough_of; /* which error; NULL = of the position */

@@ -87,7 +87,7 @@ int main(int argc, char *argv[])
     if (!c.baselines) contenders_add_methods(&list, methods, METHODS);
     contenders_add_baselines(&list);
     contenders_sort(&list);
-    sweep b = {.begin = run_wall_clock(), .dearest = 10, .only = c.method};
+    sweep b = {.begin = run_clock(), .dearest = 10, .only = c.method};
     b.end = b.begin + SWEEPS * c.budget;
     if (!report_open(&b.report, c.dir, argc, argv)) return EXIT_FAILURE;
     report_remark(&b.report, "flags of the baselines: %s", baseline_flags);
