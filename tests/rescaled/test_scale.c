@@ -136,7 +136,7 @@ START_TEST(units_do_not_matter)
 }
 END_TEST
 
-/* ---- Why there is no floor (docs/adaptive.md) ---------------------------------------------------------------------- */
+/* ---- Why there is no floor (docs/adaptive.md) -------------------------------------------------------------------- */
 
 /* The automatic scale of the pendulum and of Kepler's problem with a floor, w0^4 added. */
 static double floor_4;
