@@ -79,6 +79,38 @@ START_TEST(ends_at_a_time)
 }
 END_TEST
 
+/* Each argument alone; there is no step. */
+START_TEST(arguments_of_a_run_to_a_time)
+{
+    run r = open_orbit();
+    state x = r.x;
+    const struct {
+        tvi_integrator *integrator;
+        double h, t_end, *t, *q, *p;
+        tvi_status expected;
+    } cases[] = {
+        {NULL, 0.5, 1, &x.t, x.q, x.p, TVI_EINVAL},
+        {r.integrator, 0.5, 1, NULL, x.q, x.p, TVI_EINVAL},
+        {r.integrator, 0.5, 1, &x.t, NULL, x.p, TVI_EINVAL},
+        {r.integrator, 0.5, 1, &x.t, x.q, NULL, TVI_EINVAL},
+        {r.integrator, 0, 1, &x.t, x.q, x.p, TVI_EINVAL},
+        {r.integrator, NAN, 1, &x.t, x.q, x.p, TVI_EINVAL},
+        {r.integrator, 0.5, INFINITY, &x.t, x.q, x.p, TVI_EINVAL},
+        {r.integrator, -0.5, 1, &x.t, x.q, x.p, TVI_EINVAL},
+        {r.integrator, 0.5, -1, &x.t, x.q, x.p, TVI_EINVAL},
+        {r.integrator, 0.5, 0, &x.t, x.q, x.p, TVI_OK},  /* it is there, */
+        {r.integrator, -0.5, 0, &x.t, x.q, x.p, TVI_OK}, /* either way */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        ck_assert_int_eq(tvi_integrate_to(cases[i].integrator, cases[i].h, cases[i].t_end, cases[i].t, cases[i].q,
+                                          cases[i].p, NULL, NULL),
+                         cases[i].expected);
+    ck_assert(memcmp(&x, &r.x, sizeof x) == 0);
+    ck_assert_int_eq(tvi_integrator_stats(r.integrator)->steps, 0);
+    close_run(&r);
+}
+END_TEST
+
 static int count_steps(long step, double t, const double q[], const double p[], void *ctx)
 {
     long *last = ctx;
@@ -241,6 +273,7 @@ Suite *suite_times(void)
     TCase *tests = tcase_create("times"), *between = tcase_create("between steps");
     tcase_add_loop_test(tests, states_at_times, 0, 2);
     tcase_add_test(tests, ends_at_a_time);
+    tcase_add_test(tests, arguments_of_a_run_to_a_time);
     tcase_add_test(tests, ends_at_a_time_of_equal_steps);
     tcase_add_loop_test(tests, events_at_times, 0, 2);
     tcase_add_test(tests, dense_output);
