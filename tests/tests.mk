@@ -110,10 +110,11 @@ IN_ONE_GO  := CK_FORK=no tests/suites.sh
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating fuzz)
+do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz)
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
+	$(IN_ONE_GO) 'failing,states,refused,runs/following' $(BUILD)/check/ensemble
 	$(BUILD)/check/fuzz
 
 check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)
@@ -121,15 +122,17 @@ do-valgrind: $(addprefix $(BUILD)/check/,library ad)
 	$(IN_ONE_GO) 'input/systems,input/functions,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape' $(VALGRIND) $(BUILD)/check/ad
 
-# two threads on one system, library and all
+# threads on one system, library and all: integrators of their own, and ensembles, of which tests/threads makes the threads
 check-threads:
-	$(REPORT) "two threads, ten thousand integrators, thread sanitizer" $(LOG) \
-	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads CFLAGS='-O1 -g1 -fsanitize=thread'
-do-threads: $(BUILD)/check/threads
-	TSAN_OPTIONS=halt_on_error=1 OPENBLAS_NUM_THREADS=1 $<
-$(BUILD)/check/threads: $(BUILD)/tests/threads/threads.o $(BUILD)/libtvi.a
+	$(REPORT) "two threads, ten thousand integrators; ensembles; thread sanitizer" $(LOG) \
+	    $(MAKE) -s --no-print-directory do-threads BUILD=$(BUILD)/threads OPENMP=0 CFLAGS='-O1 -g1 -fsanitize=thread'
+THREADS := $(patsubst tests/threads/%.c,%,$(filter-out %/blas.c,$(wildcard tests/threads/*.c)))
+do-threads: $(THREADS:%=$(BUILD)/check/threads-%)
+	for program in $^; do TSAN_OPTIONS=halt_on_error=1 OPENBLAS_NUM_THREADS=1 $$program || exit 1; done
+$(THREADS:%=$(BUILD)/check/threads-%): $(BUILD)/check/threads-%: $(BUILD)/tests/threads/%.o $(BUILD)/libtvi.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(LDFLAGS) -pthread -o $@ $^ $(LIBS)
+	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -pthread -o $@ $^ $(LIBS)
+$(BUILD)/check/threads-ensemble: WRAP = -Wl,--wrap=tvi_spread
 $(BUILD)/tests/threads/%.o: tests/threads/%.c
 	@mkdir -p $(@D)
 	$(CC) $(TEST_FLAGS) -c -o $@ $<

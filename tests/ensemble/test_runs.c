@@ -250,8 +250,11 @@ Suite *suite_runs(void)
     tcase_add_checked_fixture(tests, make_events, free_events);
     tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, runs_are_those_of_integrators, 0, form_count * method_count * KINDS);
-    tcase_add_loop_test(tests, runs_follow_each_other, 0, method_count);
-    tcase_add_test(tests, an_observer_stops_and_changes_columns);
     suite_add_tcase(suite, tests);
+    TCase *following = tcase_create("following");
+    tcase_add_checked_fixture(following, make_events, free_events);
+    tcase_add_loop_test(following, runs_follow_each_other, 0, method_count);
+    tcase_add_test(following, an_observer_stops_and_changes_columns);
+    suite_add_tcase(suite, following);
     return suite;
 }

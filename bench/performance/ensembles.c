@@ -1,0 +1,168 @@
+/* ensembles.c - what a step of an orbit costs in an ensemble, beside that of an integrator, for docs/ensembles.md: the
+ * same orbits, taken in turns. Writes DIR/ensembles.md; the compiler's cache is DIR/generated.
+ *
+ *   ensembles DIR */
+#include "experiments/experiment.h"
+#include "turns.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+enum { MEMBERS = 256, STEPS = 40, N_MOST = 18, REPETITIONS = 5 };
+static const double SPREAD = 1e-3; /* of the starts, relative */
+
+typedef struct {
+    const scene *scene;
+    const char *title, *method;
+    int order;
+    double h;
+    double least; /* how many times faster an orbit is to be, on one core; 0: not stated */
+} row;
+static const row rows[] = {
+    {&scene_kepler, "Kepler", "galerkin", 16, 0.25, 2.5},
+    {&scene_henon_heiles_8, "Henon-Heiles", "galerkin", 16, 0.5, 2.5},
+    {&scene_fpu, "FPU", "galerkin", 16, 0.03906, 1.7},
+    {&scene_solar, "Solar System", "galerkin", 16, 400, 1},
+    {&scene_kepler, "Kepler", "taylor", 12, 0.125, 6},
+    {&scene_henon_heiles_8, "Henon-Heiles", "taylor", 12, 0.25, 6},
+    {&scene_fpu, "FPU", "taylor", 12, 0.02, 0},
+    {&scene_solar, "Solar System", "taylor", 12, 100, 0},
+    {&scene_kepler, "Kepler", "midpoint", 12, 0.125, 6},
+    {&scene_henon_heiles_8, "Henon-Heiles", "midpoint", 12, 0.25, 6},
+    {&scene_kepler, "Kepler", "stormer-verlet", 2, 0.01, 0},
+    {&scene_solar, "Solar System", "stormer-verlet", 2, 20, 0},
+};
+enum { ROWS = sizeof rows / sizeof *rows };
+
+static void insist(tvi_status status, const char *what)
+{
+    if (status != TVI_OK) experiment_fail(what, tvi_last_error());
+}
+
+/* ---- The orbits -------------------------------------------------------------------------------------------------- */
+
+typedef struct {
+    const row *of;
+    tvi_integrator *alone;
+    tvi_ensemble *together;
+    double t[MEMBERS], q[N_MOST * MEMBERS], p[N_MOST * MEMBERS];
+    tvi_status status[MEMBERS];
+} orbits;
+
+static orbits *open_orbits(const row *of, const tvi_system *system, const tvi_options *options, int threads)
+{
+    orbits *o = calloc(1, sizeof *o);
+    if (!o) abort();
+    o->of = of;
+    insist(tvi_integrator_create(&o->alone, system, options), "an integrator");
+    insist(tvi_ensemble_create(&o->together, system, options, MEMBERS, threads), "an ensemble");
+    return o;
+}
+
+static void close_orbits(orbits *o)
+{
+    tvi_integrator_free(o->alone);
+    tvi_ensemble_free(o->together);
+    free(o);
+}
+
+/* Of member m: the scene's, a little apart. */
+static double spread(int m) { return 1 + SPREAD * m / MEMBERS; }
+
+static void run_alone(void *ctx)
+{
+    const orbits *o = ctx;
+    const scene *s = o->of->scene;
+    for (int m = 0; m < MEMBERS; m++) {
+        double t = 0, q[N_MOST], p[N_MOST];
+        for (int i = 0; i < s->n; i++) q[i] = spread(m) * s->q[i], p[i] = s->p[i];
+        insist(tvi_integrate(o->alone, o->of->h, STEPS, &t, q, p, NULL, NULL), o->of->method);
+    }
+}
+
+static void run_together(void *ctx)
+{
+    orbits *o = ctx;
+    const scene *s = o->of->scene;
+    for (int m = 0; m < MEMBERS; m++) {
+        o->t[m] = 0;
+        for (int i = 0; i < s->n; i++) o->q[i * MEMBERS + m] = spread(m) * s->q[i], o->p[i * MEMBERS + m] = s->p[i];
+    }
+    insist(tvi_ensemble_integrate(o->together, o->of->h, STEPS, o->t, o->q, o->p, o->status, NULL, NULL), "a run");
+    for (int m = 0; m < MEMBERS; m++) insist(o->status[m], "a member");
+}
+
+/* ns of a step of one orbit. */
+static double cost_of(const turn *t) { return 1e9 * t->seconds / ((double)MEMBERS * STEPS); }
+
+static double wall_clock(void)
+{
+    struct timespec now;
+    (void)clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* How many times faster two threads are than one, by the clock on the wall. */
+static double speedup(orbits *one, orbits *two, long calls)
+{
+    orbits *const both[] = {one, two};
+    double least[] = {INFINITY, INFINITY};
+    for (int k = 0; k < 2 * REPETITIONS; k++) {
+        const double start = wall_clock();
+        for (long call = 0; call < calls; call++) run_together(both[k % 2]);
+        least[k % 2] = fmin(least[k % 2], wall_clock() - start);
+    }
+    return least[0] / least[1];
+}
+
+static tvi_compiled *compile(const experiment *e, const tvi_system *system, const tvi_options *options)
+{
+    char cache[4096];
+    tvi_compiled *code;
+    snprintf(cache, sizeof cache, "%s/generated", e->dir);
+    insist(tvi_compile(&code, system, options, &(tvi_compiler){.cache = cache}), "a compilation");
+    return code;
+}
+
+static void write_row(FILE *table, const experiment *e, const row *of)
+{
+    tvi_options options;
+    tvi_system *system = experiment_system(of->scene);
+    insist(tvi_options_named(of->method, of->order, &options), of->method);
+    tvi_options compiled = options;
+    tvi_compiled *code = compile(e, system, &options);
+    compiled.compiled = code;
+    orbits *plain = open_orbits(of, system, &options, 1), *own = open_orbits(of, system, &compiled, 1);
+    orbits *two = open_orbits(of, system, &options, 2);
+    turn t[] = {{.work = run_alone, .ctx = plain},
+                {.work = run_together, .ctx = plain},
+                {.work = run_alone, .ctx = own},
+                {.work = run_together, .ctx = own}};
+    turns_time(4, t);
+    const double ratio = t[0].seconds / t[1].seconds;
+    fprintf(table, "| %s | %s %d | %g | %.0f | %.0f | %.2f |", of->title, of->method, of->order, of->h, cost_of(&t[0]),
+            cost_of(&t[1]), ratio);
+    if (of->least > 0) fprintf(table, " %g | %s |", of->least, ratio >= of->least ? "yes" : "no");
+    else fprintf(table, " | |");
+    fprintf(table, " %.0f | %.0f | %.2f |\n", cost_of(&t[2]), cost_of(&t[3]), speedup(plain, two, 8 * t[1].calls));
+    close_orbits(plain);
+    close_orbits(own);
+    close_orbits(two);
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+    experiment_progress("ensembles: %s, %s", of->title, of->method);
+}
+
+int main(int argc, char *argv[])
+{
+    const experiment e = experiment_begin(argc, argv);
+    FILE *table = experiment_table(&e, "ensembles",
+                                   " orbit | method | h | alone, ns a step (time) | in an ensemble (time) | times "
+                                   "faster (time) | at least | met (time) | compiled, alone (time) | in an ensemble "
+                                   "(time) | two threads, times faster (time) ");
+    for (int i = 0; i < ROWS; i++) write_row(table, &e, &rows[i]);
+    experiment_close(table);
+    return EXIT_SUCCESS;
+}
