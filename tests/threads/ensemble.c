@@ -1,6 +1,6 @@
-/* ensemble.c - ensembles on three threads, under the thread sanitizer: steps, events, tangents, states, results the same
- * to the last bit as on one. The threads are POSIX threads in the place of OpenMP's, whose own library the sanitizer
- * does not see into: tvi_spread is linked with --wrap. */
+/* ensemble.c - ensembles on three threads, under the thread sanitizer: steps, events, tangents, states, results the
+ * same to the last bit as on one. The threads are POSIX threads in the place of OpenMP's, whose own library the
+ * sanitizer does not see into: tvi_spread is linked with --wrap. */
 #include "run/spread.h"
 #include "tvi.h"
 
