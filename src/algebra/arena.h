@@ -16,12 +16,14 @@
 #endif
 
 /* What one step leaves to the next stands apart, in one region of its own: the history. All zeros are the history of no
- * step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. */
+ * step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. At its end
+ * stand pieces that steps fill in turns, and the rest of the history knows which: a step writes into one that nobody
+ * reads, so that these pieces are not marked, and to undo the last step does not touch them. */
 typedef struct tvi_block tvi_block;
 typedef struct {
-    char *base, *history;
-    size_t used, remembered;
-    const tvi_block *blocks; /* block.h */
+    char *base, *history, *turns;
+    size_t used, marked, in_turns; /* of what the history has before those pieces, and of them */
+    const tvi_block *blocks;       /* block.h */
 } tvi_arena;
 
 enum { ARENA_ALIGNMENT = 64 };
@@ -36,14 +38,23 @@ enum { ARENA_GAP = 0 };
 #define ARENA_UNCHECKED
 #endif
 
+/* Of the history, */
+static inline size_t tvi_arena_remembered(const tvi_arena *arena) { return arena->marked + arena->in_turns; }
+/* and of all memory, which has what is marked once more, as it was before. */
+static inline size_t tvi_arena_bytes(const tvi_arena *arena)
+{
+    return arena->used + tvi_arena_remembered(arena) + arena->marked;
+}
+
 /* Memory for all that was measured, zeros, which is to be freed; then the arena hands it out. NULL without memory. */
 static inline void *tvi_arena_open(tvi_arena *arena)
 {
-    const size_t bytes = arena->used + 2 * arena->remembered; /* the history, and what it was before */
+    const size_t bytes = tvi_arena_bytes(arena);
     char *memory = aligned_alloc(ARENA_ALIGNMENT, bytes);
     if (!memory) return NULL;
     memset(memory, 0, bytes);
-    *arena = (tvi_arena){.base = memory, .history = memory + arena->used};
+    char *const history = memory + arena->used;
+    *arena = (tvi_arena){.base = memory, .history = history, .turns = history + arena->marked};
     return memory;
 }
 
@@ -64,7 +75,13 @@ static inline void *tvi_arena_take(tvi_arena *arena, size_t bytes)
 
 static inline void *tvi_arena_history(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->history, &arena->remembered, bytes);
+    return tvi_arena_cut(arena->history, &arena->marked, bytes);
+}
+
+/* One of the pieces that steps fill in turns. */
+static inline void *tvi_arena_turn(tvi_arena *arena, size_t bytes)
+{
+    return tvi_arena_cut(arena->turns, &arena->in_turns, bytes);
 }
 
 static inline double *tvi_arena_doubles(tvi_arena *arena, size_t count)

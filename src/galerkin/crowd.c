@@ -129,17 +129,15 @@ static void hand_over(const crowd *w, int m)
 {
     const galerkin_predictor *predictor = &w->single->predictor;
     *predictor->last = w->last[m];
-    for (int i = 0; i < 2; i++) gather_impulses(w, w->impulses[i], m, predictor->impulses[i]);
+    for (int i = 0; i < 2; i++) gather_impulses(w, w->impulses[i], m, tvi_galerkin_impulses(predictor, -i));
 }
 
 static void take_over(const crowd *w, int m)
 {
     const galerkin_predictor *predictor = &w->single->predictor;
-    const int turn = predictor->last->turn;
     w->last[m] = *predictor->last;
     w->last[m].turn = 0;
-    scatter_impulses(w, predictor->impulses[turn], m, w->impulses[0]);
-    scatter_impulses(w, predictor->impulses[!turn], m, w->impulses[1]);
+    for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), m, w->impulses[i]);
 }
 
 static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,

@@ -61,7 +61,6 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     nodes->lanes = lanes_for(points);
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
-    nodes->impulse = tvi_arena_doubles(arena, unknowns * lanes);
     nodes->weight = tvi_arena_doubles(arena, lanes);
     nodes->start = tvi_arena_doubles(arena, unknowns);
     nodes->scale = tvi_arena_doubles(arena, unknowns);
@@ -214,6 +213,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     galerkin *w = work;
     const galerkin_history *last = w->predictor.last;
     tvi_galerkin_set_size(w, h);
+    w->field.nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
     set_start(w, origin);
     double part, slowest = h == last->h ? last->slowest : 0;
     const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY &&
@@ -222,7 +222,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &slowest, stats);
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
-    tvi_galerkin_remember(&w->predictor, &w->field, origin->t, slowest);
+    tvi_galerkin_remember(&w->predictor, h, origin->t, slowest);
     set_increments(w, dq, dp);
     stats->tail = tail(w, origin, dp);
     return TVI_OK;
@@ -247,7 +247,7 @@ static void integrate_impulses(const galerkin *w, tvi_range of, int places, cons
 static void follow_curve(const galerkin *w, const tvi_range of[2], int places, const double theta[], const double *once,
                          const double *twice, const double q_start[], const double p_start[], double *q, double *p)
 {
-    const double *impulses = w->predictor.impulses[w->predictor.last->turn], *of_p = impulses;
+    const double *impulses = tvi_galerkin_impulses(&w->predictor, 0), *of_p = impulses;
     const bool separable = galerkin_is_second_order(&w->field);
     if (!separable) of_p += w->n * w->field.nodes.lanes;
     integrate_impulses(w, of[0], places, theta, separable ? twice : once, impulses, q_start, w->drift, w->rise, q);

@@ -16,8 +16,7 @@
 typedef struct {
     const lagrangian_loops *loops;
     tvi_legendre legendre;
-    galerkin_nodes positions, momenta; /* halves of the nodes */
-    galerkin_nodes drives;             /* V and F as unknowns, which begin at 0 */
+    galerkin_nodes drives; /* V and F as unknowns, which begin at 0 */
     galerkin_model model;
     double *velocity;  /* [n] at the start */
     lanes_factor mass; /* of L_vv */
@@ -37,7 +36,6 @@ static galerkin_nodes half(const galerkin_field *field, int first)
     galerkin_nodes nodes = field->nodes;
     const size_t offset = (size_t)first * (size_t)nodes.lanes;
     nodes.unknowns /= 2;
-    if (!nodes.x) return nodes;
     nodes.x += offset;
     nodes.base += offset;
     nodes.impulse += offset;
@@ -73,8 +71,6 @@ static void take(galerkin_field *field, tvi_arena *arena)
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
     tvi_legendre_take(&w.legendre, arena, system);
     take_factor(&w.mass, arena, n, field->nodes.lanes);
-    w.positions = half(field, 0);
-    w.momenta = half(field, n);
     w.drives = field->nodes;
     w.drives.x = field->nodes.x ? row(field, unknowns) : NULL;
     w.drives.start = tvi_arena_doubles(arena, (size_t)unknowns);
@@ -182,9 +178,10 @@ static double iterate(galerkin_field *field)
     const lagrangian *w = field->own;
     const galerkin_loops *loops = field->loops;
     const int n = field->system->n;
-    const double moved = loops->move(&w->momenta, field->matrix, field->nodes.x, field->slot + n);
+    const galerkin_nodes positions = half(field, 0), momenta = half(field, n);
+    const double moved = loops->move(&momenta, field->matrix, field->nodes.x, field->slot + n);
     w->loops->correct(&w->mass, row(field, n), row(field, 4 * n), row(field, 2 * n));
-    return moved + loops->move(&w->positions, field->matrix, field->nodes.x, field->slot);
+    return moved + loops->move(&positions, field->matrix, field->nodes.x, field->slot);
 }
 
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)

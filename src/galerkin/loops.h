@@ -65,7 +65,7 @@ typedef struct {
     double *start;        /* [unknowns] the unknowns at the start of the step */
     double *base;         /* [unknowns][lanes] what they rise by without F */
     double *weight;       /* [lanes] h b_j */
-    double *impulse;      /* [unknowns][lanes] L of the last movement */
+    double *impulse;      /* [unknowns][lanes] L of the last movement, in the history */
     double *scale;        /* [unknowns] what multiplies the sums of L */
     double *inverse_size; /* [unknowns] */
 } galerkin_nodes;

@@ -9,7 +9,7 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
 {
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     w->last = tvi_arena_history(arena, sizeof *w->last);
-    for (int i = 0; i < 2; i++) w->impulses[i] = tvi_arena_history(arena, count * width * sizeof(double));
+    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, count * width * sizeof(double));
     w->from_two = tvi_arena_doubles(arena, 2 * width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
@@ -104,7 +104,7 @@ void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients
                               galerkin_field *field, double part)
 {
     const galerkin_history *last = w->last;
-    const double *const impulses[] = {w->impulses[last->turn], w->impulses[!last->turn]};
+    const double *const impulses[] = {tvi_galerkin_impulses(w, 0), tvi_galerkin_impulses(w, -1)};
     if (part == 1 && field->h == last->h && field->h == last->h_before) {
         field->form->predict(field, 2, w->from_two, impulses);
     } else {
@@ -116,10 +116,7 @@ void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients
     }
 }
 
-void tvi_galerkin_remember(galerkin_predictor *w, const galerkin_field *field, double t, double slowest)
+void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest)
 {
-    const int turn = !w->last->turn;
-    const size_t numbers = (size_t)field->nodes.unknowns * (size_t)field->nodes.lanes;
-    memcpy(w->impulses[turn], field->nodes.impulse, numbers * sizeof(double));
-    *w->last = (galerkin_history){field->h, w->last->h, t, slowest, turn};
+    *w->last = (galerkin_history){h, w->last->h, t, slowest, (w->last->turn + 1) % GALERKIN_TURNS};
 }

@@ -13,14 +13,16 @@ typedef struct {
     int turn;           /* where its impulses are */
 } galerkin_history;
 
+enum { GALERKIN_TURNS = 3 };
+
 typedef struct {
     galerkin_history *last;
-    double *impulses[2]; /* in the history: [unknowns][lanes] of the last two steps, in turns */
-    double *from_two;    /* [2][j][i] extrapolation from the two steps before, all of one size */
-    double *from_one;    /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
-    double ratio, part;  /* ratio 0: none yet */
-    double *led;         /* [unknowns][lanes] what it leads to */
-    double *none, *one;  /* [unknowns + lanes] 0 and 1 */
+    double *impulses[GALERKIN_TURNS]; /* in the history, filled in turns: [unknowns][lanes] of a step */
+    double *from_two;                 /* [2][j][i] extrapolation from the two steps before, all of one size */
+    double *from_one;   /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
+    double ratio, part; /* ratio 0: none yet */
+    double *led;        /* [unknowns][lanes] what it leads to */
+    double *none, *one; /* [unknowns + lanes] 0 and 1 */
 } galerkin_predictor;
 
 void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int unknowns, int lanes);
@@ -38,7 +40,12 @@ bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_fi
 /* Sets the field's unknowns. */
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part);
-/* What the step of size h from t leaves to the next ones: the impulses of the field, and how its passes contracted. */
-void tvi_galerkin_remember(galerkin_predictor *w, const galerkin_field *field, double t, double slowest);
+/* Those of the last step, of the one before it, and where the next one puts its own. */
+static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int after_last)
+{
+    return w->impulses[(w->last->turn + after_last + GALERKIN_TURNS) % GALERKIN_TURNS];
+}
+/* What the step of size h from t leaves to the next ones beside its impulses: that, and how its passes contracted. */
+void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest);
 
 #endif

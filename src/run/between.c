@@ -36,9 +36,9 @@ void tvi_between_close(tvi_between *between)
 static void set_history(tvi_between *between, double part)
 {
     const tvi_integrator *steps = between->steps;
-    const size_t state = between->knows_step ? steps->of_state : steps->remembered;
-    const bool is_near = between->step == steps->stats.steps && between->part != steps->h && between->part != 0 &&
-                         fabs(part - between->part) < NEAR * fabs(steps->h);
+    const size_t state = between->knows_step ? steps->of_state : steps->marked;
+    const bool is_near = between->knows_step && between->step == steps->stats.steps && between->part != steps->h &&
+                         between->part != 0 && fabs(part - between->part) < NEAR * fabs(steps->h);
     tvi_arena_copy(between->partial->history, steps->before, state);
     if (!is_near) tvi_arena_copy(between->partial->history + state, steps->history + state, steps->remembered - state);
 }

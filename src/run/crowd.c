@@ -46,8 +46,8 @@ static tvi_crowd *lay_out(tvi_arena *arena, tvi_integrator *one, int width)
     laid.work = laid.stepper->take(arena, one->stepped, &one->options, width);
     laid.blocks = arena->blocks;
     laid.history = arena->history;
-    laid.remembered = arena->remembered;
-    laid.stats.bytes = arena->used + 2 * arena->remembered;
+    laid.remembered = tvi_arena_remembered(arena);
+    laid.stats.bytes = tvi_arena_bytes(arena);
     if (crowd) *crowd = laid;
     return crowd;
 }

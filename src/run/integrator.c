@@ -38,14 +38,15 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     if (system->stepped != system) tvi_energy_take_precise(&laid.transformed, arena, laid.stepped);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
     laid.parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
-    laid.of_state = arena->remembered;
+    laid.of_state = arena->marked;
     laid.work = stepper->take(arena, laid.stepped, options);
     laid.blocks = arena->blocks;
     laid.history = arena->history;
-    laid.before = laid.history ? laid.history + arena->remembered : NULL;
-    laid.remembered = arena->remembered;
+    laid.marked = arena->marked;
+    laid.remembered = tvi_arena_remembered(arena);
+    laid.before = laid.history ? laid.history + laid.remembered : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
-    laid.stats.bytes = arena->used + 2 * arena->remembered;
+    laid.stats.bytes = tvi_arena_bytes(arena);
     if (!integrator) return NULL;
     const tvi_run_state *now = &laid.now;
     laid.start = (tvi_run_state){before(&laid, now->q), before(&laid, now->q_low), before(&laid, now->p),
@@ -225,7 +226,8 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     const tvi_run_state *now = &it->now;
     const int dimension = it->stepped->n;
     const tvi_stats stats = it->stats;
-    tvi_arena_copy(it->before, it->history, it->remembered);
+    it->has_dense = false;
+    tvi_arena_copy(it->before, it->history, it->marked);
     const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
     tvi_status status = tolerance > 0
                             ? stepper->step_within(it->work, tolerance, &h, &origin, it->dq, it->dp, &it->stats)
@@ -235,34 +237,45 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     if (status == TVI_OK) status = check_increments(it, h);
     if (status == TVI_OK) status = tvi_guard_step(it, &stats);
     if (status == TVI_OK) advance(it, h);
-    else tvi_arena_copy(it->history, it->before, it->remembered);
+    else tvi_arena_copy(it->history, it->before, it->marked);
+    it->stats.steps += status == TVI_OK;
     if (status == TVI_OK) return status;
     const char *const of = it->stepped == it->system ? "" : " in s, of K = g (H + e),";
     return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, now->q[it->system->n], jet_refusal());
 }
 
-tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
-{
-    return tvi_step_within(it, 0, h, t, q, p);
-}
-
-tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
+/* Steps, up to the first that fails. */
+static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h, double *t, double q[], double p[])
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_run(given, "");
     it->has_dense = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
-    if (status == TVI_OK) status = step(it, tolerance, h);
     if (status != TVI_OK) return status;
+    for (long k = 0; k < steps && status == TVI_OK; k++) status = step(it, tolerance, h);
     copy_out(it, t, q, p);
-    it->stats.steps++;
-    return TVI_OK;
+    return status;
+}
+
+tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
+{
+    return go(it, 1, 0, h, t, q, p);
+}
+
+tvi_status tvi_steps(tvi_integrator *it, long steps, double h, double *t, double q[], double p[])
+{
+    return go(it, steps, 0, h, t, q, p);
+}
+
+tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
+{
+    return go(it, 1, tolerance, h, t, q, p);
 }
 
 void tvi_integrator_take_back(tvi_integrator *it, double *t, double q[], double p[])
 {
-    tvi_arena_copy(it->history, it->before, it->remembered);
+    tvi_arena_copy(it->history, it->before, it->marked);
     it->has_dense = false;
     it->stats.steps--;
     copy_out(it, t, q, p);

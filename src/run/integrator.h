@@ -31,19 +31,20 @@ struct tvi_integrator {
     tvi_stats stats;
     const tvi_stepper *stepper;
     void *work;
-    char *history, *before;      /* [remembered] all that one step leaves to the next; before the last one was tried */
-    size_t remembered, of_state; /* of_state: what comes before the stepper's part of it */
-    long *continues;             /* in the history: `now` holds what the last successful step returned; */
-    const long *continued;       /* before: the last step began with that of the one before it */
-    tvi_run_state now, start;    /* in the history; where the last step started, in what was before it */
-    bool has_dense;              /* the work holds the last step */
-    double h, covered;           /* its size, and the time that it covers */
-    double *dq, *dp;             /* [N + 1], [N] */
-    tvi_energy_work energy;      /* its block is NULL where no step asks for it */
-    tvi_energy_work transformed; /* of a rescaled system: K */
-    double *end;                 /* [2 N + 1] q and p at the end of a step (guard.c) */
-    tvi_kept_energy *kept;       /* in the history */
-    tvi_tangent *tangent;        /* NULL: never asked for; and what frees it */
+    char *history;                       /* [remembered] all that one step leaves to the next, */
+    char *before;                        /* [marked] and its first part before the last one was tried */
+    size_t remembered, marked, of_state; /* of_state: what comes before the stepper's part of what is marked */
+    long *continues;                     /* in the history: `now` holds what the last successful step returned; */
+    const long *continued;               /* before: the last step began with that of the one before it */
+    tvi_run_state now, start;            /* in the history; where the last step started, in what was before it */
+    bool has_dense;                      /* the work holds the last step */
+    double h, covered;                   /* its size, and the time that it covers */
+    double *dq, *dp;                     /* [N + 1], [N] */
+    tvi_energy_work energy;              /* its block is NULL where no step asks for it */
+    tvi_energy_work transformed;         /* of a rescaled system: K */
+    double *end;                         /* [2 N + 1] q and p at the end of a step (guard.c) */
+    tvi_kept_energy *kept;               /* in the history */
+    tvi_tangent *tangent;                /* NULL: never asked for; and what frees it */
     void (*free_tangent)(tvi_tangent *tangent);
 };
 
@@ -71,6 +72,8 @@ void tvi_integrator_lend_parameters(tvi_integrator *integrator, const double val
 /* The tangent's memory, for so many columns (tangent.c). */
 TVI_NODISCARD tvi_status tvi_integrator_provide_tangent(tvi_integrator *integrator, int columns);
 
+/* tvi_step so often; t, q and p are written once, after the last step or the one before the first that fails. */
+TVI_NODISCARD tvi_status tvi_steps(tvi_integrator *integrator, long steps, double h, double *t, double q[], double p[]);
 /* tvi_step, with a tolerance > 0 of a size that serves it, of at most h (stepper.h); integrator->h is its size. */
 TVI_NODISCARD tvi_status tvi_step_within(tvi_integrator *integrator, double tolerance, double h, double *t, double q[],
                                          double p[]);

@@ -18,11 +18,12 @@ tvi_status tvi_run(tvi_integrator *it, const tvi_plan *plan, const tvi_audience 
     return status;
 }
 
+/* What nobody is told of is made at once. */
 static tvi_status step_of_size(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[],
                                bool *is_last)
 {
     (void)is_last;
-    return tvi_step(it, plan->h, t, q, p);
+    return tvi_steps(it, plan->at_once, plan->h, t, q, p);
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,
@@ -32,7 +33,8 @@ tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const 
     if (!it || !t || !q || !p || h == 0 || !isfinite(h) || steps < 0)
         return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "steps is negative");
     if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
-    const tvi_plan plan = {.step = step_of_size, .steps = steps, .h = h};
+    const long at_once = count > 0 || observer || steps == 0 ? 1 : steps;
+    const tvi_plan plan = {.step = step_of_size, .steps = steps / at_once, .at_once = at_once, .h = h};
     return tvi_run(it, &plan, &(tvi_audience){events, count, on_event, observer, ctx}, t, q, p);
 }
 

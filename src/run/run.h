@@ -9,7 +9,7 @@ typedef struct tvi_plan tvi_plan;
 struct tvi_plan {
     /* The next step; *is_last: the run ends with it. */
     tvi_status (*step)(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[], bool *is_last);
-    long steps;                 /* at most */
+    long steps, at_once;        /* at most; how many are made as one of them */
     double h, tolerance, t_end; /* as the plan's step reads them */
 };
 

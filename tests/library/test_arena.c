@@ -12,13 +12,14 @@ static const size_t sizes[PIECES] = {1, 8, 64, 100, 12};
 
 typedef struct {
     tvi_arena arena;
-    char *memory, *piece[PIECES], *history[PIECES];
+    char *memory, *piece[PIECES], *history[PIECES], *turn[PIECES];
 } open_arena;
 
 static void take_all(open_arena *x)
 {
     for (int i = 0; i < PIECES; i++) {
         x->piece[i] = tvi_arena_take(&x->arena, sizes[i]);
+        x->turn[i] = tvi_arena_turn(&x->arena, sizes[i]);
         x->history[i] = tvi_arena_history(&x->arena, sizes[PIECES - 1 - i]);
     }
 }
@@ -27,14 +28,13 @@ static open_arena open_all(void)
 {
     open_arena x = {.memory = NULL};
     take_all(&x);
-    for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i]);
-    const size_t used = x.arena.used, remembered = x.arena.remembered;
-    x.memory = aligned_alloc(ARENA_ALIGNMENT, used + remembered);
+    for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i] && !x.turn[i]);
+    const tvi_arena measured = x.arena;
+    x.memory = tvi_arena_open(&x.arena);
     ck_assert_ptr_nonnull(x.memory);
-    memset(x.memory, 0, used + remembered);
-    x.arena = (tvi_arena){.base = x.memory, .history = x.memory + used};
     take_all(&x);
-    ck_assert(x.arena.used == used && x.arena.remembered == remembered);
+    ck_assert(x.arena.used == measured.used && x.arena.marked == measured.marked);
+    ck_assert(x.arena.in_turns == measured.in_turns);
     return x;
 }
 
@@ -59,11 +59,12 @@ static void check_piece(char *piece, size_t bytes, const char *next)
 START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
-    char *end = x.memory + x.arena.used;
+    char *const end = x.memory + x.arena.used, *const end_of_marked = end + x.arena.marked;
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;
         check_piece(x.piece[i], sizes[i], is_last ? end : x.piece[i + 1]);
-        check_piece(x.history[i], sizes[PIECES - 1 - i], is_last ? end + x.arena.remembered : x.history[i + 1]);
+        check_piece(x.history[i], sizes[PIECES - 1 - i], is_last ? end_of_marked : x.history[i + 1]);
+        check_piece(x.turn[i], sizes[i], is_last ? end_of_marked + x.arena.in_turns : x.turn[i + 1]);
     }
     free(x.memory);
 }
@@ -73,15 +74,19 @@ END_TEST
 START_TEST(histories_are_copied)
 {
     open_arena x = open_all();
-    char *copy = malloc(x.arena.remembered + 1);
-    memset(copy, 7, x.arena.remembered + 1);
+    const size_t remembered = x.arena.marked + x.arena.in_turns;
+    char *copy = malloc(remembered + 1);
+    memset(copy, 7, remembered + 1);
     for (int i = 0; i < PIECES; i++) memset(x.history[i], 1 + i, sizes[PIECES - 1 - i]);
-    tvi_arena_copy(copy, x.arena.history, x.arena.remembered);
-    tvi_arena_copy(x.arena.history, NULL, x.arena.remembered);
-    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 0);
-    tvi_arena_copy(x.arena.history, copy, x.arena.remembered);
+    for (int i = 0; i < PIECES; i++) memset(x.turn[i], 11 + i, sizes[i]);
+    tvi_arena_copy(copy, x.arena.history, remembered);
+    tvi_arena_copy(x.arena.history, NULL, remembered);
+    for (int i = 0; i < PIECES; i++)
+        ck_assert(x.history[i][sizes[PIECES - 1 - i] - 1] == 0 && x.turn[i][sizes[i] - 1] == 0);
+    tvi_arena_copy(x.arena.history, copy, remembered);
     for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 1 + i);
-    ck_assert_int_eq(copy[x.arena.remembered], 7);
+    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.turn[i][sizes[i] - 1], 11 + i);
+    ck_assert_int_eq(copy[remembered], 7);
     free(copy);
     free(x.memory);
 }
