@@ -18,6 +18,6 @@ typedef struct {
 
 /* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
 enum { TVI_SAMPLES = 8 };
-extern const double tvi_sample_place[TVI_SAMPLES]; /* integrator.c */
+extern const double tvi_sample_place[TVI_SAMPLES]; /* dense.c */
 
 #endif

@@ -1,4 +1,4 @@
-/* crowd.c - the steps of a block of members: as those of an integrator (integrator.c), in lanes. */
+/* crowd.c - the steps of a block of members: as those of an integrator (step.c), in lanes. */
 #include "run/crowd.h"
 #include "run/guard.h"
 #include "algebra/sizes.h"

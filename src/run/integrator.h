@@ -86,6 +86,9 @@ void tvi_end_at(tvi_integrator *integrator, double t_end, double *t);
 /* Undoes the last step, and gives the state that it started from. */
 void tvi_integrator_take_back(tvi_integrator *integrator, double *t, double q[], double p[]);
 
+/* Its own state, as the user has it. */
+void tvi_state_now(const tvi_integrator *integrator, double *t, double q[], double p[]);
+
 /* tvi_dense, and the time there. */
 TVI_NODISCARD tvi_status tvi_state_at(tvi_integrator *integrator, double theta, double *t, double q[], double p[]);
 

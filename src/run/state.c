@@ -83,9 +83,6 @@ tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], doubl
 {
     if (!it || !t || !q || !p || !*it->continues)
         return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "the integrator has made no step, or was reset");
-    const size_t n = (size_t)it->system->n;
-    memcpy(q, it->now.q, n * sizeof *q);
-    memcpy(p, it->now.p, n * sizeof *p);
-    *t = it->now.q[n];
+    tvi_state_now(it, t, q, p);
     return TVI_OK;
 }

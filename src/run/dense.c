@@ -1,0 +1,70 @@
+/* dense.c - the curve of the last step: the state at a place of it, and the states at all sample places. */
+#include "run/integrator.h"
+#include "algebra/sizes.h"
+#include "system/refuse.h"
+
+#include <string.h>
+
+tvi_status tvi_state_at(tvi_integrator *it, double theta, double *t, double q[], double p[])
+{
+    const int n = it->system->n;
+    if (theta == 1) { /* with the low-order parts */
+        tvi_state_now(it, t, q, p);
+        return TVI_OK;
+    }
+    it->stepper->dense(it->work, theta, it->dq, it->dp);
+    it->dq[it->stepped->n] = theta * it->h;
+    for (int i = 0; i < n; i++) {
+        it->dq[i] += it->start.q[i];
+        it->dp[i] += it->start.p[i];
+    }
+    if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp))
+        return jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
+    memcpy(q, it->dq, (size_t)n * sizeof *q);
+    memcpy(p, it->dp, (size_t)n * sizeof *p);
+    *t = it->start.q[n] + (it->start.q_low[n] + it->dq[n]);
+    return TVI_OK;
+}
+
+tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
+{
+    double t;
+    if (!it || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, &t, q, p, 1}, "");
+    if (!(theta >= 0 && theta <= 1)) return jet_refuse(TVI_EINVAL, "theta = %g is not in [0, 1]", theta);
+    if (!it->has_dense) return jet_refuse(TVI_EINVAL, "there is no last step, or it failed");
+    return tvi_state_at(it, theta, &t, q, p);
+}
+
+/* ---- Samples ----------------------------------------------------------------------------------------------------- */
+
+const double tvi_sample_place[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
+
+/* One after the other. */
+static void sample_by_dense(tvi_integrator *it, double *q, double *p, double *t)
+{
+    const int n = it->system->n;
+    for (int k = 0; k < TVI_SAMPLES; k++) {
+        it->stepper->dense(it->work, tvi_sample_place[k], it->dq, it->dp);
+        it->dq[it->stepped->n] = tvi_sample_place[k] * it->h;
+        for (int i = 0; i < n; i++) {
+            q[i * TVI_SAMPLES + k] = it->start.q[i] + it->dq[i];
+            p[i * TVI_SAMPLES + k] = it->start.p[i] + it->dp[i];
+        }
+        t[k] = it->start.q[n] + (it->start.q_low[n] + it->dq[n]);
+    }
+}
+
+void tvi_sample(tvi_integrator *it, const tvi_range of[2], double *x)
+{
+    const int n = it->system->n, end = TVI_SAMPLES - 1;
+    double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
+    if (it->stepper->sample && !tvi_is_rescaled(it)) {
+        it->stepper->sample(it->work, of, it->start.q, it->start.p, q, p);
+        for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_place[k] * it->h);
+    } else {
+        sample_by_dense(it, q, p, t);
+    }
+    for (int i = of[0].first; i < of[0].end; i++) q[i * TVI_SAMPLES + end] = it->now.q[i];
+    for (int i = of[1].first; i < of[1].end; i++) p[i * TVI_SAMPLES + end] = it->now.p[i];
+    t[end] = it->now.q[n];
+}

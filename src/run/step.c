@@ -1,0 +1,164 @@
+/* step.c - a step: checks what comes in, holds the state between steps, and adds the increments by compensated
+ * summation. */
+#include "run/integrator.h"
+#include "algebra/sizes.h"
+#include "run/guard.h"
+#include "system/refuse.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+void tvi_integrator_reset(tvi_integrator *integrator)
+{
+    if (!integrator) return;
+    *integrator->continues = false;
+    integrator->stats.largest_tail = 0;
+}
+
+bool tvi_integrator_has(const tvi_integrator *it, double t, const double q[], const double p[])
+{
+    const size_t n = (size_t)it->system->n, bytes = n * sizeof *q;
+    return memcmp(&t, &it->now.q[n], sizeof t) == 0 && memcmp(q, it->now.q, bytes) == 0 &&
+           memcmp(p, it->now.p, bytes) == 0;
+}
+
+/* K as it is with another e, in long double. */
+static long double transformed_with(tvi_integrator *it, double e)
+{
+    it->now.p[it->system->n] = e;
+    return tvi_energy_precise(&it->transformed, 0, it->now.q, it->now.p);
+}
+
+/* e = -H(q, p, t), where K = g (H + e) is 0 (rescaled.c). The roundoff of H at a pericentre, whose terms cancel, would
+ * shift the period of the orbit: e is the root of K in long double, of which K is a linear function. */
+static tvi_status set_energy(tvi_integrator *it)
+{
+    const int n = it->system->n;
+    double H;
+    const tvi_status status = tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &H);
+    if (status != TVI_OK) return tvi_refuse_as("energy", status);
+    const double apart = H != 0 ? H : 1;
+    const long double there = transformed_with(it, apart - H), here = transformed_with(it, -H);
+    const long double correction = apart * (here / (here - there)), e = isfinite(correction) ? correction - H : -H;
+    it->now.p[n] = (double)e;
+    it->now.p_low[n] = (double)(e - it->now.p[n]);
+    return TVI_OK;
+}
+
+tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], const double p[])
+{
+    const int n = it->system->n;
+    if (*it->continues && tvi_integrator_has(it, t, q, p)) return TVI_OK;
+    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
+    tvi_arena_copy(it->history, NULL, it->remembered);
+    memcpy(it->now.q, q, (size_t)n * sizeof *q);
+    memcpy(it->now.p, p, (size_t)n * sizeof *p);
+    it->now.q[n] = t;
+    tvi_guard_begin(it);
+    return tvi_is_rescaled(it) ? set_energy(it) : TVI_OK;
+}
+
+void tvi_state_now(const tvi_integrator *it, double *t, double q[], double p[])
+{
+    const size_t n = (size_t)it->system->n;
+    memcpy(q, it->now.q, n * sizeof *q);
+    memcpy(p, it->now.p, n * sizeof *p);
+    *t = it->now.q[n];
+}
+
+/* The new state from the increments. */
+static void advance(tvi_integrator *it, double h)
+{
+    const tvi_run_state *now = &it->now;
+    const int dimension = it->stepped->n;
+    it->h = h;
+    it->covered = it->dq[it->system->n];
+    for (int i = 0; i <= dimension; i++) now->q[i] = tvi_add_compensated(now->q[i], &now->q_low[i], it->dq[i]);
+    for (int i = 0; i < dimension; i++) now->p[i] = tvi_add_compensated(now->p[i], &now->p_low[i], it->dp[i]);
+    *it->continues = true;
+    it->has_dense = true;
+}
+
+/* Of a rescaled system the time goes the way of h, and moves: below the roundoff of its low-order part no run would
+ * ever end. */
+static tvi_status check_time(const tvi_integrator *it, double h)
+{
+    const double dt = it->dq[it->system->n], t = it->now.q[it->system->n];
+    if (fabs(dt) <= DBL_EPSILON * DBL_EPSILON * fabs(t))
+        return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
+    return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
+}
+
+/* q + dq and p + dp are finite. */
+static tvi_status check_increments(const tvi_integrator *it, double h)
+{
+    const int dimension = it->stepped->n;
+    for (int i = 0; i <= dimension; i++)
+        if (!isfinite(it->now.q[i] + it->dq[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
+    for (int i = 0; i < dimension; i++)
+        if (!isfinite(it->now.p[i] + it->dp[i])) return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
+    return it->stepped == it->system ? TVI_OK : check_time(it, h);
+}
+
+/* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
+static tvi_status step(tvi_integrator *it, double tolerance, double h)
+{
+    const tvi_stepper *stepper = it->stepper;
+    const tvi_run_state *now = &it->now;
+    const int dimension = it->stepped->n;
+    const tvi_stats stats = it->stats;
+    it->has_dense = false;
+    tvi_arena_copy(it->before, it->history, it->marked);
+    const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
+    tvi_status status = tolerance > 0
+                            ? stepper->step_within(it->work, tolerance, &h, &origin, it->dq, it->dp, &it->stats)
+                            : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
+    it->dq[dimension] = h;
+    if (status != TVI_OK) status = tvi_refuse_as("corrector", status);
+    if (status == TVI_OK) status = check_increments(it, h);
+    if (status == TVI_OK) status = tvi_guard_step(it, &stats);
+    if (status == TVI_OK) advance(it, h);
+    else tvi_arena_copy(it->history, it->before, it->marked);
+    it->stats.steps += status == TVI_OK;
+    if (status == TVI_OK) return status;
+    const char *const of = it->stepped == it->system ? "" : " in s, of K = g (H + e),";
+    return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, now->q[it->system->n], jet_refusal());
+}
+
+/* Steps, up to the first that fails. */
+static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h, double *t, double q[], double p[])
+{
+    const tvi_run_arguments given = {it, t, q, p, h};
+    if (!it) return tvi_refuse_run(given, "");
+    it->has_dense = false;
+    if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
+    tvi_status status = tvi_integrator_begin(it, *t, q, p);
+    if (status != TVI_OK) return status;
+    for (long k = 0; k < steps && status == TVI_OK; k++) status = step(it, tolerance, h);
+    tvi_state_now(it, t, q, p);
+    return status;
+}
+
+tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
+{
+    return go(it, 1, 0, h, t, q, p);
+}
+
+tvi_status tvi_steps(tvi_integrator *it, long steps, double h, double *t, double q[], double p[])
+{
+    return go(it, steps, 0, h, t, q, p);
+}
+
+tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
+{
+    return go(it, 1, tolerance, h, t, q, p);
+}
+
+void tvi_integrator_take_back(tvi_integrator *it, double *t, double q[], double p[])
+{
+    tvi_arena_copy(it->history, it->before, it->marked);
+    it->has_dense = false;
+    it->stats.steps--;
+    tvi_state_now(it, t, q, p);
+}
