@@ -5,7 +5,8 @@
 # to the letter. CC, MAKE and STRICT come from the environment. Prints SKIP where there is no MPI.
 set -eu
 stage=$1
-examples=$(cd "$(dirname "$0")/../docs/examples" && pwd)
+tests=$(cd "$(dirname "$0")" && pwd)
+examples=$tests/../docs/examples
 rm -rf "$stage"
 mkdir -p "$stage"
 $MAKE -s --no-print-directory install PREFIX="$stage/usr" DESTDIR= >/dev/null
@@ -60,6 +61,7 @@ for source in *.c *.cpp; do
     sh -c "${build%% *} $standard $STRICT ${build#* } -o '$stage/a.out'"
     (cd "$stage" && sh -c "$run") >"$stage/$name.out"
     report "$source" "$name"
+    [ "$name" != ensemble_mpi ] || "$tests/mpi.sh" "$stage"
 done
 
 # by the installed library, from the installed programs; the python3 that has cffi

@@ -1,10 +1,9 @@
-/* ensemble.h - what ensemble_openmp.c and ensemble_mpi.c share: one orbit of an ensemble of Henon and Heiles'
- * problem. */
+/* ensemble.h - what ensemble.c and ensemble_mpi.c share: orbits of Henon and Heiles' problem with energy 1/12. */
 #include <tvi.h>
 
 #include <math.h>
 
-enum { ORBITS = 64, STEPS = 400 };
+enum { ORBITS = 64, N = 2 };
 
 /* V = (x^2 + y^2)/2 + x^2 y - y^3/3 */
 static jet potential(const jet q[], jet t, void *ctx)
@@ -14,19 +13,22 @@ static jet potential(const jet q[], jet t, void *ctx)
     return jet_sub(jet_add(bowl, jet_mul(jet_sqr(q[0]), q[1])), jet_div(jet_pow(q[1], 3), 3));
 }
 
-/* Orbit number k of energy 1/12, started at x = 0: the largest |x| that it comes to, and its energy error. */
-static tvi_status orbit(tvi_integrator *integrator, const tvi_system *system, int k, double *reach, double *error)
+/* Orbits first ... first + members - 1 as the members of an ensemble, started at x = 0: arrays are [n][members]. */
+static void start(int first, int members, double t[], double q[], double p[])
 {
-    const double y = 0.3 * k / ORBITS;
-    double t = 0, q[] = {0, y}, p[] = {0, 0}, H0 = 0, H = 0;
-    p[0] = sqrt(2 * (1 / 12.0 - y * y / 2 + y * y * y / 3));
-    tvi_status status = tvi_energy(system, t, q, p, &H0);
-    *reach = *error = 0;
-    for (int i = 0; i < STEPS && status == TVI_OK; i++) {
-        status = tvi_step(integrator, 0.25, &t, q, p);
-        *reach = fmax(*reach, fabs(q[0]));
+    for (int m = 0; m < members; m++) {
+        const double y = 0.3 * (first + m) / ORBITS;
+        t[m] = q[m] = p[members + m] = 0;
+        q[members + m] = y;
+        p[m] = sqrt(2 * (1 / 12.0 - y * y / 2 + y * y * y / 3));
     }
-    if (status == TVI_OK) status = tvi_energy(system, t, q, p, &H);
-    *error = fabs(H - H0);
-    return status;
+}
+
+/* Of member m. */
+static double energy_error(const tvi_system *system, int members, int m, const double q[], const double p[])
+{
+    double H = 0;
+    const tvi_status status =
+        tvi_energy(system, 0, (double[]){q[m], q[members + m]}, (double[]){p[m], p[members + m]}, &H);
+    return status == TVI_OK ? fabs(H - 1 / 12.0) : 1;
 }

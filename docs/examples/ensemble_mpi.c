@@ -1,42 +1,59 @@
-/* ensemble_mpi.c - the ensemble of ensemble_openmp.c on many machines: each process has a system and an integrator.
- *   mpicc ensemble_mpi.c $(pkg-config --cflags --libs tvi) -lm && mpirun -n 2 ./a.out */
+/* ensemble_mpi.c - the orbits of ensemble.c on many machines, a share for each process. All states go into one file,
+ * from which the same number of processes goes on after a kill: the end has the same bits, for any number of them.
+ *   mpicc ensemble_mpi.c $(pkg-config --cflags --libs tvi) -lm && mpirun -n 2 ./a.out 100; mpirun -n 2 ./a.out 400 */
 #include "ensemble.h"
 
 #include <mpi.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-/* Orbits rank, rank + size, ... of [ORBITS]; the others are left 0. The number that failed. */
-static int share(int rank, int size, double reach[], double error[])
+enum { PART = 100 }; /* steps between two files */
+
+/* The bytes of all processes, one after the other, to a file or from it. */
+static int transfer(const char *name, int mode, char *bytes, long size)
 {
-    int failed = 0;
-    tvi_system *system;
-    tvi_integrator *integrator = NULL;
-    if (tvi_system_potential(&system, 2, NULL, potential, NULL) != TVI_OK) return ORBITS;
-    if (tvi_integrator_create(&integrator, system, NULL) != TVI_OK) failed = ORBITS;
-    for (int k = rank; k < ORBITS && !failed; k += size)
-        if (orbit(integrator, system, k, &reach[k], &error[k]) != TVI_OK) failed++;
-    tvi_integrator_free(integrator);
-    tvi_system_free(system);
-    return failed;
+    long at = 0;
+    MPI_File file;
+    MPI_Exscan(&size, &at, 1, MPI_LONG, MPI_SUM, MPI_COMM_WORLD);
+    if (MPI_File_open(MPI_COMM_WORLD, name, mode, MPI_INFO_NULL, &file) != MPI_SUCCESS) return 0;
+    if (mode == MPI_MODE_RDONLY) MPI_File_read_at_all(file, at, bytes, (int)size, MPI_BYTE, MPI_STATUS_IGNORE);
+    else MPI_File_write_at_all(file, at, bytes, (int)size, MPI_BYTE, MPI_STATUS_IGNORE);
+    return MPI_File_close(&file) == MPI_SUCCESS;
 }
 
 int main(int count, char **arguments)
 {
-    double mine[2][ORBITS] = {{0}}, all[2][ORBITS], mean = 0, worst = 0;
-    int rank, size, failed = 0;
+    int rank, size, done = 0;
     MPI_Init(&count, &arguments);
-    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-    MPI_Comm_size(MPI_COMM_WORLD, &size);
-    const int failures = share(rank, size, mine[0], mine[1]);
-    MPI_Allreduce(&failures, &failed, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
-    MPI_Reduce(mine, all, 2 * ORBITS, MPI_DOUBLE, MPI_SUM, 0, MPI_COMM_WORLD);
-    for (int k = 0; k < ORBITS && rank == 0;
-         k++) { /* sums with zeros are exact: the same for any number of processes */
-        mean += all[0][k] / ORBITS;
-        worst = fmax(worst, all[1][k]);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank), MPI_Comm_size(MPI_COMM_WORLD, &size);
+    const int first = rank * ORBITS / size, members = (rank + 1) * ORBITS / size - first;
+    double t[ORBITS], q[N * ORBITS], p[N * ORBITS], end[ORBITS][2 * N], mine = 0, worst = 0;
+    tvi_status status[ORBITS];
+    tvi_system *system;
+    tvi_ensemble *ensemble;
+    size_t bytes = 0;
+    if (tvi_system_potential(&system, N, NULL, potential, NULL) != TVI_OK ||
+        tvi_ensemble_create(&ensemble, system, NULL, members, 1) != TVI_OK ||
+        tvi_ensemble_save(ensemble, NULL, &bytes) != TVI_OK)
+        return MPI_Abort(MPI_COMM_WORLD, 1);
+    char *state = malloc(bytes);
+    start(first, members, t, q, p);
+    if (transfer("orbits.state", MPI_MODE_RDONLY, state, (long)bytes) &&
+        tvi_ensemble_load(ensemble, state, bytes) == TVI_OK && tvi_ensemble_last(ensemble, t, q, p, status) == TVI_OK)
+        done = (int)lround(t[0] / 0.25);
+    if (rank == 0) printf("from step %d", done);
+    for (; done < (count > 1 ? atoi(arguments[1]) : 4 * PART); done += PART)
+        if (tvi_ensemble_integrate(ensemble, 0.25, PART, t, q, p, status, NULL, NULL) != TVI_OK ||
+            tvi_ensemble_save(ensemble, state, &bytes) != TVI_OK ||
+            !transfer("orbits.new", MPI_MODE_CREATE | MPI_MODE_WRONLY, state, (long)bytes) ||
+            (rank == 0 && rename("orbits.new", "orbits.state") != 0)) /* a kill leaves a whole file */
+            return MPI_Abort(MPI_COMM_WORLD, 1);
+    for (int m = 0; m < members; m++) {
+        mine = fmax(mine, energy_error(system, members, m, q, p));
+        for (int i = 0; i < N; i++) end[m][i] = q[i * members + m], end[m][N + i] = p[i * members + m];
     }
-    if (rank == 0)
-        printf("%d orbits, %d failed: mean reach %.12f, largest energy error %.0e\n", ORBITS, failed, mean, worst);
-    MPI_Finalize();
-    return failed != 0;
+    MPI_Reduce(&mine, &worst, 1, MPI_DOUBLE, MPI_MAX, 0, MPI_COMM_WORLD);
+    if (rank == 0) printf(" to step %d: energies to %.0e\n", done, worst);
+    transfer("orbits.end", MPI_MODE_CREATE | MPI_MODE_WRONLY, (char *)end, members * (long)sizeof *end);
+    return MPI_Finalize();
 }
