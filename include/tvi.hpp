@@ -326,6 +326,18 @@ inline tvi_options options(const std::string &name, int order)
     return found;
 }
 
+/* tvi_suggest_step */
+template <class Q, class P>
+double suggest_step(const system &of, const tvi_options &options, double t, const Q &q, const P &p, double duration,
+                    double error)
+{
+    const std::size_t n = static_cast<std::size_t>(of.dimension());
+    double h = 0;
+    detail::check(tvi_suggest_step(of.get(), &options, t, detail::data_of("q", n, q), detail::data_of("p", n, p),
+                                   duration, error, &h));
+    return h;
+}
+
 /* Compiled code for the system and the options, to be their `compiled`: options.compiled = code.get(). */
 class compiled
 {

@@ -63,6 +63,14 @@ static tvi_status ask_velocity(const void *argument, bool *cleared)
     return status;
 }
 
+static tvi_status ask_step(const void *argument, bool *cleared)
+{
+    double h = 42;
+    const tvi_status status = tvi_suggest_step(argument, NULL, 0, some_q, some_p, 0.01, 0.5, &h);
+    *cleared = h == 42;
+    return status;
+}
+
 static jet radius(const jet q[], const jet p[], jet t, void *ctx)
 {
     (void)t, (void)ctx;
@@ -163,6 +171,7 @@ START_TEST(questions_without_memory)
     if (by != FORCE) ck_assert_int_gt(fail_each(ask_energy, system, how), 0);
     const long of_momentum = fail_each(ask_momentum, system, how), of_velocity = fail_each(ask_velocity, system, how);
     ck_assert_int_ge(of_momentum + of_velocity, by == LAGRANGIAN || by == HAMILTONIAN);
+    ck_assert_int_eq(fail_each(ask_step, system, how), by == RESCALED ? 4 : 3);
     tvi_system_free(system);
 }
 END_TEST

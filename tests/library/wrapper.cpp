@@ -53,6 +53,8 @@ static void same_bits_as_c()
                        tvi_integrate(by_c, 0.25, 100, &t_c, q_c, p_c, nullptr, nullptr) == TVI_OK);
     tvi::integrator orbit{tvi::potential(2, kepler)}; /* keeps the system */
     const double H = orbit.system().energy(t, q, p);
+    const double h = tvi::suggest_step(orbit.system(), orbit.options(), t, q, p, -40, 1e-8);
+    expect("suggested", h < -0.2 && h > -0.6);
     orbit.integrate(0.25, 100, t, q, p);
     expect("the same bits",
            t == t_c && std::memcmp(q.data(), q_c, sizeof q_c) == 0 && p[0] == p_c[0] && p[1] == p_c[1]);

@@ -1,0 +1,227 @@
+/* test_suggest.c - the step that is suggested for an error: what a run with it reaches, and what it costs to find. */
+#include "events.h"
+#include "run/suggest.h"
+#include "scenes/hard.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { N_MAX = 18 };
+
+/* A run, and where it ends. */
+typedef struct {
+    const tvi_system *system;
+    tvi_options options;
+    int n;
+    const double *q, *p;
+    double duration;
+    double end[2 * N_MAX], size[2]; /* the largest coordinate and momentum */
+} trip;
+
+static int take_sizes(long step, double t, const double q[], const double p[], void *ctx)
+{
+    trip *to = ctx;
+    (void)step, (void)t;
+    for (int i = 0; i < to->n; i++)
+        to->size[0] = fmax(to->size[0], fabs(q[i])), to->size[1] = fmax(to->size[1], fabs(p[i]));
+    return 0;
+}
+
+/* Returns the steps. */
+static long travel(const trip *to, const tvi_options *options, double h, double end[], tvi_observer *observer,
+                   void *ctx)
+{
+    tvi_integrator *it;
+    double t = 0, *q = end, *p = end + to->n;
+    memcpy(q, to->q, (size_t)to->n * sizeof *q);
+    memcpy(p, to->p, (size_t)to->n * sizeof *p);
+    ck_assert_int_eq(tvi_integrator_create(&it, to->system, options), TVI_OK);
+    ck_assert_int_eq(tvi_integrate_to(it, h, to->duration, &t, q, p, observer, ctx), TVI_OK);
+    const long steps = tvi_integrator_stats(it)->steps;
+    tvi_integrator_free(it);
+    return steps;
+}
+
+/* The end and the sizes, by steps that are small. */
+static void look_ahead(trip *to, double h)
+{
+    tvi_options options;
+    ck_assert_int_eq(tvi_options_named("galerkin", 16, &options), TVI_OK);
+    to->size[0] = to->size[1] = 0;
+    (void)travel(to, &options, h, to->end, take_sizes, to);
+}
+
+/* The error at the end relative to the wanted one, of a run with the step that is suggested. */
+static double reached(const trip *to, double wanted, tvi_suggestion *found)
+{
+    double end[2 * N_MAX], error = 0, h = 0;
+    ck_assert_int_eq(tvi_suggest_step(to->system, &to->options, 0, to->q, to->p, to->duration, wanted, &h), TVI_OK);
+    ck_assert_int_eq(tvi_suggest(to->system, &to->options, 0, to->q, to->p, to->duration, wanted, found), TVI_OK);
+    ck_assert(h == found->h && h * to->duration > 0 && fabs(h) <= fabs(to->duration));
+    const double steps = (double)travel(to, &to->options, h, end, NULL, NULL);
+    ck_assert_double_le((double)found->steps, fmax(60, 0.05 * steps));
+    for (int i = 0; i < 2 * to->n; i++) error = fmax(error, fabs(end[i] - to->end[i]) / to->size[i / to->n]);
+    return error / wanted;
+}
+
+/* Between a hundredth and 1, and thrice as wide for what another roundoff makes of it. It may be below where one step is
+ * enough for the run. */
+static const double LEAST = 1.0 / 300;
+static void assert_reached(const trip *to, const char *name, double wanted, double least)
+{
+    tvi_suggestion found;
+    const double error = reached(to, wanted, &found);
+    ck_assert_msg(error <= 3, "%s, %g: h = %g, %g times as much", name, wanted, found.h, error);
+    ck_assert_msg(error >= least || found.h == to->duration, "%s, %g: h = %g, %g", name, wanted, found.h, error);
+}
+
+static const double wanted[] = {1e-4, 1e-6, 1e-8, 1e-10};
+enum { WANTED = sizeof wanted / sizeof *wanted };
+
+/* All but the chaotic one, whose errors grow faster at the end than they did before. */
+START_TEST(scenes_reach_what_is_wanted)
+{
+    static const struct {
+        const char *name;
+        int order;
+    } methods[] = {{"galerkin", 16}, {"galerkin", 8}};
+    for (int list = 0; list < 2; list++)
+        for (const scene *const *s = list ? general_scenes : scenes; *s; s++) {
+            tvi_system *system;
+            if (*s == &scene_henon_heiles_8) continue;
+            ck_assert_int_eq(scene_system(*s, &system), TVI_OK);
+            trip to = {.system = system, .n = (*s)->n, .q = (*s)->q, .p = (*s)->p, .duration = (*s)->t_end};
+            ck_assert_int_eq(tvi_options_named(methods[_i].name, methods[_i].order, &to.options), TVI_OK);
+            look_ahead(&to, (*s)->t_end / (200 * (1 + (*s)->t_end / (*s)->steps[0] / 40)));
+            for (int i = 0; i < WANTED; i++) assert_reached(&to, (*s)->name, wanted[i], LEAST);
+            tvi_system_free(system);
+        }
+}
+END_TEST
+
+/* Friction makes errors die out, and they come out smaller than is said. */
+static jet pendulum(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(jet_cos(q[0]));
+}
+
+static void drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
+{
+    (void)q, (void)ctx;
+    force[0] = jet_sub(jet_mul(0.9, jet_cos(jet_mul(2.0 / 3, t))), jet_div(v[0], 2));
+}
+
+START_TEST(driven_systems)
+{
+    const double q = 0.1, p = 0;
+    tvi_system *base, *system;
+    ck_assert_int_eq(tvi_system_potential(&base, 1, NULL, pendulum, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_driven(&system, base, drive, NULL), TVI_OK);
+    trip to = {.system = system, .options = tvi_options_default(), .n = 1, .q = &q, .p = &p, .duration = 200};
+    look_ahead(&to, 0.1);
+    for (int i = 0; i < WANTED; i++) assert_reached(&to, "driven", wanted[i], 1e-3);
+    tvi_system_free(system);
+    tvi_system_free(base);
+}
+END_TEST
+
+/* Steps in s, and orbits that are at other times after as many of them. */
+START_TEST(rescaled_systems)
+{
+    const scene *s = &hard_kepler_90.scene;
+    tvi_system *base, *system;
+    ck_assert_int_eq(scene_system(s, &base), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&system, base, hard_kepler_90.scale, NULL), TVI_OK);
+    trip to = {.system = system, .options = tvi_options_default(), .n = 2, .q = s->q, .p = s->p, .duration = s->t_end};
+    look_ahead(&to, 0.4);
+    assert_reached(&to, s->name, 1e-8, LEAST);
+    assert_reached(&to, s->name, 1e-9, LEAST);
+    tvi_system_free(system);
+    tvi_system_free(base);
+}
+END_TEST
+
+/* Back in time from the same apocentre, as far. */
+START_TEST(backwards)
+{
+    const scene *s = &scene_kepler;
+    tvi_system *system;
+    double there = 0, back = 0;
+    ck_assert_int_eq(scene_system(s, &system), TVI_OK);
+    ck_assert_int_eq(tvi_suggest_step(system, NULL, 0, s->q, s->p, 40, 1e-8, &there), TVI_OK);
+    ck_assert_int_eq(tvi_suggest_step(system, NULL, 0, s->q, s->p, -40, 1e-8, &back), TVI_OK);
+    ck_assert_double_eq_tol(back, -there, 0.02 * there);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Refusals ---------------------------------------------------------------------------------------------------- */
+
+static jet root(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_sqrt(q[0]);
+}
+
+START_TEST(bad_input_is_refused)
+{
+    tvi_system *kepler, *bounded;
+    tvi_options odd = tvi_options_default();
+    odd.order = 7;
+    ck_assert_int_eq(scene_system(&scene_kepler, &kepler), TVI_OK);
+    ck_assert_int_eq(tvi_system_potential(&bounded, 1, NULL, root, NULL), TVI_OK);
+    const double *const q = scene_kepler.q, *const p = scene_kepler.p, bad[] = {1, NAN}, minus = -1, none = 0;
+    double out;
+    const struct {
+        const char *culprit;
+        tvi_status status;
+        const tvi_system *system;
+        const tvi_options *options;
+        double t;
+        const double *q, *p;
+        double duration, error, *h;
+    } rows[] = {
+        {"system is NULL", TVI_EINVAL, NULL, NULL, 0, q, p, 10, 1e-6, &out},
+        {"q is NULL", TVI_EINVAL, kepler, NULL, 0, NULL, p, 10, 1e-6, &out},
+        {"p is NULL", TVI_EINVAL, kepler, NULL, 0, q, NULL, 10, 1e-6, &out},
+        {"h is NULL", TVI_EINVAL, kepler, NULL, 0, q, p, 10, 1e-6, NULL},
+        {"duration = 0", TVI_EINVAL, kepler, NULL, 0, q, p, 0, 1e-6, &out},
+        {"duration = inf", TVI_EINVAL, kepler, NULL, 0, q, p, INFINITY, 1e-6, &out},
+        {"error = 0", TVI_EINVAL, kepler, NULL, 0, q, p, 10, 0, &out},
+        {"error = 1 ", TVI_EINVAL, kepler, NULL, 0, q, p, 10, 1, &out},
+        {"error = -1", TVI_EINVAL, kepler, NULL, 0, q, p, 10, -1, &out},
+        {"error = nan", TVI_EINVAL, kepler, NULL, 0, q, p, 10, NAN, &out},
+        {"error = 1e-16", TVI_EINVAL, kepler, NULL, 0, q, p, 10, 1e-16, &out},
+        {"order = 7", TVI_EINVAL, kepler, &odd, 0, q, p, 10, 1e-6, &out},
+        {"t = nan", TVI_ENONFINITE, kepler, NULL, NAN, q, p, 10, 1e-6, &out},
+        {"q[1] = nan", TVI_ENONFINITE, kepler, NULL, 0, bad, p, 10, 1e-6, &out},
+        {"jet_sqrt", TVI_EDOMAIN, bounded, NULL, 0, &minus, &none, 10, 1e-6, &out},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        out = 42;
+        ck_assert_int_eq(tvi_suggest_step(rows[i].system, rows[i].options, rows[i].t, rows[i].q, rows[i].p,
+                                          rows[i].duration, rows[i].error, rows[i].h),
+                         rows[i].status);
+        ck_assert_msg(strstr(tvi_last_error(), rows[i].culprit), "\"%s\" names no \"%s\"", tvi_last_error(),
+                      rows[i].culprit);
+        ck_assert(out == 42);
+    }
+    tvi_system_free(bounded);
+    tvi_system_free(kepler);
+}
+END_TEST
+
+Suite *suite_suggest(void)
+{
+    Suite *suite = suite_create("suggested steps");
+    TCase *errors = tcase_create("errors"), *input = tcase_create("input");
+    tcase_add_loop_test(errors, scenes_reach_what_is_wanted, 0, 2);
+    tcase_add_test(errors, driven_systems);
+    tcase_add_test(errors, rescaled_systems);
+    tcase_add_test(errors, backwards);
+    tcase_add_test(input, bad_input_is_refused);
+    suite_add_tcase(suite, errors);
+    suite_add_tcase(suite, input);
+    return suite;
+}
