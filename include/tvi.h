@@ -267,20 +267,6 @@ TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, lon
  *   TVI_ENONFINITE  the curve overflows there */
 TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 
-/* The step h of a run of that duration, from (t, q, p), whose error at its end is the wanted one: the largest error of
- * a coordinate relative to the largest coordinate, or of a momentum relative to the largest momentum. It is found by
- * trial steps along the first part of the run, beside pairs of half the size, and aimed at a twelfth of the error: on a
- * regular orbit that stays as it begins, the error then lies between a hundredth of the wanted one and the wanted one.
- * What the first part does not show, as chaos and close encounters later on, makes it larger; roundoff is not counted
- * (docs/choosing.md has what was reached). At most 20 trial steps are made, with their halves 60, or in a run of more
- * than 1200 steps about 5 % of it. Make the run by tvi_integrate_to. options as for tvi_integrator_create; h has the
- * sign of the duration, and is not larger. Of a rescaled system it is in s.
- *   TVI_EINVAL  NULL, a duration that is 0 or not finite, an error below DBL_EPSILON or not below 1
- *   TVI_ENOMEM  no memory
- *   others      as of tvi_integrator_create, and of tvi_step where no size of it is accepted; *h stays as it was */
-TVI_NODISCARD tvi_status tvi_suggest_step(const tvi_system *system, const tvi_options *options, double t,
-                                          const double q[], const double p[], double duration, double error, double *h);
-
 /* A ready-made observer for long runs: where the standard error is a terminal it draws a bar there, elsewhere nothing.
  * ctx is a tvi_progress_bar, {.steps = steps}. An observer of your own in it is called after each step, with its ctx.
  * This is the one function of the library that prints. */
@@ -351,6 +337,5 @@ TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double
 #endif
 
 #include "tvi_runs.h"
-#include "tvi_ensemble.h"
 
 #endif

@@ -1,5 +1,5 @@
 /* tvi_ensemble.h - ensembles: many orbits of one system, on all cores, several at once in the lanes of the processor's
- * vectors. tvi.h includes it. */
+ * vectors. tvi_runs.h includes it. */
 #ifndef TVI_ENSEMBLE_H
 #define TVI_ENSEMBLE_H
 

@@ -1,4 +1,5 @@
-/* tvi_runs.h - runs with events, results at given times, to a given time, to a tolerance. Included by tvi.h. */
+/* tvi_runs.h - runs with events, results at given times, to a given time, to a tolerance; the step for an error.
+ * Included by tvi.h. */
 #ifndef TVI_RUNS_H
 #define TVI_RUNS_H
 
@@ -88,10 +89,28 @@ TVI_NODISCARD tvi_status tvi_integrate_tolerance_events(tvi_integrator *integrat
                                                         double q[], double p[], tvi_observer *observer,
                                                         tvi_event_observer *on_event, void *ctx);
 
+/* ---- Which step -------------------------------------------------------------------------------------------------- */
+
+/* The step h of a run of that duration, from (t, q, p), whose error at its end is the wanted one: the largest error of
+ * a coordinate relative to the largest coordinate, or of a momentum relative to the largest momentum. It is found by
+ * trial steps along the first part of the run, beside pairs of half the size, and aimed at a twelfth of the error: on a
+ * regular orbit that stays as it begins, the error then lies between a hundredth of the wanted one and the wanted one.
+ * What the first part does not show, as chaos and close encounters later on, makes it larger; roundoff is not counted
+ * (docs/choosing.md has what was reached). At most 20 trial steps are made, with their halves 60, or in a run of more
+ * than 1200 steps about 5 % of it. Make the run by tvi_integrate_to. options as for tvi_integrator_create; h has the
+ * sign of the duration, and is not larger. Of a rescaled system it is in s.
+ *   TVI_EINVAL  NULL, a duration that is 0 or not finite, an error below DBL_EPSILON or not below 1
+ *   TVI_ENOMEM  no memory
+ *   others      as of tvi_integrator_create, and of tvi_step where no size of it is accepted; *h stays as it was */
+TVI_NODISCARD tvi_status tvi_suggest_step(const tvi_system *system, const tvi_options *options, double t,
+                                          const double q[], const double p[], double duration, double error, double *h);
+
 #ifdef __cplusplus
 }
 #endif
 #if defined(__GNUC__)
 #pragma GCC visibility pop
 #endif
+#include "tvi_ensemble.h"
+
 #endif

@@ -1,10 +1,11 @@
 /* suggest.c - the step for a wanted error at the end of a run, by trials of its first part.
  *
  * A trial is two orbits from the start, one of steps h and one of steps h/2. Their distance e, relative to the largest
- * coordinate and the largest momentum, is the error of the first one but for a part 2^-order. With the part x of the run
- * behind it, the error at the end is said to be e x^-a, and with another step h' to be (h'/h)^order times as large. The
- * error of a symplectic method on a regular orbit grows linearly, a = 1, that of another method at most by the square;
- * a = 5/4 suits the scenes of the bench. With a drive, under which errors may die out, a is measured, and at most that.
+ * coordinate and the largest momentum, is the error of the first one but for a part 2^-order. With the part x of the
+ * run behind it, the error at the end is said to be e x^-a, and with another step h' to be (h'/h)^order times as large.
+ * The error of a symplectic method on a regular orbit grows linearly, a = 1, that of another method at most by the
+ * square; a = 5/4 suits the scenes of the bench. With a drive, under which errors may die out, a is measured, and at
+ * most that.
  *
  * A trial goes on while it says about what is aimed at, and while the cost allows; else another h is tried. */
 #include "run/suggest.h"

@@ -64,8 +64,8 @@ static double reached(const trip *to, double wanted, tvi_suggestion *found)
     return error / wanted;
 }
 
-/* Between a hundredth and 1, and thrice as wide for what another roundoff makes of it. It may be below where one step is
- * enough for the run. */
+/* Between a hundredth and 1, and thrice as wide for what another roundoff makes of it. It may be below where one step
+ * is enough for the run. */
 static const double LEAST = 1.0 / 300;
 static void assert_reached(const trip *to, const char *name, double wanted, double least)
 {
