@@ -3,22 +3,21 @@
 
 #include <math.h>
 
-/* The values of z = function(a, b). */
-#define POLAR_VALUE(function)                                                                                          \
-    static bool function##_value(double c, int width, const double *a, const double *b, double *restrict z)            \
-    {                                                                                                                  \
-        (void)c;                                                                                                       \
-        int outside = 0;                                                                                               \
-        for (int i = 0; i < width; i++) {                                                                              \
-            outside |= a[i] == 0 && b[i] == 0;                                                                         \
-            z[i] = function(a[i], b[i]);                                                                               \
-        }                                                                                                              \
-        return !outside;                                                                                               \
-    }
+static bool is_outside(int width, const double *a, const double *b)
+{
+    int at_origin = 0;
+    for (int i = 0; i < width; i++) at_origin |= a[i] == 0 && b[i] == 0;
+    return at_origin;
+}
 
 /* ---- z = sqrt(a^2 + b^2), whose value neither overflows nor underflows ------------------------------------------- */
 
-POLAR_VALUE(hypot)
+static bool hypot_value(double c, int width, const double *a, const double *b, double *restrict z)
+{
+    (void)c;
+    for (int i = 0; i < width; i++) z[i] = hypot(a[i], b[i]);
+    return !is_outside(width, a, b);
+}
 
 /* z^2 = a^2 + b^2  =>  z_0 z_k = a_0 a_k + b_0 b_k + (1/2) sum_{j=1}^{k-1} (a_j a_{k-j} + b_j b_{k-j} - z_j z_{k-j}).
  * O(N^2). */
@@ -61,7 +60,12 @@ JET_RULE(hypot, 2, W_NONE)
 
 /* ---- z = atan2(a, b), w = a^2 + b^2 ------------------------------------------------------------------------------ */
 
-POLAR_VALUE(atan2)
+static bool atan2_value(double c, int width, const double *a, const double *b, double *restrict z)
+{
+    (void)c;
+    for (int i = 0; i < width; i++) z[i] = atan2(a[i], b[i]);
+    return !is_outside(width, a, b);
+}
 
 /* w z' = b a' - a b', whose sum_j j (a_j b_{k-j} - b_j a_{k-j}) is sum_j (2j - k) a_j b_{k-j}:
  * k w_0 z_k = sum_{j=0}^{k} (2j - k) a_j b_{k-j} - sum_{j=1}^{k-1} j z_j w_{k-j}.   O(N^2). */
