@@ -123,6 +123,39 @@ START_TEST(last_step_leaves_no_trace)
 }
 END_TEST
 
+/* L = v^2/2 + 2 cos v - 2 q^2: several velocities have the same momentum. */
+static jet folded(const jet q[], const jet v[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    const jet kinetic = jet_add(jet_mul(0.5, jet_sqr(v[0])), jet_mul(2, jet_cos(v[0])));
+    return jet_sub(kinetic, jet_mul(2, jet_sqr(q[0])));
+}
+
+/* Nor does it depend on where a search for the velocity ended in another run: that of the guard's energy, too. */
+START_TEST(another_run_leaves_no_trace)
+{
+    tvi_system *system;
+    tvi_integrator *used, *fresh;
+    int refused = 0;
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, folded, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&used, system, NULL), TVI_OK);
+    for (int i = 0; i < 400; i++) {
+        const double h = 0.4 + 0.3 * sin(2.3 * i);
+        test_state x = {.q = {sin(i)}, .p = {5 * sin(1.7 * i)}}, y = x;
+        ck_assert_int_eq(tvi_integrator_create(&fresh, system, NULL), TVI_OK);
+        const tvi_status status = tvi_step(used, h, &x.t, x.q, x.p);
+        ck_assert_int_eq(tvi_step(fresh, h, &y.t, y.q, y.p), status);
+        ck_assert(same_bits(&x, &y));
+        refused += status == TVI_ETOOLARGE;
+        tvi_integrator_free(fresh);
+    }
+    ck_assert_int_gt(refused, 10);
+    ck_assert_int_lt(refused, 200);
+    tvi_integrator_free(used);
+    tvi_system_free(system);
+}
+END_TEST
+
 static int stop_at(long step, double t, const double q[], const double p[], void *ctx)
 {
     (void)t, (void)q, (void)p;
@@ -153,6 +186,7 @@ TCase *tcase_sequences(void)
     tcase_add_loop_test(tcase, reset_forgets, 0, FOLLOWERS * STEP_PROBLEMS);
     tcase_add_loop_test(tcase, changed_state_is_forgotten, 0, FOLLOWERS * STEP_PROBLEMS);
     tcase_add_loop_test(tcase, last_step_leaves_no_trace, 0, FOLLOWERS * STEP_PROBLEMS);
+    tcase_add_test(tcase, another_run_leaves_no_trace);
     tcase_add_loop_test(tcase, observer_sees_every_step_and_stops, 0, FOLLOWERS * STEP_PROBLEMS);
     return tcase;
 }
