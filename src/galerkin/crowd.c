@@ -28,7 +28,7 @@ typedef struct {
     int *slot;                       /* [unknowns] what drives them: all is read before anything moves */
     double *dq, *dp, *share, *ratio; /* [n][width] */
     double *moved;                   /* [width] */
-    tvi_passes *passes;              /* [width] */
+    galerkin_crowd_passes passes;    /* [width] */
     progress *now;                   /* [width] */
     galerkin_history *last;          /* [width] in the history, as the impulses, of the last step and the one before */
     double *impulses[2];             /* [unknowns][points][width] */
@@ -82,7 +82,11 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, n);
     w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
     w.moved = tvi_arena_doubles(arena, count);
-    w.passes = tvi_arena_take(arena, count * sizeof *w.passes);
+    galerkin_crowd_passes *passes = &w.passes;
+    double **const of_passes[] = {&passes->size,    &passes->before, &passes->part,
+                                  &passes->slowest, &passes->shown,  &passes->count};
+    for (size_t i = 0; i < 6; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
+    passes->is_stuck = tvi_arena_take(arena, count * sizeof *passes->is_stuck);
     w.now = tvi_arena_take(arena, count * sizeof *w.now);
     w.last = tvi_arena_history(arena, count * sizeof *w.last);
     for (int i = 0; i < 2; i++)
@@ -167,8 +171,10 @@ static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_s
         const bool goes_on = w->last[m].h_before == h && galerkin_is_next(&w->last[m], h, origin->t[m]);
         w->now[m] = status[m] != TVI_OK ? LEFT_ALONE : goes_on ? IN_LANES : BY_ITSELF;
         w->nodes.is_moving[m] = w->now[m] == IN_LANES ? -1 : 0;
-        w->passes[m] = TVI_NO_PASSES;
-        w->passes[m].slowest = w->last[m].slowest;
+        w->passes.size[m] = w->passes.before[m] = INFINITY;
+        w->passes.part[m] = w->passes.shown[m] = w->passes.count[m] = 0;
+        w->passes.slowest[m] = w->last[m].slowest;
+        w->passes.is_stuck[m] = 0;
         count += w->now[m] == IN_LANES;
     }
     return count;
@@ -207,53 +213,37 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
 
 /* ---- Passes ------------------------------------------------------------------------------------------------------ */
 
+/* Members that are outside of the domain, or whose passes are stuck, go by themselves. */
 static void leave(crowd *w, int m)
 {
     w->now[m] = BY_ITSELF;
     rest(w, m);
 }
 
-static void pass(crowd *w, tvi_stats *stats)
+static void pass(crowd *w, int count, tvi_stats *stats)
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
     const galerkin_field *field = &w->single->field;
     const jet_tape *tape = field->system->field_values;
     const bool inside = tape->sweeps->values(tape, nodes->x, nodes->points * nodes->width);
-    for (int m = 0; m < nodes->width; m++) {
-        if (!nodes->is_moving[m]) continue;
-        stats->force_evaluations += nodes->points;
-        stats->passes++;
-        if (!inside && !tvi_single_is_inside(&w->by_itself, tape, nodes->x, nodes->points, m)) leave(w, m);
-    }
+    stats->force_evaluations += count * nodes->points;
+    stats->passes += count;
+    for (int m = 0; m < nodes->width && !inside; m++)
+        if (nodes->is_moving[m] && !tvi_single_is_inside(&w->by_itself, tape, nodes->x, nodes->points, m)) leave(w, m);
     w->loops->move(nodes, field->matrix, nodes->x, w->slot, w->moved);
-}
-
-/* What a pass means for those that it has moved; returns how many go on. */
-static int judge(crowd *w)
-{
-    int count = 0;
-    for (int m = 0; m < w->nodes.width; m++) {
-        if (!w->nodes.is_moving[m]) continue;
-        const tvi_passes_verdict verdict =
-            isfinite(w->moved[m]) ? tvi_passes_judge(&w->passes[m], &w->rule, w->moved[m]) : TVI_PASSES_STUCK;
-        if (verdict == TVI_PASSES_STUCK) leave(w, m);
-        if (verdict == TVI_PASSES_MAY_END) {
-            w->now[m] = SOLVED;
-            w->nodes.is_moving[m] = 0;
-        }
-        count += verdict == TVI_PASSES_GO_ON;
-    }
-    return count;
 }
 
 static void iterate(crowd *w, int count, tvi_stats *stats)
 {
-    for (int passes = 0; count > 0 && passes < w->rule.most; passes++) {
-        pass(w, stats);
-        count = judge(w);
+    bool any_stuck;
+    for (int passes = 1; count > 0 && passes <= w->rule.most; passes++) {
+        pass(w, count, stats);
+        count = w->loops->judge(&w->nodes, &w->rule, passes, w->moved, &w->passes, &any_stuck);
+        for (int m = 0; m < w->nodes.width && any_stuck; m++)
+            if (w->passes.is_stuck[m]) leave(w, m);
     }
     for (int m = 0; m < w->nodes.width; m++)
-        if (w->now[m] == IN_LANES) w->now[m] = BY_ITSELF;
+        if (w->now[m] == IN_LANES) w->now[m] = w->nodes.is_moving[m] ? BY_ITSELF : SOLVED;
 }
 
 /* ---- The end of a step ------------------------------------------------------------------------------------------- */
@@ -288,11 +278,12 @@ static void finish(crowd *w, double h, const tvi_crowd_origin *origin, const tvi
     w->loops->tail(&w->motion, nodes->width, w->share, w->ratio, w->moved);
     for (int m = 0; m < nodes->width; m++) {
         if (w->now[m] != SOLVED) continue;
-        w->last[m] = (galerkin_history){h, h, origin->t[m], w->passes[m].slowest, 0};
+        w->last[m] = (galerkin_history){h, h, origin->t[m], w->passes.slowest[m], 0};
         end->tail[m] = stats->tail = w->moved[m];
-        end->passes[m] = w->passes[m].count;
-        stats->residual = sqrt(w->passes[m].size);
+        end->passes[m] = (int)w->passes.count[m];
+        stats->residual = w->passes.size[m];
     }
+    stats->residual = sqrt(stats->residual);
 }
 
 static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)

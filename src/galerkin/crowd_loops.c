@@ -121,6 +121,63 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
     const size_t width = (size_t)nodes->width;                                                                         \
     const int points = nodes->points, unknowns = nodes->unknowns
 
+/* ---- Verdicts ---------------------------------------------------------------------------------------------------- */
+
+#define ALL_OF(V, number) ((V){0} + (number))
+#define ALL_IF(V, is_so)  ((JET_MASK(V)){0} - (long long)(is_so))
+#define MASK_OF(V, of)    ((JET_MASK(V))(of))
+
+/* In the words of algebra/passes.h. */
+#define JUDGE(V, S)                                                                                                    \
+    {                                                                                                                  \
+        const JET_MASK(V) moving = IS_MOVING(V);                                                                       \
+        const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, passes->size, 0),       \
+                earlier = ROW_OF(V, passes->before, 0), part_before = ROW_OF(V, passes->part, 0),                      \
+                slowest_before = ROW_OF(V, passes->slowest, 0);                                                        \
+        const JET_MASK(V) is_far = ALL_IF(V, count == 1) | MASK_OF(V, size > ALL_OF(V, rule->far));                    \
+        const JET_MASK(V) is_loud = MASK_OF(V, size > ALL_OF(V, rule->noise)), shows = ~is_far & is_loud;              \
+        const V part_now = size / JET_CHOOSE(V, before < one, before, one);                                            \
+        const V slower = JET_CHOOSE(V, part_now > part_before, part_now, part_before);                                 \
+        const V slowest = JET_CHOOSE(V, shows, slower, slowest_before);                                                \
+        const JET_MASK(V) is_known = MASK_OF(V, slowest > none) & MASK_OF(V, slowest < ALL_OF(V, rule->contraction));  \
+        const V part = JET_CHOOSE(V, is_known, slowest, one), expected = part * ROW_OF(V, passes->shown, 0);           \
+        const V quiet = JET_CHOOSE(V, size < expected, size, expected);                                                \
+        const V shown = JET_CHOOSE(V, is_far | is_loud, size, quiet);                                                  \
+        const V next = JET_CHOOSE(V, is_far, size, part * shown);                                                      \
+        const JET_MASK(V) is_stuck = ~(is_patient | MASK_OF(V, size <= rule->stuck * before)) &                        \
+                                     (~has_two | MASK_OF(V, size > rule->stuck * rule->stuck * earlier));              \
+        const JET_MASK(V) is_large = MASK_OF(V, size > ALL_OF(V, rule->roundoff));                                     \
+        const JET_MASK(V) is_cycle = MASK_OF(V, size == before) & MASK_OF(V, size == earlier);                         \
+        const JET_MASK(V) is_enough = MASK_OF(V, next <= ALL_OF(V, rule->goal));                                       \
+        const JET_MASK(V) is_end = is_enough | (is_stuck & ~is_large & (~is_known | is_cycle));                        \
+        const JET_MASK(V) ends = (is_asked & is_last) | (~is_asked & is_end);                                          \
+        const JET_MASK(V) fails = (is_stuck & is_large & ~ends & ~is_asked) | ~MASK_OF(V, size < ALL_OF(V, INFINITY)); \
+        ROW_AT(V, passes->size, 0) = JET_CHOOSE(V, moving, size, before);                                              \
+        ROW_AT(V, passes->slowest, 0) = JET_CHOOSE(V, moving, slowest, slowest_before);                                \
+        ROW_AT(V, passes->count, 0) += JET_CHOOSE(V, moving, one, none);                                               \
+        ROW_AT(V, passes->before, 0) = before;                                                                         \
+        ROW_AT(V, passes->part, 0) = JET_CHOOSE(V, shows, part_now, part_before);                                      \
+        ROW_AT(V, passes->shown, 0) = shown;                                                                           \
+        *(JET_MASK(V) *)(passes->is_stuck + here) |= moving & fails;                                                   \
+        *(JET_MASK(V) *)(nodes->is_moving + here) = moving & ~(ends | fails);                                          \
+    }
+
+static int judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
+                 const galerkin_crowd_passes *passes, bool *any_stuck)
+{
+    const size_t width = (size_t)nodes->width;
+    const long long is_patient = -(count <= rule->patience), has_two = -(rule->turns > 1 && count > 2);
+    const long long is_asked = -(rule->exactly > 0), is_last = -(count == rule->exactly);
+    long long go_on = 0, stuck = 0;
+    JET_EIGHTS(nodes->width, JUDGE, )
+    for (size_t m = 0; m < width; m++) {
+        go_on -= nodes->is_moving[m];
+        stuck -= passes->is_stuck[m];
+    }
+    *any_stuck = stuck > 0;
+    return (int)go_on;
+}
+
 /* ---- The end of a step ------------------------------------------------------------------------------------------- */
 
 /* Two-sums: what each addition loses is collected. */
@@ -225,10 +282,12 @@ static void start(const galerkin_crowd_nodes *nodes, int first, int count, const
             for (size_t m = 0; m < width; m++) base[m] = q_low[m];
 }
 
-static void start_drifting(const galerkin_crowd_nodes *nodes, const double c[], const tvi_crowd_origin *origin,
-                           const galerkin_crowd_drift *drift)
+JET_INLINE void start_drifting_sized(const galerkin_crowd_nodes *nodes, const double c[],
+                                     const tvi_crowd_origin *origin, const galerkin_crowd_drift *drift, int points,
+                                     int stride, size_t width)
 {
-    SIZES;
+    const int unknowns = nodes->unknowns;
+    (void)stride;
     for (size_t u = 0; u < (size_t)unknowns; u++) {
         const double scale = nodes->scale[u], *q = origin->q + u * width, *q_low = origin->q_low + u * width;
         const double *p = origin->p + u * width, *p_low = origin->p_low + u * width;
@@ -243,6 +302,11 @@ static void start_drifting(const galerkin_crowd_nodes *nodes, const double c[], 
             for (size_t m = 0; m < width; m++) base[m] = (q_low[m] + c[j] * low[m]) + c[j] * high[m];
     }
 }
+
+BY_SIZE(start_drifting,
+        (const galerkin_crowd_nodes *nodes, const double c[], const tvi_crowd_origin *origin,
+         const galerkin_crowd_drift *drift),
+        nodes, c, origin, drift)
 
 /* As set_sizes of galerkin.c, each member alone. */
 #define SET_SIZES(V, S)                                                                                                \
@@ -267,8 +331,8 @@ static void set_sizes(const galerkin_crowd_nodes *nodes, int n)
 
 /* ---- The tail ---------------------------------------------------------------------------------------------------- */
 
-JET_INLINE void tails_of(const galerkin_motion *of, size_t width, double *restrict share, double *restrict ratio,
-                         bool has_masses)
+JET_INLINE void tails_of(const galerkin_motion *of, size_t width, bool has_masses, double *restrict share,
+                         double *restrict ratio)
 {
     const size_t n = (size_t)of->n, momenta = has_masses ? 0 : n * width;
     for (size_t i = 0; i < n; i++)
@@ -280,12 +344,18 @@ JET_INLINE void tails_of(const galerkin_motion *of, size_t width, double *restri
         }
 }
 
-static void tail(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
+JET_INLINE void tail_sized(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
 {
-    if (of->has_masses) tails_of(of, (size_t)width, share, ratio, true);
-    else tails_of(of, (size_t)width, share, ratio, false);
+    if (of->has_masses) tails_of(of, (size_t)width, true, share, ratio);
+    else tails_of(of, (size_t)width, false, share, ratio);
     tvi_tails_of_members(of->n, width, share, ratio, out);
 }
 
+static void tail(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
+{
+    if (width == 8) tail_sized(of, 8, share, ratio, out);
+    else tail_sized(of, width, share, ratio, out);
+}
+
 const galerkin_crowd_loops JET_FOR_ISA(tvi_galerkin_crowd_loops) = {
-    start, start_drifting, set_sizes, predict, move, integrate, remember, choose, end, end_drifting, tail};
+    start, start_drifting, set_sizes, predict, move, judge, integrate, remember, choose, end, end_drifting, tail};

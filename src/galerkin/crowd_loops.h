@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_GALERKIN_CROWD_LOOPS_H
 #define TVI_SRC_GALERKIN_CROWD_LOOPS_H
 
+#include "algebra/passes.h"
 #include "galerkin/loops.h"
 
 /* Unknown u of node i of member m stands at x[u][i][m]; tables of the nodes are those of one curve, whose rows are
@@ -24,6 +25,13 @@ typedef struct {
     double *high, *low;
 } galerkin_crowd_drift;
 
+/* What the passes of each member have shown (algebra/passes.h), [width] each. */
+typedef struct {
+    double *size, *before, *part, *slowest, *shown;
+    double *count;
+    long long *is_stuck;
+} galerkin_crowd_passes;
+
 typedef struct {
     void (*start)(const galerkin_crowd_nodes *nodes, int first, int count, const double *q, const double *q_low);
     void (*start_drifting)(const galerkin_crowd_nodes *nodes, const double c[], const tvi_crowd_origin *origin,
@@ -35,6 +43,10 @@ typedef struct {
     /* moved [width]. */
     void (*move)(const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                  double moved[]);
+    /* tvi_passes_judge of the pass number `count` for all members that move, by a rule that learns no slack: those that
+     * may end, or are stuck, move no more. Returns how many go on; *any_stuck: some are stuck now. */
+    int (*judge)(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
+                 const galerkin_crowd_passes *passes, bool *any_stuck);
     /* sums [unknowns][width] */
     void (*integrate)(const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
     /* Of the members that is_moving names: before = last, last = the impulses; to = from, of so many rows. */

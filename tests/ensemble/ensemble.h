@@ -11,6 +11,7 @@ Suite *suite_runs(void);
 Suite *suite_failing(void);
 Suite *suite_states(void);
 Suite *suite_refused(void);
+Suite *suite_lanes(void);
 
 enum { N = 2, MOST = 1000, COLUMNS = 2, ROWS = 2 * N + 1 };
 

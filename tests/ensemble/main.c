@@ -2,6 +2,7 @@
 #include "ensemble.h"
 #include "problems/run_suites.h"
 
-static Suite *(*const suites[])(void) = {suite_bits, suite_runs, suite_failing, suite_states, suite_refused};
+static Suite *(*const suites[])(void) = {suite_bits,   suite_runs,    suite_failing,
+                                         suite_states, suite_refused, suite_lanes};
 
 int main(void) { return RUN_SUITES(suites); }

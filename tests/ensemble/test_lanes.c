@@ -1,0 +1,170 @@
+/* test_lanes.c - what steps in lanes must not lose: the rule that ends the passes, and the energy in long runs. */
+#include "ensemble.h"
+#include "galerkin/crowd_loops.h"
+#include "galerkin/passes.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* ---- Verdicts ---------------------------------------------------------------------------------------------------- */
+
+enum { WIDTH = 8, SEQUENCES = 2000, PASSES = 30 };
+
+static const galerkin_crowd_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_galerkin_crowd_loops_base,
+#ifdef __x86_64__
+    [jet_isa_avx2] = &tvi_galerkin_crowd_loops_avx2,
+    [jet_isa_avx512] = &tvi_galerkin_crowd_loops_avx512,
+#endif
+};
+
+static double number_of(uint64_t *bits)
+{
+    *bits = *bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
+    return (double)(*bits >> 11) * 0x1p-53;
+}
+
+/* Sizes of passes: some contract much, some little, some not, some repeat themselves, and few are no numbers. */
+static double next_size(double size, uint64_t *bits)
+{
+    const double what = number_of(bits), much = number_of(bits);
+    return what < 0.001 ? NAN : what < 0.1 ? size : what < 0.2 ? size * 4 * much : size * pow(10, -20 * much * what);
+}
+
+typedef struct {
+    double size[WIDTH], before[WIDTH], part[WIDTH], slowest[WIDTH], shown[WIDTH], count[WIDTH], moved[WIDTH];
+    long long is_stuck[WIDTH], is_moving[WIDTH];
+    tvi_passes one[WIDTH];
+    tvi_passes_verdict verdict[WIDTH];
+} lanes;
+
+static void start_lanes(lanes *w, double slowest)
+{
+    memset(w, 0, sizeof *w);
+    for (int m = 0; m < WIDTH; m++) {
+        w->one[m] = TVI_NO_PASSES;
+        w->one[m].slowest = w->slowest[m] = slowest;
+        w->size[m] = w->before[m] = INFINITY;
+        w->moved[m] = 1;
+        w->is_moving[m] = -1;
+    }
+}
+
+/* A pass of all by both: whether they agree. An asked number of passes shows nothing. */
+static bool judge_both(lanes *w, const galerkin_crowd_loops *loops, const tvi_passes_rule *rule, int pass,
+                       uint64_t *bits)
+{
+    const galerkin_crowd_nodes nodes = {.width = WIDTH, .is_moving = w->is_moving};
+    const galerkin_crowd_passes passes = {w->size, w->before, w->part, w->slowest, w->shown, w->count, w->is_stuck};
+    bool any_stuck, is_same = true;
+    int go_on = 0, stuck = 0;
+    for (int m = 0; m < WIDTH; m++) {
+        w->moved[m] = next_size(w->moved[m], bits);
+        if (!w->is_moving[m]) continue;
+        w->verdict[m] = isfinite(w->moved[m]) ? tvi_passes_judge(&w->one[m], rule, w->moved[m]) : TVI_PASSES_STUCK;
+        go_on += w->verdict[m] == TVI_PASSES_GO_ON;
+    }
+    is_same &= loops->judge(&nodes, rule, pass, w->moved, &passes, &any_stuck) == go_on;
+    for (int m = 0; m < WIDTH; m++) {
+        const bool is_stuck = w->verdict[m] == TVI_PASSES_STUCK;
+        is_same &= (w->is_moving[m] != 0) == (w->verdict[m] == TVI_PASSES_GO_ON) && (w->is_stuck[m] != 0) == is_stuck;
+        is_same &= is_stuck || (w->size[m] == w->one[m].size && (int)w->count[m] == w->one[m].count);
+        is_same &= is_stuck || rule->exactly > 0 || w->slowest[m] == w->one[m].slowest;
+        stuck += is_stuck;
+    }
+    return is_same && any_stuck == (stuck > 0);
+}
+
+/* In every instruction set that the machine has, with and without a tolerance and a number of passes. */
+START_TEST(lanes_judge_as_one_member_does)
+{
+    const jet_isa isa = (jet_isa)(_i / 3);
+    if (isa > jet_sweeps_choose()->isa) return;
+    tvi_options options = tvi_options_default();
+    if (_i % 3 == 1) options.tolerance = 1e-6;
+    if (_i % 3 == 2) options.passes = 5;
+    const tvi_passes_rule rule = tvi_galerkin_rule(&tvi_galerkin_fixed_point, 64, &options);
+    uint64_t bits = 1;
+    int ended = 0, stuck = 0;
+    bool is_same = true;
+    static lanes w;
+    for (int k = 0; k < SEQUENCES; k++) {
+        start_lanes(&w, k % 2 == 0 ? 0 : number_of(&bits));
+        for (int pass = 1; pass <= PASSES; pass++) is_same &= judge_both(&w, loops_of[isa], &rule, pass, &bits);
+        for (int m = 0; m < WIDTH; m++) {
+            ended += w.verdict[m] == TVI_PASSES_MAY_END;
+            stuck += w.verdict[m] == TVI_PASSES_STUCK;
+        }
+    }
+    ck_assert(is_same);
+    ck_assert_int_gt(ended, SEQUENCES);
+    ck_assert_int_gt(stuck, SEQUENCES / 100); /* both were seen */
+}
+END_TEST
+
+/* ---- Long runs --------------------------------------------------------------------------------------------------- */
+
+enum { MEMBERS = 16, LONG = 50000 };
+
+static jet attraction(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_div(-1, jet_hypot(q[0], q[1]));
+}
+
+typedef struct {
+    double mean, largest;
+} errors;
+
+/* Relative errors of the energy of Kepler orbits, e = 0.36 to 0.42. */
+static errors errors_of(const tvi_system *system, const tvi_options *options)
+{
+    tvi_ensemble *ensemble;
+    errors e = {0, 0};
+    double t[MEMBERS] = {0}, q[N * MEMBERS] = {0}, p[N * MEMBERS] = {0};
+    tvi_status status[MEMBERS];
+    OK(tvi_ensemble_create(&ensemble, system, options, MEMBERS, 1));
+    ck_assert(has_lanes(ensemble));
+    for (int m = 0; m < MEMBERS; m++) q[m] = 1, p[MEMBERS + m] = 0.8 - 0.0025 * m;
+    OK(tvi_ensemble_integrate(ensemble, 0.125, LONG, t, q, p, status, NULL, NULL));
+    for (int m = 0; m < MEMBERS; m++) {
+        const double start = 0.5 * pow(0.8 - 0.0025 * m, 2) - 1, x[] = {q[m], q[MEMBERS + m]};
+        const double v[] = {p[m], p[MEMBERS + m]};
+        double end;
+        OK(tvi_energy(system, 0, x, v, &end));
+        e.mean += (end - start) / (start * MEMBERS);
+        e.largest = fmax(e.largest, fabs((end - start) / start));
+    }
+    tvi_ensemble_free(ensemble);
+    return e;
+}
+
+/* The energy walks at random, as that of an integrator: by 1e-14, and to both sides. One that solves its equations to
+ * 1e-9 only drifts, which is seen so. */
+START_TEST(energies_do_not_drift)
+{
+    tvi_system *system;
+    tvi_options options;
+    OK(tvi_system_potential(&system, N, NULL, attraction, NULL));
+    OK(tvi_options_named("galerkin", 16, &options));
+    const errors e = errors_of(system, &options);
+    ck_assert_double_lt(e.largest, 3e-14);
+    ck_assert_double_gt(e.largest, 1e-15);
+    ck_assert_double_lt(fabs(e.mean), 7e-15);
+    options.tolerance = 1e-9;
+    ck_assert_double_gt(fabs(errors_of(system, &options).mean), 1e-12);
+    tvi_system_free(system);
+}
+END_TEST
+
+Suite *suite_lanes(void)
+{
+    Suite *suite = suite_create("lanes");
+    TCase *tests = tcase_create("lanes");
+    tcase_set_timeout(tests, 60);
+    tcase_add_loop_test(tests, lanes_judge_as_one_member_does, 0, 3 * JET_ISA_COUNT);
+    tcase_add_test(tests, energies_do_not_drift);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
