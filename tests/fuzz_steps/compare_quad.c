@@ -77,7 +77,8 @@ comparison compare_step(problem *x, random_source *r)
         c.options = random_method(x->form, system, r);
         c.has_reference = quad_step(&s, &c.options, c.h, x->t, exact_q, exact_p) && measure_roundoff(&s, c.h, unit);
     }
-    if (c.has_reference && tvi_integrator_create(&integrator, system, &c.options) == TVI_OK) {
+    if (c.has_reference && tvi_integrator_create(&integrator, system, &c.options) == TVI_OK &&
+        tvi_integrator_set_parameters(integrator, x->parameter) == TVI_OK) {
         c.status = tvi_step(integrator, c.h, &t, q, p);
         if (x->rescales) q[x->n - 1] = t; /* e is the integrator's own */
         c.q = error_of(x->n, q, exact_q) / unit[0];

@@ -46,7 +46,7 @@ static int add_node(formula *f, operation op, int a, int b, double c)
 {
     if (f->count == NODES_MOST) abort();
     const formula_node *nodes = f->nodes;
-    f->nodes[f->count] = (formula_node){op, a, b, c, value_of(op, nodes[a].value, nodes[b].value, c)};
+    f->nodes[f->count] = (formula_node){op, a, b, c, value_of(op, nodes[a].value, nodes[b].value, c), 0};
     return f->count++;
 }
 
@@ -228,6 +228,11 @@ void gradient_of(formula *f, int out, int inputs, int gradient[])
 
 /* ---- Jets -------------------------------------------------------------------------------------------------------- */
 
+static jet number_jet(const formula_node *x, jet of)
+{
+    return x->parameter ? jet_parameter(of, x->parameter - 1, 0.25 + 1.25 * x->number) : jet_const(x->number);
+}
+
 static jet jet_of(const formula_node *x, jet a, jet b)
 {
     static const jet_function functions[X_COUNT] = {
@@ -236,7 +241,6 @@ static jet jet_of(const formula_node *x, jet a, jet b)
         [X_ATAN] = JET_ATAN, [X_SINH] = JET_SINH, [X_COSH] = JET_COSH, [X_TANH] = JET_TANH,
     };
     switch (x->op) {
-    case X_NUMBER: return jet_const(x->number);
     case X_ADD: return jet_add(a, b);
     case X_SUB: return jet_sub(a, b);
     case X_MUL: return jet_mul(a, b);
@@ -260,6 +264,7 @@ void record(const formula *f, const jet input[], int count, const int out[], jet
     for (int z = 0; z < f->count; z++) {
         const formula_node *x = &f->nodes[z];
         if (z < f->inputs) jets[z] = input[z];
+        else if (needed[z] && x->op == X_NUMBER) jets[z] = number_jet(x, input[0]);
         else if (needed[z]) jets[z] = jet_of(x, jets[x->a], jets[is_binary(x->op) ? x->b : x->a]);
     }
     for (int i = 0; i < count; i++) value[i] = jets[out[i]];

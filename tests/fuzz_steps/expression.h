@@ -36,11 +36,12 @@ typedef enum {
 
 /* z = op(a, b), or of a alone; b is then what the interpreters need beside it: the cosine of a sine and the like
  * (partner), what tan, tanh and the square are equal to, and for z' = +-a'/w of asin, acos and atan the w. number: of a
- * number and a power. */
+ * number and a power. parameter: 1 + its index, of a number that is one; it is recorded with another value. */
 typedef struct {
     operation op;
     int a, b;
     double number, value; /* the value at the place where the formula was made */
+    int parameter;
 } formula_node;
 
 enum { NODES_MOST = 6000, INPUTS_MOST = 25 };

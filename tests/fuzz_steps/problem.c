@@ -105,9 +105,21 @@ static void rescale(problem *x, random_source *r)
     x->energy = apply(f, X_MUL, x->scale, apply(f, X_ADD, x->H, e));
 }
 
+/* Some of the numbers from a node on. */
+static void choose_parameters(problem *x, random_source *r, int from)
+{
+    for (int i = from; i < x->f.count && x->parameters < PARAMETERS_MOST; i++) {
+        formula_node *z = &x->f.nodes[i];
+        if (z->op != X_NUMBER || choose(r, 2)) continue;
+        x->parameter[x->parameters++] = z->number;
+        z->parameter = x->parameters;
+    }
+}
+
 problem problem_of(uint64_t seed)
 {
-    random_source r = {seed * UINT64_C(0xd1342543de82ef95)}, of_rescaled = {seed * UINT64_C(0x9e3779b97f4a7c15)};
+    random_source r = {seed * UINT64_C(0xd1342543de82ef95)}, of_rescaled = {seed * UINT64_C(0x9e3779b97f4a7c15)},
+                  of_parameters = {seed * UINT64_C(0xaf251af3b0f025b5)};
     static const double places[] = {0, 0, 0, 1, 1e6}; /* that the coordinates are about */
     const int few = choose(&r, 4);
     const double about = places[choose(&r, 5)];
@@ -124,7 +136,9 @@ problem problem_of(uint64_t seed)
     if (x.rescales) place[x.n] = x.q[x.n] = x.t;
     x.f = formula_of(INPUTS_MOST, place);
     x.own = own_coordinates(&x, about);
+    const int first = x.f.count;
     x.energy = random_energy(&x, &r);
+    if (choose(&of_parameters, 3) == 0) choose_parameters(&x, &of_parameters, first);
     if (x.rescales) rescale(&x, &of_rescaled);
     gradient_of(&x.f, x.energy, INPUTS_MOST, gradient);
     for (int i = 0; i < x.n; i++) {
@@ -261,7 +275,7 @@ void print_problem(FILE *to, const problem *x)
                                         "Hamiltonian H, r = p,"};
     fprintf(to, "  n = %d, %s%s = ", x->n, x->rescales ? "rescaled " : "", forms[x->form]);
     print_formula(to, &x->f, x->energy, names);
-    fprintf(to, "\n  t = %.17g\n", x->t);
+    fprintf(to, "\n  t = %.17g, %d numbers of it parameters\n", x->t, x->parameters);
     for (int i = 0; i < x->n; i++)
         fprintf(to, "  q%d = %.17g, p%d = %.17g, mass %.17g\n", i, x->q[i], i, x->p[i], x->mass[i]);
 }

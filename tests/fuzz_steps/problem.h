@@ -7,6 +7,7 @@
 
 #include <stdbool.h>
 
+enum { PARAMETERS_MOST = 6 };
 enum { N_MOST = 12, SECOND = N_MOST, TIME = 2 * N_MOST }; /* inputs: q at 0, p or v at SECOND, t */
 
 typedef enum { OF_FORCE, OF_POTENTIAL, OF_LAGRANGIAN, OF_HAMILTONIAN, FORMS } form;
@@ -23,6 +24,8 @@ typedef struct {
     int dq[N_MOST]; /* nodes of F, or of the derivatives of the energy */
     int dp[N_MOST]; /* of the derivatives by v or p */
     double t, q[N_MOST], p[N_MOST];
+    int parameters;
+    double parameter[PARAMETERS_MOST]; /* values, which are not those recorded */
 } problem;
 
 /* Problem number seed; problem_free frees the formula. */
