@@ -42,7 +42,7 @@ const adaptive_line adaptive_lines[] = {
     {&hard_kepler_999, TOLERANCE, TIMED},
     {&hard_pythagorean, FIXED, .h = 1e-3, TIMED},
     {&hard_pythagorean, FIXED, .h = 1e-4, TIMED},
-    {&hard_pythagorean, OWN, .h = 0.2963, TIMED},
+    {&hard_pythagorean, OWN, .h = 0.4, TIMED},
     {&hard_pythagorean, AUTOMATIC, .h = 0.3, TIMED},
     {&hard_pythagorean, POINCARE, .h = 0.2, TIMED},
     {&hard_pythagorean, RIGHT, .h = 0.04, TIMED},
@@ -73,7 +73,7 @@ const adaptive_line adaptive_errors[] = {
 };
 
 const adaptive_line adaptive_steps[] = {
-    {&hard_pythagorean, OWN, .h = 0.2963},
+    {&hard_pythagorean, OWN, .h = 0.4},
     {&hard_pythagorean, AUTOMATIC, .h = 0.3},
     {.of = NULL},
 };
