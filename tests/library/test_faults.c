@@ -209,6 +209,33 @@ static tvi_status make_tangents(const void *argument, bool *cleared)
     return status;
 }
 
+/* An ensemble, and a run of it; at order 16 with tangent vectors. */
+static tvi_status make_ensemble(const void *argument, bool *cleared)
+{
+    enum { MEMBERS = 3 };
+    const integrator_arguments *of = argument;
+    tvi_ensemble *ensemble = (tvi_ensemble *)&(char){0};
+    double t[MEMBERS] = {0}, q[N * MEMBERS], p[N * MEMBERS], D[2 * N * MEMBERS] = {42};
+    tvi_status status = tvi_ensemble_create(&ensemble, of->system, of->options, MEMBERS, 2), of_member[MEMBERS];
+    for (int k = 0; k < N * MEMBERS; k++) q[k] = 0.1 + 0.01 * k, p[k] = 0.1;
+    const tvi_ensemble_plan plan = {.h = 0.01, .steps = 1, .D = D, .columns = of->options->order == 16};
+    *cleared = status == TVI_OK || ensemble == NULL;
+    if (status == TVI_OK) status = tvi_ensemble_run(ensemble, &plan, t, q, p, of_member);
+    *cleared = *cleared && t[0] == 0 && q[0] == 0.1;
+    tvi_ensemble_free(ensemble);
+    return status;
+}
+
+START_TEST(ensembles_without_memory)
+{
+    tvi_system *system = create_everything(ways[_i].by, true);
+    const tvi_options options = options_of_way(_i);
+    const integrator_arguments of = {system, &options};
+    ck_assert_int_ge(fail_each(make_ensemble, &of, FAIL_ONCE), 9);
+    tvi_system_free(system);
+}
+END_TEST
+
 START_TEST(tangents_without_memory)
 {
     tvi_system *system = create_everything(ways[_i].by, true);
@@ -258,6 +285,7 @@ Suite *suite_faults(void)
     TCase *tangents = add_case(suite, "tangents");
     tcase_set_timeout(tangents, 60);
     tcase_add_loop_test(tangents, tangents_without_memory, 0, way_count);
+    tcase_add_loop_test(tangents, ensembles_without_memory, 0, way_count);
     suite_add_tcase(suite, tcase_allocations());
     return suite;
 }
