@@ -98,7 +98,7 @@ static tvi_status check_increments(const tvi_integrator *it, double h)
         if (!isfinite(it->now.q[i] + it->dq[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
     for (int i = 0; i < dimension; i++)
         if (!isfinite(it->now.p[i] + it->dp[i])) return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
-    return it->stepped == it->system ? TVI_OK : check_time(it, h);
+    return tvi_is_rescaled(it) ? check_time(it, h) : TVI_OK;
 }
 
 /* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
@@ -122,7 +122,7 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     else tvi_arena_copy(it->history, it->before, it->marked);
     it->stats.steps += status == TVI_OK;
     if (status == TVI_OK) return status;
-    const char *const of = it->stepped == it->system ? "" : " in s, of K = g (H + e),";
+    const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
     return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, now->q[it->system->n], jet_refusal());
 }
 
