@@ -127,16 +127,21 @@ $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
 # the loops of the Galerkin curve, for one number of unknowns
-EMBEDDED_GALERKIN := src/method/origin.h src/algebra/sizes.h src/algebra/tail.h \
-                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h loops.c emitted_loops.h)
+EMBEDDED_GALERKIN := src/method/origin.h $(addprefix src/algebra/,sizes.h passes.h tail.h) \
+                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h loops.c steady.h emitted_loops.h)
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
 $(EMBEDDED): %.o: %.c
 	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
+comma := ,
 GENERATED_FLAGS := -O3 -mtune=native -fno-math-errno -fno-tree-slp-vectorize
 quoted = "$(GENERATED_FLAGS) $(1)",
+# with the SLEEF that the library has
+SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))
+$(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-DJET_SLEEF"$(comma) "$(or $(SLEEF_FILE:%=-l:%),-lsleef)"$(comma))'
+$(BUILD)/src/compiled/load.o: $(BUILD)/elementary
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
 $(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o galerkin/crowd.o generating/taylor_crowd.o run/crowd.o)): \

@@ -4,7 +4,6 @@
 #define TVI_SRC_ALGEBRA_PASSES_H
 
 #include "algebra/sizes.h"
-#include "tvi.h"
 
 #include <float.h>
 
@@ -34,20 +33,6 @@ typedef struct {
     int patience;    /* the first passes, which are never stuck */
     double roundoff; /* a correction that is stuck is roundoff up to this, whatever the roundoff is */
 } tvi_passes_rule;
-
-/* The same as the options have it; their tolerance in the unit of the sizes. */
-static inline tvi_passes_rule tvi_passes_rule_asked(const tvi_passes_rule *rule, const tvi_options *options,
-                                                    double tolerance)
-{
-    tvi_passes_rule asked = *rule;
-    if (options->max_passes > 0) asked.most = options->max_passes;
-    if (options->passes > 0) asked.most = asked.exactly = options->passes;
-    if (tolerance > 0) {
-        asked.goal = tolerance;
-        asked.far = 0;
-    }
-    return asked;
-}
 
 /* What the passes have shown so far. */
 typedef struct {

@@ -1,5 +1,5 @@
-/* emit.c - the loops of generated code: those of loops.c for one number of unknowns and lanes, and a pass in one
- * function, where it is the field and `move`. */
+/* emit.c - the loops of generated code: those of loops.c for one number of unknowns and lanes, and a whole step
+ * in one function, where a pass is the field and `move`. */
 #include "galerkin/field.h"
 
 extern const char *const tvi_embedded_galerkin[];
@@ -17,15 +17,16 @@ static void emit_slots(jet_text *text, const tvi_system *system, const char *nam
     jet_text_add(text, "};\nenum { %s_copies = %d };\n", name, copies);
 }
 
-void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, bool has_pass, const char *name)
+void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, bool is_plain, const char *name)
 {
+    const jet_tape *tape = system->field_values;
     for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_add(text, "%s", *line);
     jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d)\n", name, system->n, system->inputs, lanes);
-    if (has_pass) {
+    if (is_plain) {
         emit_slots(text, system, name);
-        jet_text_add(text, "GALERKIN_EMITTED_PASS(%s, values_values_of, %d, %d)\n", name, system->field_values->slots,
-                     lanes);
+        jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, values_values_of, %d, %d, %d, %d)\n", name, system->inputs,
+                     tape->inputs + tape->constants, tape->slots, lanes);
     }
     jet_text_add(text, "static const galerkin_loops %s = {GALERKIN_EMITTED_TABLE(%s), ", name, name);
-    jet_text_add(text, has_pass ? "%s_pass};\n" : "0};\n", name);
+    jet_text_add(text, is_plain ? "%s_steady};\n" : "0};\n", name);
 }

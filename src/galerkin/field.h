@@ -65,7 +65,7 @@ int tvi_galerkin_driving_slot(const tvi_system *system, int unknown);
 int tvi_galerkin_driven_slot(const tvi_system *system, int unknown, int *copies);
 
 /* Defines `static const galerkin_loops NAME` of generated code that has the values (emit.c). */
-void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, bool has_pass, const char *name);
+void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, bool is_plain, const char *name);
 
 /* Displaces the outputs of a tape of the field in its block. */
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);
@@ -90,11 +90,6 @@ static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved,
     if (field->form->pass) {
         const tvi_status status = field->form->pass(field, moved, stats);
         if (status != TVI_OK) return status;
-    } else if (field->loops->pass && !field->noise) {
-        if (!field->loops->pass(&field->nodes, field->matrix, moved)) {
-            (void)jet_refuse_sweep(field->system->field_values, field->nodes.x, field->nodes.lanes);
-            return TVI_EDOMAIN;
-        }
     } else {
         if (galerkin_evaluate(field) != TVI_OK) return TVI_EDOMAIN;
         *moved = field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);

@@ -110,6 +110,17 @@ static void prepare(void *work)
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
     w->motion.per_weight = w->coefficients.inverse_b;
     w->rule = tvi_galerkin_rule(w->field.form->rule, w->field.nodes.unknowns * w->field.nodes.lanes, w->options);
+    w->frame = (galerkin_frame){.nodes = &w->field.nodes,
+                                .motion = &w->motion,
+                                .weights = &w->coefficients.weights,
+                                .rule = &w->rule,
+                                .matrix = w->field.matrix,
+                                .extrapolation = w->predictor.from_two,
+                                .c = w->coefficients.c,
+                                .drift = w->drift,
+                                .drift_low = w->drift_low,
+                                .share = w->share,
+                                .ratio = w->ratio};
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -148,22 +159,6 @@ static void set_start(galerkin *w, const tvi_origin *origin)
     else loops->start(&w->field.nodes, w->n, origin);
 }
 
-/* 1 / (|start| + |predicted end - start|). */
-static void set_sizes(const galerkin_nodes *nodes, int n)
-{
-    const double *last = nodes->x + nodes->lanes - 1;
-    for (int first = 0; first < nodes->unknowns; first += n) {
-        double largest = 0;
-        for (int u = first; u < first + n; u++) {
-            const double start = nodes->start[u], size = fabs(start) + fabs(last[u * nodes->lanes] - start);
-            nodes->inverse_size[u] = size;
-            largest = size > largest ? size : largest;
-        }
-        const double least = largest > 0 ? TVI_GALERKIN_LEAST_SHARE * largest : 1;
-        for (int u = first; u < first + n; u++) nodes->inverse_size[u] = 1 / (nodes->inverse_size[u] + least);
-    }
-}
-
 /* From the steps before, beginning after `part` of the last one; NULL: the field at the start is that at all nodes. */
 static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, double *slowest, tvi_stats *stats)
 {
@@ -179,7 +174,7 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
         if (w->options->passes == TVI_PREDICT_ONLY) return TVI_OK;
     }
     set_times(w, origin, field->h);
-    set_sizes(&field->nodes, w->n);
+    galerkin_set_sizes(&field->nodes, w->n);
     return tvi_galerkin_iterate(field, &w->probe, &w->rule, origin, slowest, stats);
 }
 
@@ -193,10 +188,7 @@ static void set_increments(const galerkin *w, double dq[], double dp[])
         w->field.loops->end_drifting(nodes, sums, w->drift, w->drift_low, dq, dp);
         return;
     }
-    for (int i = 0; i < w->n; i++) {
-        dq[i] = nodes->scale[i] * sums->once[i];
-        dp[i] = nodes->scale[w->n + i] * sums->once[w->n + i];
-    }
+    galerkin_end(nodes, sums, w->n, dq, dp);
 }
 
 static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
@@ -208,16 +200,36 @@ static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
     return w->field.points < 2 ? 0 : w->field.loops->tail(motion, w->share, w->ratio);
 }
 
+/* By generated code; false where it is to be made in another way. */
+static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+{
+    const galerkin_predictor *before = &w->predictor;
+    galerkin_outcome to = {
+        {tvi_galerkin_impulses(before, 0), tvi_galerkin_impulses(before, -1)}, dq, dp, TVI_NO_PASSES, 0};
+    to.passes.slowest = before->last->slowest;
+    set_times(w, origin, w->field.h);
+    const bool is_made = w->field.loops->steady(&w->frame, origin, &to);
+    stats->passes += to.passes.count;
+    stats->force_evaluations += to.passes.count * w->field.points;
+    if (!is_made) return false;
+    stats->residual = sqrt(to.passes.size);
+    stats->tail = to.tail;
+    tvi_galerkin_remember(&w->predictor, w->field.h, origin->t, to.passes.slowest);
+    return true;
+}
+
 static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     galerkin *w = work;
     const galerkin_history *last = w->predictor.last;
     tvi_galerkin_set_size(w, h);
     w->field.nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
-    set_start(w, origin);
     double part, slowest = h == last->h ? last->slowest : 0;
     const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY &&
                               tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
+    const bool is_steady = extrapolates && tvi_galerkin_is_steady(&w->predictor, &w->field, part);
+    if (is_steady && w->field.loops->steady && step_steadily(w, origin, dq, dp, stats)) return TVI_OK;
+    set_start(w, origin);
     tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &slowest, stats);
     if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &slowest, stats);
     if (status != TVI_OK) return status;

@@ -12,13 +12,12 @@
 #define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + here))
 
 /* In halves, which wait less for each other. */
-JET_INLINE double sum_of(const double x[], size_t count)
+JET_INLINE double sum_of_jet_v1(jet_v1 x) { return x; }
+JET_INLINE double sum_of_jet_v2(jet_v2 x) { return x[0] + x[1]; }
+JET_INLINE double sum_of_jet_v4(jet_v4 x) { return sum_of_jet_v2((jet_v2){x[0], x[1]} + (jet_v2){x[2], x[3]}); }
+JET_INLINE double sum_of_jet_v8(jet_v8 x)
 {
-    double sum[8];
-    for (size_t i = 0; i < count; i++) sum[i] = x[i];
-    for (size_t half = count / 2; half > 0; half /= 2)
-        for (size_t i = 0; i < half; i++) sum[i] += sum[i + half];
-    return sum[0];
+    return sum_of_jet_v4((jet_v4){x[0], x[1], x[2], x[3]} + (jet_v4){x[4], x[5], x[6], x[7]});
 }
 
 /* sum[0][] + ... = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
@@ -55,11 +54,15 @@ enum { CHAINS = 4 };
         for (int k = 0; k < (blocks); k++) BLOCK_AT(V, of_u, k) = BLOCK_OF(V, weight, k) * BLOCK_OF(V, drive, k);      \
     }
 
+/* A product with a number in memory is one operation, with one of a register's numbers two. */
+#define LEAVE_REGISTERS(array, count) __asm__("" : "+m"(*(double(*)[count])(array)));
+
 /* Once all impulses are there, and none waits for the one before it. */
 #define MOVE_BY(WEIGH, V, blocks)                                                                                      \
     {                                                                                                                  \
         V squares = {0};                                                                                               \
         WEIGH(V, blocks)                                                                                               \
+        LEAVE_REGISTERS(impulse, unknowns *lanes)                                                                      \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, impulse += lanes) {                              \
             SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
@@ -71,7 +74,7 @@ enum { CHAINS = 4 };
                 BLOCK_AT(V, x, k) = place;                                                                             \
             }                                                                                                          \
         }                                                                                                              \
-        moved = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                     \
+        moved = sum_of_##V(squares);                                                                                   \
     }
 #define MOVE(V, blocks) MOVE_BY(WEIGH, V, blocks)
 
@@ -187,7 +190,7 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
                 BLOCK_AT(V, rounds->moved + u * lanes, k) += change;                                                   \
             }                                                                                                          \
         }                                                                                                              \
-        moved = sum_of((const double *)&squares, sizeof squares / sizeof(double));                                     \
+        moved = sum_of_##V(squares);                                                                                   \
     }
 
 JET_INLINE
@@ -226,7 +229,7 @@ JET_INLINE void sum_pair(const double *factor, const double *u, const double *v,
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         for (int k = 0; k < (blocks); k++) sum += BLOCK_OF(V, of_last, k) * BLOCK_OF(V, impulse, k);                   \
-        last[u] = fabs(sum_of((const double *)&sum, sizeof sum / sizeof(double)));                                     \
+        last[u] = fabs(sum_of_##V(sum));                                                                               \
     }
 
 JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums,

@@ -77,6 +77,8 @@ typedef struct {
     const double *theta, *start, *drift, *scale;
 } galerkin_places;
 
+struct galerkin_frame;
+struct galerkin_outcome;
 typedef struct galerkin_loops {
     /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
@@ -103,8 +105,9 @@ typedef struct galerkin_loops {
     /* share, ratio [n]: scratch. */
     double (*tail)(const galerkin_motion *of, double *share, double *ratio);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
-    /* A pass: values of the field, and `move`; false where the field has none. NULL but in generated code. */
-    bool (*pass)(const galerkin_nodes *nodes, const double *matrix, double *moved);
+    /* A step in one function: steady.h. False where its passes do not end at the goal, or the field has no value; the
+     * nodes and the outcome are undefined then. NULL but in generated code. */
+    bool (*steady)(const struct galerkin_frame *frame, const tvi_origin *origin, struct galerkin_outcome *to);
 } galerkin_loops;
 
 extern const galerkin_loops tvi_galerkin_loops_base, tvi_galerkin_loops_avx2, tvi_galerkin_loops_avx512;

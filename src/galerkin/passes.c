@@ -1,5 +1,6 @@
 /* passes.c - see passes.h. */
 #include "galerkin/passes.h"
+#include "method/asked.h"
 
 #include <float.h>
 #include <math.h>

@@ -100,12 +100,17 @@ bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_fi
     return ratio <= 1.5 && (is_next ? ratio >= -2 : t == last->t && ratio > 0);
 }
 
+bool tvi_galerkin_is_steady(const galerkin_predictor *w, const galerkin_field *field, double part)
+{
+    return part == 1 && field->h == w->last->h && field->h == w->last->h_before;
+}
+
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part)
 {
     const galerkin_history *last = w->last;
     const double *const impulses[] = {tvi_galerkin_impulses(w, 0), tvi_galerkin_impulses(w, -1)};
-    if (part == 1 && field->h == last->h && field->h == last->h_before) {
+    if (tvi_galerkin_is_steady(w, field, part)) {
         field->form->predict(field, 2, w->from_two, impulses);
     } else {
         const galerkin_places to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};

@@ -37,6 +37,8 @@ static inline bool galerkin_is_next(const galerkin_history *last, double h, doub
 /* Whether the step of the field's size from t begins where the last one ended, or began, after `part` of it, and its
  * nodes are near those of that one. */
 bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part);
+/* Whether both steps before have the size of this one, which begins where the last one ended. */
+bool tvi_galerkin_is_steady(const galerkin_predictor *w, const galerkin_field *field, double part);
 /* Sets the field's unknowns. */
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part);

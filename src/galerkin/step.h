@@ -4,6 +4,7 @@
 
 #include "galerkin/passes.h"
 #include "galerkin/predictor.h"
+#include "galerkin/steady.h"
 
 typedef struct {
     const tvi_options *options;
@@ -18,6 +19,7 @@ typedef struct {
     double *share, *ratio;     /* [n] of the tail */
     double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
     galerkin_motion motion;
+    galerkin_frame frame; /* of what stands above */
 } galerkin;
 
 /* What depends on the size of the step alone: the weights and scales of the nodes. */

@@ -1,6 +1,6 @@
 /* newton.c - the corrector. */
 #include "generating/newton.h"
-#include "algebra/passes.h"
+#include "method/asked.h"
 #include "system/roundoff.h"
 
 #include <float.h>

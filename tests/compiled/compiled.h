@@ -23,7 +23,7 @@ motion motion_start(const scene *s);
 double motion_difference(int n, const motion *a, const motion *b);
 
 /* A cache below the build's directory, which the next run finds again. */
-extern const tvi_compiler usual;
+extern const tvi_compiler usual, quick; /* that optimizes less */
 /* An empty directory of the test's own, for ten calls; and without all in it. */
 const char *directory_make(void);
 void directory_remove(const char *path);

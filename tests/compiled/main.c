@@ -11,7 +11,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-const tvi_compiler usual = {.cache = "build/check/generated"};
+const tvi_compiler usual = {.cache = "build/check/generated"},
+                   quick = {.flags = "-O1", .cache = "build/check/generated"};
 
 motion motion_start(const scene *s)
 {

@@ -1,6 +1,6 @@
 /* test_passes.c - the rule that ends the passes of every iteration, number by number: what it says of corrections of
  * made-up sizes. */
-#include "algebra/passes.h"
+#include "method/asked.h"
 #include "suites.h"
 
 #include <string.h>
