@@ -97,7 +97,7 @@ static void emit_constants(const emission *e)
 #define RULE_NAME(op, name) [op] = #name,
 static const char *const rule_name[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
 
-/* A line of emitted.h's list. */
+/* A line of emitted.h's list, of the run, which is the index-th piece. */
 static void emit_line(const emission *e, const jet_run *run, int index)
 {
     const char *name = e->wanted->name;
@@ -106,16 +106,30 @@ static void emit_line(const emission *e, const jet_run *run, int index)
     else jet_text_add(e->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
 }
 
+static bool begins_angles(const jet_tape *tape, const jet_run *run)
+{
+    return run >= tape->run && run + 1 < tape->run + tape->runs && jet_have_same_angles(run, run + 1);
+}
+
+/* The run's lines, the first of which has this index; the first of two with the same angles stands for both. */
+static void emit_lines(const emission *e, const jet_run *run, int first)
+{
+    if (begins_angles(e->tape, run - 1)) return;
+    if (begins_angles(e->tape, run)) {
+        jet_text_add(e->text, " \\\n    ANGLES(%s, %d, %d)", e->wanted->name, first, first + 1);
+        return;
+    }
+    for (int piece = 0; piece < pieces_of(e, run); piece++) emit_line(e, run, first + piece);
+}
+
 static void emit_lists(const emission *e)
 {
-    const jet_tape *tape = e->tape;
+    const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
     int pieces = 0;
-    jet_text_add(e->text, "#define %s_RUNS(RULE, PRODUCTS, LINEAR)", e->wanted->name);
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        for (int piece = 0; piece < pieces_of(e, run); piece++) emit_line(e, run, pieces++);
-    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, PRODUCTS, LINEAR)", e->wanted->name);
-    for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;)
-        for (int piece = 0; piece < pieces_of(e, run); piece++) emit_line(e, run, --pieces);
+    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, LINEAR)", e->wanted->name);
+    for (const jet_run *run = begin; run < end; pieces += pieces_of(e, run++)) emit_lines(e, run, pieces);
+    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, LINEAR)", e->wanted->name);
+    for (const jet_run *run = end; run-- > begin;) emit_lines(e, run, pieces -= pieces_of(e, run));
     jet_text_add(e->text, "\nJET_EMITTED_SWEEPS(%s)\n", e->wanted->name);
 }
 

@@ -63,7 +63,12 @@ typedef struct {
 #define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 
-/* Values of a run of sines and of the run of cosines of the same operands, which cost little more than one of them. */
+/* Whether these are sines and the cosines of the same operands: */
+static inline bool jet_have_same_angles(const jet_run *run, const jet_run *next)
+{
+    return run->op == OP_SIN && next->op == OP_COS && next->a == run->a && next->count == run->count;
+}
+/* their values, which cost little more than those of one of them. */
 #define jet_sine_cosine JET_FOR_ISA(jet_sine_cosine)
 void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes);
 

@@ -56,14 +56,16 @@ void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int l
     else linear_order_of(tape, run, x, lanes, run->terms);
 }
 
+#define ADD_NUMBER(V, S) JET_AT(V, z, 0) += base;
+
 JET_INLINE void add_numbers(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
+    const size_t stride = (size_t)lanes;
     if (!run->has_numbers) return;
     for (int i = 0; i < run->count; i++) {
         const double base = tape->base[run->first + i];
-        double *z = x + (size_t)(run->z + i) * (size_t)lanes;
-        if (base == 0) continue;
-        for (int lane = 0; lane < lanes; lane++) z[lane] += base;
+        double *z = x + (size_t)(run->z + i) * stride;
+        if (base != 0) JET_BLOCKS(lanes, ADD_NUMBER, JET_OF);
     }
 }
 

@@ -6,18 +6,13 @@ static double *slot_of(double *x, int index, int lanes) { return x + (size_t)ind
 
 static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
 
-static bool have_same_angles(const jet_run *run, const jet_run *next)
-{
-    return run->op == OP_SIN && next->op == OP_COS && next->a == run->a && next->count == run->count;
-}
-
 JET_INLINE bool values_of(const jet_tape *tape, double *x, int lanes)
 {
     bool inside = true;
     for (const jet_run *run = tape->run, *const end = run + tape->runs; run < end; run++) {
         if (is_product(run)) jet_product_values(tape, run, x, lanes);
         else if (run->op == OP_LINEAR) jet_linear_values(tape, run, x, lanes);
-        else if (run + 1 < end && have_same_angles(run, run + 1)) {
+        else if (run + 1 < end && jet_have_same_angles(run, run + 1)) {
             jet_sine_cosine(run, run + 1, x, lanes);
             run++;
         } else

@@ -10,11 +10,18 @@
 #endif
 #include <dlfcn.h>
 #include <inttypes.h>
+#ifdef __ELF__
+#include <link.h>
+#endif
 #include <stdlib.h>
 #include <string.h>
 
 /* The flags of the library's own instruction sets. */
 static const char *const flags_of[JET_ISA_COUNT] = {TVI_COMPILED_FLAGS};
+
+/* What comes behind all else. */
+static char *const words_behind[] = {"-w", "-shared", "-fPIC", TVI_COMPILED_SLEEF "-lm"};
+enum { WORDS_BEHIND = sizeof words_behind / sizeof *words_behind };
 
 /* What a compilation is, in 128 bits. */
 typedef struct {
@@ -86,6 +93,7 @@ static request request_of(const jet_text *text, const tvi_compiler *how, jet_isa
     hash(&r.key, text->data, text->size);
     hash(&r.key, r.compiler, strlen(r.compiler) + 1);
     hash(&r.key, r.flags, strlen(r.flags) + 1);
+    for (int i = 0; i < WORDS_BEHIND; i++) hash(&r.key, words_behind[i], strlen(words_behind[i]) + 1);
     hash_processor(&r.key);
     return r;
 }
@@ -101,23 +109,38 @@ static bool is_sealed(const char *path, const tvi_key *key)
 {
     size_t size;
     char *data = tvi_file_read(path, &size);
-    bool is_whole = false;
+    bool is_there = false;
     if (data && size > sizeof(seal)) {
         const seal wanted = seal_of(key, data, size - sizeof wanted);
-        is_whole = memcmp(data + size - sizeof wanted, &wanted, sizeof wanted) == 0;
+        is_there = memcmp(data + size - sizeof wanted, &wanted, sizeof wanted) == 0;
     }
     free(data);
-    return is_whole;
+    return is_there;
+}
+
+/* Whether all of a library is there: what the linker writes last is the table of its sections. */
+static bool is_whole(const char *data, size_t size)
+{
+#ifdef __ELF__
+    ElfW(Ehdr) head;
+    if (size < sizeof head) return false;
+    memcpy(&head, data, sizeof head);
+    return memcmp(head.e_ident, ELFMAG, SELFMAG) == 0 && head.e_shoff > 0 && head.e_shoff <= size &&
+           (size_t)head.e_shnum * head.e_shentsize <= size - head.e_shoff;
+#else
+    (void)data;
+    return size > 0;
+#endif
 }
 
 static bool put_seal(const char *path, const tvi_key *key)
 {
-    size_t size;
+    size_t size = 0;
     char *data = tvi_file_read(path, &size);
-    if (!data) return false;
-    const seal s = seal_of(key, data, size);
+    const bool serves = data && is_whole(data, size);
+    const seal s = seal_of(key, data, serves ? size : 0);
     free(data);
-    return tvi_file_append(path, &s, sizeof s);
+    return serves && tvi_file_append(path, &s, sizeof s);
 }
 
 /* ---- The compiler ------------------------------------------------------------------------------------------------ */
@@ -153,13 +176,15 @@ static tvi_status quote_output(const char *compiler, const char *path)
 
 static tvi_status run_compiler(const request *r, const workshop *w)
 {
-    char *words[WORDS_MOST + 10];
+    char *words[WORDS_MOST + WORDS_BEHIND + 4];
     int count = 0;
     jet_text text = {0};
     jet_text_add(&text, "%s %s", r->compiler, r->flags);
     bool is_split = !text.failed && add_words(text.data, words, &count) && count > 0;
-    char *const rest[] = {"-w", "-shared", "-fPIC", "-o", w->library.data, w->source.data, "-lm", NULL};
-    memcpy(words + count, rest, sizeof rest);
+    char *const files[] = {"-o", w->library.data, w->source.data};
+    memcpy(words + count, files, sizeof files);
+    memcpy(words + count + 3, words_behind, sizeof words_behind);
+    words[count + 3 + WORDS_BEHIND] = NULL;
     const int failed = is_split ? tvi_process_run(words, w->output.data) : -1;
     free(text.data);
     if (failed < 0) return jet_refuse(TVI_ECOMPILE, "%s could not be started", r->compiler);
@@ -173,7 +198,7 @@ static tvi_status make_library(const request *r, const workshop *w, const jet_te
         return jet_refuse(TVI_ECOMPILE, "%s cannot be written", w->source.data);
     const tvi_status status = run_compiler(r, w);
     if (status != TVI_OK || put_seal(w->library.data, &r->key)) return status;
-    return jet_refuse(TVI_ECOMPILE, "%s made no library that can be read and written", r->compiler);
+    return jet_refuse(TVI_ECOMPILE, "%s made no library, or not all of it", r->compiler);
 }
 
 /* ---- Loading ----------------------------------------------------------------------------------------------------- */

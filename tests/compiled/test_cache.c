@@ -61,6 +61,7 @@ static const struct {
     {"cc", "-include /nowhere.h", TVI_ECOMPILE},
     {"cc; touch", "$(id) `id` > x", TVI_ECOMPILE}, /* no shell reads it */
     {"sh tests/compiled/killed.sh", NULL, TVI_ECOMPILE},
+    {"sh tests/compiled/cut.sh cc", "-O0", TVI_ECOMPILE},
 };
 
 START_TEST(a_compiler_that_fails_is_told_of)
