@@ -1,7 +1,7 @@
 /* emitted.h - the sweeps of generated code (emit.h), which is the only one to read this, after the text of the rules: T
  * is the tape's name, T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name),
- * PRODUCTS(T, i, squares, terms), LINEAR(T, i, terms) or, for sines i and cosines i + 1 of the same angles, ANGLES(T, i,
- * i + 1), and T_RUNS_BACK in the other order. */
+ * PRODUCTS(T, i, squares, terms), LINEAR(T, i, terms) or ANGLES(T, i, next), sines and the cosines of the same angles,
+ * and T_RUNS_BACK in the other order. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 

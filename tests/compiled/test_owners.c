@@ -108,7 +108,7 @@ START_TEST(saved_states_go_on)
     tvi_options options = options_of("galerkin", 16), plain = options;
     tvi_integrator *integrator, *tape;
     tvi_compiled *code;
-    ck_assert_int_eq(tvi_compile(&code, system, &options, &usual), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &quick), TVI_OK);
     options.compiled = code;
     ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
     motion m = motion_start(&scene_solar), again;
