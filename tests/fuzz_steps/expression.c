@@ -99,6 +99,24 @@ int apply(formula *f, operation op, int a, int b)
     return add_node(f, op, a, w, 0);
 }
 
+static int place_of(int base, const formula *other, const int input[], int z)
+{
+    return z < other->inputs ? input[z] : base + z - other->inputs;
+}
+
+int append_formula(formula *f, const formula *other, const int input[], int z)
+{
+    const int base = f->count;
+    for (int i = other->inputs; i < other->count; i++) {
+        const formula_node x = other->nodes[i];
+        if (f->count == NODES_MOST) abort();
+        f->nodes[f->count] = x;
+        f->nodes[f->count].a = place_of(base, other, input, x.a);
+        f->nodes[f->count++].b = place_of(base, other, input, x.b);
+    }
+    return place_of(base, other, input, z);
+}
+
 /* ---- Random formulas --------------------------------------------------------------------------------------------- */
 
 static uint64_t next(random_source *r)

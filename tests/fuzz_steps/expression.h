@@ -57,6 +57,9 @@ int number_of(formula *f, double number);
 int apply(formula *f, operation op, int a, int b);
 int power(formula *f, int a, double exponent);
 
+/* Appends the nodes of another formula, whose input i is node input[i] of this one; what its node z is then. */
+int append_formula(formula *f, const formula *other, const int input[], int z);
+
 /* Random numbers: the generator splitmix64. */
 typedef struct {
     uint64_t state;

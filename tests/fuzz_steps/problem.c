@@ -71,11 +71,11 @@ static int terms(problem *x, random_source *r)
 }
 
 /* q less where they are about: the nodes that the formula is made of. */
-static int own_coordinates(problem *x, double about)
+static int own_coordinates(formula *f, int n, double about)
 {
-    const int number = number_of(&x->f, about);
+    const int number = number_of(f, about);
     if (about == 0) return 0;
-    for (int i = 0; i < x->n; i++) apply(&x->f, X_SUB, i, number);
+    for (int i = 0; i < n; i++) apply(f, X_SUB, i, number);
     return number + 1;
 }
 
@@ -105,6 +105,39 @@ static void rescale(problem *x, random_source *r)
     x->energy = apply(f, X_MUL, x->scale, apply(f, X_ADD, x->H, e));
 }
 
+/* Node of v_i: H_p, p_i / m_i, or the input itself. */
+static int velocity(problem *x, int i)
+{
+    if (x->form == OF_LAGRANGIAN) return SECOND + i;
+    if (x->form == OF_HAMILTONIAN) return x->dp[i];
+    return apply(&x->f, X_DIV, SECOND + i, number_of(&x->f, x->mass[i]));
+}
+
+/* Forces of q, v and t, which are terms of p' as the derivatives by q are. */
+static void add_drive(problem *x, random_source *r, double about)
+{
+    int input[INPUTS_MOST];
+    double place[INPUTS_MOST];
+    for (int i = 0; i < INPUTS_MOST; i++) input[i] = i;
+    for (int i = 0; i < x->n; i++) input[SECOND + i] = velocity(x, i);
+    for (int i = 0; i < INPUTS_MOST; i++) place[i] = x->f.nodes[input[i]].value;
+    x->drive = formula_of(INPUTS_MOST, place);
+    formula *g = &x->drive;
+    const int own = own_coordinates(g, x->n, about);
+    for (int i = 0; i < x->n; i++) {
+        const int of_q = random_term(g, r, own, x->n, choose(r, 2));
+        const int of_v =
+            x->form == OF_LAGRANGIAN ? smooth_term(g, r, x->n) : random_term(g, r, SECOND, x->n, choose(r, 2));
+        const int term = apply(g, choose(r, 2) ? X_ADD : X_MUL, of_q, of_v), wave = apply(g, X_COS, TIME, 0);
+        const double size = fmax(1, fabs(g->nodes[term].value));
+        x->driven_by[i] = times(g, 0.5 / size, choose(r, 3) ? term : apply(g, X_MUL, term, wave));
+    }
+    const int first = append_formula(&x->f, g, input, INPUTS_MOST) - INPUTS_MOST;
+    for (int i = 0; i < x->n; i++)
+        x->dq[i] = apply(&x->f, x->form == OF_LAGRANGIAN ? X_ADD : X_SUB, x->dq[i], first + x->driven_by[i]);
+    x->is_driven = true;
+}
+
 /* Some of the numbers from a node on. */
 static void choose_parameters(problem *x, random_source *r, int from)
 {
@@ -119,7 +152,8 @@ static void choose_parameters(problem *x, random_source *r, int from)
 problem problem_of(uint64_t seed)
 {
     random_source r = {seed * UINT64_C(0xd1342543de82ef95)}, of_rescaled = {seed * UINT64_C(0x9e3779b97f4a7c15)},
-                  of_parameters = {seed * UINT64_C(0xaf251af3b0f025b5)};
+                  of_parameters = {seed * UINT64_C(0xaf251af3b0f025b5)},
+                  of_drives = {seed * UINT64_C(0x2545f4914f6cdd1d)};
     static const double places[] = {0, 0, 0, 1, 1e6}; /* that the coordinates are about */
     const int few = choose(&r, 4);
     const double about = places[choose(&r, 5)];
@@ -135,7 +169,7 @@ problem problem_of(uint64_t seed)
     x.rescales = x.form == OF_HAMILTONIAN && x.n < N_MOST && choose(&of_rescaled, 3) == 1;
     if (x.rescales) place[x.n] = x.q[x.n] = x.t;
     x.f = formula_of(INPUTS_MOST, place);
-    x.own = own_coordinates(&x, about);
+    x.own = own_coordinates(&x.f, x.n, about);
     const int first = x.f.count;
     x.energy = random_energy(&x, &r);
     if (choose(&of_parameters, 3) == 0) choose_parameters(&x, &of_parameters, first);
@@ -146,10 +180,15 @@ problem problem_of(uint64_t seed)
         x.dp[i] = gradient[SECOND + i];
         if (x.form == OF_LAGRANGIAN) x.p[i] = x.f.nodes[x.dp[i]].value;
     }
+    if (x.form != OF_FORCE && !x.rescales && choose(&of_drives, 4) == 0) add_drive(&x, &of_drives, about);
     return x;
 }
 
-void problem_free(problem *x) { free(x->f.nodes); }
+void problem_free(problem *x)
+{
+    free(x->f.nodes);
+    free(x->drive.nodes);
+}
 
 /* ---- The system -------------------------------------------------------------------------------------------------- */
 
@@ -220,15 +259,33 @@ static tvi_status rescaled_system(problem *x, tvi_system **system)
     return status;
 }
 
-tvi_status problem_system(problem *x, tvi_system **system)
+static void record_drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
 {
-    if (x->rescales) return rescaled_system(x, system);
+    const problem *x = ctx;
+    jet input[INPUTS_MOST];
+    place_inputs(x, q, v, t, input);
+    record(&x->drive, input, x->n, x->driven_by, force);
+}
+
+static tvi_status plain_system(problem *x, tvi_system **system)
+{
     switch (x->form) {
     case OF_FORCE: return tvi_system_force(system, x->n, x->mass, record_force, x);
     case OF_POTENTIAL: return tvi_system_potential(system, x->n, x->mass, record_potential, x);
     case OF_LAGRANGIAN: return tvi_system_lagrangian(system, x->n, record_energy, x);
     default: return tvi_system_hamiltonian(system, x->n, record_energy, x);
     }
+}
+
+tvi_status problem_system(problem *x, tvi_system **system)
+{
+    tvi_system *base;
+    if (x->rescales) return rescaled_system(x, system);
+    if (!x->is_driven) return plain_system(x, system);
+    tvi_status status = plain_system(x, &base);
+    if (status == TVI_OK) status = tvi_system_driven(system, base, record_drive, x);
+    tvi_system_free(base);
+    return status;
 }
 
 /* ---- The method -------------------------------------------------------------------------------------------------- */
@@ -273,7 +330,7 @@ void print_problem(FILE *to, const problem *x)
     };
     static const char *const forms[] = {"force -dV/dq of V", "potential V", "Lagrangian L, r = v,",
                                         "Hamiltonian H, r = p,"};
-    fprintf(to, "  n = %d, %s%s = ", x->n, x->rescales ? "rescaled " : "", forms[x->form]);
+    fprintf(to, "  n = %d, %s%s = ", x->n, x->rescales ? "rescaled " : x->is_driven ? "driven " : "", forms[x->form]);
     print_formula(to, &x->f, x->energy, names);
     fprintf(to, "\n  t = %.17g, %d numbers of it parameters\n", x->t, x->parameters);
     for (int i = 0; i < x->n; i++)

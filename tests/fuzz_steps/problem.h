@@ -23,6 +23,9 @@ typedef struct {
     bool rescales;
     int dq[N_MOST]; /* nodes of F, or of the derivatives of the energy */
     int dp[N_MOST]; /* of the derivatives by v or p */
+    bool is_driven;
+    formula drive;         /* of q, v and t; */
+    int driven_by[N_MOST]; /* its nodes, the forces, which are in dq, too */
     double t, q[N_MOST], p[N_MOST];
     int parameters;
     double parameter[PARAMETERS_MOST]; /* values, which are not those recorded */
