@@ -158,6 +158,61 @@ START_TEST(energies_do_not_drift)
 }
 END_TEST
 
+/* ---- Small motions ----------------------------------------------------------------------------------------------- */
+
+/* About (1000, -1000), in momenta of no size of their own. */
+static jet far_away(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    const jet x = jet_sub(q[0], 1000), y = jet_add(q[1], 1000), mass = jet_add(1, jet_div(jet_sqr(x), 4));
+    return jet_add(jet_div(jet_dot(p, p, N), jet_mul(2, mass)), jet_mul(0.5, jet_add(jet_sqr(x), jet_sqr(y))));
+}
+
+static void start_small(crowd *c, int member, int orbit)
+{
+    const double size = pow(10, -orbit);
+    c->t[member] = 0;
+    c->q[member] = 1000 + size;
+    c->q[c->members + member] = -1000 - size / 2;
+    c->p[member] = c->p[c->members + member] = 0;
+}
+
+static void run_small(const tvi_system *system, const tvi_options *options, crowd *c)
+{
+    tvi_ensemble *ensemble;
+    OK(tvi_ensemble_create(&ensemble, system, options, c->members, 1));
+    OK(tvi_ensemble_integrate(ensemble, 0.25, 200, c->t, c->q, c->p, c->status, NULL, NULL));
+    for (int m = 0; m < c->members; m++) ck_assert_int_eq(c->status[m], TVI_OK);
+    tvi_ensemble_free(ensemble);
+}
+
+/* Their passes end at a roundoff that is measured, of one member alone, while the others go on. */
+START_TEST(small_motions_go_by_themselves)
+{
+    static crowd all, one;
+    tvi_system *system;
+    tvi_options options;
+    OK(tvi_system_hamiltonian(&system, N, far_away, NULL));
+    OK(tvi_options_named("galerkin", 16, &options));
+    all.members = 13;
+    for (int m = 0; m < all.members; m++) start_small(&all, m, m);
+    run_small(system, &options, &all);
+    for (int m = 0; m < all.members; m++) {
+        tvi_integrator *integrator;
+        one.members = 1;
+        start_small(&one, 0, m);
+        run_small(system, &options, &one);
+        expect_same("small", &all, m, &one, 0);
+        start_small(&one, 0, m);
+        OK(tvi_integrator_create(&integrator, system, &options));
+        OK(tvi_integrate(integrator, 0.25, 200, one.t, one.q, one.p, NULL, NULL));
+        ck_assert_double_le(distance(&all, m, &one, 0), 2e-11); /* 100 units of roundoff at 1000 */
+        tvi_integrator_free(integrator);
+    }
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_lanes(void)
 {
     Suite *suite = suite_create("lanes");
@@ -165,6 +220,7 @@ Suite *suite_lanes(void)
     tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, lanes_judge_as_one_member_does, 0, 3 * JET_ISA_COUNT);
     tcase_add_test(tests, energies_do_not_drift);
+    tcase_add_test(tests, small_motions_go_by_themselves);
     suite_add_tcase(suite, tests);
     return suite;
 }
