@@ -8,6 +8,7 @@
 #include "experiments/experiment.h"
 #include "turns.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -117,6 +118,77 @@ static void write_race(FILE *table, const experiment *e, const race *r)
     experiment_progress("compiled: %s", r->title);
 }
 
+/* ---- "taylor" to a tolerance ------------------------------------------------------------------------------------- */
+
+/* A run to the scene's end, from its start. */
+typedef struct {
+    const scene *scene;
+    tvi_integrator *integrator;
+    double q[BASELINE_N_MAX], p[BASELINE_N_MAX];
+} free_run;
+
+static void run_freely(void *ctx)
+{
+    free_run *r = ctx;
+    double t = 0;
+    memcpy(r->q, r->scene->q, (size_t)r->scene->n * sizeof *r->q);
+    memcpy(r->p, r->scene->p, (size_t)r->scene->n * sizeof *r->p);
+    tvi_integrator_reset(r->integrator);
+    insist(tvi_integrate_tolerance(r->integrator, DBL_EPSILON, r->scene->t_end, &t, r->q, r->p, NULL, NULL), "taylor");
+}
+
+static double error_of_run(const free_run *r)
+{
+    double sum = 0;
+    for (int i = 0; i < r->scene->n; i++) sum += pow(r->q[i] - r->scene->reference[i], 2);
+    return sqrt(sum);
+}
+
+typedef struct {
+    const scene *scene;
+    double h;
+} rival_run;
+
+static void run_rival(void *ctx)
+{
+    const rival_run *r = ctx;
+    const baseline *gauss = baseline_find("gauss", 16);
+    const baseline_task task = {.scene = r->scene, .h = r->h, .steps = lround(r->scene->t_end / r->h)};
+    double q[BASELINE_N_MAX], p[BASELINE_N_MAX];
+    baseline_counts counts;
+    memcpy(q, r->scene->q, (size_t)r->scene->n * sizeof *q);
+    memcpy(p, r->scene->p, (size_t)r->scene->n * sizeof *p);
+    insist(gauss->run(gauss, &task, q, p, &counts), "gauss");
+}
+
+/* Against u or U, at the tolerance of double precision. */
+static void write_tolerance(FILE *table, const experiment *e, const scene *s, const char *title, double h, double most)
+{
+    enum { TAYLOR_ORDER = 20 };
+    tvi_system *system = experiment_system(s);
+    tvi_options options;
+    insist(tvi_options_named("taylor", TAYLOR_ORDER, &options), "taylor");
+    tvi_compiled *code = compile(e, system, &options);
+    free_run runs[2] = {{.scene = s}, {.scene = s}};
+    rival_run rival = {s, h};
+    for (int i = 0; i < 2; i++) {
+        options.compiled = i > 0 ? code : NULL;
+        insist(tvi_integrator_create(&runs[i].integrator, system, &options), "taylor");
+    }
+    turn of[] = {{.work = run_freely, .ctx = &runs[0]},
+                 {.work = run_freely, .ctx = &runs[1]},
+                 {.work = run_rival, .ctx = &rival}};
+    turns_time(3, of);
+    const double ratio = of[1].seconds / of[2].seconds;
+    fprintf(table, "| %s | taylor %d, %.1e | %.3g | %.3g | %.2f | gauss 16 (%.4g) | %.3g | %.2f | %.4g | %s |\n", title,
+            TAYLOR_ORDER, error_of_run(&runs[1]), 1e3 * of[0].seconds, 1e3 * of[1].seconds,
+            of[0].seconds / of[1].seconds, h, 1e3 * of[2].seconds, ratio, most, ratio <= most ? "yes" : "no");
+    for (int i = 0; i < 2; i++) tvi_integrator_free(runs[i].integrator);
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+    experiment_progress("compiled: %s", title);
+}
+
 /* ---- Series ------------------------------------------------------------------------------------------------------ */
 
 static const by_hand *widest_by_hand(void)
@@ -190,6 +262,8 @@ int main(int argc, char *argv[])
                                    "problem|method (h), error|tape, ms (time)|compiled, ms (time)|times faster (time)|"
                                    "by hand (h)|ms (time)|compiled / by hand (time)|at most|met (time)");
     for (int i = 0; i < RACES; i++) write_race(table, &e, &races[i]);
+    write_tolerance(table, &e, &scene_kepler, "Kepler, tolerance eps, in u", 0.25, 4.1);
+    write_tolerance(table, &e, &scene_solar, "Solar System, tolerance eps, in U", 400, 7.4);
     write_series(table, &e, &scene_kepler, "Kepler", 0.5);
     write_series(table, &e, &scene_solar, "6 bodies", 800);
     experiment_close(table);
