@@ -15,9 +15,9 @@ static const char *const g_names[] = {"fixed steps", "own", "automatic", "tolera
 static void write_energy_error(FILE *table, const adaptive_motion *r, const scene *s)
 {
     double H0, H, later;
-    adaptive_insist(tvi_energy(r->system, 0, s->q, s->p, &H0), s->name);
-    adaptive_insist(tvi_energy(r->system, 1, s->q, s->p, &later), s->name);
-    adaptive_insist(tvi_energy(r->system, r->t, r->q, r->p, &H), s->name);
+    experiment_insist(tvi_energy(r->system, 0, s->q, s->p, &H0), s->name);
+    experiment_insist(tvi_energy(r->system, 1, s->q, s->p, &later), s->name);
+    experiment_insist(tvi_energy(r->system, r->t, r->q, r->p, &H), s->name);
     if (later == H0) fprintf(table, " %.1e |", fabs(H - H0) / s->energy_scale);
     else fprintf(table, " - |");
 }
@@ -98,8 +98,8 @@ int main(int argc, char *argv[])
     FILE *steps = experiment_csv(&e, "steps", "line,t,step");
     for (const adaptive_line *l = adaptive_steps; l->of; l++) {
         adaptive_motion r = adaptive_begin(l);
-        adaptive_insist(adaptive_go(&r, l, adaptive_end_of(l), write_step, &(steps_written){steps, l, 0}),
-                        l->of->scene.name);
+        experiment_insist(adaptive_go(&r, l, adaptive_end_of(l), write_step, &(steps_written){steps, l, 0}),
+                          l->of->scene.name);
         adaptive_end(&r);
     }
     experiment_close(steps);

@@ -27,7 +27,6 @@ typedef struct {
     double t, q[BASELINE_N_MAX], p[BASELINE_N_MAX];
 } adaptive_motion;
 
-void adaptive_insist(tvi_status status, const char *what); /* ends the program where it is not TVI_OK */
 adaptive_motion adaptive_begin(const adaptive_line *line);
 double adaptive_end_of(const adaptive_line *line); /* t there */
 tvi_status adaptive_go(adaptive_motion *motion, const adaptive_line *line, double t_end, tvi_observer *observer,

@@ -6,21 +6,16 @@
 
 enum { UNIT_REPETITIONS = 40 };
 
-void adaptive_insist(tvi_status status, const char *what)
-{
-    if (status != TVI_OK) experiment_fail(what, tvi_status_string(status));
-}
-
 adaptive_motion adaptive_begin(const adaptive_line *l)
 {
     const scene *s = &l->of->scene;
     adaptive_motion r = {.system = experiment_system(s)};
     tvi_options options;
-    adaptive_insist(tvi_options_named(l->method, l->order, &options), l->method);
+    experiment_insist(tvi_options_named(l->method, l->order, &options), l->method);
     if (l->g == ADAPTIVE_OWN || l->g == ADAPTIVE_AUTOMATIC)
-        adaptive_insist(tvi_system_rescaled(&r.rescaled, r.system, l->g == ADAPTIVE_OWN ? l->of->scale : NULL, NULL),
-                        s->name);
-    adaptive_insist(tvi_integrator_create(&r.integrator, r.rescaled ? r.rescaled : r.system, &options), l->method);
+        experiment_insist(tvi_system_rescaled(&r.rescaled, r.system, l->g == ADAPTIVE_OWN ? l->of->scale : NULL, NULL),
+                          s->name);
+    experiment_insist(tvi_integrator_create(&r.integrator, r.rescaled ? r.rescaled : r.system, &options), l->method);
     memcpy(r.q, s->q, (size_t)s->n * sizeof *r.q);
     memcpy(r.p, s->p, (size_t)s->n * sizeof *r.p);
     return r;
@@ -48,7 +43,7 @@ double adaptive_time_of(const adaptive_line *l, int repetitions)
     for (int i = 0; i < repetitions; i++) {
         adaptive_motion r = adaptive_begin(l);
         const double before = run_clock();
-        adaptive_insist(adaptive_go(&r, l, adaptive_end_of(l), NULL, NULL), l->method);
+        experiment_insist(adaptive_go(&r, l, adaptive_end_of(l), NULL, NULL), l->method);
         fastest = fmin(fastest, run_clock() - before);
         adaptive_end(&r);
     }

@@ -54,11 +54,6 @@ typedef struct {
     double exponent, megno;
 } chaos;
 
-static void insist(tvi_status status, const char *what)
-{
-    if (status != TVI_OK) experiment_fail(what, tvi_status_string(status));
-}
-
 /* Rows of the table in at[], the CSV file, and the largest relative energy error. */
 static double measure(const tvi_system *system, int orbit, FILE *csv, chaos at[DECADES])
 {
@@ -69,11 +64,11 @@ static double measure(const tvi_system *system, int orbit, FILE *csv, chaos at[D
     long row_step = FIRST;
     memcpy(q, orbits[orbit].q, sizeof q);
     memcpy(p, orbits[orbit].p, sizeof p);
-    insist(tvi_integrator_create(&integrator, system, NULL), "the integrator");
-    insist(tvi_energy(system, t, q, p, &H0), "the energy");
+    experiment_insist(tvi_integrator_create(&integrator, system, NULL), "the integrator");
+    experiment_insist(tvi_energy(system, t, q, p, &H0), "the energy");
     for (long step = 1; step <= LAST; step++) {
-        insist(tvi_step_tangent(integrator, H_STEP, &t, q, p, D, 1), "a step");
-        insist(tvi_energy(system, t, q, p, &H), "the energy");
+        experiment_insist(tvi_step_tangent(integrator, H_STEP, &t, q, p, D, 1), "a step");
+        experiment_insist(tvi_energy(system, t, q, p, &H), "the energy");
         worst = fmax(worst, fabs((H - H0) / H0));
         const double megno = note_growth(&g, t, normalize(N, D));
         if ((double)step >= next) {
@@ -139,10 +134,10 @@ static void write_orbit(FILE *table, int i)
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
     memcpy(p, s->p, (size_t)s->n * sizeof *p);
     if (adapted[i].q0 > 0) q[0] = adapted[i].q0;
-    insist(tvi_system_rescaled(&rescaled, system, adapted[i].of->scale, NULL), s->name);
-    insist(tvi_integrator_create(&integrator, rescaled, NULL), s->name);
+    experiment_insist(tvi_system_rescaled(&rescaled, system, adapted[i].of->scale, NULL), s->name);
+    experiment_insist(tvi_integrator_create(&integrator, rescaled, NULL), s->name);
     while (t < adapted[i].t_end) {
-        insist(tvi_step_tangent(integrator, adapted[i].h, &t, q, p, D, 1), s->name);
+        experiment_insist(tvi_step_tangent(integrator, adapted[i].h, &t, q, p, D, 1), s->name);
         shortest = fmin(shortest, t - g.t);
         longest = fmax(longest, t - g.t);
         megno = note_growth(&g, t, normalize(s->n, D));
@@ -206,13 +201,13 @@ static double time_run(const tvi_system *system, const tvi_options *options, int
     const int n = tvi_system_dimension(system), steps = TIMED_STEPS / (n * n);
     double t = 0, q[MOST], p[MOST], D[2 * MOST * COLUMNS] = {1}, before = 0;
     tvi_integrator *integrator;
-    insist(tvi_integrator_create(&integrator, system, options), "the integrator");
+    experiment_insist(tvi_integrator_create(&integrator, system, options), "the integrator");
     start_planets(n, q, p);
     for (int step = -1; step < steps; step++) { /* the first one makes what is kept */
         if (step == 0) before = run_clock();
-        insist(columns == 0 ? tvi_step(integrator, PLANETS_STEP, &t, q, p)
-                            : tvi_step_tangent(integrator, PLANETS_STEP, &t, q, p, D, columns),
-               "a step");
+        experiment_insist(columns == 0 ? tvi_step(integrator, PLANETS_STEP, &t, q, p)
+                                       : tvi_step_tangent(integrator, PLANETS_STEP, &t, q, p, D, columns),
+                          "a step");
     }
     tvi_integrator_free(integrator);
     return (run_clock() - before) / steps * 1e6;
@@ -224,7 +219,7 @@ static void time_columns(int n, const tvi_options *options, double *step, double
     tvi_system *system;
     double with = *step = INFINITY, mass[MOST];
     for (int i = 0; i < n; i++) mass[i] = PLANET;
-    insist(tvi_system_potential(&system, n, mass, planets, &n), "the planets");
+    experiment_insist(tvi_system_potential(&system, n, mass, planets, &n), "the planets");
     for (int repetition = 0; repetition < REPETITIONS; repetition++) {
         *step = fmin(*step, time_run(system, options, 0));
         with = fmin(with, time_run(system, options, COLUMNS));
@@ -246,7 +241,7 @@ static void write_costs(const experiment *e)
     for (size_t i = 0; i < sizeof methods / sizeof *methods; i++) {
         tvi_options options;
         double step[DIMENSIONS], column[DIMENSIONS];
-        insist(tvi_options_named(methods[i].name, methods[i].order, &options), methods[i].name);
+        experiment_insist(tvi_options_named(methods[i].name, methods[i].order, &options), methods[i].name);
         for (int k = 0; k < DIMENSIONS; k++) time_columns(dimensions[k], &options, &step[k], &column[k]);
         fprintf(table, "| %s %d |", methods[i].name, methods[i].order);
         for (int k = 0; k < DIMENSIONS; k++) fprintf(table, " %.2g |", step[k]);

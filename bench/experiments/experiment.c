@@ -14,6 +14,20 @@ void experiment_fail(const char *what, const char *why)
     exit(EXIT_FAILURE);
 }
 
+void experiment_insist(tvi_status status, const char *what)
+{
+    if (status != TVI_OK) experiment_fail(what, tvi_last_error());
+}
+
+tvi_compiled *experiment_compile(const experiment *e, const tvi_system *system, const tvi_options *options)
+{
+    char cache[4096];
+    tvi_compiled *code;
+    snprintf(cache, sizeof cache, "%s/generated", e->dir);
+    experiment_insist(tvi_compile(&code, system, options, &(tvi_compiler){.cache = cache}), "a compilation");
+    return code;
+}
+
 /* ---- Files ---------------------------------------------------------------------------------------------------- */
 
 experiment experiment_begin(int argc, char *argv[])
@@ -99,7 +113,7 @@ static runner open_runner(const experiment_method *method, const tvi_system *sys
 {
     runner r;
     const tvi_status status = runner_open(&r, system, s, &method->who, h);
-    if (status != TVI_OK) experiment_fail(method->label, tvi_status_string(status));
+    experiment_insist(status, method->label);
     return r;
 }
 
@@ -108,7 +122,7 @@ int experiment_degree(const experiment_method *method, const tvi_system *system)
     tvi_integrator *integrator;
     if (method->who.baseline) return -1;
     const tvi_status status = tvi_integrator_create(&integrator, system, &method->who.options);
-    if (status != TVI_OK) experiment_fail(method->label, tvi_status_string(status));
+    experiment_insist(status, method->label);
     const int degree = tvi_integrator_options(integrator)->degree;
     tvi_integrator_free(integrator);
     return degree;
@@ -118,7 +132,7 @@ tvi_system *experiment_system(const scene *s)
 {
     tvi_system *system;
     const tvi_status status = scene_system(s, &system);
-    if (status != TVI_OK) experiment_fail(s->name, tvi_status_string(status));
+    experiment_insist(status, s->name);
     return system;
 }
 
@@ -150,7 +164,7 @@ experiment_energy experiment_energy_begin(const tvi_system *system, const scene 
 {
     experiment_energy energy = {.system = system};
     const tvi_status status = tvi_energy(system, 0, s->q, s->p, &energy.start);
-    if (status != TVI_OK) experiment_fail(s->name, tvi_status_string(status));
+    experiment_insist(status, s->name);
     energy.scale = fmax(fabs(energy.start), s->energy_scale);
     return energy;
 }

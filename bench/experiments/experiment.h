@@ -62,6 +62,10 @@ experiment_end experiment_run(const experiment_method *method, const tvi_system 
 
 /* Ends the program with a message. */
 __attribute__((noreturn)) void experiment_fail(const char *what, const char *why);
+/* Ends the program where it is not TVI_OK, with the text of the last error. */
+void experiment_insist(tvi_status status, const char *what);
+/* Generated code of a system, from the cache DIR/generated. */
+tvi_compiled *experiment_compile(const experiment *e, const tvi_system *system, const tvi_options *options);
 /* 2-norm of q - q_exact. */
 double experiment_distance(int n, const double q[], const double q_exact[]);
 

@@ -4,11 +4,6 @@
 
 #include <math.h>
 
-static void insist(tvi_status status)
-{
-    if (status != TVI_OK) experiment_fail("a system of many bodies", tvi_status_string(status));
-}
-
 /* ---- Gravity --------------------------------------------------------------------------------------------------------
  */
 
@@ -51,7 +46,7 @@ big_system bodies_make(int count, int dimensions)
     for (int k = 0; k < dimensions; k++) mass[k] = 1;
     for (int i = 1; i < count; i++) place_planet(i, dimensions, &b, mass);
     gravity g = {count, dimensions, mass};
-    insist(tvi_system_potential(&b.system, b.n, mass, gravity_potential, &g));
+    experiment_insist(tvi_system_potential(&b.system, b.n, mass, gravity_potential, &g), "a system of many bodies");
     return b;
 }
 
@@ -75,6 +70,6 @@ big_system chain_make(int n)
 {
     big_system b = {.name = "chain", .n = n, .h = 0.5};
     for (int i = 0; i < n; i++) b.q[i] = 0.4 * sin(1 + 1.7 * i), b.p[i] = 0.3 * cos(2.3 * i);
-    insist(tvi_system_potential(&b.system, n, NULL, chain_potential, &n));
+    experiment_insist(tvi_system_potential(&b.system, n, NULL, chain_potential, &n), "a system of many bodies");
     return b;
 }

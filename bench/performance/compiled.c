@@ -49,20 +49,6 @@ static const race races[] = {
 };
 enum { RACES = sizeof races / sizeof *races };
 
-static void insist(tvi_status status, const char *what)
-{
-    if (status != TVI_OK) experiment_fail(what, tvi_last_error());
-}
-
-static tvi_compiled *compile(const experiment *e, const tvi_system *system, const tvi_options *options)
-{
-    char cache[4096];
-    tvi_compiled *code;
-    snprintf(cache, sizeof cache, "%s/generated", e->dir);
-    insist(tvi_compile(&code, system, options, &(tvi_compiler){.cache = cache}), "a compilation");
-    return code;
-}
-
 /* The run with the largest step of the scene that reaches the error; status is not TVI_OK where none does. */
 static run fastest(const tvi_system *system, const race *r, const contender *who, double h)
 {
@@ -97,9 +83,9 @@ static void write_race(FILE *table, const experiment *e, const race *r)
     contender who[3] = {{.name = r->method, .order = r->order, .symplectic = true},
                         {.name = r->method, .order = r->order, .symplectic = true},
                         {.name = r->rival, .order = r->rival_order, .symplectic = true, .baseline = rival_of(r)}};
-    insist(tvi_options_named(r->method, r->order, &who[0].options), r->method);
+    experiment_insist(tvi_options_named(r->method, r->order, &who[0].options), r->method);
     who[1].options = who[0].options;
-    tvi_compiled *code = compile(e, system, &who[0].options);
+    tvi_compiled *code = experiment_compile(e, system, &who[0].options);
     who[1].options.compiled = code;
     const run tape = fastest(system, r, &who[0], 0), rival = fastest(system, r, &who[2], r->rival_h);
     if (tape.status != TVI_OK || rival.status != TVI_OK) experiment_fail(r->title, "no step reaches the error");
@@ -225,8 +211,8 @@ static void write_series(FILE *table, const experiment *e, const scene *s, const
     static hand x;
     tvi_system *system = experiment_system(s);
     tvi_options options;
-    insist(tvi_options_named("midpoint", 2 * DEGREE, &options), "midpoint");
-    tvi_compiled *code = compile(e, system, &options);
+    experiment_insist(tvi_options_named("midpoint", 2 * DEGREE, &options), "midpoint");
+    tvi_compiled *code = experiment_compile(e, system, &options);
     tvi_arena arena = {0};
     (void)tvi_compiled_system(&arena, system, code);
     char *memory = arena.base = aligned_alloc(ARENA_ALIGNMENT, arena.used);

@@ -5,18 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void insist(tvi_status status, const char *what)
-{
-    if (status != TVI_OK) experiment_fail(what, tvi_status_string(status));
-}
-
 /* Type I at the midpoint of degree N, resolved. */
 static tvi_options resolved_options(const tvi_system *system, int N)
 {
     tvi_options options;
     tvi_integrator *integrator;
-    insist(tvi_options_named("midpoint", 2 * N, &options), "midpoint");
-    insist(tvi_integrator_create(&integrator, system, &options), "midpoint");
+    experiment_insist(tvi_options_named("midpoint", 2 * N, &options), "midpoint");
+    experiment_insist(tvi_integrator_create(&integrator, system, &options), "midpoint");
     options = *tvi_integrator_options(integrator);
     tvi_integrator_free(integrator);
     return options;
@@ -66,7 +61,7 @@ void curve_expand(void *opened)
 {
     open_curve *c = opened;
     tvi_curve_set(&c->curve, c->tau, c->z);
-    insist(tvi_curve_expand(&c->curve, 0), "an expansion");
+    experiment_insist(tvi_curve_expand(&c->curve, 0), "an expansion");
 }
 
 void curve_pull(void *opened)
@@ -78,6 +73,6 @@ void curve_pull(void *opened)
 void curve_gradient(void *opened)
 {
     open_curve *c = opened;
-    insist(tvi_action_seed(&c->action, &c->curve, c->seed_Q, c->seed_U), "a gradient");
+    experiment_insist(tvi_action_seed(&c->action, &c->curve, c->seed_Q, c->seed_U), "a gradient");
     curve_pull(c);
 }

@@ -36,11 +36,6 @@ static const row rows[] = {
 };
 enum { ROWS = sizeof rows / sizeof *rows };
 
-static void insist(tvi_status status, const char *what)
-{
-    if (status != TVI_OK) experiment_fail(what, tvi_last_error());
-}
-
 /* ---- The orbits -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
@@ -56,8 +51,8 @@ static orbits *open_orbits(const row *of, const tvi_system *system, const tvi_op
     orbits *o = calloc(1, sizeof *o);
     if (!o) abort();
     o->of = of;
-    insist(tvi_integrator_create(&o->alone, system, options), "an integrator");
-    insist(tvi_ensemble_create(&o->together, system, options, MEMBERS, threads), "an ensemble");
+    experiment_insist(tvi_integrator_create(&o->alone, system, options), "an integrator");
+    experiment_insist(tvi_ensemble_create(&o->together, system, options, MEMBERS, threads), "an ensemble");
     return o;
 }
 
@@ -78,7 +73,7 @@ static void run_alone(void *ctx)
     for (int m = 0; m < MEMBERS; m++) {
         double t = 0, q[N_MOST], p[N_MOST];
         for (int i = 0; i < s->n; i++) q[i] = spread(m) * s->q[i], p[i] = s->p[i];
-        insist(tvi_integrate(o->alone, o->of->h, STEPS, &t, q, p, NULL, NULL), o->of->method);
+        experiment_insist(tvi_integrate(o->alone, o->of->h, STEPS, &t, q, p, NULL, NULL), o->of->method);
     }
 }
 
@@ -90,8 +85,9 @@ static void run_together(void *ctx)
         o->t[m] = 0;
         for (int i = 0; i < s->n; i++) o->q[i * MEMBERS + m] = spread(m) * s->q[i], o->p[i * MEMBERS + m] = s->p[i];
     }
-    insist(tvi_ensemble_integrate(o->together, o->of->h, STEPS, o->t, o->q, o->p, o->status, NULL, NULL), "a run");
-    for (int m = 0; m < MEMBERS; m++) insist(o->status[m], "a member");
+    experiment_insist(tvi_ensemble_integrate(o->together, o->of->h, STEPS, o->t, o->q, o->p, o->status, NULL, NULL),
+                      "a run");
+    for (int m = 0; m < MEMBERS; m++) experiment_insist(o->status[m], "a member");
 }
 
 /* ns of a step of one orbit. */
@@ -117,22 +113,13 @@ static double speedup(orbits *one, orbits *two, long calls)
     return least[0] / least[1];
 }
 
-static tvi_compiled *compile(const experiment *e, const tvi_system *system, const tvi_options *options)
-{
-    char cache[4096];
-    tvi_compiled *code;
-    snprintf(cache, sizeof cache, "%s/generated", e->dir);
-    insist(tvi_compile(&code, system, options, &(tvi_compiler){.cache = cache}), "a compilation");
-    return code;
-}
-
 static void write_row(FILE *table, const experiment *e, const row *of)
 {
     tvi_options options;
     tvi_system *system = experiment_system(of->scene);
-    insist(tvi_options_named(of->method, of->order, &options), of->method);
+    experiment_insist(tvi_options_named(of->method, of->order, &options), of->method);
     tvi_options compiled = options;
-    tvi_compiled *code = compile(e, system, &options);
+    tvi_compiled *code = experiment_compile(e, system, &options);
     compiled.compiled = code;
     orbits *plain = open_orbits(of, system, &options, 1), *own = open_orbits(of, system, &compiled, 1);
     orbits *two = open_orbits(of, system, &options, 2);

@@ -29,11 +29,6 @@ typedef struct {
     double most; /* of the ratio of the times */
 } watched;
 
-static void insist(tvi_status status)
-{
-    if (status != TVI_OK) experiment_fail("events", tvi_status_string(status));
-}
-
 /* ---- Runs ----------------------------------------------------------------------------------------------------- */
 
 static int count_event(int which, double t, const double q[], const double p[], void *ctx)
@@ -50,8 +45,9 @@ static void run_watched(watched *w, way looks)
     memcpy(p, w->p, (size_t)w->n * sizeof *p);
     w->told = 0;
     tvi_integrator_reset(w->integrator);
-    insist(tvi_integrate_events(w->integrator, w->h, w->steps, (const tvi_event *const *)w->events[looks],
-                                looks == WITHOUT ? 0 : w->count, &t, q, p, NULL, count_event, w));
+    experiment_insist(tvi_integrate_events(w->integrator, w->h, w->steps, (const tvi_event *const *)w->events[looks],
+                                           looks == WITHOUT ? 0 : w->count, &t, q, p, NULL, count_event, w),
+                      "events");
 }
 
 static void run_without(void *ctx) { run_watched(ctx, WITHOUT); }
@@ -61,7 +57,7 @@ static void run_with(void *ctx) { run_watched(ctx, WITH); }
 static void measure(FILE *table, watched *w)
 {
     double step[WAYS] = {INFINITY, INFINITY, INFINITY}; /* s */
-    insist(tvi_integrator_create(&w->integrator, w->system, NULL));
+    experiment_insist(tvi_integrator_create(&w->integrator, w->system, NULL), "events");
     for (int round = 0; round < ROUNDS; round++) {
         turn turns[WAYS] = {
             {.work = run_without, .ctx = w}, {.work = run_in_vain, .ctx = w}, {.work = run_with, .ctx = w}};
@@ -85,8 +81,8 @@ static void measure(FILE *table, watched *w)
 
 static void add_event(watched *w, tvi_direction direction, tvi_event_fn *g, void *ctx, void *far)
 {
-    insist(tvi_event_create(&w->events[WITH][w->count], w->n, direction, false, g, ctx));
-    insist(tvi_event_create(&w->events[IN_VAIN][w->count++], w->n, direction, false, g, far));
+    experiment_insist(tvi_event_create(&w->events[WITH][w->count], w->n, direction, false, g, ctx), "events");
+    experiment_insist(tvi_event_create(&w->events[IN_VAIN][w->count++], w->n, direction, false, g, far), "events");
 }
 
 /* q_0, whose rise through 0 is the section of Henon and Heiles, less a number. */

@@ -4,16 +4,11 @@
 
 #include <string.h>
 
-static void insist(tvi_status status)
-{
-    if (status != TVI_OK) experiment_fail("steps", tvi_status_string(status));
-}
-
 stepping stepping_open(const tvi_system *system, const tvi_options *options, const double q[], const double p[],
                        double h)
 {
     stepping s = {.n = tvi_system_dimension(system), .q = q, .p = p, .h = h};
-    insist(tvi_integrator_create(&s.integrator, system, options));
+    experiment_insist(tvi_integrator_create(&s.integrator, system, options), "steps");
     return s;
 }
 
@@ -27,7 +22,7 @@ void stepping_go(void *ctx)
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
     memcpy(p, s->p, (size_t)s->n * sizeof *p);
     tvi_integrator_reset(s->integrator);
-    insist(tvi_integrate(s->integrator, s->h, STEPS, &t, q, p, NULL, NULL));
+    experiment_insist(tvi_integrate(s->integrator, s->h, STEPS, &t, q, p, NULL, NULL), "steps");
     s->passes = (double)(tvi_integrator_stats(s->integrator)->passes - passes) / STEPS;
 }
 
