@@ -39,6 +39,8 @@ typedef struct {
 
 /* With 1 <= points <= QUAD_MAX_POINTS Gauss nodes. */
 quad_method quad_method_gauss(tvi_expansion expansion, tvi_nodes nodes, int degree, int points);
+/* The integral from 0 to s of the polynomial that is 1 at node j and 0 at the others; exact for Gauss nodes. */
+quad quad_method_integral(const quad_method *method, int j, quad s);
 /* One step of (I), method.md section 4, from the definition of S. false: Newton's method did not converge, and the
  * state is as it was. Derivatives of the curve by differences are exact to about 1e-28 relative. */
 bool quad_tvi_step(const quad_system *system, const quad_method *method, quad h, quad *t, quad q[], quad p[]);

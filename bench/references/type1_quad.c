@@ -38,6 +38,18 @@ quad_method quad_method_gauss(tvi_expansion expansion, tvi_nodes nodes, int degr
     return method;
 }
 
+quad quad_method_integral(const quad_method *method, int j, quad s)
+{
+    quad sum = 0;
+    for (int k = 0; k < method->points; k++) {
+        quad value = 1;
+        for (int i = 0; i < method->points; i++)
+            if (i != j) value *= (s * method->c[k] - method->c[i]) / (method->c[j] - method->c[i]);
+        sum += s * method->b[k] * value;
+    }
+    return sum;
+}
+
 /* ---- The type I step -------------------------------------------------------------------------------------------- */
 
 /* y(z) = (q-, q+, q_1..q_m, v_1..v_m) has `size` numbers; dy[j * size] is dy/dz_j. unit[j] is the scale of z_j. */

@@ -318,19 +318,6 @@ static bool verlet(quad_series *s, quad h, quad t, quad q[], quad p[])
     return true;
 }
 
-/* int_0^s of the polynomial that is 1 at node j and 0 at the others. */
-static quad integral(const quad_method *gauss, int j, quad s)
-{
-    quad sum = 0;
-    for (int k = 0; k < gauss->points; k++) {
-        quad value = 1;
-        for (int i = 0; i < gauss->points; i++)
-            if (i != j) value *= (s * gauss->c[k] - gauss->c[i]) / (gauss->c[j] - gauss->c[i]);
-        sum += s * gauss->b[k] * value;
-    }
-    return sum;
-}
-
 /* (q', p') at a node: (v, L_q) with L_v(q, v) = p for a Lagrangian. */
 static bool rates(quad_series *s, quad t, const quad q[], const quad p[], quad v[], quad force[])
 {
@@ -353,7 +340,7 @@ static bool collocate(quad_series *s, int m, quad h, quad t, quad q[], quad p[])
     const quad least = 1e-29 * size_of(n, q);
     quad x[TVI_MAX_NODES + 1][DATA], rate[TVI_MAX_NODES][DATA] = {{0}}, a[TVI_MAX_NODES + 1][TVI_MAX_NODES], change = 1;
     for (int i = 0; i <= m; i++)
-        for (int j = 0; j < m; j++) a[i][j] = i < m ? integral(&gauss, j, gauss.c[i]) : gauss.b[j];
+        for (int j = 0; j < m; j++) a[i][j] = i < m ? quad_method_integral(&gauss, j, gauss.c[i]) : gauss.b[j];
     for (int i = 0; i < m; i++) memcpy(x[i], q, (size_t)n * sizeof *q), memcpy(x[i] + n, p, (size_t)n * sizeof *p);
     for (int pass = 0; pass < 4 * PASSES && change > least; pass++) {
         for (int j = 0; j < m; j++)

@@ -36,19 +36,6 @@ static void slopes_at(const quad_slopes *s, quad t, const quad_point *x, quad_po
     for (int k = 0; k < s->n; k++) dx->q[k] = x->p[k] / problem_mass(s->problem, k);
 }
 
-/* int_0^s of the polynomial that is 1 at node j and 0 at the others: Gauss on [0, s] is exact. */
-static quad integral(const quad_method *gauss, int j, quad s)
-{
-    quad sum = 0;
-    for (int k = 0; k < gauss->points; k++) {
-        quad value = 1;
-        for (int i = 0; i < gauss->points; i++)
-            if (i != j) value *= (s * gauss->c[k] - gauss->c[i]) / (gauss->c[j] - gauss->c[i]);
-        sum += s * gauss->b[k] * value;
-    }
-    return sum;
-}
-
 /* x += h sum_j w_j dx_j. */
 static void add(int n, int count, quad h, const quad w[], const quad_point dx[], quad_point *x)
 {
@@ -66,7 +53,7 @@ static void collocate(const quad_slopes *s, const quad_method *gauss, quad h, qu
     quad_point X[TVI_MAX_NODES], dX[TVI_MAX_NODES];
     quad a[TVI_MAX_NODES][TVI_MAX_NODES];
     for (int i = 0; i < m; i++) {
-        for (int j = 0; j < m; j++) a[i][j] = integral(gauss, j, gauss->c[i]);
+        for (int j = 0; j < m; j++) a[i][j] = quad_method_integral(gauss, j, gauss->c[i]);
         X[i] = *x;
     }
     for (int pass = 0; pass < PASSES; pass++) {
