@@ -12,6 +12,7 @@
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
+# make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
 # make performance   the tables and the picture of docs/performance.md, a minute and a half
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
@@ -20,7 +21,7 @@
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
 # make verify     the tables of the documents made anew and compared, times excepted
 # make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs, choose-docs,
-#                 bench-docs, tails-docs, stability-docs, guard-docs, longrun-docs, adaptive-docs, chaos-docs, order-doubling-docs,
+#                 bench-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs, adaptive-docs, chaos-docs, order-doubling-docs,
 #                 experiments-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md
 # make adaptive  fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of docs/adaptive.md

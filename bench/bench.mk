@@ -26,6 +26,13 @@ tails: need-library
 	@cat $(BUILD)/bench/choosing/tails.md
 .PHONY: tails
 
+# the table of suggested steps of docs/choosing.md; METHOD=name ORDER=n for another method
+suggest: need-library
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/choosing/suggest
+	OPENBLAS_NUM_THREADS=1 $(BUILD)/bench/choosing/suggest $(BUILD)/bench/choosing $(or $(METHOD),galerkin) $(or $(ORDER),16)
+	@cat $(BUILD)/bench/choosing/suggest.md
+.PHONY: suggest
+
 # the tables and the picture of docs/order-doubling.md
 order-doubling: need-bench
 	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/order_doubling/order_doubling
@@ -68,7 +75,7 @@ $(SWEEP_PROGRAMS): $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(BASELINE_LIBS) $(LIBS)
 
 # what callgrind runs is steps
-SCENE_PROGRAMS := $(BUILD)/bench/choosing/tails $(BUILD)/bench/steps/steps
+SCENE_PROGRAMS := $(BUILD)/bench/choosing/tails $(BUILD)/bench/choosing/suggest $(BUILD)/bench/steps/steps
 $(BUILD)/bench/choosing/tails: $(BUILD)/bench/stability/cases.o
 $(SCENE_PROGRAMS): %: %.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
 	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS)

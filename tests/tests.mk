@@ -222,11 +222,11 @@ do-readme: $(BUILD)/libtvi.a
 	awk -f tests/fragments.awk docs/adaptive.md docs/driven.md docs/roundoff.md > $(BUILD)/check/fragments.c
 	$(CC) -std=c11 $(STRICT) -Wno-unused-result -Iinclude -fsyntax-only $(BUILD)/check/fragments.c
 	$(MAKE) -s --no-print-directory help | grep -q '^make install '
-	for program in readme readme_events; do \
+	for program in readme readme_step readme_events; do \
 	    $(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/$$program.c $(BUILD)/libtvi.a $(LIBS) && \
 	    $(BUILD)/check/readme > $(BUILD)/check/$$program.out || exit 1; done
 	cat $(BUILD)/check/readme.out
-	grep -F "$$(sed -n 's/^    \(q = .*,\) error .*/\1/p' README.md)" $(BUILD)/check/readme.out
+	grep -F "$$(sed -n 's/^    \(q = .*,\) error .*/\1/p' README.md)" $(BUILD)/check/readme.out $(BUILD)/check/readme_step.out
 	test "$$(grep -c closest $(BUILD)/check/readme_events.out)" = 1010
 	tail -n 1 $(BUILD)/check/readme_events.out | cmp $(BUILD)/check/readme.out
 

@@ -129,7 +129,14 @@ static bool may_go_on(const trials *w)
 }
 
 static bool is_low(const trials *w, const trial *r) { return r->error < w->aim / BAND; }
-static bool is_high(const trials *w, const trial *r) { return r->error > w->aim * BAND; }
+
+/* Roundoff at the beginning of a long run says nothing. */
+static bool is_above(const trial *r, double error)
+{
+    return r->error > error && (r->error == INFINITY || fmax(r->now, r->before) >= FLOOR);
+}
+
+static bool is_high(const trials *w, const trial *r) { return is_above(r, w->aim * BAND); }
 
 /* What the k-th distance says. */
 static void hear(trials *w, trial *r, long k, double e)
@@ -187,7 +194,7 @@ static double correction(const trials *w, const trial *r)
 /* Learns from a trial. Returns whether another one is to follow, with *h. */
 static bool learn(trials *w, const trial *r, double *h, tvi_suggestion *out)
 {
-    const bool counts = r->part >= AS_LONG * w->longest || r->error > w->aim;
+    const bool counts = r->part >= AS_LONG * w->longest || is_above(r, w->aim);
     const bool is_found = r->is_complete && !is_high(w, r) && (!is_low(w, r) || *h == w->limit);
     if (r->error == INFINITY) w->limit = shorter(w->limit, FAILS * *h);
     if (counts && r->error < INFINITY) out->tried = r->h, out->reached = r->part, out->error = r->error;
