@@ -135,6 +135,28 @@ START_TEST(a_new_state_is_the_members_own)
 }
 END_TEST
 
+/* With generated code they are others, to roundoff, but of the same kind. */
+START_TEST(compiled_members_are_what_they_are_alone)
+{
+    static const int by[] = {0, 2, 3};
+    tvi_system *system = system_of(&forms[0]);
+    tvi_options options;
+    tvi_compiled *code;
+    ck_assert(has_options(system, &methods[by[_i]], &options));
+    (void)run(&many, system, &options, 13, 1, 0, NULL);
+    OK(tvi_compile(&code, system, &options, &(tvi_compiler){.cache = ""}));
+    options.compiled = code;
+    (void)run(&few, system, &options, 13, 2, 0, NULL);
+    for (int m = 0; m < few.members; m++) {
+        (void)run(&of_one, system, &options, 1, 1, m, NULL);
+        expect_same("compiled", &few, m, &of_one, 0);
+        ck_assert_double_le(distance(&few, m, &many, m), 4e-15);
+    }
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_bits(void)
 {
     Suite *suite = suite_create("bits");
@@ -146,5 +168,9 @@ Suite *suite_bits(void)
     tcase_add_loop_test(tests, neither_number_nor_threads_matter, 0, 3 * SIZES);
     tcase_add_loop_test(tests, a_new_state_is_the_members_own, 0, pairs);
     suite_add_tcase(suite, tests);
+    TCase *compiled = tcase_create("compiled");
+    tcase_set_timeout(compiled, 120);
+    tcase_add_loop_test(compiled, compiled_members_are_what_they_are_alone, 0, 3);
+    suite_add_tcase(suite, compiled);
     return suite;
 }
