@@ -13,7 +13,7 @@
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
 # make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
-# make performance   the tables and the picture of docs/performance.md, a minute and a half
+# make performance   the tables and the picture of docs/performance.md, and that of docs/ensembles.md, two minutes
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
 # make stability  where methods break: the tables and pictures of docs/stability.md, four minutes
@@ -22,8 +22,9 @@
 # make verify     the tables of the documents made anew and compared, times excepted
 # make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs, choose-docs,
 #                 bench-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs, adaptive-docs, chaos-docs, order-doubling-docs,
-#                 experiments-docs
+#                 experiments-docs, maps-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md
+# make maps       order and chaos over planes of starts, by ensembles: the table and the pictures of docs/ensembles.md, some minutes
 # make adaptive  fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of docs/adaptive.md
 # make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute
 # make references bench/scenes/references.h anew, in quadruple precision
@@ -176,6 +177,7 @@ include bench/experiments/experiments.mk
 include bench/performance/performance.mk
 include bench/longrun/longrun.mk
 include bench/adaptive/adaptive.mk
+include bench/maps/maps.mk
 
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 

@@ -219,7 +219,7 @@ check-readme: ; $(REPORT) "the programs of the README" $(LOG) $(DO)
 do-readme: $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	tests/readme.sh README.md $(BUILD)/check
-	awk -f tests/fragments.awk docs/adaptive.md docs/driven.md docs/roundoff.md > $(BUILD)/check/fragments.c
+	awk -f tests/fragments.awk docs/adaptive.md docs/driven.md docs/ensembles.md docs/roundoff.md > $(BUILD)/check/fragments.c
 	$(CC) -std=c11 $(STRICT) -Wno-unused-result -Iinclude -fsyntax-only $(BUILD)/check/fragments.c
 	$(MAKE) -s --no-print-directory help | grep -q '^make install '
 	for program in readme readme_step readme_events; do \
