@@ -10,7 +10,7 @@
 #include <string.h>
 #include <time.h>
 
-enum { MEMBERS = 64, STEPS = 200, N_MOST = 18, REPETITIONS = 5 };
+enum { MEMBERS = 256, STEPS = 200, N_MOST = 18, REPETITIONS = 5 };
 static const double SPREAD = 1e-3; /* of the starts, relative */
 
 typedef struct {
