@@ -120,7 +120,8 @@ static void run_freely(void *ctx)
     memcpy(r->q, r->scene->q, (size_t)r->scene->n * sizeof *r->q);
     memcpy(r->p, r->scene->p, (size_t)r->scene->n * sizeof *r->p);
     tvi_integrator_reset(r->integrator);
-    insist(tvi_integrate_tolerance(r->integrator, DBL_EPSILON, r->scene->t_end, &t, r->q, r->p, NULL, NULL), "taylor");
+    experiment_insist(tvi_integrate_tolerance(r->integrator, DBL_EPSILON, r->scene->t_end, &t, r->q, r->p, NULL, NULL),
+                      "taylor");
 }
 
 static double error_of_run(const free_run *r)
@@ -144,7 +145,7 @@ static void run_rival(void *ctx)
     baseline_counts counts;
     memcpy(q, r->scene->q, (size_t)r->scene->n * sizeof *q);
     memcpy(p, r->scene->p, (size_t)r->scene->n * sizeof *p);
-    insist(gauss->run(gauss, &task, q, p, &counts), "gauss");
+    experiment_insist(gauss->run(gauss, &task, q, p, &counts), "gauss");
 }
 
 /* Against u or U, at the tolerance of double precision. */
@@ -153,13 +154,13 @@ static void write_tolerance(FILE *table, const experiment *e, const scene *s, co
     enum { TAYLOR_ORDER = 20 };
     tvi_system *system = experiment_system(s);
     tvi_options options;
-    insist(tvi_options_named("taylor", TAYLOR_ORDER, &options), "taylor");
-    tvi_compiled *code = compile(e, system, &options);
+    experiment_insist(tvi_options_named("taylor", TAYLOR_ORDER, &options), "taylor");
+    tvi_compiled *code = experiment_compile(e, system, &options);
     free_run runs[2] = {{.scene = s}, {.scene = s}};
     rival_run rival = {s, h};
     for (int i = 0; i < 2; i++) {
         options.compiled = i > 0 ? code : NULL;
-        insist(tvi_integrator_create(&runs[i].integrator, system, &options), "taylor");
+        experiment_insist(tvi_integrator_create(&runs[i].integrator, system, &options), "taylor");
     }
     turn of[] = {{.work = run_freely, .ctx = &runs[0]},
                  {.work = run_freely, .ctx = &runs[1]},
