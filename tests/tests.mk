@@ -89,10 +89,11 @@ do-base: $(addprefix $(BUILD)/check/,library events generating)
 	$(BUILD)/check/events
 	tests/suites.sh 'forms,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
 
-# generated code: every scene with every method, some minutes of the compiler
+# generated code: every scene with every method, and the memory of all kinds of steps; some minutes of the compiler
 check-generated: ; $(REPORT) "generated code: every scene with every method" $(LOG) $(DO)
-do-generated: $(BUILD)/check/compiled
+do-generated: $(addprefix $(BUILD)/check/,compiled library)
 	TVI_COMPILED=all tests/suites.sh same $<
+	TVI_COMPILED=all tests/suites.sh faults/generated $(BUILD)/check/library
 
 # 20,000 steps of every method about every equilibrium at 1 and at 100
 check-equilibria: ; $(REPORT) "long runs about equilibria" $(LOG) $(DO)

@@ -32,5 +32,6 @@ tvi_options options_of_way(int which); /* of a way */
 /* in faults_steps.c */
 TCase *tcase_hooks(void);
 TCase *tcase_allocations(void);
+TCase *tcase_generated(void);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { STEPS = 1000 };
 
@@ -36,10 +37,8 @@ static bool make_steps(tvi_integrator *integrator)
     return good && tvi_step(integrator, 0.01, &t, far, p) == TVI_EDOMAIN;
 }
 
-START_TEST(steps_allocate_nothing)
+static void expect_no_allocation(const tvi_system *system, const tvi_options options)
 {
-    tvi_system *system = create_everything(ways[_i].by, true);
-    const tvi_options options = options_of_way(_i);
     tvi_integrator *integrator;
     ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
     double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, D[4 * N * N] = {1};
@@ -49,7 +48,32 @@ START_TEST(steps_allocate_nothing)
     const allocation_counts counts = allocation_stop();
     ck_assert_int_eq(counts.calls, 0);
     ck_assert(good);
+    ck_assert(tvi_integrator_stats(integrator)->is_compiled == (options.compiled != NULL));
     tvi_integrator_free(integrator);
+}
+
+START_TEST(steps_allocate_nothing)
+{
+    tvi_system *system = create_everything(ways[_i].by, true);
+    expect_no_allocation(system, options_of_way(_i));
+    tvi_system_free(system);
+}
+END_TEST
+
+/* Of two ways; of all of them with TVI_COMPILED=all. */
+START_TEST(steps_of_generated_code_allocate_nothing)
+{
+    const char *all = getenv("TVI_COMPILED");
+    const bool is_one = strcmp(ways[_i].name, "galerkin") == 0 && (ways[_i].by == POTENTIAL || ways[_i].by == RESCALED);
+    if (!(all && strcmp(all, "all") == 0) && !is_one) return;
+    tvi_system *system = create_everything(ways[_i].by, true);
+    tvi_options options = options_of_way(_i);
+    tvi_compiled *code;
+    const tvi_compiler how = {.flags = "-O1", .cache = "build/check/generated"};
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &how), TVI_OK);
+    options.compiled = code;
+    expect_no_allocation(system, options);
+    tvi_compiled_free(code);
     tvi_system_free(system);
 }
 END_TEST
@@ -90,5 +114,13 @@ TCase *tcase_allocations(void)
 {
     TCase *tcase = tcase_create("steps");
     tcase_add_loop_test(tcase, steps_allocate_nothing, 0, way_count);
+    return tcase;
+}
+
+TCase *tcase_generated(void)
+{
+    TCase *tcase = tcase_create("generated");
+    tcase_set_timeout(tcase, 120);
+    tcase_add_loop_test(tcase, steps_of_generated_code_allocate_nothing, 0, way_count);
     return tcase;
 }

@@ -287,5 +287,6 @@ Suite *suite_faults(void)
     tcase_add_loop_test(tangents, tangents_without_memory, 0, way_count);
     tcase_add_loop_test(tangents, ensembles_without_memory, 0, way_count);
     suite_add_tcase(suite, tcase_allocations());
+    suite_add_tcase(suite, tcase_generated());
     return suite;
 }
