@@ -11,7 +11,7 @@
 /* With a tail below it, so few passes and no series, a step of the Galerkin curve was right in all runs of
  * docs/stability.md. Stormer-Verlet has no tail, and bounds the change of the energy by its forces. */
 static const double SURE_TAIL = 1e-3;
-enum { SURE_PASSES = 8 };
+enum { SURE_PASSES = 12 };
 /* The part of the energy that a step may change. Near a pericentre steps that are right to 1e-3 were seen to change it
  * by 4 %. */
 static const double MOST_CHANGE = 0.05;
