@@ -35,8 +35,7 @@
                                const double *const impulses[])                                                         \
     {                                                                                                                  \
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
-        if (steps == 2) predict_lanes(&sized, 2, matrix, impulses, (LANES));                                           \
-        else predict_lanes(&sized, 1, matrix, impulses, (LANES));                                                      \
+        predict_lanes(&sized, steps, matrix, impulses, (LANES));                                                       \
     }                                                                                                                  \
     static double NAME##_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds)          \
     {                                                                                                                  \
@@ -50,8 +49,7 @@
     }                                                                                                                  \
     static void NAME##_start(const galerkin_nodes *nodes, int n, const tvi_origin *origin)                             \
     {                                                                                                                  \
-        start_lanes(nodes, 0, n, origin->q, origin->q_low, (LANES));                                                   \
-        start_lanes(nodes, n, n, origin->p, origin->p_low, (LANES));                                                   \
+        start_lanes(nodes, n, origin, (LANES));                                                                        \
     }                                                                                                                  \
     static void NAME##_start_drifting(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin,          \
                                       double *drift, double *drift_low)                                                \
@@ -79,7 +77,7 @@
     }                                                                                                                  \
     static void NAME##_place(const galerkin_places *p, const double *table, const double *impulses, double *out)       \
     {                                                                                                                  \
-        place_lanes(p, table, impulses, out, (LANES), p->places);                                                      \
+        place_lanes(p, table, impulses, out, (LANES));                                                                 \
     }
 
 /* The step of steady.h. Small nodes are the function's own, where the compiler keeps them in registers. */

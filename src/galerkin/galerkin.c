@@ -22,12 +22,20 @@ static int lanes_for(int points)
     return points <= lanes ? lanes : MAX_LANES;
 }
 
+/* Where the loops for so many lanes stand among all. */
+static int place_of(int lanes)
+{
+    int place = 0;
+    while (1 << place < lanes) place++;
+    return place;
+}
+
 /* Those of the instruction set that the system's tapes run with. */
 static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_galerkin_loops_base,
+    [jet_isa_base] = tvi_galerkin_loops_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_galerkin_loops_avx2,
-    [jet_isa_avx512] = &tvi_galerkin_loops_avx512,
+    [jet_isa_avx2] = tvi_galerkin_loops_avx2,
+    [jet_isa_avx512] = tvi_galerkin_loops_avx512,
 #endif
 };
 
@@ -54,11 +62,12 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     field->system = system;
     field->points = points;
     const galerkin_loops *generated = system->code ? system->code->galerkin : NULL;
-    field->loops = generated ? generated : loops_of[system->field_values->sweeps->isa];
+    const int lanes_needed = lanes_for(points);
+    field->loops = generated ? generated : &loops_of[system->field_values->sweeps->isa][place_of(lanes_needed)];
     field->lagrangian = lagrangian_of[system->field_values->sweeps->isa];
     field->form = form_of(system);
     nodes->unknowns = system->inputs;
-    nodes->lanes = lanes_for(points);
+    nodes->lanes = lanes_needed;
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     nodes->weight = tvi_arena_doubles(arena, lanes);

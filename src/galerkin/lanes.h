@@ -15,23 +15,20 @@
     default: call(TVI_GALERKIN_MAX_LANES);                                                                             \
     }
 
-/* name(parameters) calls name_lanes(..., number of lanes), a function of its own for each number: what the compiler
- * knows of one spares it the registers of the others. `give` is return, or nothing where nothing is returned. */
+/* name_N(parameters) calls name_lanes(..., N), a function of its own for each number of lanes: what the compiler knows
+ * of one spares it the registers of the others. `give` is return, or nothing where nothing is returned.
+ * Generated code has one number of lanes. */
+#ifdef JET_EMITTED
+#define BY_LANES(result, give, name, parameters, ...)
+#else
 #define OWN static __attribute__((noinline))
-#define BY_LANES(result, give, name, lanes, parameters, ...)                                                           \
+#define BY_LANES(result, give, name, parameters, ...)                                                                  \
     OWN result name##_1 parameters { give name##_lanes(__VA_ARGS__, 1); }                                              \
     OWN result name##_2 parameters { give name##_lanes(__VA_ARGS__, 2); }                                              \
     OWN result name##_4 parameters { give name##_lanes(__VA_ARGS__, 4); }                                              \
     OWN result name##_8 parameters { give name##_lanes(__VA_ARGS__, 8); }                                              \
-    OWN result name##_most parameters { give name##_lanes(__VA_ARGS__, TVI_GALERKIN_MAX_LANES); }                      \
-    static result name parameters                                                                                      \
-    {                                                                                                                  \
-        if (lanes == 8) give name##_8(__VA_ARGS__);                                                                    \
-        else if (lanes == 4) give name##_4(__VA_ARGS__);                                                               \
-        else if (lanes == 2) give name##_2(__VA_ARGS__);                                                               \
-        else if (lanes == 1) give name##_1(__VA_ARGS__);                                                               \
-        else give name##_most(__VA_ARGS__);                                                                            \
-    }
+    OWN result name##_most parameters { give name##_lanes(__VA_ARGS__, TVI_GALERKIN_MAX_LANES); }
+#endif
 
 /* All lanes at once: BODY(V, blocks), with the widest vectors of which there are as many as make all lanes. */
 enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };

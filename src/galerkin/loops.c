@@ -89,7 +89,7 @@ JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, 
     return moved;
 }
 
-BY_LANES(double, return, move, nodes->lanes,
+BY_LANES(double, return, move,
          (const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]), nodes, matrix,
          drives, slot)
 
@@ -127,7 +127,7 @@ JET_INLINE double move_both_lanes(const galerkin_nodes *nodes, const double *mat
     return moved;
 }
 
-BY_LANES(double, return, move_both, nodes->lanes,
+BY_LANES(double, return, move_both,
          (const galerkin_nodes *nodes, const double *matrix, const double *drives, const double *changes,
           const int slot[]),
          nodes, matrix, drives, changes, slot)
@@ -145,7 +145,7 @@ BY_LANES(double, return, move_both, nodes->lanes,
         }                                                                                                              \
     }
 
-JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
+JET_INLINE void predict_steps(const galerkin_nodes *nodes, int steps, const double *matrix,
                               const double *const impulses[], int lanes)
 {
     const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
@@ -155,12 +155,16 @@ JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const doub
     ALL_LANES(lanes, PREDICT)
 }
 
-static void predict(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]){
-#define CALL(lanes)                                                                                                    \
-    steps == 2 ? predict_lanes(nodes, 2, matrix, impulses, lanes) : predict_lanes(nodes, 1, matrix, impulses, lanes)
-    FOR_LANES(nodes->lanes, CALL)
-#undef CALL
+JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
+                              const double *const impulses[], int lanes)
+{
+    if (steps == 2) predict_steps(nodes, 2, matrix, impulses, lanes);
+    else predict_steps(nodes, 1, matrix, impulses, lanes);
 }
+
+BY_LANES(void, , predict,
+         (const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]), nodes, steps,
+         matrix, impulses)
 
 #define DRIVE(V, blocks)                                                                                               \
     for (int i = 0, k = 0; i < rounds->count; i++, impulse += lanes) {                                                 \
@@ -194,15 +198,15 @@ static void predict(const galerkin_nodes *nodes, int steps, const double *matrix
     }
 
 JET_INLINE
-    double go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, int lanes)
+double go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, int lanes)
 {
     double *impulse = rounds->impulse, moved = 0;
     ALL_LANES(lanes, ROUND)
     return moved;
 }
 
-BY_LANES(double, return, go_round, nodes->lanes,
-         (const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds), nodes, matrix, rounds)
+BY_LANES(double, return, go_round, (const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds),
+         nodes, matrix, rounds)
 
 /* Two-sums: what each addition loses is collected. */
 JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, jet_v4 term)
@@ -253,9 +257,8 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weig
     }
 }
 
-BY_LANES(void, , integrate, nodes->lanes,
-         (const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums), nodes, weights,
-         sums)
+BY_LANES(void, , integrate, (const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
+         nodes, weights, sums)
 
 /* A loop without comparisons that last from one component to the next is one of vectors. */
 JET_INLINE void tails_of(const galerkin_motion *of, double *restrict share, double *restrict ratio, bool has_masses)
@@ -285,8 +288,8 @@ static double tail(const galerkin_motion *of, double *share, double *ratio)
     for (int k = 0; k < (blocks); k++)                                                                                 \
         BLOCK_AT(V, base, k) = (low + BLOCK_OF(V, c, k) * drift_low) + BLOCK_OF(V, c, k) * drift;
 
-JET_INLINE void start_lanes(const galerkin_nodes *nodes, int first, int count, const double q[], const double q_low[],
-                            int lanes)
+JET_INLINE void start_half(const galerkin_nodes *nodes, int first, int count, const double q[], const double q_low[],
+                           int lanes)
 {
     double *base = nodes->base + first * lanes;
     for (int i = 0; i < count; i++, base += lanes) {
@@ -296,12 +299,13 @@ JET_INLINE void start_lanes(const galerkin_nodes *nodes, int first, int count, c
     }
 }
 
-static void start(const galerkin_nodes *nodes, int n, const tvi_origin *origin){
-#define CALL(lanes)                                                                                                    \
-    start_lanes(nodes, 0, n, origin->q, origin->q_low, lanes), start_lanes(nodes, n, n, origin->p, origin->p_low, lanes)
-    FOR_LANES(nodes->lanes, CALL)
-#undef CALL
+JET_INLINE void start_lanes(const galerkin_nodes *nodes, int n, const tvi_origin *origin, int lanes)
+{
+    start_half(nodes, 0, n, origin->q, origin->q_low, lanes);
+    start_half(nodes, n, n, origin->p, origin->p_low, lanes);
 }
+
+BY_LANES(void, , start, (const galerkin_nodes *nodes, int n, const tvi_origin *origin), nodes, n, origin)
 
 /* Rounded products with one and the same h are not on average right, if h is nearly a ratio of small numbers, such as
  * 0.1: their errors repeat themselves, with a mean that many steps show. So they are exact. */
@@ -320,13 +324,9 @@ JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *
     }
 }
 
-static void start_drifting(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
-                           double *drift_low)
-{
-#define CALL(lanes) start_drifting_lanes(nodes, c, origin, drift, drift_low, lanes)
-    FOR_LANES(nodes->lanes, CALL)
-#undef CALL
-}
+BY_LANES(void, , start_drifting,
+         (const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift, double *drift_low),
+         nodes, c, origin, drift, drift_low)
 
 static void end_drifting(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
                          const double *drift_low, double dq[], double dp[])
@@ -352,7 +352,7 @@ static void end_drifting(const galerkin_nodes *nodes, const galerkin_sums *sums,
         }                                                                                                              \
     }
 
-JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
+JET_INLINE void place_count(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
                             int lanes, int places)
 {
     const double *start = p->start, *drift = p->drift, *scale = p->scale;
@@ -360,16 +360,22 @@ JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const
     JET_BLOCKS(places, PLACE, );
 }
 
-static void place(const galerkin_places *p, const double *table, const double *impulses, double *out)
+JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *out,
+                            int lanes)
 {
-#define CALL(lanes)                                                                                                    \
-    p->places == TVI_SAMPLES ? place_lanes(p, table, impulses, out, lanes, TVI_SAMPLES)                                \
-                             : place_lanes(p, table, impulses, out, lanes, p->places)
-    FOR_LANES(p->lanes, CALL)
-#undef CALL
+    if (p->places == TVI_SAMPLES) place_count(p, table, impulses, out, lanes, TVI_SAMPLES);
+    else place_count(p, table, impulses, out, lanes, p->places);
 }
 
+BY_LANES(void, , place, (const galerkin_places *p, const double *table, const double *impulses, double *out), p, table,
+         impulses, out)
+
 #ifndef JET_EMITTED
-const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops) = {
-    move, move_both, predict, go_round, integrate, start, start_drifting, end_drifting, tail, place, NULL};
+#define LOOPS_OF(lanes)                                                                                                \
+    {                                                                                                                  \
+        move_##lanes, move_both_##lanes, predict_##lanes, go_round_##lanes, integrate_##lanes, start_##lanes,          \
+            start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                                            \
+    }
+const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops)[GALERKIN_LOOPS] = {LOOPS_OF(1), LOOPS_OF(2), LOOPS_OF(4),
+                                                                        LOOPS_OF(8), LOOPS_OF(most)};
 #endif

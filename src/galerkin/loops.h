@@ -12,7 +12,7 @@
 #include <stddef.h>
 
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
-enum { TVI_GALERKIN_MAX_LANES = 12 };
+enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
 
 /* What multiplies the impulses in their sums over the nodes: 1 and 1 - c_j, and these for a second unknown beside the
  * first; and that of the curve's last term. */
@@ -110,6 +110,8 @@ typedef struct galerkin_loops {
     bool (*steady)(const struct galerkin_frame *frame, const tvi_origin *origin, struct galerkin_outcome *to);
 } galerkin_loops;
 
-extern const galerkin_loops tvi_galerkin_loops_base, tvi_galerkin_loops_avx2, tvi_galerkin_loops_avx512;
+/* For each number of lanes. */
+extern const galerkin_loops tvi_galerkin_loops_base[GALERKIN_LOOPS], tvi_galerkin_loops_avx2[GALERKIN_LOOPS],
+    tvi_galerkin_loops_avx512[GALERKIN_LOOPS];
 
 #endif
