@@ -18,12 +18,11 @@ double tvi_time_left(const tvi_integrator *it, double t_end)
 static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[], double p[])
 {
     tvi_between between;
-    tvi_status status = tvi_between_open(&between, it, false);
-    if (status != TVI_OK) return status;
-    status = tvi_between_time(&between, t_end);
+    const tvi_status opened = tvi_between_open(&between, it, false);
+    tvi_status status = opened == TVI_OK ? tvi_between_time(&between, t_end) : opened;
     tvi_integrator_take_back(it, t, q, p);
     if (status == TVI_OK) status = tvi_step(it, between.part, t, q, p);
-    tvi_between_close(&between);
+    if (opened == TVI_OK) tvi_between_close(&between);
     return status;
 }
 

@@ -222,6 +222,10 @@ START_TEST(refused_values)
     o.q[0] = o.q[1] = 0;
     expect_refused(&o, 1e-10, 1, TVI_EDOMAIN);
     close_orbit(&o);
+    o = open_scene(&scene_kepler, 19); /* the least and the largest that are none of these */
+    ck_assert_int_eq(go(&o, DBL_EPSILON, 0.1, NULL, NULL), TVI_OK);
+    ck_assert_int_eq(go(&o, 1 - DBL_EPSILON, 0.2, NULL, NULL), TVI_OK);
+    close_orbit(&o);
 }
 END_TEST
 

@@ -116,6 +116,18 @@ static tvi_status run_to_time(const void *argument, bool *cleared)
     return status;
 }
 
+/* The step that passes the end is taken back, and its part to there is looked for. */
+static tvi_status run_to_end(const void *argument, bool *cleared)
+{
+    const run_arguments *of = argument;
+    double t = 0, q[N], p[N];
+    memcpy(q, some_q, sizeof q);
+    memcpy(p, some_p, sizeof p);
+    const tvi_status status = tvi_integrate_to(of->integrator, 0.01, 1e-4, &t, q, p, NULL, NULL);
+    *cleared = t == 0 && memcmp(q, some_q, sizeof q) == 0 && memcmp(p, some_p, sizeof p) == 0;
+    return status;
+}
+
 /* The number of allocations that were made to fail before all went well. */
 static long fail_each(maker *make, const void *argument, allocation_failure how)
 {
@@ -150,6 +162,11 @@ START_TEST(events_without_memory)
     ck_assert_int_eq(fail_each(run_with_events, &of, how), 61);
     ck_assert_int_eq(fail_each(run_to_time, &of, how), 2);
     tvi_event_free(event);
+    tvi_integrator_free(of.integrator);
+    tvi_system_free(system);
+    system = create_everything(RESCALED, true);
+    ck_assert_int_eq(tvi_integrator_create(&of.integrator, system, NULL), TVI_OK);
+    ck_assert_int_eq(fail_each(run_to_end, &of, how), 2);
     tvi_integrator_free(of.integrator);
     tvi_system_free(system);
 }
