@@ -84,9 +84,10 @@ $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 # what integrates, without the wider vectors that this machine may have (tests/ad runs every instruction set)
 check-base: ; $(REPORT) "the base instruction set" $(LOG) $(DO)
 do-base: export TVI_ISA = base
-do-base: $(addprefix $(BUILD)/check/,library events generating)
+do-base: $(addprefix $(BUILD)/check/,library events generating ensemble)
 	tests/suites.sh 'closed forms,order,structure,stepping,products,linear' $(BUILD)/check/library
 	$(BUILD)/check/events
+	tests/suites.sh 'bits/bits,lanes' $(BUILD)/check/ensemble
 	tests/suites.sh 'forms,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
 
 # generated code: every scene with every method, and the memory of all kinds of steps; some minutes of the compiler
