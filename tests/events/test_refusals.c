@@ -1,6 +1,7 @@
 /* test_refusals.c - events and calls that are refused, and events without a value. Cases of the suite "events". */
 #include "diary.h"
 #include "events.h"
+#include "problems/refusals.h"
 
 #include <float.h>
 #include <math.h>
@@ -49,23 +50,24 @@ START_TEST(bad_events_are_refused)
         tvi_event_fn *g;
         double *ctx;
         tvi_status status;
-    } rows[] = {{0, 0, constant, &one, TVI_EINVAL},
-                {-1, 0, constant, &one, TVI_EINVAL},
-                {TVI_MAX_DIMENSION + 1, 0, constant, &one, TVI_EINVAL},
-                {1, 2, constant, &one, TVI_EINVAL},
-                {1, -2, constant, &one, TVI_EINVAL},
-                {1, 0, NULL, &one, TVI_EINVAL},
-                {1, 0, of_another, NULL, TVI_EINVAL},
-                {1, 0, constant, &nan_value, TVI_ENONFINITE},
-                {1, 0, log_of_minus_one, NULL, TVI_EDOMAIN}};
+        const char *culprit;
+    } rows[] = {{0, 0, constant, &one, TVI_EINVAL, "n = 0 is not 1"},
+                {-1, 0, constant, &one, TVI_EINVAL, "n = -1 is not 1"},
+                {TVI_MAX_DIMENSION + 1, 0, constant, &one, TVI_EINVAL, "n = 10001"},
+                {1, 2, constant, &one, TVI_EINVAL, "direction = 2"},
+                {1, -2, constant, &one, TVI_EINVAL, "direction = -2"},
+                {1, 0, NULL, &one, TVI_EINVAL, "the function is NULL"},
+                {1, 0, of_another, NULL, TVI_EINVAL, "another recording"},
+                {1, 0, constant, &nan_value, TVI_ENONFINITE, "not finite"},
+                {1, 0, log_of_minus_one, NULL, TVI_EDOMAIN, "jet_log"}};
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         event = (tvi_event *)&nan_value;
-        ck_assert_int_eq(
-            tvi_event_create(&event, rows[i].n, (tvi_direction)rows[i].direction, false, rows[i].g, rows[i].ctx),
-            rows[i].status);
+        refused(rows[i].culprit,
+                tvi_event_create(&event, rows[i].n, (tvi_direction)rows[i].direction, false, rows[i].g, rows[i].ctx),
+                rows[i].status);
         ck_assert_ptr_null(event);
     }
-    ck_assert_int_eq(tvi_event_create(NULL, 1, TVI_EITHER, false, constant, &one), TVI_EINVAL);
+    refused("out is NULL", tvi_event_create(NULL, 1, TVI_EITHER, false, constant, &one), TVI_EINVAL);
     tvi_event_free(good);
     tvi_event_free(NULL);
 }
@@ -81,31 +83,48 @@ START_TEST(bad_calls_are_refused)
     const point start = r.x;
     double *const t = &r.x.t, *const q = r.x.q, *const p = r.x.p;
     tvi_integrator *const it = r.integrator;
-#define CALL(it, h, steps, events, count, t, q, p)                                                                     \
-    tvi_integrate_events(it, h, steps, events, count, t, q, p, NULL, NULL, NULL)
-    const tvi_status refused[] = {
-        CALL(NULL, 0.1, 1, events, 2, t, q, p),  CALL(it, 0, 1, events, 2, t, q, p),
-        CALL(it, NAN, 1, events, 2, t, q, p),    CALL(it, 0.1, -1, events, 2, t, q, p),
-        CALL(it, 0.1, 1, NULL, 2, t, q, p),      CALL(it, 0.1, 1, events, -1, t, q, p),
-        CALL(it, 0.1, 1, events, 2, NULL, q, p), CALL(it, 0.1, 1, events, 2, t, NULL, p),
-        CALL(it, 0.1, 1, events, 2, t, q, NULL), CALL(it, 0.1, 1, mixed, 2, t, q, p),
-        CALL(it, 0.1, 1, missing, 2, t, q, p),   CALL(it, 0.1, -1, NULL, 0, t, q, p),
-        CALL(it, 0, 0, events, 2, t, q, p),      CALL(it, INFINITY, 0, events, 2, t, q, p),
-        CALL(it, 0.1, 0, events, 2, NULL, q, p), CALL(it, 0.1, 0, events, 2, t, NULL, p),
-        CALL(it, 0.1, 0, events, 2, t, q, NULL), CALL(it, 0.1, 0, missing, 2, t, q, p),
+    const struct {
+        const char *culprit;
+        tvi_integrator *it;
+        double h;
+        long steps;
+        const tvi_event *const *events;
+        int count;
+        double *t, *q, *p;
+    } rows[] = {
+        {"integrator is NULL", NULL, 0.1, 1, events, 2, t, q, p},
+        {"h is 0", it, 0, 1, events, 2, t, q, p},
+        {"h = nan is not finite", it, NAN, 1, events, 2, t, q, p},
+        {"steps is negative", it, 0.1, -1, events, 2, t, q, p},
+        {"events is NULL", it, 0.1, 1, NULL, 2, t, q, p},
+        {"count = -1 is negative", it, 0.1, 1, events, -1, t, q, p},
+        {"t is NULL", it, 0.1, 1, events, 2, NULL, q, p},
+        {"q is NULL", it, 0.1, 1, events, 2, t, NULL, p},
+        {"p is NULL", it, 0.1, 1, events, 2, t, q, NULL},
+        {"events[1] is of another dimension", it, 0.1, 1, mixed, 2, t, q, p},
+        {"events[1] is NULL", it, 0.1, 1, missing, 2, t, q, p},
+        {"steps is negative", it, 0.1, -1, NULL, 0, t, q, p},
+        {"h is 0", it, 0, 0, events, 2, t, q, p},
+        {"h = inf is not finite", it, INFINITY, 0, events, 2, t, q, p},
+        {"t is NULL", it, 0.1, 0, events, 2, NULL, q, p},
+        {"q is NULL", it, 0.1, 0, events, 2, t, NULL, p},
+        {"p is NULL", it, 0.1, 0, events, 2, t, q, NULL},
+        {"events[1] is NULL", it, 0.1, 0, missing, 2, t, q, p},
     };
-    for (size_t i = 0; i < sizeof refused / sizeof *refused; i++)
-        ck_assert_msg(refused[i] == TVI_EINVAL, "call %zu", i);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        refused(rows[i].culprit,
+                tvi_integrate_events(rows[i].it, rows[i].h, rows[i].steps, rows[i].events, rows[i].count, rows[i].t,
+                                     rows[i].q, rows[i].p, NULL, NULL, NULL),
+                TVI_EINVAL);
     ck_assert(same_point(&r.x, &start));
-    ck_assert_int_eq(CALL(it, 0.1, 0, events, 2, t, q, p), TVI_OK);
+    ck_assert_int_eq(tvi_integrate_events(it, 0.1, 0, events, 2, t, q, p, NULL, NULL, NULL), TVI_OK);
     ck_assert(same_point(&r.x, &start));
-    ck_assert_int_eq(CALL(it, 0.1, 3, events, 2, t, q, p), TVI_OK);
+    ck_assert_int_eq(tvi_integrate_events(it, 0.1, 3, events, 2, t, q, p, NULL, NULL, NULL), TVI_OK);
     run same = run_open(&scene_kepler, NULL, 0);
     ck_assert_int_eq(
         tvi_integrate_events(same.integrator, 0.1, 3, NULL, 0, &same.x.t, same.x.q, same.x.p, NULL, NULL, NULL),
         TVI_OK);
     ck_assert(same_point(&r.x, &same.x));
-#undef CALL
     tvi_event_free(good);
     tvi_event_free(other);
     run_close(&r);

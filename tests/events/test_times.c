@@ -1,5 +1,6 @@
 /* test_times.c - results at given times. */
 #include "events.h"
+#include "problems/refusals.h"
 #include "runs.h"
 
 #include <math.h>
@@ -154,17 +155,19 @@ START_TEST(bad_times_are_refused)
     const point start = r.x;
     static results d;
     d = (results){0};
-    for (int i = 0; i < 4; i++) ck_assert_int_eq(ask(&r, 0.25, rows[i], 3, &d), TVI_EINVAL);
-    ck_assert_int_eq(ask(&r, -0.25, good, 3, &d), TVI_EINVAL);
-    ck_assert_int_eq(ask(&r, 0, good, 3, &d), TVI_EINVAL);
-    ck_assert_int_eq(ask(&r, INFINITY, good, 3, &d), TVI_EINVAL);
-    ck_assert_int_eq(ask(&r, 0.25, good, -1, &d), TVI_EINVAL);
-    ck_assert_int_eq(ask(&r, 0.25, NULL, 3, &d), TVI_EINVAL);
+    static const char *const culprits[] = {"times[2] = 0.2 is", "times[0] = -0.1 is", "times[1] = nan is",
+                                           "times[2] = inf is"};
+    for (int i = 0; i < 4; i++) refused(culprits[i], ask(&r, 0.25, rows[i], 3, &d), TVI_EINVAL);
+    refused("times[0] = 0.1 is", ask(&r, -0.25, good, 3, &d), TVI_EINVAL);
+    refused("h is 0", ask(&r, 0, good, 3, &d), TVI_EINVAL);
+    refused("h = inf is not finite", ask(&r, INFINITY, good, 3, &d), TVI_EINVAL);
+    refused("count is negative", ask(&r, 0.25, good, -1, &d), TVI_EINVAL);
+    refused("times is NULL", ask(&r, 0.25, NULL, 3, &d), TVI_EINVAL);
     double *t = &r.x.t, *q = r.x.q, *p = r.x.p;
-    ck_assert_int_eq(tvi_integrate_at(NULL, 0.25, good, 3, t, q, p, note, &d), TVI_EINVAL);
-    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, good, 3, NULL, q, p, note, &d), TVI_EINVAL);
-    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, good, 3, t, NULL, p, note, &d), TVI_EINVAL);
-    ck_assert_int_eq(tvi_integrate_at(r.integrator, 0.25, good, 3, t, q, NULL, note, &d), TVI_EINVAL);
+    refused("integrator is NULL", tvi_integrate_at(NULL, 0.25, good, 3, t, q, p, note, &d), TVI_EINVAL);
+    refused("t is NULL", tvi_integrate_at(r.integrator, 0.25, good, 3, NULL, q, p, note, &d), TVI_EINVAL);
+    refused("q is NULL", tvi_integrate_at(r.integrator, 0.25, good, 3, t, NULL, p, note, &d), TVI_EINVAL);
+    refused("p is NULL", tvi_integrate_at(r.integrator, 0.25, good, 3, t, q, NULL, note, &d), TVI_EINVAL);
     ck_assert(same_point(&r.x, &start));
     ck_assert_int_eq(d.count, 0);
     ck_assert_int_eq(ask(&r, 0.25, NULL, 0, &d), TVI_OK);
