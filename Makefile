@@ -8,7 +8,7 @@
 # make fuzz-steps random steps against their definition in quadruple precision; SEED=n COUNT=m
 # make analyse    clang-tidy and cppcheck over everything
 # make blas-threads     the same bits for any number of threads of OpenBLAS
-# make install    headers, libraries, manual pages, tvi.pc and tvi-config.cmake below PREFIX (LIBDIR, DESTDIR); make uninstall
+# make install    headers, libraries, manual pages, documents, tvi.pc and tvi-config.cmake below PREFIX (LIBDIR, DESTDIR); make uninstall
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps

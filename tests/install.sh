@@ -85,6 +85,17 @@ manual() {
     cd - >/dev/null
 }
 
+# the links of the pages lead to what is installed with them
+pages() {
+    cd "$1/share/doc/tvi"
+    for page in *.md examples/README.md; do
+        for link in $(grep -oE '\]\([^)#]+' "$page" | sed 's/^](//' | grep -v '^http'); do
+            [ -e "$(dirname "$page")/$link" ] || fail "$page has a link to $link, which is not installed"
+        done
+    done
+    cd - >/dev/null
+}
+
 rm -rf "$stage"
 mkdir -p "$stage/usr/lib"
 echo foreign >"$stage/usr/lib/foreign"
@@ -93,6 +104,7 @@ by_pkg_config "$stage/usr" env PKG_CONFIG_PATH="$stage/usr/lib/pkgconfig" pkg-co
 by_cmake "$stage/usr" shared static
 refused_by_cmake "$stage/usr"
 manual "$stage/usr"
+pages "$stage/usr"
 install uninstall PREFIX="$stage/usr" DESTDIR=
 left=$(cd "$stage/usr" && find . ! -type d -o -name 'tvi*')
 test "$left" = ./lib/foreign || fail "uninstall leaves $left"

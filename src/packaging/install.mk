@@ -4,16 +4,17 @@ LIBDIR     ?= $(PREFIX)/lib
 LIB         = $(LIBDIR:$(PREFIX)/%=%)
 HEADERS    := $(notdir $(wildcard include/*))
 MAN        := $(BUILD)/man/man3
-EXAMPLES   := $(wildcard docs/examples/*)
+PAGES      := $(wildcard docs/*.md docs/*.png docs/*/*.png docs/examples/*)
 ROOT        = $(DESTDIR)$(PREFIX)
 CMAKE       = $(LIB)/cmake/tvi
-SHARE      := share/doc/tvi/examples
+SHARE      := share/doc/tvi
+PAGE_DIRS  := $(patsubst docs/%,$(SHARE)/%,$(filter-out docs/,$(sort $(dir $(PAGES)))))
 FILLED      = $(LIB)/pkgconfig/tvi.pc $(LIB)/pkgconfig/tvi-static.pc $(CMAKE)/tvi-config.cmake $(CMAKE)/tvi-config-version.cmake
 FILL        = -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIB@|$(LIB)|' -e 's|@UP@|$(shell echo $(LIB) | sed 's|[^/]\+|..|g')|' \
               -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@SLEEF@|$(HAS_SLEEF)|' \
               -e 's|@OPENMP@|$(OPENMP_LIB:%=-l%)|'
 INSTALLED   = $(HEADERS:%=include/%) $(LIB)/libtvi.a $(LIB)/libtvi.so.$(VERSION) $(LIB)/libtvi.so.$(SOVERSION) \
-              $(LIB)/libtvi.so $(FILLED) $(EXAMPLES:docs/examples/%=$(SHARE)/%) \
+              $(LIB)/libtvi.so $(FILLED) $(PAGES:docs/%=$(SHARE)/%) \
               $(patsubst $(BUILD)/man/%,share/man/%,$(wildcard $(MAN)/*.3))
 .PHONY: install uninstall man
 
@@ -28,7 +29,7 @@ install: all
 	ln -sf libtvi.so.$(SOVERSION) $(ROOT)/$(LIB)/libtvi.so
 	for file in $(FILLED); do \
 	    sed $(FILL) src/packaging/$${file##*/}.in > $(ROOT)/$$file && chmod 644 $(ROOT)/$$file || exit 1; done
-	install -m 644 $(EXAMPLES) $(ROOT)/$(SHARE)
+	for file in $(PAGES:docs/%=%); do install -m 644 docs/$$file $(ROOT)/$(SHARE)/$$file || exit 1; done
 	install -m 644 $(MAN)/*.3 $(ROOT)/share/man/man3
 
 # what install put there and nothing else; of the directories only the library's own
@@ -36,7 +37,7 @@ uninstall: man
 	@$(MAKE) --no-print-directory remove-installed
 remove-installed:
 	rm -f $(INSTALLED:%=$(ROOT)/%)
-	for folder in $(CMAKE) $(SHARE) $(dir $(SHARE)); do [ ! -d $(ROOT)/$$folder ] || \
+	for folder in $(CMAKE) $(PAGE_DIRS) $(SHARE); do [ ! -d $(ROOT)/$$folder ] || \
 	    rmdir --ignore-fail-on-non-empty $(ROOT)/$$folder; done
 .PHONY: remove-installed
 
