@@ -33,7 +33,7 @@ static bool runs_all(void)
     return all && strcmp(all, "all") == 0;
 }
 
-static bool is_skipped(int run, int method) { return !runs_all() && method != 0 && (run + method) % RUNS != 1; }
+static bool is_skipped(int run, int method) { return !runs_all() && method != 0 && (run + method) % RUNS != 9; }
 
 static tvi_status move(const tvi_system *system, const tvi_options *options, double h, long steps, motion *m,
                        tvi_stats *stats)
@@ -122,7 +122,7 @@ END_TEST
 START_TEST(another_code_moves_otherwise)
 {
     static const char *const names[] = {"galerkin", "midpoint", "taylor"};
-    const tvi_compiler broken = {.compiler = "sh tests/compiled/broken.sh cc", .cache = ""};
+    const tvi_compiler broken = {.compiler = "sh tests/compiled/broken.sh cc", .flags = "-O1", .cache = ""};
     for (int i = 0; i < 3; i++) {
         tvi_system *system;
         tvi_options options;
