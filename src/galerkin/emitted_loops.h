@@ -104,12 +104,8 @@ JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *
                              int lanes)
 {
     const int n = motion.n;
-    if (motion.has_masses) {
-        start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
-    } else {
-        start_lanes(nodes, 0, n, origin->q, origin->q_low, lanes);
-        start_lanes(nodes, n, n, origin->p, origin->p_low, lanes);
-    }
+    if (motion.has_masses) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
+    else start_lanes(nodes, n, origin, lanes);
     predict_lanes(nodes, 2, frame->extrapolation, to->impulses, lanes);
     galerkin_set_sizes(nodes, n);
     if (!steady_passes(frame, nodes, run_field, slot, &to->passes, lanes)) return false;
