@@ -127,7 +127,11 @@ JET_INLINE bool gravity(int k, int width, const double *a, double *restrict z)
 #else
 JET_INLINE bool gravity(int k, int width, const double *a, double *restrict z)
 {
-    power_by_quarters(-2 * k, width, a, z);
+    for (int w = 0; w < width; w++) {
+        double power = sqrt(a[w]);
+        for (int i = 1; i < k; i += 2) power *= a[w];
+        z[w] = 1 / power;
+    }
     return is_positive(width, a);
 }
 #endif
