@@ -16,7 +16,7 @@ do for [type in types] {
     eval open(type, "fpu", 800, 400)
     set multiplot layout 2,5 margins 0.065, 0.975, 0.16, 0.93 spacing 0.025, 0.13
     unset key
-    set xrange [0:200]; set yrange [0:1.6]; set xtics 100; set ytics 0.5
+    set xrange [0:200]; set yrange [0:1.6]; set xtics 0, 100, 100; set ytics 0.5
     do for [h in "0.03 0.01"] { do for [k=1:5] {
         set title sprintf("%s, h = %s", names[k], h) font ",9"
         if (k == 1) { set ylabel "energy"; set format y "%g" } else { unset ylabel; set format y "" }

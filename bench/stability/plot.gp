@@ -34,8 +34,10 @@ do for [type in "png svg"] {
     do for [w in "50 100 200"] {
         eval open(type, "fpu_".w, 860, 500)
         set title "Fermi-Pasta-Ulam, w = ".w.", to w t = 500"
-        plot for [i=1:17] dir."/fpu_".w.".dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps 0.5 lw 1.4 \
-            lc rgb colour(i) title system(sprintf("sed -n '/\"/p' %s/fpu_%s.dat | sed -n '%dp' | tr -d '\"'", dir, w, i))
+        name(i) = system(sprintf("sed -n '/\"/p' %s/fpu_%s.dat | sed -n '%dp' | tr -d '\"'", dir, w, i))
+        is_gauss(i) = name(i)[1:5] eq "gauss" # "galerkin" is drawn over it
+        plot for [i=1:17] dir."/fpu_".w.".dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps (is_gauss(i) ? 0.8 : 0.5) \
+            lw (is_gauss(i) ? 3.5 : 1.4) lc rgb colour(i) title name(i)
     }
     unset logscale y
     set format y
@@ -54,7 +56,7 @@ do for [type in "png svg"] {
     cases = "kepler_60 kepler_90 separatrix pythagorean spring_pendulum henon_heiles_6 figure_eight unequal_masses"
     plot dir."/methods.txt" using (1e-9):0:ytic(1) notitle, \
         sprintf(rows, "kepler_60", dir, dir) using (1e-9):1:ytic(stringcolumn(3)) notitle, \
-        for [i=1:8] sprintf(rows, word(cases, i), dir, dir) using 2:($1 + (i - 4.5) * 0.09) with points pt (i < 5 ? 7 : 5) ps 1 \
+        for [i=1:8] sprintf(rows, word(cases, i), dir, dir) using 2:($1 + (i - 4.5) * 0.11) with points pt (i < 5 ? 7 : 5) ps 0.8 \
         lc rgb colour(i == 1 ? 1 : i) title word(cases, i) noenhanced
     unset logscale x
     set lmargin
