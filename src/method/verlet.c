@@ -83,8 +83,7 @@ static double most_change(const void *work)
 
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
-    (void)system, (void)options;
-    return (tvi_uses){.values = {.name = "values", .lanes = {1}}};
+    return (tvi_uses){.values = {.name = "values", .lanes = {1, tvi_verlet_crowd.width(system, options)}}};
 }
 
 static const tvi_stepper stepper = {
