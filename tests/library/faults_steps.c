@@ -120,7 +120,7 @@ TCase *tcase_allocations(void)
 TCase *tcase_generated(void)
 {
     TCase *tcase = tcase_create("generated");
-    tcase_set_timeout(tcase, 120);
+    tcase_set_timeout(tcase, 600);
     tcase_add_loop_test(tcase, steps_of_generated_code_allocate_nothing, 0, way_count);
     return tcase;
 }
