@@ -4,7 +4,7 @@
 
 # Lines of ad and src that the tests run, without sanitizers, and the lines that they do not; fails below 95%. The jets run
 # for each instruction set that the machine has; of the others, the suites that run little twice.
-COVERED := events rescaled parameters driven compiled
+COVERED := events rescaled parameters driven compiled ensemble
 cov: need-check do-coverage
 do-coverage:
 	@$(MAKE) --no-print-directory -s run-cov BUILD=$(BUILD)/cov CFLAGS='-O1 --coverage'

@@ -23,7 +23,7 @@ static const struct {
                {"symmetric-tvi", 2}, {"tvi", 2},      {"right", 4},     {"left", 4},
                {"htvi-right", 3},    {"poincare", 4}, {"both-ends", 6}, {"svhd", 2},
                {"start", 4},         {"end", 4},      {"galerkin", 20}, {"stormer-verlet", 2}};
-enum { RUNS = sizeof runs / sizeof *runs, METHODS = sizeof methods / sizeof *methods, STEPS = 20 };
+enum { RUNS = sizeof runs / sizeof *runs, METHODS = sizeof methods / sizeof *methods, STEPS = 100 };
 
 /* In the time of make check each scene and each method, not each of both, and with all optimization "galerkin" alone,
  * of the smaller scenes. */
