@@ -159,7 +159,7 @@ static tvi_status check_time(double t, double dt, double h)
 }
 
 /* The lane's step, as the guard sees it. */
-static tvi_guarded guarded(const tvi_crowd *crowd, int lane, bool took_series)
+static tvi_guarded guarded(const tvi_crowd *crowd, int lane)
 {
     const tvi_crowd_end *end = &crowd->end;
     return (tvi_guarded){
@@ -170,20 +170,23 @@ static tvi_guarded guarded(const tvi_crowd *crowd, int lane, bool took_series)
         .p = crowd->now.p + lane,
         .dq = end->dq + lane,
         .dp = end->dp + lane,
-        .tail = end->tail[lane],
-        .passes = end->passes[lane],
-        .took_series = took_series,
-        .most_change = crowd->stepper->most_change ? &crowd->change[lane] : NULL,
     };
 }
 
-/* Whether the lane's step is one to return, as far as that is seen without its energy. */
-static tvi_status judge(const tvi_crowd *crowd, int lane, const tvi_guarded *s, double h)
+static tvi_signs signs_of(const tvi_crowd *crowd, int lane, bool took_series)
 {
-    const int time = s->n * s->stride;
+    const tvi_crowd_end *end = &crowd->end;
+    return (tvi_signs){end->tail[lane], end->passes[lane], took_series,
+                       crowd->stepper->most_change ? &crowd->change[lane] : NULL};
+}
+
+/* Whether the lane's step is one to return, as far as that is seen without its energy. */
+static tvi_status judge(const tvi_crowd *crowd, int lane, double h)
+{
+    const int n = crowd->one->system->n, time = n * crowd->width + lane;
     if (crowd->overflows[lane] != 0) return TVI_ENONFINITE;
-    const tvi_status status = s->dimension > s->n ? check_time(s->q[time], s->dq[time], h) : TVI_OK;
-    return status == TVI_OK ? tvi_guard_tail(crowd->one, s) : status;
+    const tvi_status status = crowd->dimension > n ? check_time(crowd->now.q[time], crowd->end.dq[time], h) : TVI_OK;
+    return status == TVI_OK ? tvi_guard_tail(crowd->one, crowd->end.tail[lane]) : status;
 }
 
 /* The energies of the doubtful lanes at (q, p), where the time is row n of q. */
@@ -206,7 +209,7 @@ static void find_energies(tvi_crowd *crowd, const double *q, const double *p, do
 }
 
 /* Refuses the doubtful lanes whose energy says that they are too large (guard.c). */
-static void look_at_energies(tvi_crowd *crowd, bool took_series)
+static void look_at_energies(tvi_crowd *crowd)
 {
     const int width = crowd->width, n = crowd->one->system->n;
     const tvi_crowd_end *end = &crowd->end;
@@ -223,7 +226,7 @@ static void look_at_energies(tvi_crowd *crowd, bool took_series)
         if (!kept->is_known) kept->H = crowd->before[lane];
         const double after = crowd->after[lane];
         const tvi_status status = isnan(after) ? TVI_EDOMAIN : isfinite(after) ? TVI_OK : TVI_ENONFINITE;
-        const tvi_guarded s = guarded(crowd, lane, took_series);
+        const tvi_guarded s = guarded(crowd, lane);
         if (isfinite(kept->H) && tvi_guard_loses(&s, kept, status, after)) end->status[lane] = TVI_ETOOLARGE;
     }
 }
@@ -237,13 +240,13 @@ static void check_lanes(tvi_crowd *crowd, double h, bool took_series)
     for (int lane = 0; lane < width; lane++) {
         crowd->doubts[lane] = false;
         if (status[lane] != TVI_OK) continue;
-        const tvi_guarded s = guarded(crowd, lane, took_series);
-        crowd->stats.largest_tail = tvi_larger(s.tail, crowd->stats.largest_tail);
-        status[lane] = judge(crowd, lane, &s, h);
-        crowd->doubts[lane] = status[lane] == TVI_OK && tvi_guard_asks(crowd->one, &s, &crowd->kept[lane]);
+        const tvi_signs signs = signs_of(crowd, lane, took_series);
+        crowd->stats.largest_tail = tvi_larger(signs.tail, crowd->stats.largest_tail);
+        status[lane] = judge(crowd, lane, h);
+        crowd->doubts[lane] = status[lane] == TVI_OK && tvi_guard_asks(crowd->one, &signs, &crowd->kept[lane]);
         any = any || crowd->doubts[lane];
     }
-    if (any) look_at_energies(crowd, took_series);
+    if (any) look_at_energies(crowd);
 }
 
 /* One step; how many lanes have made it. */

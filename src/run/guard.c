@@ -65,58 +65,48 @@ bool tvi_guard_loses(const tvi_guarded *s, tvi_kept_energy *kept, tvi_status sta
 }
 
 /* Whether the energy need not be computed. */
-static bool is_sure(const tvi_guarded *s, const tvi_kept_energy *kept)
+static bool is_sure(const tvi_signs *signs, const tvi_kept_energy *kept)
 {
-    if (s->most_change) return *s->most_change <= MOST_CHANGE * kept->scale;
-    return s->tail <= SURE_TAIL && s->passes <= SURE_PASSES && !s->took_series;
+    if (signs->most_change) return *signs->most_change <= MOST_CHANGE * kept->scale;
+    return signs->tail <= SURE_TAIL && signs->passes <= SURE_PASSES && !signs->took_series;
 }
 
-bool tvi_guard_asks(const tvi_integrator *it, const tvi_guarded *s, tvi_kept_energy *kept)
+bool tvi_guard_asks(const tvi_integrator *it, const tvi_signs *signs, tvi_kept_energy *kept)
 {
-    if (keeps_energy(it) && !is_sure(s, kept)) return true;
+    if (!is_sure(signs, kept) && keeps_energy(it)) return true;
     kept->is_known = false;
     return false;
 }
 
-tvi_status tvi_guard_tail(const tvi_integrator *it, const tvi_guarded *s)
+tvi_status tvi_guard_tail(const tvi_integrator *it, double tail)
 {
     const double most = it->options.max_tail;
-    return most >= 0 && s->tail > most ? jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", s->tail, most)
-                                       : TVI_OK;
+    return most >= 0 && tail > most ? jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", tail, most)
+                                    : TVI_OK;
 }
 
 /* The energies where the step starts, if it is not known, and where it ends. */
-static bool loses_energy(tvi_integrator *it, const tvi_guarded *s)
+static bool loses_energy(tvi_integrator *it)
 {
-    const int n = s->n;
-    double *q = it->end, *p = q + s->dimension + 1, after = 0;
+    const int n = it->system->n, dimension = it->stepped->n;
+    const tvi_guarded s = {n, dimension, 1, it->now.q, it->now.p, it->dq, it->dp};
+    double *q = it->end, *p = q + dimension + 1, after = 0;
     tvi_kept_energy *kept = it->kept;
-    for (int i = 0; i <= n; i++) q[i] = s->q[i] + s->dq[i];
-    for (int i = 0; i < n; i++) p[i] = s->p[i] + s->dp[i];
-    if (!kept->is_known && tvi_energy_of(&it->energy, s->q[n], s->q, s->p, &kept->H) != TVI_OK) return false;
+    for (int i = 0; i <= n; i++) q[i] = s.q[i] + s.dq[i];
+    for (int i = 0; i < n; i++) p[i] = s.p[i] + s.dp[i];
+    if (!kept->is_known && tvi_energy_of(&it->energy, s.q[n], s.q, s.p, &kept->H) != TVI_OK) return false;
     const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &after);
-    return tvi_guard_loses(s, kept, status, after);
+    return tvi_guard_loses(&s, kept, status, after);
 }
 
 tvi_status tvi_guard_step(tvi_integrator *it, const tvi_stats *before)
 {
     tvi_stats *stats = &it->stats;
     const double change = it->stepper->most_change ? it->stepper->most_change(it->work) : 0;
-    if (stats->tail > stats->largest_tail) stats->largest_tail = stats->tail;
-    const tvi_guarded s = {
-        .n = it->system->n,
-        .dimension = it->stepped->n,
-        .stride = 1,
-        .q = it->now.q,
-        .p = it->now.p,
-        .dq = it->dq,
-        .dp = it->dp,
-        .tail = stats->tail,
-        .passes = stats->passes - before->passes,
-        .took_series = stats->expansions != before->expansions,
-        .most_change = it->stepper->most_change ? &change : NULL,
-    };
-    const tvi_status status = tvi_guard_tail(it, &s);
-    const bool is_lost = status == TVI_OK && tvi_guard_asks(it, &s, it->kept) && loses_energy(it, &s);
+    const tvi_signs signs = {stats->tail, stats->passes - before->passes, stats->expansions != before->expansions,
+                             it->stepper->most_change ? &change : NULL};
+    if (signs.tail > stats->largest_tail) stats->largest_tail = signs.tail;
+    const tvi_status status = tvi_guard_tail(it, signs.tail);
+    const bool is_lost = status == TVI_OK && tvi_guard_asks(it, &signs, it->kept) && loses_energy(it);
     return is_lost ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does") : status;
 }
