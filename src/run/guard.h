@@ -7,8 +7,8 @@
 /* Where a run begins: the energy that its steps are to keep. */
 void tvi_guard_begin(tvi_integrator *integrator);
 
-/* What a stepper says of its step: the tail, the passes, whether it took series, and the most that it changes the energy
- * by (stepper.h), or NULL. */
+/* What a stepper says of its step: the tail, the passes, whether it took series, and the most that it changes the
+ * energy by (stepper.h), or NULL. */
 typedef struct {
     double tail;
     long passes;
