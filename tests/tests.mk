@@ -85,10 +85,10 @@ $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 check-base: ; $(REPORT) "the base instruction set" $(LOG) $(DO)
 do-base: export TVI_ISA = base
 do-base: $(addprefix $(BUILD)/check/,library events generating ensemble)
-	tests/suites.sh 'closed forms,order,structure,stepping,products,linear' $(BUILD)/check/library
+	tests/suites.sh 'closed forms,structure,stepping,products,linear' $(BUILD)/check/library
 	$(BUILD)/check/events
 	tests/suites.sh 'bits/bits,lanes' $(BUILD)/check/ensemble
-	tests/suites.sh 'forms,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
+	tests/suites.sh 'forms,orders,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
 
 # generated code: every scene with every method, and the memory of all kinds of steps; some minutes of the compiler
 check-generated: ; $(REPORT) "generated code: every scene with every method" $(LOG) $(DO)

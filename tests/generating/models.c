@@ -29,6 +29,15 @@ const model model_kepler = {
     .h = 0.1,
     .steps = 100,
 };
+const model model_henon_heiles = {
+    .name = "henon-heiles",
+    .n = 2,
+    .with = WITH_ALL,
+    .problem = &problem_henon_heiles,
+    .t_end = 6,
+    .h = 0.25,
+    .steps = 100,
+};
 const model model_chain = {
     .name = "chain",
     .n = 3,
@@ -108,9 +117,10 @@ const model model_sheared_hamiltonian = {
     .steps = 100,
 };
 
-const model *const models[MODELS] = {
+const model *const models[MODELS_OF_ORDERS] = {
     &model_pendulum,     &model_kepler,   &model_chain,      &model_double_pendulum,    &model_magnetic,
     &model_nonseparable, &model_vortices, &model_degenerate, &model_sheared_lagrangian, &model_sheared_hamiltonian,
+    &model_henon_heiles,
 };
 
 tvi_system *model_system(const model *m)

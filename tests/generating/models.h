@@ -26,9 +26,23 @@ typedef struct model {
 /* sheared_*: the driven chain of problems.h in coordinates x, q = S x, after a change of gauge f(q, t) (statements.h):
  * the mass is no longer diagonal, velocities stand in the force, and time stands in every term. */
 extern const model model_pendulum, model_kepler, model_chain, model_double_pendulum, model_magnetic, model_nonseparable,
-    model_vortices, model_degenerate, model_sheared_lagrangian, model_sheared_hamiltonian;
-extern const model *const models[]; /* all of them */
-enum { MODELS = 10 };
+    model_vortices, model_degenerate, model_sheared_lagrangian, model_sheared_hamiltonian, model_henon_heiles;
+extern const model *const models[];
+enum {
+    MODEL_PENDULUM,
+    MODEL_KEPLER,
+    MODEL_CHAIN,
+    MODEL_DOUBLE_PENDULUM,
+    MODEL_MAGNETIC,
+    MODEL_NONSEPARABLE,
+    MODEL_VORTICES,
+    MODEL_DEGENERATE,
+    MODEL_SHEARED_LAGRANGIAN,
+    MODEL_SHEARED_HAMILTONIAN,
+    MODELS,                      /* of every suite */
+    MODEL_HENON_HEILES = MODELS, /* of the orders alone */
+    MODELS_OF_ORDERS
+};
 
 /* Ends the test where it cannot be made. */
 tvi_system *model_system(const model *m);

@@ -4,7 +4,6 @@
 
 #include <check.h>
 
-Suite *suite_order(void);
 Suite *suite_closed_forms(void);
 Suite *suite_structure(void);
 Suite *suite_stepping(void);
