@@ -88,6 +88,7 @@ template <class Function> struct guarded {
     /* Whether the run stops. */
     template <class... Arguments> int stops(Arguments... arguments)
     {
+        if (thrown) return 1;
         try {
             return observe(std::is_void<decltype(function(arguments...))>(), arguments...);
         } catch (...) {
@@ -138,8 +139,20 @@ int observer_of(Number which, double t, const double q[], const double p[], void
 }
 
 struct no_observer {
-    void operator()(long, double, const double *, const double *) const {}
+    template <class... Arguments> void operator()(Arguments...) const {}
 };
+
+/* Of a step of an ensemble, and of one of its members. */
+template <class Function>
+int ensemble_of(long step, int members, const double t[], const double q[], const double p[], const tvi_status status[],
+                void *ctx)
+{
+    return static_cast<guarded<Function> *>(ctx)->stops(step, members, t, q, p, status);
+}
+template <class Function> int member_of(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    return static_cast<guarded<Function> *>(ctx)->stops(member, which, t, q, p);
+}
 
 /* Both observers of a run with events. */
 template <class Step, class Event> struct observers {
@@ -495,6 +508,134 @@ class integrator
 
     tvi::system system_; /* outlives the handle */
     std::shared_ptr<tvi_integrator> handle_;
+};
+
+/* ---- Ensembles --------------------------------------------------------------------------------------------------- */
+
+/* Many orbits of one system. t and status are [members], q and p [n][members], the member fastest; status is made as
+ * long as that. Runs return as those of an integrator: also true where members have failed, which status says. What an
+ * observer of a member throws ends the runs of the others at their next call. */
+class ensemble
+{
+  public:
+    ensemble(const tvi::system &system, int members, const tvi_options &options = tvi_options_default(),
+             int threads = 0)
+        : members_(members), system_(system)
+    {
+        tvi_ensemble *made = nullptr;
+        detail::check(tvi_ensemble_create(&made, system.get(), &options, members, threads));
+        handle_.reset(made, tvi_ensemble_free);
+    }
+    tvi_ensemble *get() const noexcept { return handle_.get(); }
+    const tvi::system &system() const noexcept { return system_; }
+    int members() const noexcept { return members_; }
+    tvi_stats stats() const
+    {
+        tvi_stats found;
+        detail::check(tvi_ensemble_stats(get(), &found));
+        return found;
+    }
+    void reset() { tvi_ensemble_reset(get()); }
+    /* [parameters][members] */
+    void set_parameters(const std::vector<double> &value)
+    {
+        detail::check(tvi_ensemble_set_parameters(get(), of("parameters", system_.parameters(), value)));
+    }
+
+    /* observer(long step, int members, const double *t, const double *q, const double *p, const tvi_status *status) */
+    template <class T, class Q, class P, class Observer = detail::no_observer>
+    bool integrate(double h, long steps, T &t, Q &q, P &p, std::vector<tvi_status> &status,
+                   Observer observer = Observer())
+    {
+        const bool is_seen = !std::is_same<Observer, detail::no_observer>::value;
+        tvi_ensemble_observer *const call = is_seen ? detail::ensemble_of<Observer> : nullptr;
+        detail::guarded<Observer> g(observer);
+        double *const t_of = of("t", 1, t), *const q_of = of("q", n(), q), *const p_of = of("p", n(), p);
+        status.resize(static_cast<std::size_t>(members_));
+        const tvi_status end = tvi_ensemble_integrate(get(), h, steps, t_of, q_of, p_of, status.data(), call, &g);
+        g.rethrow();
+        return detail::ended(end);
+    }
+    template <class T, class Q, class P>
+    bool integrate_to(double h, double t_end, T &t, Q &q, P &p, std::vector<tvi_status> &status)
+    {
+        tvi_ensemble_plan plan = {};
+        plan.h = h, plan.t_end = t_end;
+        return run(plan, t, q, p, status);
+    }
+    template <class T, class Q, class P>
+    bool integrate_tolerance(double tolerance, double t_end, T &t, Q &q, P &p, std::vector<tvi_status> &status)
+    {
+        tvi_ensemble_plan plan = {};
+        plan.tolerance = tolerance, plan.t_end = t_end;
+        return run(plan, t, q, p, status);
+    }
+    /* at_time(int member, int which, double t, const double *q, const double *p) */
+    template <class T, class Q, class P, class At_time>
+    bool integrate_at(double h, const std::vector<double> &times, T &t, Q &q, P &p, std::vector<tvi_status> &status,
+                      At_time at_time)
+    {
+        detail::guarded<At_time> g(at_time);
+        tvi_ensemble_plan plan = {};
+        plan.h = h, plan.times = times.data(), plan.time_count = static_cast<int>(times.size());
+        plan.at_time = detail::member_of<At_time>, plan.ctx = &g;
+        return go(plan, t, q, p, status, g);
+    }
+    /* on_event as at_time */
+    template <class T, class Q, class P, class On_event>
+    bool integrate_events(double h, long steps, const std::vector<event> &events, T &t, Q &q, P &p,
+                          std::vector<tvi_status> &status, On_event on_event)
+    {
+        detail::guarded<On_event> g(on_event);
+        std::vector<const tvi_event *> list;
+        for (const event &one : events) list.push_back(one.get());
+        tvi_ensemble_plan plan = {};
+        plan.h = h, plan.steps = steps, plan.events = list.data(), plan.event_count = static_cast<int>(list.size());
+        plan.on_event = detail::member_of<On_event>, plan.ctx = &g;
+        return go(plan, t, q, p, status, g);
+    }
+    /* Any other plan; its observers throw nothing. */
+    template <class T, class Q, class P>
+    bool run(const tvi_ensemble_plan &plan, T &t, Q &q, P &p, std::vector<tvi_status> &status)
+    {
+        detail::no_observer none;
+        return go(plan, t, q, p, status, detail::guarded<detail::no_observer>(none));
+    }
+
+    std::vector<char> save() const
+    {
+        std::size_t bytes = 0;
+        detail::check(tvi_ensemble_save(get(), nullptr, &bytes));
+        std::vector<char> state(bytes);
+        detail::check(tvi_ensemble_save(get(), state.data(), &bytes));
+        return state;
+    }
+    void load(const std::vector<char> &state) { detail::check(tvi_ensemble_load(get(), state.data(), state.size())); }
+    template <class T, class Q, class P> void last(T &t, Q &q, P &p, std::vector<tvi_status> &status) const
+    {
+        status.resize(static_cast<std::size_t>(members_));
+        detail::check(tvi_ensemble_last(get(), of("t", 1, t), of("q", n(), q), of("p", n(), p), status.data()));
+    }
+
+  private:
+    int n() const { return system_.dimension(); }
+    template <class Vector> auto of(const char *name, int rows, Vector &x) const -> decltype(x.data())
+    {
+        return detail::data_of(name, static_cast<std::size_t>(rows) * static_cast<std::size_t>(members_), x);
+    }
+    template <class T, class Q, class P, class Guarded>
+    bool go(const tvi_ensemble_plan &plan, T &t, Q &q, P &p, std::vector<tvi_status> &status, const Guarded &g)
+    {
+        double *const t_of = of("t", 1, t), *const q_of = of("q", n(), q), *const p_of = of("p", n(), p);
+        status.resize(static_cast<std::size_t>(members_));
+        const tvi_status end = tvi_ensemble_run(get(), &plan, t_of, q_of, p_of, status.data());
+        g.rethrow();
+        return detail::ended(end);
+    }
+
+    int members_;
+    tvi::system system_; /* outlives the handle */
+    std::shared_ptr<tvi_ensemble> handle_;
 };
 
 } // namespace tvi

@@ -192,6 +192,76 @@ static void drives()
            }));
 }
 
+static bool same_bits(const std::vector<double> &a, const double b[])
+{
+    return std::memcmp(a.data(), b, a.size() * sizeof *b) == 0;
+}
+
+/* Three orbits of Kepler; q and p are [2][3]. */
+static void ensembles()
+{
+    enum { MEMBERS = 3 };
+    const std::vector<double> zero(MEMBERS), q0 = {1, 1.5, 2, 0, 0, 0}, p0 = {0, 0, 0, 0.8, 0.7, 0.6};
+    double t_c[MEMBERS] = {0}, q_c[] = {1, 1.5, 2, 0, 0, 0}, p_c[] = {0, 0, 0, 0.8, 0.7, 0.6};
+    tvi_status status_c[MEMBERS];
+    tvi_ensemble *by_c = nullptr;
+    tvi::ensemble crowd(tvi::potential(2, kepler), MEMBERS), other = crowd; /* they keep the system */
+    expect("in C", tvi_ensemble_create(&by_c, crowd.system().get(), nullptr, MEMBERS, 0) == TVI_OK &&
+                       tvi_ensemble_integrate(by_c, 0.25, 100, t_c, q_c, p_c, status_c, nullptr, nullptr) == TVI_OK);
+    tvi_ensemble_free(by_c);
+    std::vector<double> t = zero, q = q0, p = p0;
+    std::vector<tvi_status> status;
+    expect("all steps", crowd.integrate(0.25, 100, t, q, p, status) && crowd.members() == MEMBERS);
+    expect("the same bits", same_bits(t, t_c) && same_bits(q, q_c) && same_bits(p, p_c) && status[2] == TVI_OK);
+    expect("copies share", other.stats().steps == 3 * 100);
+    expect("no steps", crowd.integrate(0.25, 0, t, q, p, status) && same_bits(t, t_c));
+    t = zero, q = q0, p = p0;
+    long steps = 0;
+    expect("stopped", !crowd.integrate(0.25, 10, t, q, p, status,
+                                       [&](long step, int, const double *, const double *, const double *,
+                                           const tvi_status *) { return (steps = step) == 4; }) &&
+                          steps == 4 && t[2] == 1);
+    expect("to a time", crowd.integrate_to(0.25, 1.6, t, q, p, status) && t[0] == 1.6 && t[2] == 1.6);
+    tvi::ensemble fresh(crowd.system(), MEMBERS, tvi_options_default(), 1);
+    std::vector<double> t_fresh(3), q_fresh(6), p_fresh(6);
+    fresh.load(crowd.save());
+    fresh.last(t_fresh, q_fresh, p_fresh, status);
+    expect("saved", t_fresh == t && q_fresh == q && p_fresh == p);
+    int seen[MEMBERS] = {0};
+    const auto count = [&](int member, int, double, const double *, const double *) { seen[member]++; };
+    expect("at times", crowd.integrate_at(0.25, {2, 2.5}, t, q, p, status, count) && seen[0] == 2 && seen[2] == 2);
+    const std::vector<tvi::event> events = {tvi::event(
+        2, [](const jet *x, const jet *y, jet) { return jet_dot(x, y, 2); }, TVI_EITHER, true)};
+    expect("events end members", crowd.integrate_events(0.25, 100, events, t, q, p, status, count) && seen[1] == 3 &&
+                                     status[0] == TVI_ESTOPPED && status[2] == TVI_ESTOPPED);
+    tvi::ensemble taylor(crowd.system(), MEMBERS, tvi::options("taylor", 12));
+    expect("tolerance", taylor.integrate_tolerance(1e-10, 9, t, q, p, status) && t[1] == 9);
+}
+
+static void errors_of_ensembles()
+{
+    const tvi::potential spring(1, [](const jet *x, jet) { return 0.5 * jet_parameter(x[0], 0, 4) * sqr(x[0]); });
+    tvi::ensemble crowd(spring, 2);
+    std::vector<double> t(2), q = {1, 1}, p(2), wrong(3);
+    std::vector<tvi_status> status;
+    const auto throwing = [](int, int, double, const double *, const double *) { throw 7; };
+    const auto third = [](long step, int, const double *, const double *, const double *, const tvi_status *) {
+        step == 3 ? throw 7 : 0;
+    };
+    expect("members", throws([&] { tvi::ensemble(spring, 0); }, TVI_EINVAL, "members = 0"));
+    expect("a size", throws([&] { crowd.integrate(0.1, 1, t, wrong, p, status); }, TVI_EINVAL, "q has 3 components"));
+    expect("its size", throws([&] { crowd.set_parameters({9}); }, TVI_EINVAL, "parameters has 1 components, not 2"));
+    expect("not \"taylor\"",
+           throws([&] { crowd.integrate_tolerance(1e-8, 1, t, q, p, status); }, TVI_EUNSUPPORTED, "taylor"));
+    crowd.set_parameters({9, 16});
+    crowd.integrate(0.1, 10, t, q, p, status);
+    expect("cos(3 t), cos(4 t)", std::fabs(q[0] - std::cos(3.0)) < 1e-12 && std::fabs(q[1] - std::cos(4.0)) < 1e-12);
+    expect("an observer", throws_seven([&] { crowd.integrate(0.1, 10, t, q, p, status, third); }));
+    expect("at a time", throws_seven([&] { crowd.integrate_at(0.1, {2, 3}, t, q, p, status, throwing); }));
+    const std::vector<tvi::event> events = {tvi::event(1, [](const jet *x, const jet *, jet) { return x[0]; })};
+    expect("at an event", throws_seven([&] { crowd.integrate_events(0.1, 100, events, t, q, p, status, throwing); }));
+}
+
 static void powers()
 {
     using std::atan2; /* as generic code does */
@@ -230,6 +300,8 @@ int main()
     runs();
     parameters_and_code();
     drives();
+    ensembles();
+    errors_of_ensembles();
     powers();
     eigen();
     return failures != 0;
