@@ -39,21 +39,21 @@ static void emit_doubles(jet_text *text, const char *name, const char *what, int
 
 static void emit_run(jet_text *text, const jet_run *run)
 {
-    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d},\n", (int)run->op, run->count, run->z,
-                 run->a, run->b, run->w, run->c, run->has_numbers, run->first, run->terms, run->term);
+    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, 0},\n", (int)run->op, run->count,
+                 run->z, run->a, run->b, run->w, run->c, run->has_numbers, run->first, run->terms, run->term);
 }
 
 typedef struct {
     jet_text *text;
     const jet_tape *tape;
     const jet_emission *wanted;
-    bool apart;    /* each sum is a run of its own */
+    bool apart;    /* each sum is a run of its own, as what is scattered always is */
     bool unrolled; /* orders */
 } emission;
 
 static int pieces_of(const emission *e, const jet_run *run)
 {
-    return e->apart && run->op == OP_LINEAR ? run->count : 1;
+    return run->is_scattered || (e->apart && run->op == OP_LINEAR) ? run->count : 1;
 }
 
 static jet_run piece_of(const emission *e, const jet_run *run, int piece)
@@ -62,8 +62,9 @@ static jet_run piece_of(const emission *e, const jet_run *run, int piece)
     if (pieces_of(e, run) == 1) return part;
     part.count = 1;
     part.z += piece;
-    part.first += piece;
     part.term += piece * run->terms;
+    if (run->op != OP_LINEAR) return part;
+    part.first += piece;
     part.has_numbers = e->tape->base[part.first] != 0;
     return part;
 }

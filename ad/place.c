@@ -199,9 +199,9 @@ static bool is_contiguous(const lowering *low, place *const group[], int count, 
     return true;
 }
 
-static bool is_contiguous_in_turns(const lowering *low, place *const group[], int count)
+static bool is_contiguous_in_turns(const lowering *low, place *const group[], int count, int *turns)
 {
-    for (int begin = 0, end = 0; begin < count; begin = end) {
+    for (int begin = 0, end = 0; begin < count; begin = end, ++*turns) {
         while (end < count && group[end]->turn == group[begin]->turn) end++;
         for (int pair = 0; pair < group[0]->pairs; pair++)
             for (int which = 0; which < 2; which++)
@@ -224,10 +224,16 @@ static void gather(lowering *low, place *group[], int count, int pair, int which
 }
 
 /* The operands of a group: turn by turn where that will do, else sorted by the one that is then contiguous, the others
- * gathered. */
+ * gathered. Values read them where they are, unless turns have so many members. */
+enum { SHORT = 4 };
 static void gather_operands(lowering *low, place *group[], int count)
 {
-    if (is_contiguous_in_turns(low, group, count)) return;
+    int turns = 0;
+    const bool in_turns = is_contiguous_in_turns(low, group, count, &turns);
+    const bool is_scattered =
+        low->kind == JET_TAPE_VALUES && is_sum_of_products(group[0]->op) && (!in_turns || count < SHORT * turns);
+    for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
+    if (in_turns || is_scattered) return;
     if (!is_contiguous(low, group, count, 0, 0) && !is_contiguous(low, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, by_second_operand);
     for (int pair = 0; pair < group[0]->pairs; pair++)

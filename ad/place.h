@@ -12,6 +12,7 @@ typedef struct {
     int level;                   /* inputs and constants 0; else one more than the highest operand */
     int turn;                    /* see find_turns */
     int slot;
+    bool is_scattered; /* its operands and those of its neighbours are not adjacent, nor are they gathered */
     int pairs;         /* LINEAR, inputs and constants 0; PRODUCTS and SQUARES as many as terms; else 1 */
     int (*operand)[2]; /* [pairs] slots of the operands that are read at the order being computed */
 } place;

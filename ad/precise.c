@@ -49,9 +49,10 @@ static long double linear_of(const jet_tape *tape, const jet_run *run, int i, co
 static long double product_of(const jet_tape *tape, const jet_run *run, int i, const long double *y)
 {
     const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_second;
+    const int k0 = run->term + (run->is_scattered ? i * run->terms : 0), at = run->is_scattered ? 0 : i;
     long double sum = 0;
-    for (int k = run->term; k < run->term + run->terms; k++)
-        sum += tape->term_coefficient[k] * y[tape->term_slot[k] + i] * y[second[k] + i];
+    for (int k = k0; k < k0 + run->terms; k++)
+        sum += tape->term_coefficient[k] * y[tape->term_slot[k] + at] * y[second[k] + at];
     return sum;
 }
 

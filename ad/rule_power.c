@@ -88,11 +88,12 @@ static bool is_nonzero(int width, const double *a)
     return !outside;
 }
 
-/* a^(-k/2), k = 3, 5, 7: the force of gravity and its derivatives. The compiler knows k. */
+/* a^(-k/2), k = 1, 3, 5, 7: the potential of gravity and its derivatives. The compiler knows k. */
 #if defined(__AVX512F__)
 /* With y near a^(-1/2), of so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12:
  *   a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...),
- * which is rounded once for k = 3, where a root, a product and a quotient round three times and take twice as long. */
+ * which is rounded once for k = 1, 3, where a root, a product and a quotient round three times and take twice as long.
+ * Where y^2 is infinite, or a is, so is y^k or it is 0; but for k = 1, which divides by the root there. */
 JET_INLINE __m512d inverse_of_roots(int k, __m512d a)
 {
     const double c1 = k / 2.0, c2 = c1 * (k + 2) / 4, c3 = c2 * (k + 4) / 6, c4 = c3 * (k + 6) / 8;
@@ -104,7 +105,11 @@ JET_INLINE __m512d inverse_of_roots(int k, __m512d a)
     __m512d power = y;
     for (int i = 1; i < k; i += 2) power *= square;
     const __mmask8 finite = _mm512_cmp_pd_mask(power, _mm512_set1_pd(INFINITY), _CMP_NEQ_UQ);
-    return _mm512_mask3_fmadd_pd(power * e, series, power, finite);
+    const __m512d rounded = _mm512_mask3_fmadd_pd(power * e, series, power, finite);
+    if (k > 1) return rounded;
+    const __mmask8 usual =
+        _mm512_cmp_pd_mask(square, _mm512_set1_pd(INFINITY), _CMP_LT_OQ) & _mm512_cmp_pd_mask(a, bounded, _CMP_EQ_OQ);
+    return usual == 0xff ? rounded : _mm512_mask_blend_pd(usual, 1 / _mm512_sqrt_pd(a), rounded);
 }
 
 JET_INLINE bool gravity(int k, int width, const double *a, double *restrict z)
@@ -147,7 +152,8 @@ static __attribute__((noinline)) bool other_power(double c, int width, const dou
 static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return c == -1.5   ? gravity(3, width, a, z)
+    return c == -0.5   ? gravity(1, width, a, z)
+           : c == -1.5 ? gravity(3, width, a, z)
            : c == -2.5 ? gravity(5, width, a, z)
            : c == -3.5 ? gravity(7, width, a, z)
                        : other_power(c, width, a, z);

@@ -61,9 +61,31 @@ JET_INLINE void values_of(const jet_tape *tape, const jet_run *run, double *x, i
 TABLE(values_eight, values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
 TABLE(values_any, values_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes)
 
+#define SCATTERED_VALUES(V, S)                                                                                         \
+    {                                                                                                                  \
+        V sum = c[0] * S(V, x, a[0]) * S(V, x, b[0]);                                                                  \
+        for (int t = 1; t < terms; t++) sum += c[t] * S(V, x, a[t]) * S(V, x, b[t]);                                   \
+        JET_AT(V, z, 0) = sum;                                                                                         \
+    }
+
+JET_INLINE void scattered_values_of(const jet_tape *tape, const jet_run *run, double *x, int lanes, bool squares,
+                                    int terms)
+{
+    const size_t stride = (size_t)lanes;
+    const double *c = tape->term_coefficient + run->term;
+    const int *a = tape->term_slot + run->term, *b = squares ? a : tape->term_second + run->term;
+    double *z = x + (size_t)run->z * stride, *const end = z + (size_t)run->count * stride;
+    for (; z < end; z += stride, a += terms, b += terms, c += terms) JET_BLOCKS(lanes, SCATTERED_VALUES, JET_OF);
+}
+TABLE(scattered_eight, scattered_values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
+TABLE(scattered_any, scattered_values_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run,
+      x, lanes)
+
 void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    if (lanes == 8) FUNCTION(values_eight, run)(tape, run, x);
+    if (run->is_scattered && lanes == 8) FUNCTION(scattered_eight, run)(tape, run, x);
+    else if (run->is_scattered) FUNCTION(scattered_any, run)(tape, run, x, lanes);
+    else if (lanes == 8) FUNCTION(values_eight, run)(tape, run, x);
     else FUNCTION(values_any, run)(tape, run, x, lanes);
 }
 

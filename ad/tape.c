@@ -37,7 +37,7 @@ static bool continues_linear(jet_run *run, const jet_run *next)
 /* The terms stand last on the tape; those of a run that the member continues are taken away again. */
 static jet_run product_run(jet_tape *tape, const place *z)
 {
-    const jet_run run = {z->op, 1, z->slot, .terms = z->pairs, .term = tape->terms};
+    const jet_run run = {z->op, 1, z->slot, .terms = z->pairs, .term = tape->terms, .is_scattered = z->is_scattered};
     for (int pair = 0; pair < z->pairs; pair++)
         add_term(tape, term_of(z, pair).coefficient, z->operand[pair][0], z->operand[pair][z->op == OP_PRODUCTS]);
     return run;
@@ -45,7 +45,8 @@ static jet_run product_run(jet_tape *tape, const place *z)
 
 static bool continues_products(jet_tape *tape, const jet_run *run, const jet_run *next)
 {
-    if (next->terms != run->terms) return false;
+    if (next->terms != run->terms || next->is_scattered != run->is_scattered) return false;
+    if (run->is_scattered) return true;
     for (int here = run->term, there = next->term; there < next->term + next->terms; here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
             tape->term_slot[there] != tape->term_slot[here] + run->count ||

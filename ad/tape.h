@@ -20,13 +20,15 @@ typedef enum {
 
 /* Operations z + i = op(a + i, b + i), i < count, of adjacent slots, with the partners w + i. LINEAR: the number of z +
  * i is base[first + i], ..., and each has terms of its own, term_coefficient[k] term_slot[k], k = term + i * terms, ...
- * PRODUCTS, SQUARES: one set of terms, term_coefficient[k] (term_slot[k] + i) (term_second[k] + i), k = term, ... */
+ * PRODUCTS, SQUARES: one set of terms, term_coefficient[k] (term_slot[k] + i) (term_second[k] + i), k = term, ...; or,
+ * of values only, where operands are scattered, terms of their own as of LINEAR, with term_second[k]. */
 typedef struct {
     jet_op op;
     int count, z, a, b, w;
     double c;         /* the number of the node */
     bool has_numbers; /* LINEAR: not all numbers are 0 */
     int first, terms, term;
+    bool is_scattered;
 } jet_run;
 
 /* A constant that may be replaced: number `which` of the values. */

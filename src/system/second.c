@@ -6,7 +6,7 @@
 /* A Hamiltonian has them for the passes of large steps (galerkin/hamiltonian.c) where the field with them is at most so
  * many times as long as without, as measured: where it is longer, more passes without them take as little time. They
  * are not looked for where so many components times nodes of the recording show that there are too many. */
-enum { MOST_COST = 7, MOST_TO_DERIVE = 4096 };
+enum { MOST_COST = 5, MOST_TO_DERIVE = 4096 };
 
 /* Room for the field, one row more of second derivatives, and the gradient that has it. */
 static bool grow(tvi_system *system, jet **jets)

@@ -14,7 +14,8 @@
 static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
 
 /* Runs follow each other without gaps and read, at the order being computed, only slots that are computed before; each
- * LINEAR has a row of terms, as many as the others of its run; the products of a run have one set of terms. */
+ * LINEAR has a row of terms, as many as the others of its run; the products of a run have one set of terms, or a row
+ * each. */
 static void check_layout(const jet_tape *tape, jet_tape_kind kind)
 {
     int slot = tape->inputs + tape->constants, row = 0, term = 0;
@@ -34,9 +35,11 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
         if (is_product(run)) {
             ck_assert_int_ge(run->terms, 1);
             ck_assert_int_le(run->terms, JET_TERMS_MAX);
-            for (int i = 0; i < run->terms; i++, term++) {
-                ck_assert_int_le(tape->term_slot[term] + run->count, run->z);
-                ck_assert_int_le(tape->term_second[term] + run->count, run->z);
+            ck_assert(!run->is_scattered || kind == JET_TAPE_VALUES);
+            const int rows = run->is_scattered ? run->count : 1, read = run->is_scattered ? 1 : run->count;
+            for (int i = 0; i < rows * run->terms; i++, term++) {
+                ck_assert_int_le(tape->term_slot[term] + read, run->z);
+                ck_assert_int_le(tape->term_second[term] + read, run->z);
             }
             continue;
         }
@@ -167,19 +170,21 @@ START_TEST(scattered_operations_run_together)
 }
 END_TEST
 
-/* Operands that do not stand side by side are copied, so that the products run as one. */
+/* Operands that do not stand side by side are copied, so that the products run as one; values are read where they are.
+ */
 START_TEST(scattered_operands_are_gathered)
 {
+    const jet_tape_kind kind = (jet_tape_kind)_i;
     jet_graph *graph = jet_graph_create(4);
     jet in[4], z[2];
     for (int i = 0; i < 4; i++) in[i] = jet_graph_input(graph, i);
     z[0] = jet_mul(in[0], in[3]);
     z[1] = jet_mul(in[1], in[2]);
-    recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
+    recording r = record_close(graph, 2, z, kind);
     const double x[4] = {2, 3, 5, 7};
     double got[2];
     ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), 1);
-    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 2);
+    ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), kind == JET_TAPE_SERIES ? 2 : 0);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], 14);
     ck_assert_double_eq(got[1], 15);
@@ -187,19 +192,20 @@ START_TEST(scattered_operands_are_gathered)
 }
 END_TEST
 
-/* Those that several products share are read in turns, without copies: 0 3, 1 4; then 0 2. */
+/* Those that several products share are read in turns, without copies: 0 3, 1 4; then 0 2. Values need no turns. */
 START_TEST(shared_operands_are_read_in_turns)
 {
+    const jet_tape_kind kind = (jet_tape_kind)_i;
     jet_graph *graph = jet_graph_create(5);
     jet in[5], z[3];
     for (int i = 0; i < 5; i++) in[i] = jet_graph_input(graph, i);
     z[0] = jet_mul(in[0], in[3]);
     z[1] = jet_mul(in[0], in[2]);
     z[2] = jet_mul(in[1], in[4]);
-    recording r = record_close(graph, 3, z, JET_TAPE_VALUES);
+    recording r = record_close(graph, 3, z, kind);
     const double x[5] = {2, 3, 5, 7, 11};
     double got[3];
-    ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), 2);
+    ck_assert_int_eq(runs_of(r.tape, OP_PRODUCTS), kind == JET_TAPE_SERIES ? 2 : 1);
     ck_assert_int_eq(operations_of(r.tape, OP_LINEAR), 0);
     ck_assert(run_values(&r, 1, x, got));
     ck_assert_double_eq(got[0], 14);
@@ -245,8 +251,8 @@ void add_runs(Suite *suite)
     tcase_add_loop_test(runs, pairs_run_together, JET_TAPE_VALUES, JET_TAPE_SERIES + 1);
     tcase_add_loop_test(runs, copies_run_together, 0, operation_count);
     tcase_add_loop_test(runs, scattered_operations_run_together, JET_TAPE_VALUES, JET_TAPE_SERIES + 1);
-    tcase_add_test(runs, scattered_operands_are_gathered);
-    tcase_add_test(runs, shared_operands_are_read_in_turns);
+    tcase_add_loop_test(runs, scattered_operands_are_gathered, JET_TAPE_VALUES, JET_TAPE_SERIES + 1);
+    tcase_add_loop_test(runs, shared_operands_are_read_in_turns, JET_TAPE_VALUES, JET_TAPE_SERIES + 1);
     tcase_add_loop_test(runs, sums_of_products_are_one_operation, JET_TAPE_VALUES, JET_TAPE_SERIES + 1);
     tcase_add_test(runs, exponents_run_apart);
 }
