@@ -49,11 +49,13 @@ JET_INLINE void linear_order_of(const jet_tape *tape, const jet_run *run, double
     else sums_of_many(tape, run, x, lanes, terms);
 }
 
+TABLE(sums_any, linear_order_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes)
+
 void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
     if (lanes == 1) FUNCTION(sums_one, run)(tape, run, x);
     else if (lanes == 8) FUNCTION(sums_eight, run)(tape, run, x);
-    else linear_order_of(tape, run, x, lanes, run->terms);
+    else FUNCTION(sums_any, run)(tape, run, x, lanes);
 }
 
 #define ADD_NUMBER(V, S) JET_AT(V, z, 0) += base;

@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-enum { MOST_LANES = 64, LEAST_WIDTH = 8 };
+enum { MOST_LANES = 128, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
 /* Of a block of the tape: what is left of a first-level cache of 32 KiB beside the impulses. */
 enum { MOST_BYTES = 24 << 10 };
 
@@ -49,7 +49,7 @@ static int width_of(const tvi_system *system, const tvi_options *options)
     const int points = options->degree, bytes = system->field_values->slots * points * (int)sizeof(double);
     if (!tvi_galerkin_is_plain(system) || options->passes == TVI_PREDICT_ONLY) return 1;
     int width = LEAST_WIDTH;
-    while (2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES) width *= 2;
+    while (2 * width <= MOST_WIDTH && 2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES) width *= 2;
     return width * bytes <= MOST_BYTES ? width : 1;
 }
 
@@ -237,6 +237,7 @@ static void iterate(crowd *w, int count, tvi_stats *stats)
 {
     bool any_stuck;
     for (int passes = 1; count > 0 && passes <= w->rule.most; passes++) {
+        w->nodes.all_move = count == w->nodes.width;
         pass(w, count, stats);
         count = w->loops->judge(&w->nodes, &w->rule, passes, w->moved, &w->passes, &any_stuck);
         for (int m = 0; m < w->nodes.width && any_stuck; m++)

@@ -3,6 +3,7 @@
 #include "rule.h"
 #include "vector.h"
 
+#include <float.h>
 #include <math.h>
 
 /* ---- Members in vectors ------------------------------------------------------------------------------------------ */
@@ -28,27 +29,33 @@
         for (int i = 0; i < (count); i++) sum[i] += column[i] * of_node;                                               \
     }
 
-/* name(parameters) calls name_sized(..., points, stride, width) with the usual ones known to the compiler. */
+/* name(parameters) calls name_sized(..., points, stride, width), for the usual ones a function that knows them. */
+#define OWN static __attribute__((noinline))
 #define BY_SIZE(name, parameters, ...)                                                                                 \
+    OWN void name##_8 parameters { name##_sized(__VA_ARGS__, 8, 8, 8); }                                               \
+    OWN void name##_16 parameters { name##_sized(__VA_ARGS__, 8, 8, 16); }                                             \
     static void name parameters                                                                                        \
     {                                                                                                                  \
         const int points = nodes->points, stride = nodes->stride, width = nodes->width;                                \
-        if (points == 8 && width == 8) name##_sized(__VA_ARGS__, 8, 8, 8);                                             \
+        if (points == 8 && width == 8) name##_8(__VA_ARGS__);                                                          \
+        else if (points == 8 && width == 16) name##_16(__VA_ARGS__);                                                   \
         else name##_sized(__VA_ARGS__, points, stride, (size_t)width);                                                 \
     }
 
 /* ---- Passes ------------------------------------------------------------------------------------------------------ */
 
 #define WEIGH(V, S)                                                                                                    \
-    {                                                                                                                  \
-        const JET_MASK(V) moves = IS_MOVING(V);                                                                        \
-        for (int u = 0; u < unknowns; u++)                                                                             \
-            for (int j = 0; j < points; j++) {                                                                         \
-                const V was = ROW_OF(V, impulse, u * points + j),                                                      \
-                        is = weight[j] * ROW_OF(V, drives, slot[u] * points + j);                                      \
-                ROW_AT(V, impulse, u *points + j) = JET_CHOOSE(V, moves, is, was);                                     \
-            }                                                                                                          \
-    }
+    if (nodes->all_move) SET_IMPULSES(V, ALL)                                                                          \
+    else SET_IMPULSES(V, SOME)
+#define ALL(V, is, was)  (is)
+#define SOME(V, is, was) JET_CHOOSE(V, IS_MOVING(V), is, was)
+
+#define SET_IMPULSES(V, OF)                                                                                            \
+    for (int u = 0; u < unknowns; u++)                                                                                 \
+        for (int j = 0; j < points; j++) {                                                                             \
+            const V is = weight[j] * ROW_OF(V, drives, slot[u] * points + j);                                          \
+            ROW_AT(V, impulse, u *points + j) = OF(V, is, ROW_OF(V, impulse, u * points + j));                         \
+        }
 
 #define MOVE_NODES(V, count)                                                                                           \
     {                                                                                                                  \
@@ -124,8 +131,25 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
 /* ---- Verdicts ---------------------------------------------------------------------------------------------------- */
 
 #define ALL_OF(V, number) ((V){0} + (number))
-#define ALL_IF(V, is_so)  ((JET_MASK(V)){0} - (long long)(is_so))
 #define MASK_OF(V, of)    ((JET_MASK(V))(of))
+
+/* The numbers of the rule for one pass: what does not hold in it is beyond all sizes. */
+typedef struct {
+    double goal, far, stuck, again;
+} numbers;
+
+static numbers numbers_of(const tvi_passes_rule *rule, int count)
+{
+    const bool is_asked = rule->exactly > 0;
+    return (numbers){
+        .goal = !is_asked                ? rule->goal
+                : count == rule->exactly ? DBL_MAX
+                                         : -1,
+        .far = count == 1 ? -1 : rule->far,
+        .stuck = is_asked || count <= rule->patience ? INFINITY : rule->stuck,
+        .again = rule->turns > 1 && count > 2 ? rule->stuck * rule->stuck : -1,
+    };
+}
 
 /* In the words of algebra/passes.h. */
 #define JUDGE(V, S)                                                                                                    \
@@ -134,7 +158,7 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
         const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, passes->size, 0),       \
                 earlier = ROW_OF(V, passes->before, 0), part_before = ROW_OF(V, passes->part, 0),                      \
                 slowest_before = ROW_OF(V, passes->slowest, 0);                                                        \
-        const JET_MASK(V) is_far = ALL_IF(V, count == 1) | MASK_OF(V, size > ALL_OF(V, rule->far));                    \
+        const JET_MASK(V) is_far = MASK_OF(V, size > ALL_OF(V, of.far));                                               \
         const JET_MASK(V) is_loud = MASK_OF(V, size > ALL_OF(V, rule->noise)), shows = ~is_far & is_loud;              \
         const V part_now = size / JET_CHOOSE(V, before < one, before, one);                                            \
         const V slower = JET_CHOOSE(V, part_now > part_before, part_now, part_before);                                 \
@@ -144,14 +168,12 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
         const V quiet = JET_CHOOSE(V, size < expected, size, expected);                                                \
         const V shown = JET_CHOOSE(V, is_far | is_loud, size, quiet);                                                  \
         const V next = JET_CHOOSE(V, is_far, size, part * shown);                                                      \
-        const JET_MASK(V) is_stuck = ~(is_patient | MASK_OF(V, size <= rule->stuck * before)) &                        \
-                                     (~has_two | MASK_OF(V, size > rule->stuck * rule->stuck * earlier));              \
+        const JET_MASK(V) is_stuck = MASK_OF(V, size > of.stuck * before) & MASK_OF(V, size > of.again * earlier);     \
         const JET_MASK(V) is_large = MASK_OF(V, size > ALL_OF(V, rule->roundoff));                                     \
         const JET_MASK(V) is_cycle = MASK_OF(V, size == before) & MASK_OF(V, size == earlier);                         \
-        const JET_MASK(V) is_enough = MASK_OF(V, next <= ALL_OF(V, rule->goal));                                       \
-        const JET_MASK(V) is_end = is_enough | (is_stuck & ~is_large & (~is_known | is_cycle));                        \
-        const JET_MASK(V) ends = (is_asked & is_last) | (~is_asked & is_end);                                          \
-        const JET_MASK(V) fails = (is_stuck & is_large & ~ends & ~is_asked) | ~MASK_OF(V, size < ALL_OF(V, INFINITY)); \
+        const JET_MASK(V) is_enough = MASK_OF(V, next <= ALL_OF(V, of.goal));                                          \
+        const JET_MASK(V) ends = is_enough | (is_stuck & ~is_large & (~is_known | is_cycle));                          \
+        const JET_MASK(V) fails = (is_stuck & is_large & ~ends) | ~MASK_OF(V, size < ALL_OF(V, INFINITY));             \
         ROW_AT(V, passes->size, 0) = JET_CHOOSE(V, moving, size, before);                                              \
         ROW_AT(V, passes->slowest, 0) = JET_CHOOSE(V, moving, slowest, slowest_before);                                \
         ROW_AT(V, passes->count, 0) += JET_CHOOSE(V, moving, one, none);                                               \
@@ -166,8 +188,7 @@ static int judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule,
                  const galerkin_crowd_passes *passes, bool *any_stuck)
 {
     const size_t width = (size_t)nodes->width;
-    const long long is_patient = -(count <= rule->patience), has_two = -(rule->turns > 1 && count > 2);
-    const long long is_asked = -(rule->exactly > 0), is_last = -(count == rule->exactly);
+    const numbers of = numbers_of(rule, count);
     long long go_on = 0, stuck = 0;
     JET_EIGHTS(nodes->width, JUDGE, )
     for (size_t m = 0; m < width; m++) {
@@ -282,24 +303,32 @@ static void start(const galerkin_crowd_nodes *nodes, int first, int count, const
             for (size_t m = 0; m < width; m++) base[m] = q_low[m];
 }
 
+/* Products with the size of the step are exact, as in loops.c. */
+JET_INLINE void set_drift(size_t width, double scale, const double *restrict p, const double *restrict p_low,
+                          double *restrict high, double *restrict low)
+{
+    for (size_t m = 0; m < width; m++) {
+        high[m] = scale * p[m];
+        low[m] = fma(scale, p[m], -high[m]) + scale * p_low[m];
+    }
+}
+
+#define START_DRIFTING(V, S)                                                                                           \
+    {                                                                                                                  \
+        const V q_low = ROW_OF(V, origin->q_low, u), low = ROW_OF(V, drift->low, u), high = ROW_OF(V, drift->high, u); \
+        ROW_AT(V, nodes->start, u) = ROW_OF(V, origin->q, u);                                                          \
+        for (int j = 0; j < points; j++) ROW_AT(V, nodes->base, u *points + j) = (q_low + c[j] * low) + c[j] * high;   \
+    }
+
 JET_INLINE void start_drifting_sized(const galerkin_crowd_nodes *nodes, const double c[],
                                      const tvi_crowd_origin *origin, const galerkin_crowd_drift *drift, int points,
                                      int stride, size_t width)
 {
-    const int unknowns = nodes->unknowns;
     (void)stride;
-    for (size_t u = 0; u < (size_t)unknowns; u++) {
-        const double scale = nodes->scale[u], *q = origin->q + u * width, *q_low = origin->q_low + u * width;
-        const double *p = origin->p + u * width, *p_low = origin->p_low + u * width;
-        double *restrict high = drift->high + u * width, *restrict low = drift->low + u * width;
-        double *restrict to = nodes->start + u * width, *restrict base = nodes->base + u * (size_t)points * width;
-        for (size_t m = 0; m < width; m++) {
-            to[m] = q[m];
-            high[m] = scale * p[m];
-            low[m] = fma(scale, p[m], -high[m]) + scale * p_low[m];
-        }
-        for (int j = 0; j < points; j++, base += width)
-            for (size_t m = 0; m < width; m++) base[m] = (q_low[m] + c[j] * low[m]) + c[j] * high[m];
+    for (int u = 0; u < nodes->unknowns; u++) {
+        const size_t row = (size_t)u * width;
+        set_drift(width, nodes->scale[u], origin->p + row, origin->p_low + row, drift->high + row, drift->low + row);
+        JET_EIGHTS((int)width, START_DRIFTING, )
     }
 }
 
@@ -354,6 +383,7 @@ JET_INLINE void tail_sized(const galerkin_motion *of, int width, double *share, 
 static void tail(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
 {
     if (width == 8) tail_sized(of, 8, share, ratio, out);
+    else if (width == 16) tail_sized(of, 16, share, ratio, out);
     else tail_sized(of, width, share, ratio, out);
 }
 

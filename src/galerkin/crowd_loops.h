@@ -10,6 +10,7 @@
  * `stride` numbers apart. The rest as in galerkin_nodes. */
 typedef struct {
     int width, points, unknowns, stride;
+    bool all_move; /* and so nothing waits for is_moving */
     double *x;
     double *start;        /* [unknowns][width] */
     double *base;         /* [unknowns][points][width] */
