@@ -65,9 +65,9 @@ ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
 SRC_LANES    := $(addprefix src/,galerkin/loops.c galerkin/lagrangian_loops.c galerkin/crowd_loops.c generating/taylor_loops.c run/crowd_loops.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-SRC_OBJECTS  := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
+SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
-EMBEDDED_SRC := $(BUILD)/src/embedded_code.o $(BUILD)/src/embedded_galerkin.o
+EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve)
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
@@ -134,6 +134,11 @@ EMBEDDED_GALERKIN := src/method/origin.h $(addprefix src/algebra/,sizes.h passes
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
+# a curve's recurrence
+EMBEDDED_CURVE := $(addprefix src/generating/,advance.h emitted_curve.h)
+$(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE)
+	@mkdir -p $(@D)
+	awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@
 $(EMBEDDED): %.o: %.c
 	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart

@@ -147,6 +147,17 @@ static void emit_orders(const emission *e, const char *sweep, const char *blocks
     jet_text_add(e->text, "    return %s_%s(%s, k, %d);\n}\n", name, sweep, blocks, lanes);
 }
 
+/* NAME_ORDERS(ORDER): all orders, each a constant where they are unrolled. */
+static void emit_all_orders(const emission *e)
+{
+    const char *name = e->wanted->name;
+    const int top = e->wanted->top;
+    jet_text_add(e->text, "enum { %s_top = %d };\n#define %s_ORDERS(ORDER) ORDER(0)", name, top, name);
+    for (int k = 1; k <= top && e->unrolled; k++) jet_text_add(e->text, " ORDER(%d)", k);
+    if (!e->unrolled) jet_text_add(e->text, " for (int k = 1; k <= %s_top; k++) { ORDER(k) }", name);
+    jet_text_add(e->text, "\n");
+}
+
 static void emit_values(const emission *e)
 {
     const char *name = e->wanted->name;
@@ -197,6 +208,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
     const emission e = {text, tape, wanted, operations <= APART_MOST, operations * (wanted->top + 1) <= UNROLLED_MOST};
     emit_constants(&e);
     emit_lists(&e);
+    emit_all_orders(&e);
     if (wanted->lanes[0] > 0) emit_values(&e);
     if (wanted->has_series) emit_series(&e);
     if (wanted->directions[0] > 0) emit_tangents(&e);

@@ -35,8 +35,12 @@ JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const dou
         const int t = 0;                                                                                               \
         JET_SUM(V, sum[0], from, to, term);                                                                            \
     } else {                                                                                                           \
-        for (int j = (from), end = (to); j <= end; j++)                                                                \
+        const int least = (from), most = (to);                                                                         \
+        const bool downwards = JET_KNOWS(least + most);                                                                \
+        for (int next = least; next <= most; next++) {                                                                 \
+            const int j = downwards ? least + most - next : next;                                                      \
             for (int t = 0; t < terms; t++) sum[t] += term;                                                            \
+        }                                                                                                              \
     }
 
 /* ---- Values ------------------------------------------------------------------------------------------------------ */

@@ -7,6 +7,7 @@
 #define TVI_AD_VECTOR_H
 
 #include <limits.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 #define JET_INLINE static inline __attribute__((always_inline))
@@ -71,12 +72,30 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
 /* Order j of the series that goes with all lanes of a tangent. */
 #define JET_ONE_OF(V, x, j) ((x)[stride * (size_t)(j)])
 
-/* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. */
+/* Whether the compiler knows an order. JET_UPWARDS is for tests: it never does. */
+#ifdef JET_UPWARDS
+#define JET_KNOWS(order) false
+#else
+#define JET_KNOWS(order) __builtin_constant_p(order)
+#endif
+
+/* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. Where the compiler
+ * knows the orders, from the middle outwards: the factors of a recurrence that are known last are those of the ends. */
 #define JET_SUM(V, sum, from, to, term)                                                                                \
     do {                                                                                                               \
         V odd = {0};                                                                                                   \
-        int next = (from);                                                                                             \
-        for (const int last = (to); next < last; next += 2) {                                                          \
+        const int least = (from), most = (to);                                                                         \
+        const bool outwards = JET_KNOWS(least + most);                                                                 \
+        int next = outwards ? (least + most) / 2 + 1 : least, before = (least + most) / 2;                             \
+        for (; outwards && next <= most; next++) {                                                                     \
+            const int j = next;                                                                                        \
+            odd += term;                                                                                               \
+        }                                                                                                              \
+        for (; outwards && before >= least; before--) {                                                                \
+            const int j = before;                                                                                      \
+            sum += term;                                                                                               \
+        }                                                                                                              \
+        for (; next < most; next += 2) {                                                                               \
             {                                                                                                          \
                 const int j = next;                                                                                    \
                 sum += term;                                                                                           \
@@ -86,7 +105,7 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
                 odd += term;                                                                                           \
             }                                                                                                          \
         }                                                                                                              \
-        if (next == (to)) {                                                                                            \
+        if (next == most) {                                                                                            \
             const int j = next;                                                                                        \
             sum += term;                                                                                               \
         }                                                                                                              \

@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <string.h>
 
-extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[];
+extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[], *const tvi_embedded_curve[];
 
 static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 {
@@ -16,7 +16,7 @@ static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 uint64_t tvi_compiled_library(void)
 {
     const uint64_t rules = hash_lines(JET_HASH_OF_NOTHING, jet_emit_lines());
-    return hash_lines(hash_lines(rules, tvi_embedded_code), tvi_embedded_galerkin);
+    return hash_lines(hash_lines(hash_lines(rules, tvi_embedded_code), tvi_embedded_galerkin), tvi_embedded_curve);
 }
 
 static void emit_code(jet_text *text, const jet_emission *const tapes[], const tvi_system *stepped,
@@ -47,7 +47,8 @@ void tvi_compiled_text(jet_text *text, const tvi_system *stepped, const tvi_opti
         if (wanted[i]->name) jet_emit_tape(text, tapes[i], wanted[i]);
     if (uses.emit_loops) uses.emit_loops(text, stepped, resolved, "loops");
     emit_code(text, wanted, stepped, resolved);
-    jet_text_add(text, "    .galerkin = %s,\n};\n", uses.emit_loops ? "&loops" : "0");
+    if (uses.emit_loops) jet_text_add(text, "    .%s = &loops,\n", uses.member);
+    jet_text_add(text, "};\n");
     jet_text_add(text,
                  "typedef struct tvi_compiled tvi_compiled;\nextern const tvi_compiled *%s(void);\n"
                  "const tvi_compiled *%s(void)\n{\n    static const tvi_compiled compiled = {&code, 0, 0};\n"

@@ -16,10 +16,8 @@ tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first, co
 
 void tvi_close_measure(tvi_closure *closure)
 {
-    const int n = closure->n;
-    memset(closure->p_size, 0, (size_t)n * sizeof *closure->p_size);
-    for (int k = closure->p_degree; k >= 0; k--) {
-        tvi_curve_momentum(&closure->curve, k, closure->P);
-        for (int i = 0; i < n; i++) closure->p_size[i] += fabs(closure->P[i]);
-    }
+    double weight[TVI_MAX_DEGREE + 2];
+    for (int k = 0; k <= closure->curve.top; k++) weight[k] = k <= closure->p_degree;
+    tvi_curve_sum_sizes(&closure->curve, true, weight, closure->p_size);
+    for (int i = 0; i < closure->n; i++) closure->p_size[i] /= fabs(closure->curve.kappa[i]);
 }

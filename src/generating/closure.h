@@ -44,7 +44,7 @@ typedef struct tvi_closure {
                                                      in it: at the midpoint the mean of the ends */
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
     int p_degree;                                 /* of the momentum */
-    double *p_size, *P;                           /* [n] sum_k |P_k|, and scratch */
+    double *p_size;                               /* [n] sum_k |P_k| */
     tvi_close_fn *close;                          /* the generating function's */
     double *seed_Q, *seed_U;                      /* [top + 1][n] of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */

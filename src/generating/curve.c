@@ -11,6 +11,8 @@
 #include "generating/curve.h"
 #include "algebra/tail.h"
 #include "algebra/weigh.h"
+#include "compiled/code.h"
+#include "generating/advance.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,6 +26,8 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     curve->n = system->n;
     curve->top = top;
     curve->kappa = tvi_arena_doubles(arena, n);
+    curve->movement = tvi_arena_doubles(arena, n);
+    curve->momentum = tvi_arena_doubles(arena, n);
     curve->x = tvi_arena_block(arena, system->field_series, top + 1, 1, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
         curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
@@ -88,32 +92,26 @@ void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
     }
 }
 
-/* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps,
- * and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
-static tvi_status expand_separable(tvi_curve *curve)
+static tvi_status expand_by_orders(tvi_curve *curve)
 {
-    const tvi_system *system = curve->system;
-    for (int k = 0; k + 2 <= curve->top; k++) {
-        if (!jet_sweep_series(system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
-        double *next = tvi_curve_input(curve, k + 2);
-        const double divisor = (k + 1) * (k + 2), tau = curve->tau;
-        for (int i = 0; i < curve->n; i++) next[i] = curve->kappa[i] * tvi_curve_field(curve, k, i) * tau / divisor;
+    const jet_tape *tape = curve->system->field_series;
+    const bool is_separable = curve->system->form == TVI_SEPARABLE;
+    const tvi_recurrence of = {curve->n, tvi_curve_slots(curve), tape->output, curve->x, curve->kappa, curve->tau};
+    for (int k = 0; k + 1 + is_separable <= curve->top; k++) {
+        if (!jet_sweep_series(tape, curve->x, k, 1)) return TVI_EDOMAIN;
+        if (is_separable) tvi_advance_separable(&of, k);
+        else tvi_advance_hamiltonian(&of, k);
     }
     return TVI_OK;
 }
 
-static tvi_status expand_hamiltonian(tvi_curve *curve)
+/* All orders at once, where there is generated code. */
+static tvi_status expand_at_once(tvi_curve *curve)
 {
-    const int n = curve->n;
-    for (int k = 0; k + 1 <= curve->top; k++) {
-        if (!jet_sweep_series(curve->system->field_series, curve->x, k, 1)) return TVI_EDOMAIN;
-        const double divisor = k + 1, tau = curve->tau;
-        for (int i = 0; i < n; i++) {
-            tvi_curve_input(curve, k + 1)[i] = tau * tvi_curve_field(curve, k, n + i) / divisor;
-            (tvi_curve_input(curve, k + 1) + curve->n)[i] = -tau * tvi_curve_field(curve, k, i) / divisor;
-        }
-    }
-    return TVI_OK;
+    const tvi_curve_code *code = curve->system->code ? curve->system->code->curve : NULL;
+    if (!code || code->top != curve->top) return expand_by_orders(curve);
+    const bool inside = code->expand(curve->x, curve->kappa, curve->tau);
+    return inside || jet_refuse_sweep(curve->system->field_series, curve->x, 1) ? TVI_OK : TVI_EDOMAIN;
 }
 
 /* By tangents of order 0 along the second input. */
@@ -171,9 +169,7 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
         curve->x[system->inputs] = centre;
         if (curve->top > 0) tvi_curve_input(curve, 1)[system->inputs] = curve->tau;
     }
-    const tvi_status status = system->form == TVI_SEPARABLE    ? expand_separable(curve)
-                              : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
-                                                               : expand_hamiltonian(curve);
+    const tvi_status status = system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve) : expand_at_once(curve);
     if (status != TVI_OK) return status;
     return is_finite(curve) ? TVI_OK : TVI_ENONFINITE;
 }
@@ -186,34 +182,55 @@ void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
     for (int i = 0; i < curve->n; i++) out[i] = tvi_curve_U(curve, k, i) / (is_separable ? curve->kappa[i] : 1);
 }
 
-void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
+typedef void adder(size_t, const double[], size_t, size_t, const double[], double[]);
+
+static inline void sum_by(adder *add, const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
     const int n = curve->n;
     const int *slot = curve->system->field_series->output + n;
     memset(out, 0, (size_t)n * sizeof *out);
     const size_t orders = (size_t)curve->top + 1, stride = tvi_curve_slots(curve);
     if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN)
-        for (int i = 0; i < n; i++) tvi_add_rows(orders, combination->weight, stride, 1, curve->x + slot[i], out + i);
-    else
-        tvi_add_rows(orders, combination->weight, stride, (size_t)n, curve->x + (combination->of_momentum ? n : 0),
-                     out);
+        for (int i = 0; i < n; i++) add(orders, combination->weight, stride, 1, curve->x + slot[i], out + i);
+    else add(orders, combination->weight, stride, (size_t)n, curve->x + (combination->of_momentum ? n : 0), out);
+}
+
+void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
+{
+    sum_by(tvi_add_rows, curve, combination, out);
+}
+
+void tvi_curve_sum_sizes(const tvi_curve *curve, bool of_momentum, const double weight[], double out[])
+{
+    double of_rows[TVI_MAX_DEGREE + 2];
+    tvi_combination sizes = {.weight = of_rows};
+    tvi_combination_set(&sizes, curve, of_momentum, weight);
+    sum_by(tvi_add_sizes, curve, &sizes, out);
 }
 
 /* p = |P_0| + sum k |P_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
+static void set_sizes(const tvi_curve *curve, int q_degree, int p_degree)
+{
+    double weight[TVI_MAX_DEGREE + 2];
+    for (int k = 0; k <= curve->top; k++) weight[k] = k <= q_degree ? k : 0;
+    tvi_curve_sum_sizes(curve, false, weight, curve->movement);
+    for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
+    weight[0] = 1;
+    tvi_curve_sum_sizes(curve, true, weight, curve->momentum);
+}
+
 static tvi_tail_part tail_part(const tvi_curve *curve, int q_degree, int p_degree, int i)
 {
     const double per_kappa = 1 / fabs(curve->kappa[i]);
-    tvi_tail_part part = {.momentum = fabs(tvi_curve_U(curve, 0, i)), .place = fabs(tvi_curve_Q(curve, 0)[i])};
-    for (int k = 1; k <= q_degree; k++) {
-        part.movement += part.last_q = k * fabs(tvi_curve_Q(curve, k)[i]);
-        if (k <= p_degree) part.momentum += part.last_p = k * fabs(tvi_curve_U(curve, k, i));
-    }
-    part.momentum *= per_kappa;
-    part.last_p *= per_kappa;
-    if (curve->system->form == TVI_SEPARABLE) part.last_q = 0;
-    part.per_momentum = 1 / part.momentum;
-    part.per_movement = 1 / part.movement;
-    return part;
+    const bool has_masses = curve->system->form == TVI_SEPARABLE;
+    const double momentum = per_kappa * curve->momentum[i], movement = curve->movement[i];
+    return (tvi_tail_part){.momentum = momentum,
+                           .movement = movement,
+                           .last_p = per_kappa * p_degree * fabs(tvi_curve_U(curve, p_degree, i)),
+                           .last_q = has_masses ? 0 : q_degree * fabs(tvi_curve_Q(curve, q_degree)[i]),
+                           .place = fabs(tvi_curve_Q(curve, 0)[i]),
+                           .per_momentum = 1 / momentum,
+                           .per_movement = 1 / movement};
 }
 
 double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree)
@@ -221,6 +238,7 @@ double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree)
     const bool has_masses = curve->system->form == TVI_SEPARABLE;
     tvi_tail_survey survey = {0, 0, 0};
     if (p_degree < 2) return 0;
+    set_sizes(curve, q_degree, p_degree);
     for (int i = 0; i < curve->n; i++) {
         const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
         tvi_tail_look(&survey, &part, has_masses);

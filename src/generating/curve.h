@@ -21,14 +21,15 @@ typedef struct {
     tvi_jacobians jacobians;
     int n, top; /* the highest order of Q that is computed */
     double centre, tau;
-    double *kappa;    /* [n] */
-    double *x;        /* block of the field's series, orders 0 .. top */
-    double *dx;       /* the same for CURVE_LANES directions; products: for one */
-    double *bar;      /* products: the same for adjoints */
-    double *dQ, *dU;  /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
-    double *dz;       /* [2n] the direction of pushes */
-    tvi_factor slope; /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
-    double *columns;  /* scratch of the slope: its directions, and right sides */
+    double *kappa;               /* [n] */
+    double *x;                   /* block of the field's series, orders 0 .. top */
+    double *dx;                  /* the same for CURVE_LANES directions; products: for one */
+    double *bar;                 /* products: the same for adjoints */
+    double *dQ, *dU;             /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    double *dz;                  /* [2n] the direction of pushes */
+    double *movement, *momentum; /* [n] scratch of the tail */
+    tvi_factor slope;            /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
+    double *columns;             /* scratch of the slope: its directions, and right sides */
 } tvi_curve;
 
 /* A combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. Made once for a method. */
@@ -64,6 +65,9 @@ void tvi_curve_differentiate(tvi_curve *curve);
 
 /* What a stepper runs whose curves have such Jacobians. */
 tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, tvi_jacobians jacobians);
+
+/* tvi_uses.emit_loops: tvi_curve_code (advance.h). */
+void tvi_curve_emit(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
@@ -107,6 +111,8 @@ static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return 
 
 /* out[n], or matrix[n][2n], of a combination and of its Jacobian; the small terms first. */
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+/* out[n] = sum_k weight_k |Q_k| or weight_k |U_k|; weight [top + 1]. */
+void tvi_curve_sum_sizes(const tvi_curve *curve, bool of_momentum, const double weight[], double out[]);
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
 /* Sets the direction dz of the pushes that follow; then out[n] = Jacobian of the combination times dz. */
 void tvi_curve_aim(tvi_curve *curve, const double dz[]);

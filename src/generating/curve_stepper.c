@@ -56,9 +56,9 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
     for (size_t i = 0; i < sizeof corrections / sizeof *corrections; i++) *corrections[i] = tvi_arena_doubles(arena, n);
     if (!corrects) return;
-    double **const vectors[] = {&c->p_size, &c->P, &c->D};
-    const size_t size[] = {n, n, 2 * n}, seeds = ((size_t)c->curve.top + 1) * n;
-    for (int i = 0; i < 3; i++) *vectors[i] = tvi_arena_doubles(arena, size[i]);
+    const size_t seeds = ((size_t)c->curve.top + 1) * n;
+    c->p_size = tvi_arena_doubles(arena, n);
+    c->D = tvi_arena_doubles(arena, 2 * n);
     c->solver->take(c, arena);
     c->seed_Q = tvi_arena_doubles(arena, seeds);
     c->seed_U = tvi_arena_doubles(arena, seeds);

@@ -150,7 +150,10 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
 tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
-    tvi_uses used = {.series = {.name = "series", .lanes = {1}, .top = top, .has_series = true}};
+    const bool is_whole = system->form != TVI_LAGRANGIAN;
+    tvi_uses used = {.series = {.name = "series", .lanes = {1}, .top = top, .has_series = !is_whole},
+                     .member = "curve",
+                     .emit_loops = is_whole ? tvi_curve_emit : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
     if (used.series.has_adjoints) used.series.directions[0] = 1;

@@ -31,7 +31,9 @@ typedef struct {
 /* What steps run of the tapes of a system, for generated code to have it (compiled/). A name NULL: nothing of one. */
 typedef struct {
     jet_emission series, values, bend, second;
-    /* Defines `static const galerkin_loops NAME` after what is made of the values; NULL: no such thing. */
+    /* Defines NAME, to which `member` of the code points (compiled/code.h), after what is made of the tapes; NULL: no
+     * such thing. */
+    const char *member;
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 } tvi_uses;
 

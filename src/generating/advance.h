@@ -1,0 +1,44 @@
+/* advance.h - one order of a curve's recurrence (curve.c): part of the text of generated code, where every size is a
+ * constant. */
+#ifndef TVI_SRC_GENERATING_ADVANCE_H
+#define TVI_SRC_GENERATING_ADVANCE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct {
+    int n;
+    size_t stride;     /* of orders in the block */
+    const int *output; /* slots of the field */
+    double *x;         /* block of the series */
+    const double *kappa;
+    double tau;
+} tvi_recurrence;
+
+/* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps,
+ * and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
+static inline void tvi_advance_separable(const tvi_recurrence *of, int k)
+{
+    const double divisor = (k + 1) * (k + 2), *field = of->x + (size_t)k * of->stride;
+    double *next = of->x + (size_t)(k + 2) * of->stride;
+    for (int i = 0; i < of->n; i++) next[i] = of->kappa[i] * field[of->output[i]] * of->tau / divisor;
+}
+
+static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
+{
+    const double divisor = k + 1, tau = of->tau, *field = of->x + (size_t)k * of->stride;
+    double *q = of->x + (size_t)(k + 1) * of->stride, *p = q + of->n;
+    for (int i = 0; i < of->n; i++) {
+        q[i] = tau * field[of->output[of->n + i]] / divisor;
+        p[i] = -tau * field[of->output[i]] / divisor;
+    }
+}
+
+/* What generated code has of the curves of its system: the whole series to this degree from the centre data. false
+ * where the field is outside its domain. */
+typedef struct tvi_curve_code {
+    int top;
+    bool (*expand)(double *x, const double *kappa, double tau);
+} tvi_curve_code;
+
+#endif
