@@ -109,8 +109,8 @@ static inline bool jet_sweep_values(const jet_tape *tape, double *x, int lanes)
     return tape->sweeps->values(tape, x, lanes) || jet_refuse_sweep(tape, x, lanes);
 }
 
-/* The same at one point in long double, from the inputs and constants of a block: y [slots]. NaN where an operation is
- * outside its domain. */
+/* The same at one point in long double: y [slots], from its inputs and the constants of a block. NaN where an operation
+ * is outside its domain. */
 void jet_sweep_precisely(const jet_tape *tape, const double *x, long double *y);
 
 /* Coefficient k of all slots from orders 0..k of the inputs and 0..k-1 of all, k = 0, 1, 2, ... in turn: one order

@@ -3,6 +3,7 @@
  * Without passes the corrections are left out; at the start that is the plain Taylor method. */
 #include "generating/newton.h"
 #include "generating/products.h"
+#include "generating/refine.h"
 #include "method/method.h"
 #include "system/legendre.h"
 
@@ -26,6 +27,7 @@ typedef struct {
     double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
     double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
     double *shift;                      /* [n] */
+    tvi_refinement refinement;
 } work;
 
 /* A step at hand. */
@@ -81,7 +83,10 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
         tvi_legendre_take(&w.legendre, arena, system);
         w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
     }
-    if (!expanded->close) w.chosen = tvi_arena_history(arena, sizeof *w.chosen);
+    if (!expanded->close) {
+        w.chosen = tvi_arena_history(arena, sizeof *w.chosen);
+        tvi_refinement_take(&w.refinement, arena, curve);
+    }
     w.shift = tvi_arena_doubles(arena, n);
     w.z = tvi_arena_doubles(arena, 2 * n);
     w.dz = tvi_arena_doubles(arena, 2 * n);
@@ -115,6 +120,7 @@ static void prepare(void *taken)
                                          {&c->u_from, &c->u_to, &c->u_rise, &c->u_mean}};
     const double from = c->span.from, to = c->span.to;
     tvi_curve_prepare(&c->curve);
+    if (w->chosen) tvi_refinement_prepare(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++) {
         const int degree = of_momentum ? w->closure.p_degree : w->q_degree;
         tvi_combination_set_powers(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
@@ -341,7 +347,7 @@ static tvi_status expand_within(attempt *a, double tolerance, double guess, doub
 }
 
 static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin, double dq[],
-                              double dp[], tvi_stats *stats)
+                              double dp[], double dq_low[], double dp_low[], tvi_stats *stats)
 {
     work *w = taken;
     attempt a = {w, origin, 0, stats};
@@ -355,6 +361,8 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     }
     tvi_curve_rescale(&w->closure.curve, *h / a.tau);
     finish(&a, dq, dp);
+    if (tvi_refines(w->closure.system, tolerance))
+        tvi_refine(&w->refinement, &w->closure.curve, *h, origin, dq, dp, dq_low, dp_low);
     return TVI_OK;
 }
 

@@ -81,10 +81,10 @@ typedef struct {
     /* The end of a step, and its derivative by the step's size, are those of the solution but for parts of the size of
      * the square of the tail, where the degree is more than 1. */
     bool is_superconvergent;
-    /* A step whose error serves the relative tolerance, of at most *h, which becomes its size. NULL: the method has no
-     * such step. */
+    /* A step whose error serves the relative tolerance, of at most *h, which becomes its size. dq_low and dp_low, zeros
+     * beforehand: what dq and dp lack of the increments. NULL: the method has no such step. */
     tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin, double dq[],
-                              double dp[], tvi_stats *stats);
+                              double dp[], double dq_low[], double dp_low[], tvi_stats *stats);
     /* More than the last step changes the energy by, where the forces grow or shrink all along it. NULL: the tail says
      * whether the energy is looked at (guard.c). */
     double (*most_change)(const void *work);

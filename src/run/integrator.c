@@ -32,6 +32,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
     if (system->stepped != system) tvi_energy_take_precise(&laid.transformed, arena, laid.stepped);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
+    laid.low = tvi_arena_doubles(arena, 2 * dimension);
     laid.parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
     laid.of_state = arena->marked;
     laid.work = stepper->take(arena, laid.stepped, options);

@@ -101,6 +101,19 @@ static tvi_status check_increments(const tvi_integrator *it, double h)
     return tvi_is_rescaled(it) ? check_time(it, h) : TVI_OK;
 }
 
+/* The increments of a step whose size is chosen, and what they lack, which becomes a part of the state. */
+static tvi_status increments_within(tvi_integrator *it, double tolerance, double *h, const tvi_origin *origin)
+{
+    const size_t dimension = (size_t)it->stepped->n;
+    double *dq_low = it->low, *dp_low = dq_low + dimension;
+    memset(it->low, 0, 2 * dimension * sizeof *it->low);
+    const tvi_status status =
+        it->stepper->step_within(it->work, tolerance, h, origin, it->dq, it->dp, dq_low, dp_low, &it->stats);
+    for (size_t i = 0; i < dimension; i++) it->now.q_low[i] += dq_low[i];
+    for (size_t i = 0; i < dimension; i++) it->now.p_low[i] += dp_low[i];
+    return status;
+}
+
 /* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
 static tvi_status step(tvi_integrator *it, double tolerance, double h)
 {
@@ -111,9 +124,8 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     it->has_dense = false;
     tvi_arena_copy(it->before, it->history, it->marked);
     const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
-    tvi_status status = tolerance > 0
-                            ? stepper->step_within(it->work, tolerance, &h, &origin, it->dq, it->dp, &it->stats)
-                            : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
+    tvi_status status = tolerance > 0 ? increments_within(it, tolerance, &h, &origin)
+                                      : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     it->dq[dimension] = h;
     if (status != TVI_OK) status = tvi_refuse_as("corrector", status);
     if (status == TVI_OK) status = check_increments(it, h);

@@ -140,8 +140,10 @@ long double tvi_energy_precise(tvi_energy_work *work, double t, const double q[]
 {
     double H;
     if (energy_value(work, t, q, p, &H) != TVI_OK) return NAN;
-    jet_sweep_precisely(work->system->energy, work->block, work->precise);
-    return work->precise[work->system->energy->output[0]];
+    const jet_tape *tape = work->system->energy;
+    for (int i = 0; i < tape->inputs; i++) work->precise[i] = work->block[i];
+    jet_sweep_precisely(tape, work->block, work->precise);
+    return work->precise[tape->output[0]];
 }
 
 /* Work in memory of its own, which is to be freed; parameters NULL: as recorded. */

@@ -43,7 +43,7 @@ static int values_that_differ(const function *f)
     ck_assert(precise && run_values(&r, 1, x, z));
     quad_series(f, 0, 1, x, want);
     jet_tape_prepare(r.tape, block, 1, 1);
-    memcpy(block, x, (size_t)f->inputs * sizeof *x);
+    for (int i = 0; i < f->inputs; i++) precise[i] = x[i];
     jet_sweep_precisely(r.tape, block, precise);
     for (int i = 0; i < f->outputs; i++) {
         const long double value = precise[r.tape->output[i]], unit = nextafter(fabs(want[i]), INFINITY) - fabs(want[i]);

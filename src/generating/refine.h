@@ -1,0 +1,31 @@
+/* refine.h - the increments of a Taylor curve beyond its roundoff, for tolerances near that. */
+#ifndef TVI_SRC_GENERATING_REFINE_H
+#define TVI_SRC_GENERATING_REFINE_H
+
+#include "generating/curve.h"
+
+/* Sums over the coefficients x_k: X and what the field is equal to, at two nodes, and the increments. */
+enum { TVI_REFINE_LOW = 4, TVI_REFINE_SUMS = 6 };
+
+typedef struct {
+    int first;                                            /* the coefficients are summed from this order on; below */
+    long double *start, *drift;                           /* [inputs] are x_0, and x_1 of a separable system */
+    long double low[TVI_REFINE_SUMS][TVI_REFINE_LOW + 1]; /* weights, of the low orders */
+    double *high, *rest;                                  /* [sums][top + 1] of the others, and their sum [inputs] */
+    long double *sum, *defect;                            /* [inputs] */
+    long double *once, *twice;                            /* [inputs] the integrals of the defect */
+    long double *y;                                       /* [slots] the field, */
+    double *block;                                        /* and its constants */
+} tvi_refinement;
+
+void tvi_refinement_take(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve);
+void tvi_refinement_prepare(tvi_refinement *refinement, const tvi_curve *curve);
+
+/* Whether the increments to this tolerance are to be had so. */
+bool tvi_refines(const tvi_system *system, double tolerance);
+
+/* dq + dq_low and dp + dp_low [n] of the curve's step of size h = tau from the origin. */
+void tvi_refine(const tvi_refinement *refinement, const tvi_curve *curve, double h, const tvi_origin *origin,
+                double dq[], double dp[], double dq_low[], double dp_low[]);
+
+#endif
