@@ -84,14 +84,17 @@ static inline void tvi_passes_show_part(tvi_passes *passes, const tvi_passes_rul
     passes->part = part;
 }
 
+/* As large as this one, if it is far. */
 static inline void tvi_passes_expect(tvi_passes *passes, const tvi_passes_rule *rule)
 {
-    const double noise = passes->slowest > 0 ? rule->noise : rule->first_noise;
-    const bool is_far = passes->count == 1 || passes->size > rule->far;
-    if (!is_far && passes->size > noise) tvi_passes_show_part(passes, rule);
+    const double shown = passes->shown;
+    passes->shown = passes->next = passes->size;
+    if (passes->size > rule->far || passes->count == 1) return;
+    const bool is_noise = passes->size <= (passes->slowest > 0 ? rule->noise : rule->first_noise);
+    if (!is_noise) tvi_passes_show_part(passes, rule);
     const double part = tvi_passes_is_known(passes, rule) ? passes->slowest : 1;
-    passes->shown = is_far || passes->size > noise ? passes->size : tvi_smaller(passes->size, part * passes->shown);
-    passes->next = is_far ? passes->size : tvi_larger(passes->slack, passes->seen) * part * passes->shown;
+    if (is_noise) passes->shown = tvi_smaller(passes->size, part * shown);
+    passes->next = tvi_larger(passes->slack, passes->seen) * part * passes->shown;
 }
 
 /* ---- The verdict ------------------------------------------------------------------------------------------------- */
@@ -118,6 +121,7 @@ static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_
     passes->size = size;
     passes->count++;
     if (rule->exactly > 0) return passes->count == rule->exactly ? TVI_PASSES_MAY_END : TVI_PASSES_GO_ON;
+    if (size == 0 && !passes->checks) return TVI_PASSES_MAY_END;
     if (rule->most_slack > 0 && passes->count > 1) tvi_passes_learn_slack(passes, rule);
     tvi_passes_expect(passes, rule);
     const bool is_enough = passes->next <= rule->goal && (was_enough || !passes->checks);
