@@ -15,7 +15,7 @@ enum { MOST_LANES = 128, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
 /* Of a block of the tape: what is left of a first-level cache of 32 KiB beside the impulses. */
 enum { MOST_BYTES = 24 << 10 };
 
-typedef enum { LEFT_ALONE, IN_LANES, SOLVED, BY_ITSELF } progress;
+typedef enum { LEFT_ALONE, IN_LANES, BY_ITSELF } progress;
 
 typedef struct {
     tvi_single by_itself;
@@ -30,8 +30,9 @@ typedef struct {
     double *moved;                   /* [width] */
     galerkin_crowd_passes passes;    /* [width] */
     progress *now;                   /* [width] */
-    galerkin_history *last;          /* [width] in the history, as the impulses, of the last step and the one before */
-    double *impulses[2];             /* [unknowns][points][width] */
+    galerkin_history *last;          /* [width] in the history, as the impulses and where the last ones are */
+    int *turn;
+    double *impulses[GALERKIN_TURNS]; /* [unknowns][points][width] of the last step, of the one before, of the next */
 } crowd;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
@@ -62,7 +63,6 @@ static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_
     nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, 0);
     nodes->start = tvi_arena_doubles(arena, of_unknowns);
     nodes->base = tvi_arena_doubles(arena, numbers);
-    nodes->impulse = tvi_arena_doubles(arena, numbers);
     nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
     nodes->is_moving = tvi_arena_take(arena, (size_t)width * sizeof *nodes->is_moving);
 }
@@ -89,7 +89,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     passes->is_stuck = tvi_arena_take(arena, count * sizeof *passes->is_stuck);
     w.now = tvi_arena_take(arena, count * sizeof *w.now);
     w.last = tvi_arena_history(arena, count * sizeof *w.last);
-    for (int i = 0; i < 2; i++)
+    w.turn = tvi_arena_history(arena, sizeof *w.turn);
+    for (int i = 0; i < GALERKIN_TURNS; i++)
         w.impulses[i] = tvi_arena_history(arena, unknowns * (size_t)options->degree * sizeof(double));
     if (taken) *taken = w;
     return taken;
@@ -113,6 +114,12 @@ static void prepare(void *work)
 
 /* ---- Members one by one ------------------------------------------------------------------------------------------ */
 
+/* As tvi_galerkin_impulses. */
+static double *impulses(const crowd *w, int after_last)
+{
+    return w->impulses[(*w->turn + after_last + GALERKIN_TURNS) % GALERKIN_TURNS];
+}
+
 /* Between [unknowns][points][width] and [unknowns][lanes]. */
 static void gather_impulses(const crowd *w, const double *from, int m, double *to)
 {
@@ -133,7 +140,7 @@ static void hand_over(const crowd *w, int m)
 {
     const galerkin_predictor *predictor = &w->single->predictor;
     *predictor->last = w->last[m];
-    for (int i = 0; i < 2; i++) gather_impulses(w, w->impulses[i], m, tvi_galerkin_impulses(predictor, -i));
+    for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), m, tvi_galerkin_impulses(predictor, -i));
 }
 
 static void take_over(const crowd *w, int m)
@@ -141,7 +148,7 @@ static void take_over(const crowd *w, int m)
     const galerkin_predictor *predictor = &w->single->predictor;
     w->last[m] = *predictor->last;
     w->last[m].turn = 0;
-    for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), m, w->impulses[i]);
+    for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), m, impulses(w, -i));
 }
 
 static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
@@ -168,15 +175,15 @@ static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_s
 {
     int count = 0;
     for (int m = 0; m < w->nodes.width; m++) {
-        const bool goes_on = w->last[m].h_before == h && galerkin_is_next(&w->last[m], h, origin->t[m]);
+        const galerkin_history *last = &w->last[m];
+        const bool goes_on = last->h == h && last->h_before == h && galerkin_is_next(last, h, origin->t[m]);
         w->now[m] = status[m] != TVI_OK ? LEFT_ALONE : goes_on ? IN_LANES : BY_ITSELF;
         w->nodes.is_moving[m] = w->now[m] == IN_LANES ? -1 : 0;
-        w->passes.size[m] = w->passes.before[m] = INFINITY;
-        w->passes.part[m] = w->passes.shown[m] = w->passes.count[m] = 0;
-        w->passes.slowest[m] = w->last[m].slowest;
-        w->passes.is_stuck[m] = 0;
+        w->passes.slowest[m] = last->slowest;
         count += w->now[m] == IN_LANES;
     }
+    w->nodes.impulse = impulses(w, 1);
+    w->loops->begin(&w->nodes, &w->passes);
     return count;
 }
 
@@ -206,7 +213,7 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
     set_start(w, origin);
     for (int m = 0; m < w->nodes.width; m++)
         if (w->now[m] != IN_LANES) rest(w, m);
-    w->loops->predict(&w->nodes, w->single->predictor.from_two, w->impulses[0], w->impulses[1]);
+    w->loops->predict(&w->nodes, w->single->predictor.from_two, impulses(w, 0), impulses(w, -1));
     set_times(w, h, origin);
     w->loops->set_sizes(&w->nodes, w->single->n);
 }
@@ -243,8 +250,8 @@ static void iterate(crowd *w, int count, tvi_stats *stats)
         for (int m = 0; m < w->nodes.width && any_stuck; m++)
             if (w->passes.is_stuck[m]) leave(w, m);
     }
-    for (int m = 0; m < w->nodes.width; m++)
-        if (w->now[m] == IN_LANES) w->now[m] = w->nodes.is_moving[m] ? BY_ITSELF : SOLVED;
+    for (int m = 0; m < w->nodes.width && count > 0; m++)
+        if (w->nodes.is_moving[m]) leave(w, m);
 }
 
 /* ---- The end of a step ------------------------------------------------------------------------------------------- */
@@ -264,27 +271,43 @@ static void integrate(crowd *w)
     }
 }
 
-/* Of those that are solved. */
-static void finish(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+/* What goes by itself, or not at all, has the impulses that it had. */
+static void remember(const crowd *w)
+{
+    const int width = w->nodes.width, rows = w->nodes.unknowns * w->nodes.points;
+    double *const before = impulses(w, -1), *const last = impulses(w, 0), *const next = impulses(w, 1);
+    for (int m = 0; m < width; m++)
+        for (int at = m; at < rows * width && w->now[m] != IN_LANES; at += width) {
+            next[at] = last[at];
+            last[at] = before[at];
+        }
+    *w->turn = (*w->turn + 1) % GALERKIN_TURNS;
+}
+
+/* Of those that are solved in lanes. */
+static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
     const int n = w->single->n;
     integrate(w);
     w->motion.q = origin->q;
     w->motion.p = origin->p;
-    for (int m = 0; m < nodes->width; m++) nodes->is_moving[m] = w->now[m] == SOLVED ? -1 : 0;
-    w->loops->remember(nodes, w->impulses[0], w->impulses[1]);
+    for (int m = 0; m < nodes->width; m++) nodes->is_moving[m] = w->now[m] == IN_LANES ? -1 : 0;
+    remember(w);
     w->loops->choose(nodes, n, w->dq, end->dq);
     w->loops->choose(nodes, n, w->motion.dp, end->dp);
     w->loops->tail(&w->motion, nodes->width, w->share, w->ratio, w->moved);
+    int latest = 0;
     for (int m = 0; m < nodes->width; m++) {
-        if (w->now[m] != SOLVED) continue;
-        w->last[m] = (galerkin_history){h, h, origin->t[m], w->passes.slowest[m], 0};
-        end->tail[m] = stats->tail = w->moved[m];
+        if (w->now[m] != IN_LANES) continue;
+        w->last[m].t = origin->t[m];
+        w->last[m].slowest = w->passes.slowest[m];
+        end->tail[m] = w->moved[m];
         end->passes[m] = (int)w->passes.count[m];
-        stats->residual = w->passes.size[m];
+        latest = m;
     }
-    stats->residual = sqrt(stats->residual);
+    stats->tail = w->moved[latest];
+    stats->residual = sqrt(w->passes.size[latest]);
 }
 
 static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
@@ -295,7 +318,7 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
     if (count > 0) {
         predict(w, h, origin);
         iterate(w, count, stats);
-        finish(w, h, origin, end, stats);
+        finish(w, origin, end, stats);
     }
     for (int m = 0; m < w->nodes.width; m++)
         if (w->now[m] == BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
@@ -306,7 +329,7 @@ static void forget(void *work, int lane)
     const crowd *w = work;
     w->last[lane] = (galerkin_history){0};
     for (int row = 0; row < w->nodes.unknowns * w->nodes.points; row++)
-        w->impulses[0][row * w->nodes.width + lane] = w->impulses[1][row * w->nodes.width + lane] = 0;
+        for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i][row * w->nodes.width + lane] = 0;
 }
 
 const tvi_crowd_stepper tvi_galerkin_crowd = {

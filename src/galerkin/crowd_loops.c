@@ -64,7 +64,7 @@
         for (int i = 0; i < (count); i++) {                                                                            \
             const int row = u * points + first + i;                                                                    \
             const V place = start + (ROW_OF(V, base, row) + scale[u] * sum[i]);                                        \
-            const V change = (place - ROW_OF(V, x, row)) * inverse_size;                                               \
+            const V change = place - ROW_OF(V, x, row);                                                                \
             squares[i % 2] += change * change;                                                                         \
             ROW_AT(V, x, row) = place;                                                                                 \
         }                                                                                                              \
@@ -72,13 +72,15 @@
 
 #define MOVE(V, S)                                                                                                     \
     {                                                                                                                  \
-        V squares[2] = {0};                                                                                            \
+        V size = {0};                                                                                                  \
         WEIGH(V, S)                                                                                                    \
         for (int u = 0; u < unknowns; u++) {                                                                           \
             const V start = ROW_OF(V, nodes->start, u), inverse_size = ROW_OF(V, nodes->inverse_size, u);              \
+            V squares[2] = {0};                                                                                        \
             IN_NODES(MOVE_NODES, V)                                                                                    \
+            size += (squares[0] + squares[1]) * (inverse_size * inverse_size);                                         \
         }                                                                                                              \
-        ROW_AT(V, moved, 0) = squares[0] + squares[1];                                                                 \
+        ROW_AT(V, moved, 0) = size;                                                                                    \
     }
 
 JET_INLINE void move_sized(const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives,
@@ -135,66 +137,80 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
 
 /* The numbers of the rule for one pass: what does not hold in it is beyond all sizes. */
 typedef struct {
-    double goal, far, stuck, again;
+    double goal, far, noise, contraction, stuck, again, roundoff;
 } numbers;
 
 static numbers numbers_of(const tvi_passes_rule *rule, int count)
 {
-    const bool is_asked = rule->exactly > 0;
-    return (numbers){
-        .goal = !is_asked                ? rule->goal
-                : count == rule->exactly ? DBL_MAX
-                                         : -1,
-        .far = count == 1 ? -1 : rule->far,
-        .stuck = is_asked || count <= rule->patience ? INFINITY : rule->stuck,
-        .again = rule->turns > 1 && count > 2 ? rule->stuck * rule->stuck : -1,
-    };
+    const bool is_asked = rule->exactly > 0, has_two = rule->turns > 1 && count > 2;
+    numbers of = {rule->goal, rule->far, rule->noise, rule->contraction, rule->stuck, -1, rule->roundoff};
+    if (is_asked) of.goal = count == rule->exactly ? DBL_MAX : -1;
+    if (is_asked || count <= rule->patience) of.stuck = INFINITY;
+    if (count == 1) of.far = -1;
+    if (has_two) of.again = rule->stuck * rule->stuck;
+    return of;
+}
+
+#define BEGIN(V, S)                                                                                                    \
+    {                                                                                                                  \
+        ROW_AT(V, of.size, 0) = ROW_AT(V, of.before, 0) = ALL_OF(V, INFINITY);                                         \
+        ROW_AT(V, of.part, 0) = ROW_AT(V, of.shown, 0) = ROW_AT(V, of.count, 0) = ALL_OF(V, 0);                        \
+        *(JET_MASK(V) *)(of.is_stuck + here) = (JET_MASK(V)){0};                                                       \
+    }
+
+static void begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_passes *passes)
+{
+    const size_t width = (size_t)nodes->width;
+    const galerkin_crowd_passes of = *passes;
+    JET_EIGHTS((int)width, BEGIN, )
 }
 
 /* In the words of algebra/passes.h. */
 #define JUDGE(V, S)                                                                                                    \
     {                                                                                                                  \
-        const JET_MASK(V) moving = IS_MOVING(V);                                                                       \
-        const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, passes->size, 0),       \
-                earlier = ROW_OF(V, passes->before, 0), part_before = ROW_OF(V, passes->part, 0),                      \
-                slowest_before = ROW_OF(V, passes->slowest, 0);                                                        \
-        const JET_MASK(V) is_far = MASK_OF(V, size > ALL_OF(V, of.far));                                               \
-        const JET_MASK(V) is_loud = MASK_OF(V, size > ALL_OF(V, rule->noise)), shows = ~is_far & is_loud;              \
+        const JET_MASK(V) moving = *(JET_MASK(V) *)(is_moving + here);                                                 \
+        const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, of.size, 0),            \
+                earlier = ROW_OF(V, of.before, 0), part_before = ROW_OF(V, of.part, 0),                                \
+                slowest_before = ROW_OF(V, of.slowest, 0);                                                             \
+        const JET_MASK(V) is_far = MASK_OF(V, size > ALL_OF(V, by.far));                                               \
+        const JET_MASK(V) is_loud = MASK_OF(V, size > ALL_OF(V, by.noise)), shows = ~is_far & is_loud;                 \
         const V part_now = size / JET_CHOOSE(V, before < one, before, one);                                            \
         const V slower = JET_CHOOSE(V, part_now > part_before, part_now, part_before);                                 \
         const V slowest = JET_CHOOSE(V, shows, slower, slowest_before);                                                \
-        const JET_MASK(V) is_known = MASK_OF(V, slowest > none) & MASK_OF(V, slowest < ALL_OF(V, rule->contraction));  \
-        const V part = JET_CHOOSE(V, is_known, slowest, one), expected = part * ROW_OF(V, passes->shown, 0);           \
+        const JET_MASK(V) is_known = MASK_OF(V, slowest > none) & MASK_OF(V, slowest < ALL_OF(V, by.contraction));     \
+        const V part = JET_CHOOSE(V, is_known, slowest, one), expected = part * ROW_OF(V, of.shown, 0);                \
         const V quiet = JET_CHOOSE(V, size < expected, size, expected);                                                \
         const V shown = JET_CHOOSE(V, is_far | is_loud, size, quiet);                                                  \
         const V next = JET_CHOOSE(V, is_far, size, part * shown);                                                      \
-        const JET_MASK(V) is_stuck = MASK_OF(V, size > of.stuck * before) & MASK_OF(V, size > of.again * earlier);     \
-        const JET_MASK(V) is_large = MASK_OF(V, size > ALL_OF(V, rule->roundoff));                                     \
+        const JET_MASK(V) is_stuck = MASK_OF(V, size > by.stuck * before) & MASK_OF(V, size > by.again * earlier);     \
+        const JET_MASK(V) is_large = MASK_OF(V, size > ALL_OF(V, by.roundoff));                                        \
         const JET_MASK(V) is_cycle = MASK_OF(V, size == before) & MASK_OF(V, size == earlier);                         \
-        const JET_MASK(V) is_enough = MASK_OF(V, next <= ALL_OF(V, of.goal));                                          \
+        const JET_MASK(V) is_enough = MASK_OF(V, next <= ALL_OF(V, by.goal));                                          \
         const JET_MASK(V) ends = is_enough | (is_stuck & ~is_large & (~is_known | is_cycle));                          \
         const JET_MASK(V) fails = (is_stuck & is_large & ~ends) | ~MASK_OF(V, size < ALL_OF(V, INFINITY));             \
-        ROW_AT(V, passes->size, 0) = JET_CHOOSE(V, moving, size, before);                                              \
-        ROW_AT(V, passes->slowest, 0) = JET_CHOOSE(V, moving, slowest, slowest_before);                                \
-        ROW_AT(V, passes->count, 0) += JET_CHOOSE(V, moving, one, none);                                               \
-        ROW_AT(V, passes->before, 0) = before;                                                                         \
-        ROW_AT(V, passes->part, 0) = JET_CHOOSE(V, shows, part_now, part_before);                                      \
-        ROW_AT(V, passes->shown, 0) = shown;                                                                           \
-        *(JET_MASK(V) *)(passes->is_stuck + here) |= moving & fails;                                                   \
-        *(JET_MASK(V) *)(nodes->is_moving + here) = moving & ~(ends | fails);                                          \
+        ROW_AT(V, of.size, 0) = JET_CHOOSE(V, moving, size, before);                                                   \
+        ROW_AT(V, of.slowest, 0) = JET_CHOOSE(V, moving, slowest, slowest_before);                                     \
+        ROW_AT(V, of.count, 0) += JET_CHOOSE(V, moving, one, none);                                                    \
+        ROW_AT(V, of.before, 0) = before;                                                                              \
+        ROW_AT(V, of.part, 0) = JET_CHOOSE(V, shows, part_now, part_before);                                           \
+        ROW_AT(V, of.shown, 0) = shown;                                                                                \
+        *(JET_MASK(V) *)(of.is_stuck + here) |= moving & fails;                                                        \
+        *(JET_MASK(V) *)(is_moving + here) = moving & ~(ends | fails);                                                 \
     }
 
 static int judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
                  const galerkin_crowd_passes *passes, bool *any_stuck)
 {
     const size_t width = (size_t)nodes->width;
-    const numbers of = numbers_of(rule, count);
-    long long go_on = 0, stuck = 0;
-    JET_EIGHTS(nodes->width, JUDGE, )
-    for (size_t m = 0; m < width; m++) {
-        go_on -= nodes->is_moving[m];
-        stuck -= passes->is_stuck[m];
-    }
+    const galerkin_crowd_passes of = *passes;
+    const numbers by = numbers_of(rule, count);
+    long long *is_moving = nodes->is_moving, go_on = 0, stuck = 0;
+    JET_EIGHTS((int)width, JUDGE, )
+    for (size_t m = 0; m < width; m += 8)
+        for (size_t k = m; k < m + 8; k++) {
+            go_on -= is_moving[k];
+            stuck -= of.is_stuck[k];
+        }
     *any_stuck = stuck > 0;
     return (int)go_on;
 }
@@ -245,20 +261,6 @@ JET_INLINE void integrate_sized(const galerkin_crowd_nodes *nodes, const galerki
 
 BY_SIZE(integrate, (const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
         nodes, weights, sums)
-
-#define REMEMBER(V, S)                                                                                                 \
-    for (int row = 0; row < unknowns * points; row++) {                                                                \
-        const JET_MASK(V) moves = IS_MOVING(V);                                                                        \
-        const V now = ROW_OF(V, last, row);                                                                            \
-        ROW_AT(V, before, row) = JET_CHOOSE(V, moves, now, ROW_OF(V, before, row));                                    \
-        ROW_AT(V, last, row) = JET_CHOOSE(V, moves, ROW_OF(V, nodes->impulse, row), now);                              \
-    }
-
-static void remember(const galerkin_crowd_nodes *nodes, double *last, double *before)
-{
-    SIZES;
-    JET_EIGHTS(nodes->width, REMEMBER, )
-}
 
 #define CHOOSE_ROWS(V, S)                                                                                              \
     for (int row = 0; row < rows; row++)                                                                               \
@@ -360,32 +362,28 @@ static void set_sizes(const galerkin_crowd_nodes *nodes, int n)
 
 /* ---- The tail ---------------------------------------------------------------------------------------------------- */
 
-JET_INLINE void tails_of(const galerkin_motion *of, size_t width, bool has_masses, double *restrict share,
+/* What is in the registers is not looked for in memory after each store. */
+JET_INLINE void tails_of(const galerkin_motion *motion, size_t width, bool has_masses, double *restrict share,
                          double *restrict ratio)
 {
-    const size_t n = (size_t)of->n, momenta = has_masses ? 0 : n * width;
-    for (size_t i = 0; i < n; i++)
+    const galerkin_motion of = *motion;
+    const size_t n = (size_t)of.n, momenta = has_masses ? 0 : n * width;
+    for (size_t i = 0; i < n; i++) {
+        const double scale = of.scale[i], per_scale = of.per_scale[i];
         for (size_t at = i * width; at < (i + 1) * width; at++) {
-            const tvi_tail_part part =
-                galerkin_tail_part(of, has_masses, of->scale[i], of->per_scale[i], at, at + momenta);
+            const tvi_tail_part part = galerkin_tail_part(&of, has_masses, scale, per_scale, at, at + momenta);
             share[at] = tvi_tail_share(&part, has_masses);
             ratio[at] = tvi_tail_ratio(&part);
         }
+    }
 }
 
-JET_INLINE void tail_sized(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
+static void tail(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
 {
     if (of->has_masses) tails_of(of, (size_t)width, true, share, ratio);
     else tails_of(of, (size_t)width, false, share, ratio);
     tvi_tails_of_members(of->n, width, share, ratio, out);
 }
 
-static void tail(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
-{
-    if (width == 8) tail_sized(of, 8, share, ratio, out);
-    else if (width == 16) tail_sized(of, 16, share, ratio, out);
-    else tail_sized(of, width, share, ratio, out);
-}
-
 const galerkin_crowd_loops JET_FOR_ISA(tvi_galerkin_crowd_loops) = {
-    start, start_drifting, set_sizes, predict, move, judge, integrate, remember, choose, end, end_drifting, tail};
+    start, start_drifting, set_sizes, predict, move, begin, judge, integrate, choose, end, end_drifting, tail};

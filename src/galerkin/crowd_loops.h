@@ -44,14 +44,15 @@ typedef struct {
     /* moved [width]. */
     void (*move)(const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                  double moved[]);
+    /* TVI_NO_PASSES, but for how slow they are. */
+    void (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_passes *passes);
     /* tvi_passes_judge of the pass number `count` for all members that move, by a rule that learns no slack: those that
      * may end, or are stuck, move no more. Returns how many go on; *any_stuck: some are stuck now. */
     int (*judge)(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
                  const galerkin_crowd_passes *passes, bool *any_stuck);
     /* sums [unknowns][width] */
     void (*integrate)(const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
-    /* Of the members that is_moving names: before = last, last = the impulses; to = from, of so many rows. */
-    void (*remember)(const galerkin_crowd_nodes *nodes, double *last, double *before);
+    /* Of the members that is_moving names: to = from, of so many rows. */
     void (*choose)(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to);
     void (*end)(const galerkin_crowd_nodes *nodes, int first, int count, const double *once, double *rise);
     void (*end_drifting)(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,
