@@ -32,7 +32,8 @@ double adaptive_end_of(const adaptive_line *line); /* t there */
 tvi_status adaptive_go(adaptive_motion *motion, const adaptive_line *line, double t_end, tvi_observer *observer,
                        void *ctx);
 void adaptive_end(adaptive_motion *motion);
-/* CPU time of a run, s: the fastest of some. The unit: "galerkin" 16, fixed steps of 0.25, Kepler e = 0.36 to 250. */
+/* CPU time of a run, s: the fastest of some. The unit: Gauss collocation of order 16 by hand, steps of 0.25, Kepler e =
+ * 0.36 to 250. */
 double adaptive_time_of(const adaptive_line *line, int repetitions);
 double adaptive_time_of_unit(void);
 
