@@ -8,7 +8,6 @@
 #include "experiments/experiment.h"
 #include "turns.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
