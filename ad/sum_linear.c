@@ -25,20 +25,25 @@ JET_INLINE void sums_of_one(const jet_tape *tape, const jet_run *run, double *x,
 
 TABLE(sums_one, sums_of_one, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x)
 
+/* The first terms are in registers. */
 #define LINEAR(V, S)                                                                                                   \
     {                                                                                                                  \
-        V sum = coefficient[0] * S(V, x, from[0]);                                                                     \
-        for (int term = 1; term < terms; term++) sum += coefficient[term] * S(V, x, from[term]);                       \
+        V sum = c[0] * S(V, a[0], 0);                                                                                  \
+        for (int term = 1; term < kept; term++) sum += c[term] * S(V, a[term], 0);                                     \
+        for (int term = kept; term < terms; term++) sum += coefficient[term] * S(V, x, from[term]);                    \
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
 JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes, int terms)
 {
     const size_t stride = (size_t)lanes;
-    const int *from = tape->term_slot + run->term;
-    const double *coefficient = tape->term_coefficient + run->term;
-    double *z = x + stride * (size_t)run->z, *const end = z + stride * (size_t)run->count;
-    for (; z < end; z += stride, from += terms, coefficient += terms) JET_BLOCKS(lanes, LINEAR, JET_OF);
+    const int *from = tape->term_slot + run->term, kept = terms < OWN_MAX ? terms : OWN_MAX;
+    const double *coefficient = tape->term_coefficient + run->term, *a[OWN_MAX];
+    double *z = x + stride * (size_t)run->z, *const end = z + stride * (size_t)run->count, c[OWN_MAX];
+    for (; z < end; z += stride, from += terms, coefficient += terms) {
+        for (int term = 0; term < kept; term++) a[term] = x + stride * (size_t)from[term], c[term] = coefficient[term];
+        JET_BLOCKS(lanes, LINEAR, JET_OF);
+    }
 }
 
 TABLE(sums_eight, sums_of_many, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)

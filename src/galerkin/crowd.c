@@ -12,8 +12,8 @@
 #include <math.h>
 
 enum { MOST_LANES = 128, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
-/* Of a block of the tape: what is left of a first-level cache of 32 KiB beside the impulses. */
-enum { MOST_BYTES = 24 << 10 };
+/* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger. */
+enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 
 typedef enum { LEFT_ALONE, IN_LANES, BY_ITSELF } progress;
 
@@ -49,9 +49,10 @@ static int width_of(const tvi_system *system, const tvi_options *options)
 {
     const int points = options->degree, bytes = system->field_values->slots * points * (int)sizeof(double);
     if (!tvi_galerkin_is_plain(system) || options->passes == TVI_PREDICT_ONLY) return 1;
+    if (LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
     int width = LEAST_WIDTH;
     while (2 * width <= MOST_WIDTH && 2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES) width *= 2;
-    return width * bytes <= MOST_BYTES ? width : 1;
+    return width;
 }
 
 static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_system *system, int points, int width)
