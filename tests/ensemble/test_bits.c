@@ -109,8 +109,8 @@ START_TEST(neither_number_nor_threads_matter)
 }
 END_TEST
 
-/* A member whose state is set anew forgets; the others go on as they were. Once more by two passes a step, whose results
- * show what they began with, and so what is left of earlier steps. */
+/* A member whose state is set anew forgets; the others go on as they were. Once more by two passes a step, whose
+ * results show what they began with, and so what is left of earlier steps. */
 START_TEST(a_new_state_is_the_members_own)
 {
     tvi_system *system;
