@@ -37,6 +37,11 @@
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
         predict_lanes(&sized, steps, matrix, impulses, (LANES));                                                       \
     }                                                                                                                  \
+    static void NAME##_drive(const galerkin_nodes *nodes, const lanes_matrix *of, const double *change,                \
+                             double *impulse)                                                                          \
+    {                                                                                                                  \
+        drive_lanes(nodes, of, change, impulse, (LANES));                                                              \
+    }                                                                                                                  \
     static double NAME##_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds)          \
     {                                                                                                                  \
         return go_round_lanes(nodes, matrix, rounds, (LANES));                                                         \
@@ -142,7 +147,7 @@ JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *
     }
 
 #define GALERKIN_EMITTED_TABLE(NAME)                                                                                   \
-    NAME##_move, NAME##_move_both, NAME##_predict, NAME##_round, NAME##_integrate, NAME##_start,                       \
+    NAME##_move, NAME##_move_both, NAME##_predict, NAME##_drive, NAME##_round, NAME##_integrate, NAME##_start,         \
         NAME##_start_drifting, NAME##_end_drifting, NAME##_tail, NAME##_place
 
 #endif

@@ -52,7 +52,8 @@ struct galerkin_form {
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
 /* A tape's inputs are the unknowns, and its outputs drive them; those that know second derivatives. */
-extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian;
+extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
+    tvi_galerkin_form_product;
 
 /* Whether Q'' is driven, by the force, and not Q' and P'. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)

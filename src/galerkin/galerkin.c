@@ -51,7 +51,8 @@ static const galerkin_form *form_of(const tvi_system *system)
 {
     return !system->second_values           ? &tvi_galerkin_form_plain
            : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
-                                            : &tvi_galerkin_form_hamiltonian;
+           : system->second_is_whole        ? &tvi_galerkin_form_hamiltonian
+                                            : &tvi_galerkin_form_product;
 }
 
 bool tvi_galerkin_is_plain(const tvi_system *system) { return form_of(system) == &tvi_galerkin_form_plain; }

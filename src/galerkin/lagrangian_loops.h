@@ -20,7 +20,7 @@ typedef struct {
     int column, slot;
 } lanes_term;
 
-/* The gradient of L(q, v) or H(q, p) to first order about where it was evaluated, at each node. */
+/* The gradient of L(q, v) to first order about where it was evaluated, at each node. */
 typedef struct {
     int n, lanes;
     double *moved;          /* [2n][lanes] how far from where it was evaluated; */
@@ -31,15 +31,21 @@ typedef struct {
     const int *end;         /* [2n] and where the row ends */
 } lanes_model;
 
-/* The part of it that a round needs: the unknowns that move and that something else depends on. */
+/* A part of the matrix of second derivatives at each node: the unknowns that its columns belong to, and what drives
+ * them in its rows, as many at a time as have sums that need not wait for each other. */
+enum { LANES_ROWS = 4 };
 typedef struct {
-    int count;
-    const int *unknown;     /* [count], */
-    const lanes_term *term; /* what drives each, row after row, by the changes of the unknowns, */
-    const int *end;         /* [count] and where the row ends */
-    const double *second;
+    int count;            /* of unknowns; of rows so many, rounded up to LANES_ROWS, [rows] */
+    int *unknown;         /* [rows] */
+    int *place;           /* [rows / LANES_ROWS][count][LANES_ROWS] in the block of the second derivatives: */
+    const double *second; /* it has zeros, too */
+} lanes_matrix;
+
+/* Of the unknowns that move and that something else depends on. */
+typedef struct {
+    lanes_matrix matrix;
     double *change, *moved; /* [unknowns][lanes] the last one, and the sum of them all */
-    double *impulse;        /* [count][lanes] scratch */
+    double *impulse;        /* [rows][lanes] scratch */
 } lanes_rounds;
 
 typedef struct {

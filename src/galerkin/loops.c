@@ -109,10 +109,8 @@ JET_INLINE double product_and(double a, double b, double c)
  * itself from step to step (docs/method.md section 6). */
 #define WEIGH_BOTH(V, blocks)                                                                                          \
     for (int u = 0; u < unknowns; u++) {                                                                               \
-        const double *drive = drives + (size_t)slot[u] * (size_t)lanes;                                                \
-        const double *change = changes + (size_t)slot[u] * (size_t)lanes;                                              \
-        for (int i = 0; i < lanes; i++)                                                                                \
-            impulse[u * lanes + i] = product_and(weight[i], drive[i], weight[i] * change[i]);                          \
+        const double *drive = drives + (size_t)slot[u] * (size_t)lanes, *change = changes + u * lanes;                 \
+        for (int i = 0; i < lanes; i++) impulse[u * lanes + i] = product_and(weight[i], drive[i], change[i]);          \
     }
 #define MOVE_BY_BOTH(V, blocks) MOVE_BY(WEIGH_BOTH, V, blocks)
 
@@ -167,24 +165,37 @@ BY_LANES(void, , predict,
          matrix, impulses)
 
 #define DRIVE(V, blocks)                                                                                               \
-    for (int i = 0, k = 0; i < rounds->count; i++, impulse += lanes) {                                                 \
-        V drive[MOST_BLOCKS];                                                                                          \
-        for (int b = 0; b < (blocks); b++) drive[b] = (V){0};                                                          \
-        for (; k < rounds->end[i]; k++)                                                                                \
+    for (int first = 0; first < of->count; first += LANES_ROWS, impulse += LANES_ROWS * lanes) {                       \
+        V sum[LANES_ROWS][MOST_BLOCKS];                                                                                \
+        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
+            for (int b = 0; b < (blocks); b++) sum[i][b] = (V){0};                                                     \
+        for (int column = 0; column < of->count; column++, place += LANES_ROWS) {                                      \
+            const double *by = change + of->unknown[column] * lanes;                                                   \
+            for (int i = 0; i < LANES_ROWS; i++)                                                                       \
+                for (int b = 0; b < (blocks); b++)                                                                     \
+                    sum[i][b] += BLOCK_OF(V, of->second + place[i], b) * BLOCK_OF(V, by, b);                           \
+        }                                                                                                              \
+        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
             for (int b = 0; b < (blocks); b++)                                                                         \
-                drive[b] += BLOCK_OF(V, rounds->second + rounds->term[k].slot * lanes, b) *                            \
-                            BLOCK_OF(V, rounds->change + rounds->term[k].column * lanes, b);                           \
-        for (int b = 0; b < (blocks); b++) BLOCK_AT(V, impulse, b) = BLOCK_OF(V, nodes->weight, b) * drive[b];         \
+                BLOCK_AT(V, impulse + i * lanes, b) = BLOCK_OF(V, nodes->weight, b) * sum[i][b];                       \
     }
+
+JET_INLINE void drive_lanes(const galerkin_nodes *nodes, const lanes_matrix *of, const double *change, double *impulse,
+                            int lanes)
+{
+    const int *place = of->place;
+    ALL_LANES(lanes, DRIVE)
+}
+
+BY_LANES(void, , drive, (const galerkin_nodes *nodes, const lanes_matrix *of, const double *change, double *impulse),
+         nodes, of, change, impulse)
 
 #define ROUND(V, blocks)                                                                                               \
     {                                                                                                                  \
         V squares = {0};                                                                                               \
-        DRIVE(V, blocks)                                                                                               \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
-        impulse = rounds->impulse;                                                                                     \
-        for (int i = 0; i < rounds->count; i++, impulse += lanes) {                                                    \
-            const int u = rounds->unknown[i];                                                                          \
+        for (int i = 0; i < of->count; i++, impulse += lanes) {                                                        \
+            const int u = of->unknown[i];                                                                              \
             SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
             ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++) {                                                                       \
@@ -200,7 +211,10 @@ BY_LANES(void, , predict,
 JET_INLINE
 double go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, int lanes)
 {
-    double *impulse = rounds->impulse, moved = 0;
+    const lanes_matrix *of = &rounds->matrix;
+    const double *impulse = rounds->impulse;
+    double moved = 0;
+    drive_lanes(nodes, of, rounds->change, rounds->impulse, lanes);
     ALL_LANES(lanes, ROUND)
     return moved;
 }
@@ -373,8 +387,8 @@ BY_LANES(void, , place, (const galerkin_places *p, const double *table, const do
 #ifndef JET_EMITTED
 #define LOOPS_OF(lanes)                                                                                                \
     {                                                                                                                  \
-        move_##lanes, move_both_##lanes, predict_##lanes, go_round_##lanes, integrate_##lanes, start_##lanes,          \
-            start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                                            \
+        move_##lanes, move_both_##lanes, predict_##lanes, drive_##lanes, go_round_##lanes, integrate_##lanes,          \
+            start_##lanes, start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                             \
     }
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops)[GALERKIN_LOOPS] = {LOOPS_OF(1), LOOPS_OF(2), LOOPS_OF(4),
                                                                         LOOPS_OF(8), LOOPS_OF(most)};

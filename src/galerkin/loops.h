@@ -83,13 +83,15 @@ typedef struct galerkin_loops {
     /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
-    /* The same with L_j = weight_j (F_j + changes[slot[u]][j]), rounded once. */
+    /* The same with L_j = weight_j F_j + changes[u][j], rounded once. */
     double (*move_both)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const double *changes,
                         const int slot[]);
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
-    /* change <- scale sum_j matrix_ji weight_j (second change)_j, and moved += change. Returns the sum of the squares
-     * of change inverse_size. */
+    /* impulse[i][j] = weight_j (what drives unknown i of the matrix by the change)_j, to first order. */
+    void (*drive)(const galerkin_nodes *nodes, const lanes_matrix *of, const double *change, double *impulse);
+    /* change <- scale sum_j matrix_ji (impulse of the change)_j, and moved += change. Returns the sum of the squares of
+     * change inverse_size. */
     double (*round)(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds);
     /* Of the last movement; `once` and `twice` are compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);

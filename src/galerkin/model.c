@@ -8,7 +8,7 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
     const tvi_system *system = field->system;
     const size_t lanes = (size_t)field->nodes.lanes;
     model->values = tvi_arena_block(arena, system->field_values, 1, field->nodes.lanes, 0);
-    model->second = tvi_arena_block(arena, system->second_values, 1, field->nodes.lanes, 0);
+    model->second = tvi_arena_block(arena, system->second_values, 1, field->nodes.lanes, lanes);
     model->lanes.moved = tvi_arena_doubles(arena, 2 * (size_t)system->n * lanes);
     model->term = tvi_arena_take(arena, 2 * (size_t)system->seconds * sizeof *model->term);
     model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
@@ -44,22 +44,32 @@ void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *fie
         system->n, lanes, model->lanes.moved, .second = model->second, .term = model->term, .end = model->end};
 }
 
-bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *field, bool with_second,
-                                 const double *first, const double *last, double *gradient)
+const double *tvi_galerkin_model_sweep(galerkin_model *model, const galerkin_field *field, bool with_second,
+                                       const double *first, const double *last)
 {
     const tvi_system *system = field->system;
     const jet_tape *tape = with_second ? system->second_values : system->field_values;
     const int n = system->n, lanes = field->nodes.lanes;
-    const size_t bytes = (size_t)lanes * sizeof(double);
-    memcpy(model->values, first, (size_t)n * bytes);
-    memcpy(model->values + n * lanes, last, (size_t)n * bytes);
+    const size_t bytes = (size_t)n * (size_t)lanes * sizeof(double);
+    memcpy(model->values, first, bytes);
+    memcpy(model->values + n * lanes, last, bytes);
     double *x = with_second ? model->second : model->values;
-    if (with_second) memcpy(x, model->values, (size_t)tape->inputs * bytes);
-    if (!jet_sweep_values(tape, x, lanes)) return false;
+    if (with_second) memcpy(x, model->values, (size_t)(tape->inputs * lanes) * sizeof *x);
+    if (!jet_sweep_values(tape, x, lanes)) return NULL;
     if (field->noise) tvi_galerkin_displace(field, tape, x);
-    model->lanes.gradient = x;
+    return x;
+}
+
+bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *field, bool with_second,
+                                 const double *first, const double *last, double *gradient)
+{
+    const jet_tape *tape = with_second ? field->system->second_values : field->system->field_values;
+    const size_t lanes = (size_t)field->nodes.lanes;
+    model->lanes.gradient = tvi_galerkin_model_sweep(model, field, with_second, first, last);
     model->lanes.output = tape->output;
-    for (int i = 0; i < 2 * n; i++) memcpy(gradient + i * lanes, x + (size_t)tape->output[i] * (size_t)lanes, bytes);
+    if (!model->lanes.gradient) return false;
+    for (int i = 0; i < 2 * field->system->n; i++, gradient += lanes)
+        memcpy(gradient, model->lanes.gradient + (size_t)tape->output[i] * lanes, lanes * sizeof *gradient);
     return true;
 }
 

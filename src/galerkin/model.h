@@ -5,9 +5,9 @@
 
 #include "galerkin/field.h"
 
-/* Of L in (q, v), or of H in (q, p): the inputs of the tapes, two halves of n rows each. */
+/* Of L in (q, v), or of a product in (q, p): the inputs of the tapes, two halves of n rows each. */
 typedef struct {
-    double *values, *second; /* blocks of the tapes of the field, and of it with its derivatives */
+    double *values, *second; /* blocks of the tapes of the field, and of it with its derivatives: zeros behind it */
     lanes_model lanes;
     lanes_term *term; /* [2 seconds] its terms, */
     int *end;         /* [2n] and rows */
@@ -16,11 +16,15 @@ typedef struct {
 void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const galerkin_field *field);
 void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *field);
 
-/* gradient [2n][lanes] at the nodes, first and last [n][lanes], and its derivatives, too; false outside its domain. */
+/* The block in which the gradient is, at the nodes, first and last [n][lanes], and its derivatives, too; NULL outside
+ * its domain. */
+const double *tvi_galerkin_model_sweep(galerkin_model *model, const galerkin_field *field, bool with_second,
+                                       const double *first, const double *last);
+/* gradient [2n][lanes]; false outside its domain. */
+bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *field, bool with_second,
+                                 const double *first, const double *last, double *gradient);
 /* To first order from there. */
 void tvi_galerkin_model_linearise(galerkin_model *model, const galerkin_field *field, const double *first,
                                   const double *last, double *gradient);
-bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *field, bool with_second,
-                                 const double *first, const double *last, double *gradient);
 
 #endif

@@ -116,14 +116,16 @@ static jet positive(jet g)
 
 /* ---- The systems ------------------------------------------------------------------------------------------------- */
 
-static jet transformed(const jet q[], const jet p[], jet s, void *ctx)
+/* factor = {g, H + e}. */
+static void transform(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
 {
     const rescaling *r = ctx;
     const int n = r->base->n;
     (void)s;
     const jet H = tvi_stated_hamiltonian(q, p, q[n], (void *)r->base);
     const jet g = r->g ? r->g(q, p, q[n], r->ctx) : automatic(r->base, H);
-    return jet_mul(positive(g), jet_add(H, p[n]));
+    factor[0] = positive(g);
+    factor[1] = jet_add(H, p[n]);
 }
 
 tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx)
@@ -139,7 +141,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling r = {system, g, ctx};
     tvi_system *stepped, *rescaled;
-    tvi_status status = tvi_system_with_second(&stepped, system->n + 1, transformed, &r);
+    tvi_status status = tvi_system_product(&stepped, system->n + 1, transform, &r);
     if (status != TVI_OK) return jet_refuse(status, "K = g (H + e): %s", jet_refusal());
     stepped->regular = false; /* K_ee = 0 */
     status = tvi_system_hamiltonian(&rescaled, system->n, tvi_stated_hamiltonian, (void *)system);

@@ -7,17 +7,17 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* What the user gave: one of the four; or a system to lift. */
+/* What the user gave: one of the first four; or the factors of a Hamiltonian; or a system to lift. */
 typedef struct {
     tvi_force_fn *force;
     tvi_potential_fn *potential;
     tvi_lagrangian_fn *lagrangian;
     tvi_hamiltonian_fn *hamiltonian;
+    tvi_factors_fn *factors;
     const double *mass;
     void *ctx;
     const tvi_system *base;
     bool has_momenta;    /* of the lift: it is not separable */
-    bool wants_second;   /* of a Hamiltonian */
     tvi_drive_fn *drive; /* of a Hamiltonian or a Lagrangian; NULL: there is none */
     void *drive_ctx;
 } statement;
@@ -51,7 +51,7 @@ static const char *name_of(const statement *given)
 /* Inputs in the order q, v (or p), t, r; a force or a potential has neither v nor r. */
 static tvi_status open_recording(recording *rec, int n, const statement *given)
 {
-    const bool general = given->lagrangian || given->hamiltonian || given->has_momenta;
+    const bool general = given->lagrangian || given->hamiltonian || given->factors || given->has_momenta;
     const size_t count = (size_t)n;
     tvi_system *system = rec->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
@@ -153,6 +153,19 @@ static tvi_status record_bend(recording *rec)
     return status == TVI_OK ? jet_graph_accept(system->graph, 2 * n, rec->bend) : status;
 }
 
+static tvi_status record_product(recording *rec, const statement *given)
+{
+    tvi_system *system = rec->system;
+    jet factor[2];
+    given->factors(rec->q, rec->v, rec->t, given->ctx, factor);
+    rec->scalar = jet_mul(factor[0], factor[1]);
+    system->form = TVI_HAMILTONIAN;
+    tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
+    if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
+    if (status == TVI_OK) status = tvi_second_record_product(system, factor, &rec->second);
+    return status == TVI_OK ? record_bend(rec) : status;
+}
+
 /* field = (H_q, H_p); separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
 static tvi_status record_hamiltonian(recording *rec, const statement *given)
 {
@@ -170,8 +183,7 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
         return record_force(rec);
     }
     system->form = TVI_HAMILTONIAN;
-    if (given->wants_second) status = tvi_second_record(system, &rec->second);
-    return status == TVI_OK ? record_bend(rec) : status;
+    return record_bend(rec);
 }
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
@@ -252,6 +264,7 @@ static tvi_status record_statement(recording *rec, const statement *given)
     rec->system->energy_sign = 1;
     if (given->base) return record_lift(rec, given);
     if (given->lagrangian) return record_lagrangian(rec, given);
+    if (given->factors) return record_product(rec, given);
     if (given->hamiltonian) return record_hamiltonian(rec, given);
     if (given->potential) return record_potential(rec, given);
     given->force(rec->q, rec->t, rec->field, given->ctx);
@@ -303,7 +316,7 @@ static tvi_status make_system(tvi_system **out, int n, const statement *given)
     if (!out) return jet_refuse(TVI_EINVAL, "out is NULL");
     *out = NULL;
     if (n < 1 || n > TVI_MAX_DIMENSION) return jet_refuse(TVI_EINVAL, "n = %d is not 1 .. %d", n, TVI_MAX_DIMENSION);
-    if (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian)
+    if (!given->force && !given->potential && !given->lagrangian && !given->hamiltonian && !given->factors)
         return jet_refuse(TVI_EINVAL, "the function is NULL");
     const tvi_status status = check_masses(n, given->mass);
     return status == TVI_OK ? record_system(out, n, given) : status;
@@ -330,9 +343,9 @@ tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lag
     return make_system(out, n, &(statement){.lagrangian = lagrangian, .ctx = ctx});
 }
 
-tvi_status tvi_system_with_second(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)
+tvi_status tvi_system_product(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
 {
-    return make_system(out, n, &(statement){.hamiltonian = hamiltonian, .ctx = ctx, .wants_second = true});
+    return make_system(out, n, &(statement){.factors = factors, .ctx = ctx});
 }
 
 tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx)

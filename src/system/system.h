@@ -36,9 +36,10 @@ struct tvi_system {
     jet_tape *
         bend_values; /* Hamiltonian: inputs q, p, t, r; outputs the gradient of r.H_p in q and p, for truncated nodes */
     jet_tape *second_values; /* Lagrangian: outputs the field, then the second derivatives of L in (q, v) that are not 0
-                                everywhere, one of each pair; Hamiltonian: those of H in (q, p), or NULL */
+                                everywhere, one of each pair; Hamiltonian: as second.h has it, or NULL */
     tvi_second *second;      /* [seconds] which they are */
     int seconds;
+    bool second_is_whole;        /* of a Hamiltonian: nothing is left out of them */
     jet_tape *energy;            /* separable: V; Lagrangian: L; Hamiltonian: H. NULL for a force */
     jet stated;                  /* V, L or H, in the graph; not of a force, nor of a lift */
     double energy_sign;          /* separable from a Lagrangian: the energy tape gives -V */
@@ -46,8 +47,10 @@ struct tvi_system {
     int energy_inputs;           /* of the energy tape without t: n or 2n (v or p = 0 where only V is asked) */
 };
 
-/* tvi_system_hamiltonian, with second derivatives if they are cheap beside the field (statement.c). */
-TVI_NODISCARD tvi_status tvi_system_with_second(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx);
+/* The Hamiltonian g h, factor = {g, h}, of which solutions with h = 0 are asked for, with second derivatives if they
+ * are cheap beside the field (second.h). */
+typedef void tvi_factors_fn(const jet q[], const jet p[], jet t, void *ctx, jet factor[2]);
+TVI_NODISCARD tvi_status tvi_system_product(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx);
 
 /* The lift of a system to 2n degrees of freedom: (q, p) and a tangent vector (dq, dp) that moves with it, by H_q.dq +
  * H_p.dp or L_q.dq + L_v.dv (docs/method.md section 10). Coordinates (q, dq), momenta (dp, p). A separable system has a
