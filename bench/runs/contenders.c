@@ -33,6 +33,12 @@ void contenders_add_baselines(contenders *list)
         add(list, &(contender){.name = b->name, .order = b->order, .symplectic = b->symplectic, .baseline = b});
 }
 
+void contenders_add_compiled(contenders *list, const char *name, const char *method, int order)
+{
+    contender who = {.name = name, .order = order, .symplectic = true, .is_compiled = true};
+    if (tvi_options_named(method, order, &who.options) == TVI_OK) add(list, &who);
+}
+
 static int falling_order(const void *a, const void *b)
 {
     const contender *x = a, *y = b;

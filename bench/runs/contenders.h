@@ -20,6 +20,8 @@ typedef struct {
 /* Each adds to the list; an order that the method does not have is left out. */
 void contenders_add_methods(contenders *list, const method_range ranges[], int count);
 void contenders_add_baselines(contenders *list);
+/* A method with code that is generated for each scene, under a name of its own. */
+void contenders_add_compiled(contenders *list, const char *name, const char *method, int order);
 
 /* Falling orders: high orders end soon, at roundoff. */
 void contenders_sort(contenders *list);

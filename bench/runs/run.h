@@ -10,7 +10,8 @@ typedef struct {
     const char *name; /* of the method, in tables */
     int order;
     bool symplectic;
-    tvi_options options;      /* of a method of the library */
+    tvi_options options;      /* of a method of the library, */
+    bool is_compiled;         /* with code that is generated for the scene */
     const baseline *baseline; /* NULL: a method of the library */
 } contender;
 

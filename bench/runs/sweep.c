@@ -203,6 +203,25 @@ static bool serves(sweep *b, const tvi_system *system, const scene *s, const con
     return false;
 }
 
+/* The contender with code for the scene; NULL where none can be made. */
+static const contender *compile(sweep *b, const tvi_system *system, const scene *s, const contender *who)
+{
+    tvi_compiled *code;
+    if (b->compiled_count == SWEEP_COMPILED_MOST) return NULL;
+    const tvi_status status = tvi_compile(&code, system, &who->options, &(tvi_compiler){.cache = ""});
+    if (status != TVI_OK) report_remark(&b->report, "not compiled: %s %s: %s", s->name, who->name, tvi_last_error());
+    if (status != TVI_OK) return NULL;
+    contender *dressed = &b->compiled[b->compiled_count++];
+    *dressed = *who;
+    dressed->options.compiled = code;
+    return dressed;
+}
+
+void sweep_close(sweep *b)
+{
+    while (b->compiled_count > 0) tvi_compiled_free((tvi_compiled *)b->compiled[--b->compiled_count].options.compiled);
+}
+
 double sweep_share(double end, double part)
 {
     const double now = run_clock();
@@ -215,6 +234,7 @@ static bool sweep_system(sweep *b, const tvi_system *system, const scene *s, con
     for (int i = 0; i < list->count; i++) {
         const contender *who = &list->of[i];
         if (!serves(b, system, s, who)) continue;
+        if (who->is_compiled && !(who = compile(b, system, s, who))) continue;
         const bool adaptive = who->baseline && who->baseline->adaptive;
         line l = {.sweep = b, .system = system, .scene = s, .who = who, .ladder = adaptive ? tolerances : s->steps};
         while (l.rungs < LADDER_MOST && l.ladder[l.rungs] > 0) l.rungs++;

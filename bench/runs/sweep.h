@@ -5,6 +5,7 @@
 #include "contenders.h"
 #include "report.h"
 
+enum { SWEEP_COMPILED_MOST = 32 };
 typedef struct {
     report report;
     double begin, end;       /* of run_clock: when the sweeps began, and must be over */
@@ -14,7 +15,12 @@ typedef struct {
     double dearest;          /* a line ends at a run that takes this many times the time of a better one; 0 = never */
     const char *only;        /* of the contenders' names; NULL = all */
     long failed, skipped;    /* runs of the scene */
+    contender compiled[SWEEP_COMPILED_MOST]; /* those with code, of all scenes: the rows know them */
+    int compiled_count;
 } sweep;
+
+/* Frees the code of compiled contenders, which the rows of the report need no more. */
+void sweep_close(sweep *b);
 
 /* Every contender that serves the scene, each with twice an equal share of the time that is left until `end`: the first
  * get most. false: the scene cannot be made, or no memory. */

@@ -85,6 +85,7 @@ int main(int argc, char *argv[])
     sweep_insist_on_one_thread(argv);
     if (!parse(&c, argc, argv)) return usage();
     if (!c.baselines) contenders_add_methods(&list, methods, METHODS);
+    if (!c.baselines) contenders_add_compiled(&list, COMPILED, "galerkin", 16);
     contenders_add_baselines(&list);
     contenders_sort(&list);
     sweep b = {.begin = run_clock(), .dearest = 10, .only = c.method};
@@ -102,5 +103,6 @@ int main(int argc, char *argv[])
     }
     if (c.baselines) print_baselines(&b.report, c.scene);
     else good &= summary_write(&b.report, scenes, c.scene, c.dir);
+    sweep_close(&b);
     return report_close(&b.report) && good ? EXIT_SUCCESS : EXIT_FAILURE;
 }

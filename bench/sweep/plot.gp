@@ -18,11 +18,12 @@ midpoint       12 #2277C4 0 7
 midpoint       20 #08254F 0 7
 galerkin       8  #009E73 1 4
 galerkin       16 #009E73 0 5
+compiled       16 #D0006F 0 2
 gauss          16 #777777 1 9
 blanes-moan    6  #B8A000 1 11
 END
 field(i, k) = word($curves[i], k)
-label(i) = field(i, 1)." ".field(i, 2)
+label(i) = (field(i, 1) eq "compiled" ? "compiled galerkin" : field(i, 1))." ".field(i, 2)
 # method and order of the curves that show a slope, which is their order
 $slopes << END
 stormer-verlet 2

@@ -5,6 +5,9 @@
 
 #include "runs/report.h"
 
+/* The name of the library's default method with generated code: a column of its own. */
+#define COMPILED "compiled"
+
 /* Four tables, printed and written to DIR/summary_*.md: by energy error and by position error, of all methods and of
  * the symplectic ones. The fastest are the cheapest runs of the sweep at or below the error, and are run again in turns
  * (run_in_turns) for the times. `list` ends with NULL; `only` of it, unless that is NULL. false: not written, which is
