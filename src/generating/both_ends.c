@@ -71,6 +71,7 @@ static void prepare_side(tvi_both_ends *w, tvi_side *x, tvi_span span)
     double powers[TVI_MAX_DEGREE + 1], zeroth[TVI_MAX_DEGREE + 1] = {1};
     for (int k = 0; k <= w->degree; k++) powers[k] = k == 0 ? 0 : pow(x->end, k);
     tvi_curve_prepare(&x->curve);
+    tvi_curve_prepare_tail(&x->curve, w->degree, w->degree - 1);
     tvi_action_prepare(&x->action, w->options, span, w->degree);
     tvi_combination_set(&x->to_end, &x->curve, false, powers);
     tvi_combination_set(&x->near_u, &x->curve, true, zeroth);
@@ -300,8 +301,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     increments(w, dq, dp);
     memcpy(w->dq, dq, bytes);
     memcpy(w->dp, dp, bytes);
-    stats->tail = fmax(tvi_curve_tail(&w->a.curve, w->degree, w->degree - 1),
-                       tvi_curve_tail(&w->b.curve, w->degree, w->degree - 1));
+    stats->tail = fmax(tvi_curve_tail(&w->a.curve), tvi_curve_tail(&w->b.curve));
     return TVI_OK;
 }
 

@@ -28,6 +28,8 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     curve->kappa = tvi_arena_doubles(arena, n);
     curve->movement = tvi_arena_doubles(arena, n);
     curve->momentum = tvi_arena_doubles(arena, n);
+    curve->q_sizes = tvi_combination_take(curve, arena);
+    curve->u_sizes = tvi_combination_take(curve, arena);
     curve->x = tvi_arena_block(arena, system->field_series, top + 1, 1, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
         curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
@@ -208,46 +210,67 @@ void tvi_curve_sum_sizes(const tvi_curve *curve, bool of_momentum, const double 
     sum_by(tvi_add_sizes, curve, &sizes, out);
 }
 
-/* p = |P_0| + sum k |P_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
-static void set_sizes(const tvi_curve *curve, int q_degree, int p_degree)
+void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
 {
-    double weight[TVI_MAX_DEGREE + 2];
-    for (int k = 0; k <= curve->top; k++) weight[k] = k <= q_degree ? k : 0;
-    tvi_curve_sum_sizes(curve, false, weight, curve->movement);
+    double weight[TVI_MAX_DEGREE + 2] = {0};
+    curve->q_degree = q_degree;
+    curve->p_degree = p_degree;
+    for (int k = 0; k <= q_degree; k++) weight[k] = k;
+    tvi_combination_set(&curve->q_sizes, curve, false, weight);
     for (int k = p_degree + 1; k <= q_degree; k++) weight[k] = 0;
     weight[0] = 1;
-    tvi_curve_sum_sizes(curve, true, weight, curve->momentum);
+    tvi_combination_set(&curve->u_sizes, curve, true, weight);
 }
 
-static tvi_tail_part tail_part(const tvi_curve *curve, int q_degree, int p_degree, int i)
+/* p = |U_0| + sum k |U_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
+static tvi_tail_part tail_part(const tvi_curve *curve, int i)
 {
-    const double per_kappa = 1 / fabs(curve->kappa[i]);
+    const int q_degree = curve->q_degree, p_degree = curve->p_degree;
     const bool has_masses = curve->system->form == TVI_SEPARABLE;
-    const double momentum = per_kappa * curve->momentum[i], movement = curve->movement[i];
+    const double momentum = curve->momentum[i], movement = curve->movement[i];
     return (tvi_tail_part){.momentum = momentum,
                            .movement = movement,
-                           .last_p = per_kappa * p_degree * fabs(tvi_curve_U(curve, p_degree, i)),
+                           .last_p = p_degree * fabs(tvi_curve_U(curve, p_degree, i)),
                            .last_q = has_masses ? 0 : q_degree * fabs(tvi_curve_Q(curve, q_degree)[i]),
                            .place = fabs(tvi_curve_Q(curve, 0)[i]),
                            .per_momentum = 1 / momentum,
                            .per_movement = 1 / movement};
 }
 
-double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree)
+double tvi_curve_tail(const tvi_curve *curve)
 {
     const bool has_masses = curve->system->form == TVI_SEPARABLE;
     tvi_tail_survey survey = {0, 0, 0};
-    if (p_degree < 2) return 0;
-    set_sizes(curve, q_degree, p_degree);
+    if (curve->p_degree < 2) return 0;
+    sum_by(tvi_add_sizes, curve, &curve->q_sizes, curve->movement);
+    sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
     for (int i = 0; i < curve->n; i++) {
-        const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
+        const tvi_tail_part part = tail_part(curve, i);
         tvi_tail_look(&survey, &part, has_masses);
     }
     if (tvi_tail_is_known(&survey)) return survey.ratio;
     double tail = 0;
     for (int i = 0; i < curve->n; i++) {
-        const tvi_tail_part part = tail_part(curve, q_degree, p_degree, i);
+        const tvi_tail_part part = tail_part(curve, i);
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;
+}
+
+/* |q'| |dp| + |p'| |dq| with what the last two terms are, of which one may happen to be small: terms of which each is
+ * three quarters of the one before it add up to three times the last. */
+double tvi_curve_change(const tvi_curve *curve)
+{
+    enum { OFTEN = 8 };
+    double sum = 0;
+    if (curve->p_degree < 2) return INFINITY;
+    for (int i = 0; i < curve->n; i++) {
+        double of_q = 0, of_p = 0;
+        for (int last = 0; last < 2; last++) {
+            of_q += fabs(tvi_curve_Q(curve, curve->q_degree - last)[i]);
+            of_p += fabs(tvi_curve_U(curve, curve->p_degree - last, i));
+        }
+        sum += (curve->movement[i] * of_p + curve->momentum[i] * of_q) / fabs(curve->kappa[i]);
+    }
+    return OFTEN * sum / fabs(curve->tau);
 }

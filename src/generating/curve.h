@@ -16,27 +16,29 @@
  */
 typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
 
-typedef struct {
-    const tvi_system *system;
-    tvi_jacobians jacobians;
-    int n, top; /* the highest order of Q that is computed */
-    double centre, tau;
-    double *kappa;               /* [n] */
-    double *x;                   /* block of the field's series, orders 0 .. top */
-    double *dx;                  /* the same for CURVE_LANES directions; products: for one */
-    double *bar;                 /* products: the same for adjoints */
-    double *dQ, *dU;             /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
-    double *dz;                  /* [2n] the direction of pushes */
-    double *movement, *momentum; /* [n] scratch of the tail */
-    tvi_factor slope;            /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
-    double *columns;             /* scratch of the slope: its directions, and right sides */
-} tvi_curve;
-
 /* A combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. Made once for a method. */
 typedef struct {
     bool of_momentum;
     double *weight; /* [top + 1] */
 } tvi_combination;
+
+typedef struct {
+    const tvi_system *system;
+    tvi_jacobians jacobians;
+    int n, top; /* the highest order of Q that is computed */
+    double centre, tau;
+    double *kappa;          /* [n] */
+    double *x;              /* block of the field's series, orders 0 .. top */
+    double *dx;             /* the same for CURVE_LANES directions; products: for one */
+    double *bar;            /* products: the same for adjoints */
+    double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    double *dz;             /* [2n] the direction of pushes */
+    int q_degree, p_degree; /* of the tail, */
+    tvi_combination q_sizes, u_sizes;
+    double *movement, *momentum; /* [n] and what these sums are */
+    tvi_factor slope;            /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
+    double *columns;             /* scratch of the slope: its directions, and right sides */
+} tvi_curve;
 
 void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians);
 static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
@@ -122,8 +124,13 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
  * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
-/* tvi_stats.tail, for P and Q to these degrees: see tail.h. 0 where p' has one term only. */
-double tvi_curve_tail(const tvi_curve *curve, int q_degree, int p_degree);
+/* Once: Q and P are summed to these degrees. Then tvi_stats.tail, see tail.h; 0 where p' has one term only. */
+void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree);
+double tvi_curve_tail(const tvi_curve *curve);
+
+/* More than the terms left out change the energy by, after the tail, of a step that is the curve; INFINITY where they
+ * are not known. */
+double tvi_curve_change(const tvi_curve *curve);
 
 /* ---- Steps that adapt (reach.c) ---------------------------------------------------------------------------------- */
 

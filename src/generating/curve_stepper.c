@@ -120,6 +120,7 @@ static void prepare(void *taken)
                                          {&c->u_from, &c->u_to, &c->u_rise, &c->u_mean}};
     const double from = c->span.from, to = c->span.to;
     tvi_curve_prepare(&c->curve);
+    tvi_curve_prepare_tail(&c->curve, w->q_degree, c->p_degree);
     if (w->chosen) tvi_refinement_prepare(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++) {
         const int degree = of_momentum ? w->closure.p_degree : w->q_degree;
@@ -302,7 +303,7 @@ static void finish(const attempt *a, double dq[], double dp[])
 {
     work *w = a->work;
     increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
-    a->stats->tail = tvi_curve_tail(&w->closure.curve, w->q_degree, w->closure.p_degree);
+    a->stats->tail = tvi_curve_tail(&w->closure.curve);
 }
 
 static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
@@ -377,6 +378,8 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
+static double most_change(const void *taken) { return tvi_curve_change(&((const work *)taken)->closure.curve); }
+
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
@@ -391,5 +394,6 @@ const tvi_stepper tvi_stepper_taylor = {.take = take,
                                         .step = step,
                                         .dense = dense,
                                         .step_within = step_within,
+                                        .most_change = most_change,
                                         .uses = uses,
                                         .crowd = &tvi_taylor_crowd};

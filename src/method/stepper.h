@@ -85,8 +85,8 @@ typedef struct {
      * beforehand: what dq and dp lack of the increments. NULL: the method has no such step. */
     tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin, double dq[],
                               double dp[], double dq_low[], double dp_low[], tvi_stats *stats);
-    /* More than the last step changes the energy by, where the forces grow or shrink all along it. NULL: the tail says
-     * whether the energy is looked at (guard.c). */
+    /* More than the last step changes the energy by, where the forces grow or shrink all along it, and terms that are
+     * left out become smaller. NULL, and in s: the tail says whether the energy is looked at (guard.c). */
     double (*most_change)(const void *work);
     tvi_uses (*uses)(const tvi_system *system, const tvi_options *options);
     const tvi_crowd_stepper *crowd; /* NULL: members of an ensemble go one after the other */
