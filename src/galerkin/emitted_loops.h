@@ -4,6 +4,7 @@
 #ifndef TVI_SRC_GALERKIN_EMITTED_LOOPS_H
 #define TVI_SRC_GALERKIN_EMITTED_LOOPS_H
 
+#include "galerkin/lagrangian_passes.h"
 #include "galerkin/steady.h"
 
 #define GALERKIN_EMITTED_LOOPS(NAME, N, UNKNOWNS, LANES)                                                               \
@@ -89,15 +90,35 @@
 typedef bool steady_field(double *x, int lanes);
 enum { STEADY_MOST = 4096 };
 
-JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, steady_field *run_field,
-                              const int slot[], tvi_passes *shown, int lanes)
+/* What a pass is made by: the field and the rows of it that drive the unknowns, or a Lagrangian. */
+typedef struct {
+    steady_field *run;
+    const int *slot;
+    lagrangian_passes *lagrangian;
+    lagrangian_sweep *sweep;
+} steady_form;
+
+JET_INLINE bool steady_pass(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                            double *moved, int lanes)
+{
+    if (form->lagrangian) {
+        const lagrangian_passed passed = lagrangian_pass(form->lagrangian, form->sweep);
+        *moved = form->lagrangian->moved;
+        return passed == LAGRANGIAN_PASSED;
+    }
+    if (!form->run(nodes->x, lanes)) return false;
+    *moved = move_lanes(nodes, frame->matrix, nodes->x, form->slot, lanes);
+    return true;
+}
+
+JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                              tvi_passes *shown, int lanes)
 {
     tvi_passes passes = *shown;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
     while (verdict == TVI_PASSES_GO_ON && passes.count < frame->rule->most) {
-        if (!run_field(nodes->x, lanes)) return false;
-        const double moved = move_lanes(nodes, frame->matrix, nodes->x, slot, lanes);
-        if (!isfinite(moved)) return false;
+        double moved;
+        if (!steady_pass(frame, nodes, form, &moved, lanes) || !isfinite(moved)) return false;
         verdict = tvi_passes_judge(&passes, frame->rule, moved);
     }
     *shown = passes;
@@ -105,15 +126,15 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
 }
 
 JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *nodes, galerkin_motion motion,
-                             steady_field *run_field, const int slot[], const tvi_origin *origin, galerkin_outcome *to,
-                             int lanes)
+                             const steady_form *form, const tvi_origin *origin, galerkin_outcome *to, int lanes)
 {
     const int n = motion.n;
     if (motion.has_masses) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
     else start_lanes(nodes, n, origin, lanes);
-    predict_lanes(nodes, 2, frame->extrapolation, to->impulses, lanes);
+    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, frame->extrapolation, to->impulses);
+    else predict_lanes(nodes, 2, frame->extrapolation, to->impulses, lanes);
     galerkin_set_sizes(nodes, n);
-    if (!steady_passes(frame, nodes, run_field, slot, &to->passes, lanes)) return false;
+    if (!steady_passes(frame, nodes, form, &to->passes, lanes)) return false;
     integrate_lanes(nodes, frame->weights, &motion.sums, lanes);
     if (motion.has_masses) end_drifting(nodes, &motion.sums, frame->drift, frame->drift_low, to->dq, to->dp);
     else galerkin_end(nodes, &motion.sums, n, to->dq, to->dp);
@@ -122,6 +143,12 @@ JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *
     motion.dp = to->dp;
     to->tail = lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
     return true;
+}
+
+/* The rows of a block between its first ones, which are set anew, and `kept`. */
+JET_INLINE void keep_rows(double *own, const double *block, int first, int kept, int lanes)
+{
+    for (int i = first * lanes; i < kept * lanes; i++) own[i] = block[i];
 }
 
 /* KEPT rows of x are not of the tape's operations. Outputs that are inputs are copied behind the tape's slots, as by
@@ -140,10 +167,57 @@ JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *
         enum { ROWS = (SLOTS) + NAME##_copies, IS_SMALL = ROWS * (LANES) <= STEADY_MOST };                             \
         _Alignas(64) double x[IS_SMALL ? ROWS * (LANES) : 1];                                                          \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
-        for (int i = (UNKNOWNS) * (LANES); i < (KEPT) * (LANES) && IS_SMALL; i++) x[i] = nodes.x[i];                   \
-        if (IS_SMALL) nodes.x = x;                                                                                     \
-        return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), NAME##_values, NAME##_slot, origin, to,       \
-                            (LANES));                                                                                  \
+        const steady_form form = {NAME##_values, NAME##_slot, NULL, NULL};                                             \
+        if (IS_SMALL) {                                                                                                \
+            keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
+            nodes.x = x;                                                                                               \
+        }                                                                                                              \
+        return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));                  \
+    }
+
+/* Of a Lagrangian: INPUTS, and the KEPT and all rows of the blocks of its tapes. */
+#define GALERKIN_EMITTED_LAGRANGIAN(NAME, N, LANES, INPUTS, VALUES_KEPT, VALUES_SLOTS, SECOND_KEPT, SECOND_SLOTS)      \
+    JET_INLINE bool NAME##_sweep(const lagrangian_passes *w, bool with_second)                                         \
+    {                                                                                                                  \
+        return with_second ? second_values_of(w->second, (LANES)) : values_values_of(w->values, (LANES));              \
+    }                                                                                                                  \
+    JET_INLINE lagrangian_passes NAME##_passes(const lagrangian_passes *of, const galerkin_nodes *nodes)               \
+    {                                                                                                                  \
+        lagrangian_passes w = *of;                                                                                     \
+        w.nodes = nodes;                                                                                               \
+        w.drives = NAME##_sized(&of->drives);                                                                          \
+        w.slot = NAME##_slot;                                                                                          \
+        w.inputs = (INPUTS);                                                                                           \
+        w.output[false] = NAME##_of_values;                                                                            \
+        w.output[true] = NAME##_of_second;                                                                             \
+        w.model.n = w.mass.n = (N);                                                                                    \
+        w.model.lanes = w.mass.lanes = (LANES);                                                                        \
+        w.model.term = NAME##_term;                                                                                    \
+        w.model.end = NAME##_end;                                                                                      \
+        w.factors = 0;                                                                                                 \
+        return w;                                                                                                      \
+    }                                                                                                                  \
+    static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
+    {                                                                                                                  \
+        enum { IS_SMALL = ((VALUES_SLOTS) + (SECOND_SLOTS)) * (LANES) <= STEADY_MOST, HALF = (N) * (LANES) };          \
+        _Alignas(64) double of_values[IS_SMALL ? (VALUES_SLOTS) * (LANES) : 1],                                        \
+            of_second[IS_SMALL ? (SECOND_SLOTS) * (LANES) : 1];                                                        \
+        _Alignas(64) double x[IS_SMALL ? 5 * HALF : 1];                                                                \
+        galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
+        lagrangian_passes w = NAME##_passes(frame->own, &nodes);                                                       \
+        if (IS_SMALL) {                                                                                                \
+            keep_rows(of_values, w.values, 2 * (N), (VALUES_KEPT), (LANES));                                           \
+            keep_rows(of_second, w.second, (INPUTS), (SECOND_KEPT), (LANES));                                          \
+            nodes.x = x;                                                                                               \
+            w.drives.x = x + 2 * HALF;                                                                                 \
+            w.values = of_values;                                                                                      \
+            w.second = of_second;                                                                                      \
+            w.model.second = of_second;                                                                                \
+        }                                                                                                              \
+        const steady_form form = {NULL, NULL, &w, NAME##_sweep};                                                       \
+        const bool is_made = steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));    \
+        to->factors = w.factors;                                                                                       \
+        return is_made;                                                                                                \
     }
 
 #define GALERKIN_EMITTED_TABLE(NAME)                                                                                   \

@@ -66,7 +66,7 @@ int tvi_galerkin_driving_slot(const tvi_system *system, int unknown);
 int tvi_galerkin_driven_slot(const tvi_system *system, int unknown, int *copies);
 
 /* Defines `static const galerkin_loops NAME` of generated code that has the values (emit.c). */
-void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, bool is_plain, const char *name);
+void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, const char *name);
 
 /* Displaces the outputs of a tape of the field in its block. */
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);

@@ -130,7 +130,9 @@ static void prepare(void *work)
                                 .drift = w->drift,
                                 .drift_low = w->drift_low,
                                 .share = w->share,
-                                .ratio = w->ratio};
+                                .ratio = w->ratio,
+                                .h = &w->field.h,
+                                .own = w->field.own};
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -215,12 +217,13 @@ static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], do
 {
     const galerkin_predictor *before = &w->predictor;
     galerkin_outcome to = {
-        {tvi_galerkin_impulses(before, 0), tvi_galerkin_impulses(before, -1)}, dq, dp, TVI_NO_PASSES, 0};
+        {tvi_galerkin_impulses(before, 0), tvi_galerkin_impulses(before, -1)}, dq, dp, TVI_NO_PASSES, 0, 0};
     to.passes.slowest = before->last->slowest;
     set_times(w, origin, w->field.h);
     const bool is_made = w->field.loops->steady(&w->frame, origin, &to);
     stats->passes += to.passes.count;
     stats->force_evaluations += to.passes.count * w->field.points;
+    stats->factorisations += to.factors * w->field.points;
     if (!is_made) return false;
     stats->residual = sqrt(to.passes.size);
     stats->tail = to.tail;
@@ -296,7 +299,7 @@ static void sample(void *work, const tvi_range of[2], const double q_start[], co
 
 static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
 {
-    tvi_galerkin_emit(text, system, lanes_for(options->degree), !form_of(system)->pass, name);
+    tvi_galerkin_emit(text, system, lanes_for(options->degree), name);
 }
 
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)

@@ -10,17 +10,29 @@
 
 /* ---- Factors ----------------------------------------------------------------------------------------------------- */
 
-#define SCALE(V, S) JET_AT(V, x, 0) *= JET_OF(V, scale, 0);
+#define LARGER(V, a, b)        LARGER_OF_##V(a, b)
+#define LARGER_OF_jet_v1(a, b) ((a) > (b) ? (a) : (b))
+#define LARGER_OF_jet_v2(a, b) JET_CHOOSE(jet_v2, (a) > (b), a, b)
+#define LARGER_OF_jet_v4(a, b) JET_CHOOSE(jet_v4, (a) > (b), a, b)
+#define LARGER_OF_jet_v8(a, b) JET_CHOOSE(jet_v8, (a) > (b), a, b)
+/* 0 of what is no number. */
+#define SIZE(V, x) LARGER(V, LARGER(V, x, -(x)), (V){0})
+
+/* Element i of a row or a column. */
+#define ELEMENT(V, i) (*(V *)(x + (size_t)(i)*apart + here))
+#define SCALE(V, S)                                                                                                    \
+    {                                                                                                                  \
+        V size = {0};                                                                                                  \
+        for (int i = 0; i < count; i++) size = LARGER(V, SIZE(V, ELEMENT(V, i)), size);                                \
+        JET_AT(V, scale, 0) = 1 / size;                                                                                \
+        for (int i = 0; i < count; i++) ELEMENT(V, i) *= JET_OF(V, scale, 0);                                          \
+    }
 
 /* x <- x / size(x), with what multiplied it. count numbers, one every `apart`. */
 JET_INLINE void set_scale(int count, size_t apart, double *x, double *scale, int lanes)
 {
     const size_t stride = (size_t)lanes;
-    double size[TVI_GALERKIN_MAX_LANES] = {0};
-    const double *y = x;
-    for (int i = 0; i < count; i++, y += apart) EACH_LANE size[w] = tvi_larger(fabs(y[w]), size[w]);
-    EACH_LANE scale[w] = 1 / size[w];
-    for (int i = 0; i < count; i++, x += apart) JET_BLOCKS(lanes, SCALE, );
+    JET_BLOCKS(lanes, SCALE, );
 }
 
 JET_INLINE void exchange(int columns, double *x, double *y, size_t stride)
@@ -50,6 +62,13 @@ JET_INLINE void pivot_column(lanes_factor *f, int j, int lanes)
     }
 }
 
+#define INVERT(V, S)                                                                                                   \
+    {                                                                                                                  \
+        const V u = JET_OF(V, diagonal, 0), size = SIZE(V, u), before = JET_OF(V, least, 0);                           \
+        JET_AT(V, least, 0) = -LARGER(V, -size, -before);                                                              \
+        JET_AT(V, diagonal, 0) = 1 / u;                                                                                \
+    }
+
 #define ELIMINATE(V, S)                                                                                                \
     {                                                                                                                  \
         const V part = JET_OF(V, lower, j) * JET_OF(V, upper, j);                                                      \
@@ -61,28 +80,20 @@ JET_INLINE void pivot_column(lanes_factor *f, int j, int lanes)
 JET_INLINE double factor_lanes(lanes_factor *f, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
-    double *const a = f->lu, least = 1;
+    double *const a = f->lu, least[TVI_GALERKIN_MAX_LANES], smallest = 1;
+    EACH_LANE least[w] = 1;
     for (size_t i = 0; i < (size_t)f->n; i++) set_scale(f->n, stride, a + i * row, f->row_scale + i * stride, lanes);
     for (size_t j = 0; j < (size_t)f->n; j++) set_scale(f->n, row, a + j * stride, f->column_scale + j * stride, lanes);
     f->exchanges = false;
     for (int j = 0; j < f->n; j++) {
         pivot_column(f, j, lanes);
         double *const upper = a + (size_t)j * row, *const diagonal = upper + (size_t)j * stride;
-        EACH_LANE if (!(fabs(diagonal[w]) >= least)) least = fabs(diagonal[w]) > 0 ? fabs(diagonal[w]) : 0;
-        EACH_LANE diagonal[w] = 1 / diagonal[w];
+        JET_BLOCKS(lanes, INVERT, );
         double *lower = upper + row;
         for (int i = j + 1; i < f->n; i++, lower += row) JET_BLOCKS(lanes, ELIMINATE, );
     }
-    return least;
-}
-
-static double factor(lanes_factor *f)
-{
-    double least;
-#define CALL(lanes) least = factor_lanes(f, lanes)
-    FOR_LANES(f->lanes, CALL)
-#undef CALL
-    return least;
+    EACH_LANE smallest = tvi_smaller(least[w], smallest);
+    return smallest;
 }
 
 /* ---- Solutions: A^-1 = C (R A C)^-1 R ---------------------------------------------------------------------------- */
@@ -121,17 +132,11 @@ JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const doub
     }
 }
 
-static void correct(const lanes_factor *f, const double *P, const double *p, double *V){
-#define CALL(lanes) correct_lanes(f, P, p, V, lanes)
-    FOR_LANES(f->lanes, CALL)
-#undef CALL
-}
-
 /* ---- The gradient to first order --------------------------------------------------------------------------------- */
 
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
-        V sum = m->gradient ? JET_OF(V, m->gradient, m->output[i]) : (V){0};                                           \
+        V sum = m->gradient ? JET_OF(V, m->gradient, i) : (V){0};                                                      \
         for (int k = begin; k < m->end[i]; k++)                                                                        \
             sum += JET_OF(V, m->second, m->term[k].slot) * JET_OF(V, m->moved, m->term[k].column);                     \
         JET_AT(V, out, i) = sum;                                                                                       \
@@ -143,6 +148,25 @@ JET_INLINE void linearise_lanes(const lanes_model *m, double *out, int lanes)
     for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );
 }
 
+/* ---- For any number of lanes ------------------------------------------------------------------------------------- */
+
+#ifndef JET_EMITTED
+static double factor(lanes_factor *f)
+{
+    double least;
+#define CALL(lanes) least = factor_lanes(f, lanes)
+    FOR_LANES(f->lanes, CALL)
+#undef CALL
+    return least;
+}
+
+static void correct(const lanes_factor *f, const double *P, const double *p, double *V)
+{
+#define CALL(lanes) correct_lanes(f, P, p, V, lanes)
+    FOR_LANES(f->lanes, CALL)
+#undef CALL
+}
+
 static void linearise(const lanes_model *m, double *out)
 {
 #define CALL(lanes) linearise_lanes(m, out, lanes)
@@ -151,3 +175,4 @@ static void linearise(const lanes_model *m, double *out)
 }
 
 const lagrangian_loops JET_FOR_ISA(tvi_lagrangian_loops) = {factor, correct, linearise};
+#endif

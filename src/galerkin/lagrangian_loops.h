@@ -24,8 +24,7 @@ typedef struct {
 typedef struct {
     int n, lanes;
     double *moved;          /* [2n][lanes] how far from where it was evaluated; */
-    const double *gradient; /* the block that it is in, NULL: its change alone is wanted, */
-    const int *output;      /* [2n] and where there */
+    const double *gradient; /* [2n][lanes] there; NULL: its change alone is wanted */
     const double *second;   /* the block of the second derivatives, */
     const lanes_term *term; /* those that are not 0, row after row, */
     const int *end;         /* [2n] and where the row ends */

@@ -15,7 +15,7 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
 }
 
 /* The rows of the symmetric matrix of second derivatives. */
-static void set_terms(const tvi_system *system, lanes_term *term, int *end)
+void tvi_galerkin_model_terms(const tvi_system *system, lanes_term *term, int *end)
 {
     const int rows = 2 * system->n;
     for (int k = 0; k < system->seconds; k++) {
@@ -39,7 +39,7 @@ void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *fie
 {
     const tvi_system *system = field->system;
     const int lanes = field->nodes.lanes;
-    set_terms(system, model->term, model->end);
+    tvi_galerkin_model_terms(system, model->term, model->end);
     model->lanes = (lanes_model){
         system->n, lanes, model->lanes.moved, .second = model->second, .term = model->term, .end = model->end};
 }
@@ -65,20 +65,9 @@ bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *fi
 {
     const jet_tape *tape = with_second ? field->system->second_values : field->system->field_values;
     const size_t lanes = (size_t)field->nodes.lanes;
-    model->lanes.gradient = tvi_galerkin_model_sweep(model, field, with_second, first, last);
-    model->lanes.output = tape->output;
-    if (!model->lanes.gradient) return false;
+    const double *x = tvi_galerkin_model_sweep(model, field, with_second, first, last);
+    if (!x) return false;
     for (int i = 0; i < 2 * field->system->n; i++, gradient += lanes)
-        memcpy(gradient, model->lanes.gradient + (size_t)tape->output[i] * lanes, lanes * sizeof *gradient);
+        memcpy(gradient, x + (size_t)tape->output[i] * lanes, lanes * sizeof *gradient);
     return true;
-}
-
-void tvi_galerkin_model_linearise(galerkin_model *model, const galerkin_field *field, const double *first,
-                                  const double *last, double *gradient)
-{
-    const size_t half = (size_t)field->system->n * (size_t)field->nodes.lanes;
-    double *moved = model->lanes.moved;
-    for (size_t i = 0; i < half; i++) moved[i] = first[i] - model->values[i];
-    for (size_t i = 0; i < half; i++) moved[half + i] = last[i] - model->values[half + i];
-    field->lagrangian->linearise(&model->lanes, gradient);
 }

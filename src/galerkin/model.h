@@ -13,6 +13,9 @@ typedef struct {
     int *end;         /* [2n] and rows */
 } galerkin_model;
 
+/* term [2 seconds], end [2n]. */
+void tvi_galerkin_model_terms(const tvi_system *system, lanes_term *term, int *end);
+
 void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const galerkin_field *field);
 void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *field);
 
@@ -23,8 +26,5 @@ const double *tvi_galerkin_model_sweep(galerkin_model *model, const galerkin_fie
 /* gradient [2n][lanes]; false outside its domain. */
 bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *field, bool with_second,
                                  const double *first, const double *last, double *gradient);
-/* To first order from there. */
-void tvi_galerkin_model_linearise(galerkin_model *model, const galerkin_field *field, const double *first,
-                                  const double *last, double *gradient);
 
 #endif

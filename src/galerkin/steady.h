@@ -14,6 +14,8 @@ typedef struct galerkin_frame {
     const tvi_passes_rule *rule;
     const double *matrix, *extrapolation, *c;
     double *drift, *drift_low, *share, *ratio;
+    const double *h;
+    void *own; /* of the form of the field: lagrangian_passes of a Lagrangian */
 } galerkin_frame;
 
 /* One step: the impulses of the last one and of the one before; what it does, but for its impulses, which are in the
@@ -23,6 +25,7 @@ typedef struct galerkin_outcome {
     double *const dq, *const dp;
     tvi_passes passes; /* slowest: of the last step */
     double tail;
+    int factors; /* of second derivatives at the nodes, so often were they taken */
 } galerkin_outcome;
 
 /* 1 / (|start| + |predicted end - start|). */

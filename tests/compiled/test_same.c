@@ -84,6 +84,7 @@ START_TEST(compiled_steps_are_those_of_the_tape)
                       methods[method].order, difference, most);
         ck_assert_msg(labs(own.passes - tape.passes) <= STEPS / 4, "%s, %s: %ld passes, %ld of the tape", s->name,
                       methods[method].name, own.passes, tape.passes);
+        ck_assert_int_le(labs(own.factorisations - tape.factorisations), STEPS / 4 + tape.factorisations / 4);
         ck_assert_double_eq_tol(own.tail, tape.tail, 1e-3 * tape.tail + 64 * DBL_EPSILON);
         tvi_compiled_free(code);
     }

@@ -1,0 +1,166 @@
+/* lagrangian_passes.h - the passes of a Lagrangian's Galerkin curve (lagrangian.c), which the library runs with the
+ * loops of its tables, and generated code with its own, where all sizes are constants. */
+#ifndef TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
+#define TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
+
+#include "algebra/sizes.h"
+#include "galerkin/loops.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* The rows of nodes->x, n each: Q, P, V, F, and L_v behind F. */
+typedef struct {
+    const galerkin_loops *loops;
+    const lagrangian_loops *algebra;
+    const galerkin_nodes *nodes;
+    galerkin_nodes drives; /* V and F as unknowns, which begin at 0 */
+    const double *matrix;  /* of a movement, and which row drives each unknown */
+    const int *slot;
+    const void *of;          /* sweep's own */
+    double *values, *second; /* blocks of the tapes, [inputs][lanes] first, */
+    int inputs;              /* (Q, V), the time, parameters, */
+    const int *output[2];    /* [2n] and where the gradient is there */
+    double *gradient;        /* [2n][lanes] as evaluated */
+    lanes_model model;       /* of it, */
+    lanes_factor mass;       /* and of L_vv */
+    int factors;             /* so often was it taken */
+    double moved;            /* by the last pass, as `move` says; infinite before the first one of a step */
+} lagrangian_passes;
+
+/* Evaluates the gradient (L_q, L_v) in its block: of values or, with second derivatives, of these; false outside its
+ * domain. */
+typedef bool lagrangian_sweep(const lagrangian_passes *w, bool with_second);
+
+/* Loops, and the algebra of second derivatives, by the tables or, in generated code, inlined. */
+#ifdef JET_EMITTED
+#define LAGRANGIAN_LOOP(w, name, ...)    name##_lanes(__VA_ARGS__, GALERKIN_LANES)
+#define LAGRANGIAN_ALGEBRA(w, name, ...) name##_lanes(__VA_ARGS__, GALERKIN_LANES)
+#else
+#define LAGRANGIAN_LOOP(w, name, ...)    (w)->loops->name(__VA_ARGS__)
+#define LAGRANGIAN_ALGEBRA(w, name, ...) (w)->algebra->name(__VA_ARGS__)
+#endif
+
+typedef enum { LAGRANGIAN_PASSED, LAGRANGIAN_OUTSIDE, LAGRANGIAN_NO_NUMBER, LAGRANGIAN_SINGULAR } lagrangian_passed;
+
+enum { LAGRANGIAN_ITERATIONS = 3 }; /* of a pass: more save less than they cost, as measured */
+/* The square of a relative movement after which second derivatives serve again. */
+#define LAGRANGIAN_SERVES 1e-6
+/* That of one which is roundoff: no other one follows from it. */
+#define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
+
+static inline double *lagrangian_row(const galerkin_nodes *nodes, int i) { return nodes->x + i * nodes->lanes; }
+
+static inline galerkin_nodes lagrangian_half(const galerkin_nodes *of, int first)
+{
+    galerkin_nodes nodes = *of;
+    const int offset = first * nodes.lanes;
+    nodes.unknowns /= 2;
+    nodes.x += offset;
+    nodes.base += offset;
+    nodes.impulse += offset;
+    nodes.start += first;
+    nodes.scale += first;
+    nodes.inverse_size += first;
+    return nodes;
+}
+
+/* V and F are impulses divided by h b. */
+static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps, const double *extrapolation,
+                                      const double *const impulses[])
+{
+    for (int u = 0; u < w->nodes->unknowns; u++) w->drives.scale[u] = 1 / h;
+    LAGRANGIAN_LOOP(w, predict, &w->drives, steps, extrapolation, impulses);
+    (void)LAGRANGIAN_LOOP(w, move, w->nodes, w->matrix, w->nodes->x, w->slot);
+    w->moved = INFINITY;
+}
+
+static inline bool lagrangian_evaluate(lagrangian_passes *w, lagrangian_sweep *sweep, bool with_second)
+{
+    const galerkin_nodes *nodes = w->nodes;
+    const int half = nodes->unknowns / 2 * nodes->lanes, lanes = nodes->lanes;
+    const double *x = with_second ? w->second : w->values;
+    const int *output = w->output[with_second];
+    memcpy(w->values, nodes->x, (size_t)half * sizeof *x);
+    memcpy(w->values + half, nodes->x + 2 * half, (size_t)half * sizeof *x);
+    if (with_second) memcpy(w->second, w->values, (size_t)(w->inputs * lanes) * sizeof *x);
+    if (!sweep(w, with_second)) return false;
+    for (int i = 0; i < nodes->unknowns; i++)
+        memcpy(w->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
+    return true;
+}
+
+static inline void lagrangian_take_gradient(lagrangian_passes *w)
+{
+    const galerkin_nodes *nodes = w->nodes;
+    const int numbers = nodes->unknowns * nodes->lanes;
+    memcpy(nodes->x + 3 * (numbers / 2), w->gradient, (size_t)numbers * sizeof *w->gradient);
+}
+
+/* L_vv of the block of second derivatives, factored. */
+static inline lagrangian_passed lagrangian_factor(lagrangian_passes *w)
+{
+    const lanes_model *model = &w->model;
+    const int n = model->n, lanes = model->lanes;
+    double *a = w->mass.lu;
+    memset(a, 0, (size_t)(n * n * lanes) * sizeof *a);
+    for (int i = n; i < 2 * n; i++)
+        for (int k = model->end[i - 1]; k < model->end[i]; k++) {
+            const lanes_term *term = &model->term[k];
+            double *element = a + ((i - n) * n + term->column - n) * lanes;
+            if (term->column >= n) memcpy(element, w->second + term->slot * lanes, (size_t)lanes * sizeof *a);
+        }
+    w->factors++;
+    if (LAGRANGIAN_ALGEBRA(w, factor, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
+    for (int k = model->end[n - 1]; k < model->end[2 * n - 1]; k++)
+        if (!tvi_all_finite(lanes, w->second + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
+    return LAGRANGIAN_SINGULAR;
+}
+
+/* The unknowns, by the gradient at hand. */
+static inline double lagrangian_iterate(lagrangian_passes *w)
+{
+    const galerkin_nodes *nodes = w->nodes;
+    const int n = nodes->unknowns / 2;
+    const galerkin_nodes positions = lagrangian_half(nodes, 0), momenta = lagrangian_half(nodes, n);
+    const double moved = LAGRANGIAN_LOOP(w, move, &momenta, w->matrix, nodes->x, w->slot + n);
+    LAGRANGIAN_ALGEBRA(w, correct, &w->mass, lagrangian_row(nodes, n), lagrangian_row(nodes, 4 * n),
+                       lagrangian_row(nodes, 2 * n));
+    return moved + LAGRANGIAN_LOOP(w, move, &positions, w->matrix, nodes->x, w->slot);
+}
+
+/* The gradient to first order, where (Q, V) have moved. */
+static inline void lagrangian_linearise(lagrangian_passes *w)
+{
+    const galerkin_nodes *nodes = w->nodes;
+    const int half = nodes->unknowns / 2 * nodes->lanes;
+    const double *Q = nodes->x, *V = nodes->x + 2 * half, *from = w->values;
+    double *moved = w->model.moved;
+    for (int i = 0; i < half; i++) moved[i] = Q[i] - from[i];
+    for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
+    LAGRANGIAN_ALGEBRA(w, linearise, &w->model, nodes->x + 3 * half);
+}
+
+/* New second derivatives are taken where those at hand do not serve. */
+static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, lagrangian_sweep *sweep)
+{
+    const galerkin_nodes *nodes = w->nodes;
+    const int numbers = nodes->unknowns * nodes->lanes;
+    if (w->moved <= LAGRANGIAN_SERVES * numbers) {
+        if (!lagrangian_evaluate(w, sweep, false)) return LAGRANGIAN_OUTSIDE;
+    } else {
+        if (!lagrangian_evaluate(w, sweep, true)) return LAGRANGIAN_OUTSIDE;
+        const lagrangian_passed factored = lagrangian_factor(w);
+        if (factored != LAGRANGIAN_PASSED) return factored;
+    }
+    lagrangian_take_gradient(w);
+    double moved = w->moved = lagrangian_iterate(w);
+    for (int i = 1; i < LAGRANGIAN_ITERATIONS && moved > LAGRANGIAN_NOTHING * numbers; i++) {
+        lagrangian_linearise(w);
+        w->moved += moved = lagrangian_iterate(w);
+    }
+    return LAGRANGIAN_PASSED;
+}
+
+#endif
