@@ -18,15 +18,22 @@ typedef struct {
     const double *a[JET_TERMS_MAX], *b[JET_TERMS_MAX];
 } products;
 
-JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const double *x, size_t lanes, int terms)
+JET_INLINE products terms_at(const double *c, const int *a, const int *b, const double *x, size_t lanes, int terms)
 {
     products p;
     for (int t = 0; t < terms; t++) {
-        p.c[t] = tape->term_coefficient[run->term + t];
-        p.a[t] = x + (size_t)tape->term_slot[run->term + t] * lanes;
-        p.b[t] = x + (size_t)tape->term_second[run->term + t] * lanes;
+        p.c[t] = c[t];
+        p.a[t] = x + (size_t)a[t] * lanes;
+        p.b[t] = x + (size_t)b[t] * lanes;
     }
     return p;
+}
+
+JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const double *x, size_t lanes, int terms)
+{
+    const int first = run->term;
+    return terms_at(tape->term_coefficient + first, tape->term_slot + first, tape->term_second + first, x, lanes,
+                    terms);
 }
 
 /* sum_t += sum_{j=from}^{to} term(t, j) for all t at once. */
@@ -65,13 +72,6 @@ JET_INLINE void values_of(const jet_tape *tape, const jet_run *run, double *x, i
 TABLE(values_eight, values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
 TABLE(values_any, values_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes)
 
-#define SCATTERED_VALUES(V, S)                                                                                         \
-    {                                                                                                                  \
-        V sum = c[0] * S(V, x, a[0]) * S(V, x, b[0]);                                                                  \
-        for (int t = 1; t < terms; t++) sum += c[t] * S(V, x, a[t]) * S(V, x, b[t]);                                   \
-        JET_AT(V, z, 0) = sum;                                                                                         \
-    }
-
 JET_INLINE void scattered_values_of(const jet_tape *tape, const jet_run *run, double *x, int lanes, bool squares,
                                     int terms)
 {
@@ -79,7 +79,10 @@ JET_INLINE void scattered_values_of(const jet_tape *tape, const jet_run *run, do
     const double *c = tape->term_coefficient + run->term;
     const int *a = tape->term_slot + run->term, *b = squares ? a : tape->term_second + run->term;
     double *z = x + (size_t)run->z * stride, *const end = z + (size_t)run->count * stride;
-    for (; z < end; z += stride, a += terms, b += terms, c += terms) JET_BLOCKS(lanes, SCATTERED_VALUES, JET_OF);
+    for (; z < end; z += stride, a += terms, b += terms, c += terms) {
+        const products p = terms_at(c, a, b, x, stride, terms);
+        JET_BLOCKS(lanes, VALUES, JET_OF);
+    }
 }
 TABLE(scattered_eight, scattered_values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
 TABLE(scattered_any, scattered_values_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run,
