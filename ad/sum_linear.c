@@ -31,10 +31,13 @@ TABLE(sums_one, sums_of_one, (const jet_tape *tape, const jet_run *run, double *
         V sum = c[0] * S(V, a[0], 0);                                                                                  \
         for (int term = 1; term < kept; term++) sum += c[term] * S(V, a[term], 0);                                     \
         for (int term = kept; term < terms; term++) sum += coefficient[term] * S(V, x, from[term]);                    \
+        if (number) sum += *number;                                                                                    \
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
-JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes, int terms)
+/* number: of the first one, the others' beside it; NULL: none. */
+JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes, const double *number,
+                             int terms)
 {
     const size_t stride = (size_t)lanes;
     const int *from = tape->term_slot + run->term, kept = terms < OWN_MAX ? terms : OWN_MAX;
@@ -43,15 +46,16 @@ JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x
     for (; z < end; z += stride, from += terms, coefficient += terms) {
         for (int term = 0; term < kept; term++) a[term] = x + stride * (size_t)from[term], c[term] = coefficient[term];
         JET_BLOCKS(lanes, LINEAR, JET_OF);
+        if (number) number++;
     }
 }
 
-TABLE(sums_eight, sums_of_many, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
+TABLE(sums_eight, sums_of_many, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8, NULL)
 
 JET_INLINE void linear_order_of(const jet_tape *tape, const jet_run *run, double *x, int lanes, int terms)
 {
     if (lanes == 1) sums_of_one(tape, run, x, terms);
-    else sums_of_many(tape, run, x, lanes, terms);
+    else sums_of_many(tape, run, x, lanes, NULL, terms);
 }
 
 TABLE(sums_any, linear_order_of, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes)
@@ -76,10 +80,17 @@ JET_INLINE void add_numbers(const jet_tape *tape, const jet_run *run, double *x,
     }
 }
 
+TABLE(with_numbers, sums_of_many, (const jet_tape *tape, const jet_run *run, double *x, int lanes), tape, run, x, lanes,
+      tape->base + run->first)
+
 void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int lanes)
 {
-    jet_linear_order(tape, run, x, lanes);
-    add_numbers(tape, run, x, lanes);
+    if (run->has_numbers && lanes > 8) {
+        FUNCTION(with_numbers, run)(tape, run, x, lanes);
+    } else {
+        jet_linear_order(tape, run, x, lanes);
+        add_numbers(tape, run, x, lanes);
+    }
 }
 
 /* One lane. A term that several sums in a row share, as differences of one body's position from many, gathers what they
