@@ -5,6 +5,11 @@
 #include "experiments/experiment.h"
 #include "scenes/hard.h"
 
+/* How long a revolution of the Kepler scenes is in s = int r^(-3/2) dt. */
+#define ADAPTIVE_S_90  8.3680815995493827
+#define ADAPTIVE_S_99  11.446353648528003
+#define ADAPTIVE_S_999 14.674775077677475
+
 typedef enum { ADAPTIVE_FIXED, ADAPTIVE_OWN, ADAPTIVE_AUTOMATIC, ADAPTIVE_TOLERANCE } adaptive_g;
 
 typedef struct {

@@ -11,10 +11,10 @@
 
 #define TWO_PI 6.2831853071795864769
 
-/* A revolution is S long in s = int r^(-3/2) dt, and 5^(1/4) times that with the automatic g. */
-#define S_90   8.3680815995493827
-#define S_99   11.446353648528003
-#define S_999  14.674775077677475
+/* With the automatic g a revolution is 5^(1/4) times as long. */
+#define S_90   ADAPTIVE_S_90
+#define S_99   ADAPTIVE_S_99
+#define S_999  ADAPTIVE_S_999
 #define ROOT_5 1.4953487812212205 /* 5^(1/4) */
 
 const adaptive_line adaptive_lines[] = {

@@ -2,6 +2,7 @@
  * compiles some dozens of systems: the cache is DIR/generated.
  *
  *   compiled DIR */
+#include "adaptive/adaptive.h"
 #include "by_hand.h"
 #include "compiled/compiled.h"
 #include "curves.h"
@@ -103,34 +104,47 @@ static void write_race(FILE *table, const experiment *e, const race *r)
     experiment_progress("compiled: %s", r->title);
 }
 
-/* ---- "taylor" to a tolerance ------------------------------------------------------------------------------------- */
+/* ---- Steps that adapt ------------------------------------------------------------------------------------------- */
 
-/* Whose errors are those of heyoka at its tolerance of DBL_EPSILON, 2.3e-13 and 5.5e-12: below it steps are refined. */
-static const double TOLERANCE = 1e-13;
+/* "taylor" to a tolerance, whose errors are those of heyoka at its tolerance of DBL_EPSILON, 2.3e-13 and 5.5e-12: below
+ * 1e-13 steps are refined. Or "galerkin" 16 with a time scale. Against u or U. */
+typedef struct {
+    const hard_scene *of; /* scale NULL: to a tolerance */
+    const char *title, *method;
+    int order;
+    double setting; /* the tolerance, or h in s */
+    const scene *unit;
+    double unit_h, most;
+} adaptive_race;
+#define TO_A_TOLERANCE(id, title, h, most)                                                                             \
+    {                                                                                                                  \
+        &(const hard_scene){.scene = id}, title, "taylor", 18, 1e-13, &id, h, most                                     \
+    }
+#define RESCALED(id, title, h, most)                                                                                   \
+    {                                                                                                                  \
+        &hard_##id, title ", rescaled, in u", "galerkin", 16, h, &scene_kepler, 0.25, most                             \
+    }
 
 /* A run to the scene's end, from its start. */
 typedef struct {
-    const scene *scene;
+    const adaptive_race *race;
     tvi_integrator *integrator;
-    double q[BASELINE_N_MAX], p[BASELINE_N_MAX];
+    double t, q[BASELINE_N_MAX], p[BASELINE_N_MAX];
 } free_run;
 
 static void run_freely(void *ctx)
 {
     free_run *r = ctx;
-    double t = 0;
-    memcpy(r->q, r->scene->q, (size_t)r->scene->n * sizeof *r->q);
-    memcpy(r->p, r->scene->p, (size_t)r->scene->n * sizeof *r->p);
-    tvi_integrator_reset(r->integrator);
-    experiment_insist(tvi_integrate_tolerance(r->integrator, TOLERANCE, r->scene->t_end, &t, r->q, r->p, NULL, NULL),
-                      "taylor");
-}
-
-static double error_of_run(const free_run *r)
-{
-    double sum = 0;
-    for (int i = 0; i < r->scene->n; i++) sum += pow(r->q[i] - r->scene->reference[i], 2);
-    return sqrt(sum);
+    const scene *s = &r->race->of->scene;
+    tvi_integrator *w = r->integrator;
+    const double setting = r->race->setting;
+    r->t = 0;
+    memcpy(r->q, s->q, (size_t)s->n * sizeof *r->q);
+    memcpy(r->p, s->p, (size_t)s->n * sizeof *r->p);
+    tvi_integrator_reset(w);
+    experiment_insist(r->race->of->scale ? tvi_integrate_to(w, setting, s->t_end, &r->t, r->q, r->p, NULL, NULL)
+                                         : tvi_integrate_tolerance(w, setting, s->t_end, &r->t, r->q, r->p, NULL, NULL),
+                      r->race->title);
 }
 
 typedef struct {
@@ -150,32 +164,47 @@ static void run_rival(void *ctx)
     experiment_insist(gauss->run(gauss, &task, q, p, &counts), "gauss");
 }
 
-/* Against u or U. */
-static void write_tolerance(FILE *table, const experiment *e, const scene *s, const char *title, double h, double most)
+static void write_adaptive(FILE *table, const experiment *e, const adaptive_race *r)
 {
-    enum { TAYLOR_ORDER = 18 };
-    tvi_system *system = experiment_system(s);
+    tvi_system *stated = experiment_system(&r->of->scene), *rescaled = NULL;
+    if (r->of->scale) experiment_insist(tvi_system_rescaled(&rescaled, stated, r->of->scale, NULL), r->title);
+    tvi_system *system = rescaled ? rescaled : stated;
     tvi_options options;
-    experiment_insist(tvi_options_named("taylor", TAYLOR_ORDER, &options), "taylor");
+    experiment_insist(tvi_options_named(r->method, r->order, &options), r->method);
     tvi_compiled *code = experiment_compile(e, system, &options);
-    free_run runs[2] = {{.scene = s}, {.scene = s}};
-    rival_run rival = {s, h};
+    free_run runs[2] = {{.race = r}, {.race = r}};
+    rival_run rival = {r->unit, r->unit_h};
     for (int i = 0; i < 2; i++) {
         options.compiled = i > 0 ? code : NULL;
-        experiment_insist(tvi_integrator_create(&runs[i].integrator, system, &options), "taylor");
+        experiment_insist(tvi_integrator_create(&runs[i].integrator, system, &options), r->method);
     }
     turn of[] = {{.work = run_freely, .ctx = &runs[0]},
                  {.work = run_freely, .ctx = &runs[1]},
                  {.work = run_rival, .ctx = &rival}};
     turns_time(3, of);
     const double ratio = of[1].seconds / of[2].seconds;
-    fprintf(table, "| %s | taylor %d, %.1e | %.3g | %.3g | %.2f | gauss 16 (%.4g) | %.3g | %.2f | %.4g | %s |\n", title,
-            TAYLOR_ORDER, error_of_run(&runs[1]), 1e3 * of[0].seconds, 1e3 * of[1].seconds,
-            of[0].seconds / of[1].seconds, h, 1e3 * of[2].seconds, ratio, most, ratio <= most ? "yes" : "no");
+    fprintf(table, "| %s | %s %d, %.1e | %.3g | %.3g | %.2f | gauss 16 (%.4g) | %.3g | %.2f | %.4g | %s |\n", r->title,
+            r->method, r->order, adaptive_error(r->of, runs[1].t, runs[1].q), 1e3 * of[0].seconds, 1e3 * of[1].seconds,
+            of[0].seconds / of[1].seconds, r->unit_h, 1e3 * of[2].seconds, ratio, r->most,
+            ratio <= r->most ? "yes" : "no");
     for (int i = 0; i < 2; i++) tvi_integrator_free(runs[i].integrator);
     tvi_compiled_free(code);
-    tvi_system_free(system);
-    experiment_progress("compiled: %s", title);
+    tvi_system_free(rescaled);
+    tvi_system_free(stated);
+    experiment_progress("compiled: %s", r->title);
+}
+
+static void write_adaptives(FILE *table, const experiment *e)
+{
+    const adaptive_race adaptive[] = {
+        RESCALED(kepler_90, "Kepler e = 0.9", ADAPTIVE_S_90 / 10, 5),
+        RESCALED(kepler_99, "Kepler e = 0.99", ADAPTIVE_S_99 / 10, 8),
+        RESCALED(kepler_999, "Kepler e = 0.999", ADAPTIVE_S_999 / 15, 10),
+        RESCALED(pythagorean, "Pythagorean", 0.4, 7),
+        TO_A_TOLERANCE(scene_kepler, "Kepler, tolerance 1e-13, in u", 0.25, 4.1),
+        TO_A_TOLERANCE(scene_solar, "Solar System, tolerance 1e-13, in U", 400, 7.4),
+    };
+    for (size_t i = 0; i < sizeof adaptive / sizeof *adaptive; i++) write_adaptive(table, e, &adaptive[i]);
 }
 
 /* ---- Series ------------------------------------------------------------------------------------------------------ */
@@ -251,8 +280,7 @@ int main(int argc, char *argv[])
                                    "problem|method (h), error|tape, ms (time)|compiled, ms (time)|times faster (time)|"
                                    "by hand (h)|ms (time)|compiled / by hand (time)|at most|met (time)");
     for (int i = 0; i < RACES; i++) write_race(table, &e, &races[i]);
-    write_tolerance(table, &e, &scene_kepler, "Kepler, tolerance 1e-13, in u", 0.25, 4.1);
-    write_tolerance(table, &e, &scene_solar, "Solar System, tolerance 1e-13, in U", 400, 7.4);
+    write_adaptives(table, &e);
     write_series(table, &e, &scene_kepler, "Kepler", 0.5);
     write_series(table, &e, &scene_solar, "6 bodies", 800);
     experiment_close(table);

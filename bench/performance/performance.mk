@@ -25,6 +25,7 @@ $(BY_HAND): BASE += -Ibench -Ibench/scenes -Ibench/baselines
 $(PERFORMANCE_DIR)/by_hand.o: TOOL = $(BASE)
 $(PERFORMANCE_DIR)/%.o: TOOL += -Ibench/baselines $(if $(ISAS),-DJET_ISA_X86)
 $(PERFORMANCE_DIR)/series $(PERFORMANCE_DIR)/compiled: $(BY_HAND)
+$(PERFORMANCE_DIR)/compiled: $(BUILD)/bench/adaptive/solution.o
 
 # matrices where the library takes products, and the reverse
 $(PERFORMANCE_DIR)/cost: LDFLAGS += -Wl,--wrap=tvi_curve_jacobians_for
