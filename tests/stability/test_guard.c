@@ -74,19 +74,25 @@ static jet attraction(const jet q[], jet t, void *ctx)
     return jet_mul(-*(const double *)ctx, jet_pow(jet_add(jet_sqr(q[0]), jet_sqr(q[1])), -0.5));
 }
 
-/* Kepler from the pericentre of e = 0.9, of a body of this mass: the statuses of steps, a bit for each, set where it is
- * TVI_ETOOLARGE. */
-static unsigned long refused_steps(const hard_method *m, double mass)
+/* From the pericentre of e = 0.9, of a body of this mass, steps of 1e-3 units and more: their statuses, a bit for each,
+ * set where it is TVI_ETOOLARGE. */
+static unsigned long refused_steps(const tvi_system *system, const hard_method *m, double mass, double unit)
 {
-    tvi_system *system;
     unsigned long refused = 0;
-    ck_assert_int_eq(tvi_system_potential(&system, 2, (const double[]){mass, mass}, attraction, &mass), TVI_OK);
     for (double h = 1e-3; h < 10; h *= 1.25) {
         tvi_integrator *integrator = open_integrator(system, m, 0);
         double t = 0, q[] = {0.1, 0}, p[] = {0, mass * sqrt(19)};
-        refused = 2 * refused + (tvi_step(integrator, h, &t, q, p) == TVI_ETOOLARGE);
+        refused = 2 * refused + (tvi_step(integrator, unit * h, &t, q, p) == TVI_ETOOLARGE);
         tvi_integrator_free(integrator);
     }
+    return refused;
+}
+
+static unsigned long refused_with_mass(const hard_method *m, double mass)
+{
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, 2, (const double[]){mass, mass}, attraction, &mass), TVI_OK);
+    const unsigned long refused = refused_steps(system, m, mass, 1);
     tvi_system_free(system);
     return refused;
 }
@@ -94,10 +100,42 @@ static unsigned long refused_steps(const hard_method *m, double mass)
 /* What is refused knows no unit of the energy. Masses are powers of two, so that all else is the same bit for bit. */
 START_TEST(masses_do_not_show)
 {
-    const unsigned long of_unit_mass = refused_steps(&climbers[_i], 1);
-    ck_assert_uint_eq(refused_steps(&climbers[_i], 0x1p-80), of_unit_mass);
-    ck_assert_uint_eq(refused_steps(&climbers[_i], 0x1p80), of_unit_mass);
+    const unsigned long of_unit_mass = refused_with_mass(&climbers[_i], 1);
+    ck_assert_uint_eq(refused_with_mass(&climbers[_i], 0x1p-80), of_unit_mass);
+    ck_assert_uint_eq(refused_with_mass(&climbers[_i], 0x1p80), of_unit_mass);
     ck_assert(_i > 1 || of_unit_mass != 0); /* galerkin */
+}
+END_TEST
+
+/* g = r^(3/2) / unit. */
+static jet scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t;
+    return jet_div(jet_pow(jet_add(jet_sqr(q[0]), jet_sqr(q[1])), 0.75), *(const double *)ctx);
+}
+
+static unsigned long refused_with_scale(const hard_method *m, double unit)
+{
+    double mass = 1;
+    tvi_system *system, *rescaled;
+    ck_assert_int_eq(tvi_system_potential(&system, 2, NULL, attraction, &mass), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, system, scale, &unit), TVI_OK);
+    const unsigned long refused = refused_steps(rescaled, m, mass, unit);
+    tvi_system_free(rescaled);
+    tvi_system_free(system);
+    return refused;
+}
+
+/* Nor one of g, which K has and the energy has not. */
+START_TEST(scales_do_not_show)
+{
+    static const hard_method methods[] = {{"taylor", 16, false}, {"taylor", 8, false}, {"right", 8, false}};
+    for (int i = 0; i < 3; i++) {
+        const unsigned long of_unit_scale = refused_with_scale(&methods[i], 1);
+        ck_assert_uint_ne(of_unit_scale, 0);
+        ck_assert_uint_eq(refused_with_scale(&methods[i], 0x1p-20), of_unit_scale);
+        ck_assert_uint_eq(refused_with_scale(&methods[i], 0x1p20), of_unit_scale);
+    }
 }
 END_TEST
 
@@ -111,6 +149,7 @@ Suite *suite_guard(void)
     tcase_add_loop_test(tcase, ladder, 0, cases * CLIMBERS);
     tcase_add_test(tcase, options_of_the_guard);
     tcase_add_loop_test(tcase, masses_do_not_show, 0, CLIMBERS);
+    tcase_add_test(tcase, scales_do_not_show);
     suite_add_tcase(suite, tcase);
     return suite;
 }
