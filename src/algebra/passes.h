@@ -25,6 +25,7 @@ typedef struct {
     double noise, first_noise; /* nor do those that may be roundoff, up to this; before any part is known, up to that */
     double most_slack;         /* how much slower than expected passes are believed to be; 0: it is not learned */
     double slack_above;        /* from corrections that are larger than this, which are no roundoff */
+    double confirmed;          /* the pass that checks the expectation moves no more than this */
 
     /* They are stuck when more than this part of the correction before is left, and of the one before that, too, where
      * they are compared with two: corrections that follow from one another may be small and large in turns. */
@@ -43,7 +44,7 @@ typedef struct {
     double next;                  /* what the next one should be */
     double slack, seen;           /* how much slower passes are: believed, and by the last correction */
     double roundoff;              /* a correction of at most this is roundoff, as measured; 0: not measured */
-    bool checks;                  /* one pass more than seems needed, to see how far the expectation can be trusted */
+    bool checks;                  /* a pass more than seems needed, until one confirms what was expected of it */
 } tvi_passes;
 
 typedef enum {
@@ -115,7 +116,7 @@ static inline bool tvi_passes_is_cycle(const tvi_passes *passes)
 /* Adds a pass, whose correction is so large. */
 static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size)
 {
-    const bool was_enough = passes->next <= rule->goal;
+    const bool is_confirmed = passes->next <= rule->goal && size <= rule->confirmed;
     passes->earlier = passes->before;
     passes->before = passes->size;
     passes->size = size;
@@ -124,7 +125,7 @@ static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_
     if (size == 0 && !passes->checks) return TVI_PASSES_MAY_END;
     if (rule->most_slack > 0 && passes->count > 1) tvi_passes_learn_slack(passes, rule);
     tvi_passes_expect(passes, rule);
-    const bool is_enough = passes->next <= rule->goal && (was_enough || !passes->checks);
+    const bool is_enough = passes->next <= rule->goal && (is_confirmed || !passes->checks);
     if (is_enough || size <= passes->roundoff) return TVI_PASSES_MAY_END;
     if (!tvi_passes_is_stuck(passes, rule)) return TVI_PASSES_GO_ON;
     if (size > rule->roundoff) return TVI_PASSES_STUCK;

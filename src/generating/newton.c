@@ -19,6 +19,7 @@ enum { MAX_REFRESHES = 3, CHECK_EVERY = 16 };
  * after 53. */
 static const tvi_passes_rule of_each = {.most = 64,
                                         .goal = DBL_EPSILON / 2,
+                                        .confirmed = 8 * DBL_EPSILON,
                                         .memory = 2,
                                         .contraction = 1,
                                         .far = INFINITY,
@@ -170,7 +171,9 @@ static tvi_passes_verdict judge(tvi_newton *newton, const tvi_equations *equatio
     tvi_passes_verdict verdict = tvi_passes_judge(&at->passes, &at->rule, size.relative);
     const tvi_passes_verdict settled = tvi_passes_judge(&at->largest, &at->rule_of_largest, size.of_group);
     if (verdict == TVI_PASSES_STUCK) verdict = settled;
-    return verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at->passes) ? TVI_PASSES_MAY_END : verdict;
+    if (verdict != TVI_PASSES_STUCK) return verdict;
+    if (at->passes.count <= at->rule.turns) return TVI_PASSES_GO_ON; /* small and large in turns show nothing yet */
+    return is_roundoff(newton, equations, &at->passes) ? TVI_PASSES_MAY_END : verdict;
 }
 
 /* One pass: correction = -K^-1 r(x). */

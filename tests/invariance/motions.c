@@ -327,16 +327,3 @@ double growth_of(const setting *s, long steps)
     ck_assert(end.status == TVI_OK && other.status == TVI_OK);
     return fmax(1, distance(&own, &end, &other) / part);
 }
-
-/* ---- Limits ------------------------------------------------------------------------------------------------------ */
-
-/* In frames that are moved, methods of order 2 lose digits: types II at the start and III at the end with a momentum
- * that is not M v; and truncated curves from both ends where the terms of the field cancel. */
-bool is_known_limit(const setting *s, const tvi_options *options)
-{
-    if (options->order != 2 || s->frame->move == 0) return false;
-    if (options->expansion == TVI_AT_BOTH_ENDS) return s->motion->cancels > 0 && s->amplitude < s->motion->most;
-    if (strcmp(s->motion->name, "magnetic") != 0) return false;
-    return (options->method == TVI_TYPE2 && options->expansion == TVI_AT_START) ||
-           (options->method == TVI_TYPE3 && options->expansion == TVI_AT_END);
-}

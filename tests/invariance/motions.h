@@ -41,9 +41,6 @@ struct motion {
     bool raw; /* the function is given q and t as they are, and states its own constants in the units of the frame */
 };
 
-/* What docs/limits.md says does not hold ("Small motions"). */
-bool is_known_limit(const setting *s, const tvi_options *options);
-
 enum { MOTIONS = 12 };
 extern const motion motions[MOTIONS];
 const motion *motion_named(const char *name);

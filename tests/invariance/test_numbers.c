@@ -35,7 +35,6 @@ START_TEST(any_number_of_coordinates)
     add_methods(system, 1, composed, true, &list);
     const double growth = growth_of(&own, STEPS);
     for (int i = 0; i < list.count; i++) {
-        if (is_known_limit(&there, &list.options[i])) continue;
         const outcome x = run_from(&own, system, &list.options[i], 1, STEPS, &start),
                       y = run_from(&there, moved, &list.options[i], 1, STEPS, &start);
         const double error = distance(&own, &x, &y) / (DBL_EPSILON * (1 + m->cancels + size_of(&own, &x)));

@@ -121,14 +121,12 @@ static void check_spring(const spring_run *run, const hard_method *m)
 
 /* All forms, places and amplitudes, two of them for 20,000 steps: which ones, is another choice for each method. With
  * TVI_EQUILIBRIA=all (make check-long) all of them away from the origin, but the separable Hamiltonian, which is a
- * potential; and but for "poincare" 2, whose roundoff adds up to 400 units (docs/limits.md). */
+ * potential. */
 static bool has_many_steps(int method, int row)
 {
     const char *which = getenv("TVI_EQUILIBRIA");
     if (method >= method_count) return false;
-    const bool is_known_limit = strcmp(all_methods[method].name, "poincare") == 0 && all_methods[method].order == 2;
-    if (which && strcmp(which, "all") == 0)
-        return !is_known_limit && row % SPRINGS != SEPARABLE_HAMILTONIAN && row / SPRINGS % PLACES > 0;
+    if (which && strcmp(which, "all") == 0) return row % SPRINGS != SEPARABLE_HAMILTONIAN && row / SPRINGS % PLACES > 0;
     return (row + 5 * method) % (ROWS / LONG_RUNS) == 0;
 }
 
