@@ -26,7 +26,8 @@ typedef struct {
     const tvi_block *blocks;       /* block.h */
 } tvi_arena;
 
-enum { ARENA_ALIGNMENT = 64 };
+/* Of what is marked pieces stand closer, since each step copies it. */
+enum { ARENA_ALIGNMENT = 64, ARENA_MARKED_ALIGNMENT = 16 };
 
 #ifdef ARENA_HAS_GAPS
 #include <sanitizer/asan_interface.h>
@@ -38,12 +39,20 @@ enum { ARENA_GAP = 0 };
 #define ARENA_UNCHECKED
 #endif
 
+static inline size_t tvi_arena_rounded(size_t bytes, size_t alignment)
+{
+    return (bytes + alignment - 1) / alignment * alignment;
+}
+
 /* Of the history, */
-static inline size_t tvi_arena_remembered(const tvi_arena *arena) { return arena->marked + arena->in_turns; }
+static inline size_t tvi_arena_remembered(const tvi_arena *arena)
+{
+    return tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT) + arena->in_turns;
+}
 /* and of all memory, which has what is marked once more, as it was before. */
 static inline size_t tvi_arena_bytes(const tvi_arena *arena)
 {
-    return arena->used + tvi_arena_remembered(arena) + arena->marked;
+    return arena->used + tvi_arena_remembered(arena) + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
 }
 
 /* Memory for all that was measured, zeros, which is to be freed; then the arena hands it out. NULL without memory. */
@@ -54,14 +63,15 @@ static inline void *tvi_arena_open(tvi_arena *arena)
     if (!memory) return NULL;
     memset(memory, 0, bytes);
     char *const history = memory + arena->used;
-    *arena = (tvi_arena){.base = memory, .history = history, .turns = history + arena->marked};
+    char *const turns = history + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
+    *arena = (tvi_arena){.base = memory, .history = history, .turns = turns};
     return memory;
 }
 
 /* The piece of so many bytes at region + used; NULL where there is no region. */
-static inline void *tvi_arena_cut(char *region, size_t *used, size_t bytes)
+static inline void *tvi_arena_cut(char *region, size_t *used, size_t bytes, size_t alignment)
 {
-    const size_t room = (bytes + ARENA_ALIGNMENT - 1) / ARENA_ALIGNMENT * ARENA_ALIGNMENT + ARENA_GAP;
+    const size_t room = tvi_arena_rounded(bytes, alignment) + ARENA_GAP;
     char *piece = region ? region + *used : NULL;
     if (piece) ASAN_POISON_MEMORY_REGION(piece + bytes, room - bytes);
     *used += room;
@@ -70,18 +80,18 @@ static inline void *tvi_arena_cut(char *region, size_t *used, size_t bytes)
 
 static inline void *tvi_arena_take(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->base, &arena->used, bytes);
+    return tvi_arena_cut(arena->base, &arena->used, bytes, ARENA_ALIGNMENT);
 }
 
 static inline void *tvi_arena_history(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->history, &arena->marked, bytes);
+    return tvi_arena_cut(arena->history, &arena->marked, bytes, ARENA_MARKED_ALIGNMENT);
 }
 
 /* One of the pieces that steps fill in turns. */
 static inline void *tvi_arena_turn(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->turns, &arena->in_turns, bytes);
+    return tvi_arena_cut(arena->turns, &arena->in_turns, bytes, ARENA_ALIGNMENT);
 }
 
 static inline double *tvi_arena_doubles(tvi_arena *arena, size_t count)

@@ -48,9 +48,9 @@ static bool may_touch(const char *byte)
 }
 
 /* Each of its bytes may be touched, and none from its end to that of the gap. */
-static void check_piece(char *piece, size_t bytes, const char *next)
+static void check_piece(char *piece, size_t bytes, size_t alignment, const char *next)
 {
-    ck_assert_uint_eq((uintptr_t)piece % ARENA_ALIGNMENT, 0);
+    ck_assert_uint_eq((uintptr_t)piece % alignment, 0);
     ck_assert(piece + bytes + ARENA_GAP <= next);
     for (size_t i = 0; i < bytes; i++) ck_assert(may_touch(piece + i));
     for (const char *byte = piece + bytes; ARENA_GAP > 0 && byte < next; byte++) ck_assert(!may_touch(byte));
@@ -59,12 +59,14 @@ static void check_piece(char *piece, size_t bytes, const char *next)
 START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
-    char *const end = x.memory + x.arena.used, *const end_of_marked = end + x.arena.marked;
+    char *const end = x.memory + x.arena.used, *const end_of_marked = end + x.arena.marked,
+                *const end_of_turns = end + tvi_arena_remembered(&x.arena);
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;
-        check_piece(x.piece[i], sizes[i], is_last ? end : x.piece[i + 1]);
-        check_piece(x.history[i], sizes[PIECES - 1 - i], is_last ? end_of_marked : x.history[i + 1]);
-        check_piece(x.turn[i], sizes[i], is_last ? end_of_marked + x.arena.in_turns : x.turn[i + 1]);
+        check_piece(x.piece[i], sizes[i], ARENA_ALIGNMENT, is_last ? end : x.piece[i + 1]);
+        check_piece(x.history[i], sizes[PIECES - 1 - i], ARENA_MARKED_ALIGNMENT,
+                    is_last ? end_of_marked : x.history[i + 1]);
+        check_piece(x.turn[i], sizes[i], ARENA_ALIGNMENT, is_last ? end_of_turns : x.turn[i + 1]);
     }
     free(x.memory);
 }
@@ -74,7 +76,7 @@ END_TEST
 START_TEST(histories_are_copied)
 {
     open_arena x = open_all();
-    const size_t remembered = x.arena.marked + x.arena.in_turns;
+    const size_t remembered = tvi_arena_remembered(&x.arena);
     char *copy = malloc(remembered + 1);
     memset(copy, 7, remembered + 1);
     for (int i = 0; i < PIECES; i++) memset(x.history[i], 1 + i, sizes[PIECES - 1 - i]);
