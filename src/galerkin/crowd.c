@@ -11,7 +11,7 @@
 
 #include <math.h>
 
-enum { MOST_LANES = 128, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
+enum { MOST_LANES = 256, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
 /* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 

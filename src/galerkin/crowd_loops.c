@@ -34,11 +34,13 @@
 #define BY_SIZE(name, parameters, ...)                                                                                 \
     OWN void name##_8 parameters { name##_sized(__VA_ARGS__, 8, 8, 8); }                                               \
     OWN void name##_16 parameters { name##_sized(__VA_ARGS__, 8, 8, 16); }                                             \
+    OWN void name##_32 parameters { name##_sized(__VA_ARGS__, 8, 8, 32); }                                             \
     static void name parameters                                                                                        \
     {                                                                                                                  \
         const int points = nodes->points, stride = nodes->stride, width = nodes->width;                                \
         if (points == 8 && width == 8) name##_8(__VA_ARGS__);                                                          \
         else if (points == 8 && width == 16) name##_16(__VA_ARGS__);                                                   \
+        else if (points == 8 && width == 32) name##_32(__VA_ARGS__);                                                   \
         else name##_sized(__VA_ARGS__, points, stride, (size_t)width);                                                 \
     }
 
