@@ -77,7 +77,8 @@ TVI_NODISCARD tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_ham
 typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
 /* The same system with steps that adapt and stay symplectic: its integrators take h in s, dt = g ds, so that each step
  * covers about h g of time (docs/adaptive.md). Inside, steps are made of K = g (H + e) in (q, t) and (p, e): *t moves
- * on with q, and e = -H at the start of a run is the integrator's own. All else is as for the system: its n, its
+ * on with q, and e = -H at the start of a run is the integrator's own. Where g goes to 0 along the orbit, a run to a
+ * time need not end. All else is as for the system: its n, its
  * energy, results and events at times t. Methods of type I do not serve it, Stormer-Verlet neither. It shares nothing
  * with the system.
  * g NULL: the automatic one, to the -4 the sum of the fourth powers of the local frequencies, so that h is a phase:

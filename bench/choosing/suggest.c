@@ -1,6 +1,10 @@
 /* suggest.c - what runs reach with the step of tvi_suggest_step, and what it costs to find: one method on every scene,
- * hard ones rescaled with their own time scale. Writes a table of docs/choosing.md, and says how many of its cells lie
- * between a hundredth of the wanted error and the wanted error.
+ * hard ones rescaled with their own time scale. Writes a table of docs/choosing.md, and says of how many of its cells
+ * what was wanted holds. Each says so:
+ *   held     the error lies between a hundredth of the wanted one and the wanted one
+ *   longest  it is smaller, but a step a fourth longer is refused, or makes more than was wanted
+ *   refused  no step is suggested, with a reason
+ *   missed
  *
  *   suggest DIR METHOD ORDER */
 #include "run/suggest.h"
@@ -23,9 +27,11 @@ typedef struct {
     double end[2 * MOST], size[2];
 } trip;
 
-/* Of cells: those that a method serves, and those as wanted; a run of one or two steps may be better. */
+/* Of cells. */
+enum { HELD, LONGEST, REFUSED, MISSED, VERDICTS };
+static const char *const verdicts[] = {"held", "longest", "refused", "missed"};
 typedef struct {
-    int all, good;
+    int of[VERDICTS];
 } count;
 
 static int take_sizes(long step, double t, const double q[], const double p[], void *ctx)
@@ -62,17 +68,41 @@ static double error_of(const trip *to, const double end[])
     return error;
 }
 
+/* The error of a run with steps of h; infinite where it fails. */
+static double reached_with(const trip *to, double h, long *steps, tvi_status *status)
+{
+    double end[2 * MOST];
+    *steps = travel(to, to->options, h, end, NULL, NULL, status);
+    return *status == TVI_OK ? error_of(to, end) : INFINITY;
+}
+
+static int judge(const trip *to, double h, double error, double reached)
+{
+    long steps;
+    tvi_status status;
+    if (reached > error) return MISSED;
+    if (reached >= error / 100) return HELD;
+    const bool is_whole = fabs(h) >= to->s->t_end / 2; /* of a run of one step or two none is longer */
+    return is_whole || reached_with(to, 1.25 * h, &steps, &status) > error ? LONGEST : MISSED;
+}
+
 static void write_cell(const trip *to, double error, count *cells, FILE *out)
 {
     tvi_suggestion found;
-    double end[2 * MOST];
+    long steps;
     tvi_status status = tvi_suggest(to->system, to->options, 0, to->s->q, to->s->p, to->s->t_end, error, &found);
-    const long steps = status == TVI_OK ? travel(to, to->options, found.h, end, NULL, NULL, &status) : 0;
-    const double reached = status == TVI_OK ? error_of(to, end) : INFINITY;
-    cells->all++;
-    cells->good += reached <= error && (reached >= error / 100 || steps <= 2);
-    if (status == TVI_OK) fprintf(out, " %.1e (%.3g: %ld, %ld) |", reached, found.h, found.steps, steps);
-    else fprintf(out, " %s |", tvi_status_string(status));
+    if (status != TVI_OK) {
+        fprintf(out, " refused: %s |", tvi_last_error());
+        cells->of[REFUSED]++;
+        return;
+    }
+    const double reached = reached_with(to, found.h, &steps, &status);
+    const int verdict = judge(to, found.h, error, reached);
+    cells->of[verdict]++;
+    fprintf(out, " %s: ", verdicts[verdict]);
+    if (status == TVI_OK) fprintf(out, "%.1e ", reached);
+    else fprintf(out, "%s ", tvi_status_string(status));
+    fprintf(out, "(%.3g: %ld, %ld) |", found.h, found.steps, steps);
 }
 
 static void write_row(const trip *to, count *cells, FILE *out)
@@ -92,10 +122,18 @@ static bool write_scene(const scene *s, tvi_rescale_fn *scale, const tvi_options
     if (status == TVI_OK && scale) status = tvi_system_rescaled(&rescaled, base, scale, NULL);
     trip to = {.s = s, .system = rescaled ? rescaled : base, .options = options};
     if (status == TVI_OK) (void)travel(&to, NULL, fine, to.end, take_sizes, &to, &status);
+    if (s->reference) memcpy(to.end, s->reference, 2 * (size_t)s->n * sizeof *to.end);
     if (status == TVI_OK) write_row(&to, cells, out);
     tvi_system_free(rescaled);
     tvi_system_free(base);
     return status == TVI_OK;
+}
+
+static void print_count(const char *what, const count *cells)
+{
+    printf("%s:", what);
+    for (int i = 0; i < VERDICTS; i++) printf(" %s %d", verdicts[i], cells->of[i]);
+    printf("\n");
 }
 
 static bool write_table(const tvi_options *options, FILE *out)
@@ -110,7 +148,8 @@ static bool write_table(const tvi_options *options, FILE *out)
             good &= write_scene(*s, NULL, options, (*s)->steps[0] / 6, &fixed, out);
     for (const hard_scene *const *s = hard_scenes; *s; s++)
         good &= write_scene(&(*s)->scene, (*s)->scale, options, 0.3, &hard, out);
-    printf("As wanted: %d of %d, of rescaled scenes %d of %d\n", fixed.good, fixed.all, hard.good, hard.all);
+    print_count("fixed steps", &fixed);
+    print_count("rescaled", &hard);
     return good;
 }
 

@@ -230,11 +230,25 @@ static void reset(bytes *b, world *w)
     tvi_integrator_reset(w->integrator);
 }
 
+/* A suggested step goes the way of the run, and is not longer. */
+static void suggest_step(bytes *b, world *w)
+{
+    const double was = 42, duration = below(b, 16) ? 64 * step_size(b) : number(b);
+    const double error = below(b, 16) ? exp(-byte(b) / 8.0) : number(b);
+    double h = was;
+    if (w->n > 3 || (fabs(duration) > 64 && isfinite(duration))) return; /* of a long run 5 % is long */
+    const tvi_status status =
+        tvi_suggest_step(w->system, tvi_integrator_options(w->integrator), w->x.t, w->x.q, w->x.p, duration, error, &h);
+    expect_status(status);
+    if (status != TVI_OK) insist(h == was, "no step is suggested");
+    else insist(h * duration > 0 && (w->adapts || fabs(h) <= fabs(duration)), "a suggested step");
+}
+
 typedef void call(bytes *b, world *w);
 static call *const calls[] = {
-    step,          step,       step,  dense,      save_and_load, integrate,    integrate_events,    step_tangent,
-    ask_system,    last_state, reset, make_state, integrate_at,  integrate_to, integrate_tolerance, ask_integrator,
-    set_parameters};
+    step,           step,        step,  dense,      save_and_load, integrate,    integrate_events,    step_tangent,
+    ask_system,     last_state,  reset, make_state, integrate_at,  integrate_to, integrate_tolerance, ask_integrator,
+    set_parameters, suggest_step};
 enum { CALLS = sizeof calls / sizeof *calls, CALLS_MOST = 16 };
 
 long fuzz_one(const uint8_t data[], size_t size)

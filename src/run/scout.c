@@ -1,0 +1,98 @@
+/* scout.c - a first look along an orbit. Each step is as large as just resolves it, which its tail (tvi_stats.tail)
+ * tells, so that few steps see much of the run: where it is hardest, and what step would do there. */
+#include "run/scout.h"
+#include "run/integrator.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* A step with a larger tail is taken back. */
+static const double MOST_TAIL = 0.03;
+/* What a step is multiplied by: where it fails, the first one and others; after one that did not, at most; and what its
+ * tail is believed to say, at least and at most. */
+static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, MOST = 8;
+/* The error that a step of given size makes, as a power of the scale; and at least, relative to the hardest place. */
+static const double POWER = 4, LEAST_WEIGHT = 0.02;
+
+static double shorter(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
+
+static void take_sizes(tvi_scout *s, const tvi_orbit *o)
+{
+    for (int i = 0; i < s->n; i++) {
+        s->size_q = fmax(s->size_q, fabs(o->q[i]));
+        s->size_p = fmax(s->size_p, fabs(o->p[i]));
+    }
+}
+
+static void keep_state(tvi_scout *s, const tvi_orbit *o)
+{
+    const size_t n = (size_t)s->n;
+    double *const x = s->states + (size_t)s->count * (2 * n + 1);
+    memcpy(x, o->q, n * sizeof *x);
+    memcpy(x + n, o->p, n * sizeof *x);
+    x[2 * n] = o->t;
+}
+
+/* The step that just resolves the orbit where the last one, of size h, is: tails grow by the power degree of it. */
+static double scale_of(const tvi_orbit *o, double h)
+{
+    const double tail = tvi_integrator_stats(o->steps)->tail, degree = fmax(1, o->steps->options.degree);
+    return h * (tail > 0 ? fmin(fmax(pow(TVI_SCOUT_TAIL / tail, 1 / degree), LEAST), MOST) : MOST);
+}
+
+/* What a step of size h has shown. The rest of the way to the end of the run shows little, as it is short. Returns the
+ * next size. */
+static double learn(tvi_scout *s, const tvi_orbit *o, double h, bool is_rest)
+{
+    const double scale = scale_of(o, h);
+    s->place[s->count + 1] = s->place[s->count] + h;
+    s->scale[s->count] = is_rest && s->count > 0 ? s->scale[s->count - 1] : scale;
+    if (fabs(s->scale[s->count]) < fabs(s->scale[s->hardest])) s->hardest = s->count;
+    s->count++;
+    take_sizes(s, o);
+    return shorter(scale, GROWS * h);
+}
+
+/* The next step, of size h or less. Returns the size of the one after it, or of another trial. */
+static double advance(tvi_scout *s, tvi_orbit *o, double h, double left, tvi_status *status)
+{
+    const bool is_rest = !tvi_is_rescaled(o->steps) && fabs(left) <= fabs(h);
+    const double size = is_rest ? left : h;
+    keep_state(s, o);
+    s->made++;
+    *status = tvi_step(o->steps, size, &o->t, o->q, o->p);
+    if (*status != TVI_OK) return size * (s->count == 0 ? FIRST_FAILS : FAILS);
+    const bool may_try = s->count > 0 || s->made < TVI_SCOUT_STEPS / 2;
+    if (tvi_integrator_stats(o->steps)->tail <= MOST_TAIL || !may_try) return learn(s, o, size, is_rest);
+    tvi_integrator_take_back(o->steps, &o->t, o->q, o->p);
+    return scale_of(o, size);
+}
+
+tvi_status tvi_scout_look(tvi_scout *s, tvi_orbit *o, double duration)
+{
+    const double start = o->t, end = start + duration;
+    double h = duration;
+    tvi_status status = TVI_OK;
+    take_sizes(s, o);
+    bool is_blind = false; /* the method has no tail */
+    while (s->made < TVI_SCOUT_STEPS && s->part < 1 && !is_blind) {
+        h = advance(s, o, h, end - o->t, &status);
+        s->part = fmin((o->t - start) / duration, 1);
+        is_blind = s->count == 1 && o->steps->options.degree <= 2;
+    }
+    return s->count > 0 ? TVI_OK : status;
+}
+
+double tvi_scout_weight(const tvi_scout *s, double from, double to)
+{
+    const double end = s->place[s->count], hardest = s->scale[s->hardest];
+    double sum = 0, all = 0;
+    for (int k = 0; k < s->count; k++) {
+        const double weight = fmax(pow(hardest / s->scale[k], POWER), LEAST_WEIGHT);
+        const double way = fmin(fabs(to), fabs(s->place[k + 1])) - fmax(fabs(from), fabs(s->place[k]));
+        sum += fmax(way, 0) * weight;
+        all += fabs(s->place[k + 1] - s->place[k]) * weight;
+    }
+    return sum + fmax(fabs(to) - fabs(end), 0) * all / fabs(end);
+}
