@@ -2,30 +2,34 @@
 # make            build/libtvi.a and build/libtvi.so
 # make check      the tests (installs what they need from Debian, as root), less than six minutes of two cores
 # make check-long what takes longer: sanitizers, coverage, the base instruction set, warnings of gcc as it optimizes
-# make bench      the library and the baselines over all scenes: tables, CSV and plots in build/bench; SCENE=kepler for one
+# make bench      the library and the baselines over all scenes: tables, CSV, plots in build/bench; SCENE=kepler for one
 # make cov        lines of ad and src that the tests run; fails below 95%
 # make fuzz       random programs led by coverage (libFuzzer), a minute; SECONDS=n for longer
 # make fuzz-steps random steps against their definition in quadruple precision; SEED=n COUNT=m
 # make analyse    clang-tidy and cppcheck over everything
 # make blas-threads     the same bits for any number of threads of OpenBLAS
-# make install    headers, libraries, manual pages, documents, tvi.pc and tvi-config.cmake below PREFIX (LIBDIR, DESTDIR); make uninstall
+# make install    headers, libraries, manual pages, documents, tvi.pc and tvi-config.cmake below PREFIX
+#                 (LIBDIR, DESTDIR); make uninstall takes them away
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
 # make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
-# make performance   the tables and the picture of docs/performance.md, and those of compiled.md and ensembles.md, three minutes
+# make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, three
+#                 minutes
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md
 # make stability  where methods break: the tables and pictures of docs/stability.md, four minutes
 # make guard      the steps that are refused: its table in docs/adaptive.md alone, a minute and a half
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
 # make verify     the tables of the documents made anew and compared, times excepted
-# make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs, choose-docs,
-#                 bench-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs, adaptive-docs, chaos-docs, order-doubling-docs,
-#                 experiments-docs, maps-docs
-# make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: the tables and the picture of docs/chaos.md
-# make maps       order and chaos over planes of starts, by ensembles: the table and the pictures of docs/ensembles.md, some minutes
-# make adaptive  fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of docs/adaptive.md
+# make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs,
+#                 choose-docs, bench-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,
+#                 adaptive-docs, chaos-docs, order-doubling-docs, experiments-docs, maps-docs
+# make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: tables and picture of docs/chaos.md
+# make maps       order and chaos over planes of starts, by ensembles: the table and the pictures of
+#                 docs/ensembles.md, some minutes
+# make adaptive   fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of
+#                 docs/adaptive.md
 # make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute
 # make references bench/scenes/references.h anew, in quadruple precision
 
