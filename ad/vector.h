@@ -85,32 +85,34 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
     do {                                                                                                               \
         V odd = {0};                                                                                                   \
         const int least = (from), most = (to);                                                                         \
-        const bool outwards = JET_KNOWS(least + most);                                                                 \
-        int next = outwards ? (least + most) / 2 + 1 : least, before = (least + most) / 2;                             \
-        for (; outwards && next <= most; next++) {                                                                     \
-            const int j = next;                                                                                        \
-            odd += term;                                                                                               \
-        }                                                                                                              \
-        for (; outwards && before >= least; before--) {                                                                \
-            const int j = before;                                                                                      \
-            sum += term;                                                                                               \
-        }                                                                                                              \
-        for (; next < most; next += 2) {                                                                               \
-            {                                                                                                          \
+        if (JET_KNOWS(least + most)) {                                                                                 \
+            int below = (least + most) / 2, above = below + 1;                                                         \
+            if (least <= most && (most - least) % 2 == 0) {                                                            \
+                const int j = below--;                                                                                 \
+                odd += term;                                                                                           \
+            }                                                                                                          \
+            for (; above <= most; below--, above++) JET_TWO_TERMS(sum, odd, below, above, term)                        \
+        } else {                                                                                                       \
+            int next = least;                                                                                          \
+            for (; next < most; next += 2) JET_TWO_TERMS(sum, odd, next, next + 1, term)                               \
+            if (next == most) {                                                                                        \
                 const int j = next;                                                                                    \
                 sum += term;                                                                                           \
             }                                                                                                          \
-            {                                                                                                          \
-                const int j = next + 1;                                                                                \
-                odd += term;                                                                                           \
-            }                                                                                                          \
-        }                                                                                                              \
-        if (next == most) {                                                                                            \
-            const int j = next;                                                                                        \
-            sum += term;                                                                                               \
         }                                                                                                              \
         sum += odd;                                                                                                    \
     } while (0)
+#define JET_TWO_TERMS(sum, odd, one, other, term)                                                                      \
+    {                                                                                                                  \
+        {                                                                                                              \
+            const int j = one;                                                                                         \
+            sum += term;                                                                                               \
+        }                                                                                                              \
+        {                                                                                                              \
+            const int j = other;                                                                                       \
+            odd += term;                                                                                               \
+        }                                                                                                              \
+    }
 
 /* for j = from..to: what a transposed sum adds to other orders. */
 #define JET_EACH(from, to, statement)                                                                                  \

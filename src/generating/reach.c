@@ -24,9 +24,11 @@ typedef struct {
 /* max_i |x_k|, of p in the unit of kappa p, so that masses do not show. */
 static double size_of(const series *x, int k)
 {
+    const tvi_curve *curve = x->curve;
+    if (!x->of_momentum) return tvi_largest(curve->n, tvi_curve_Q(curve, k), 1);
+    if (curve->system->form == TVI_SEPARABLE) return (k + 1) * tvi_largest(curve->n, tvi_curve_Q(curve, k + 1), 1);
     double size = 0;
-    if (!x->of_momentum) return tvi_largest(x->curve->n, tvi_curve_Q(x->curve, k), 1);
-    for (int i = 0; i < x->curve->n; i++) size = fmax(size, fabs(tvi_curve_U(x->curve, k, i)));
+    for (int i = 0; i < curve->n; i++) size = tvi_larger(fabs(tvi_curve_U(curve, k, i)), size);
     return size;
 }
 
@@ -53,7 +55,7 @@ static double reach_of_term(const start *first, int k, double log_k, double log_
 {
     double reach = -INFINITY;
     for (int i = 0; i < first->count && first->k[i] < k; i++)
-        reach = fmax(reach, (log_part + first->log[i] - log_k) / (k - first->k[i]));
+        reach = tvi_larger((log_part + first->log[i] - log_k) / (k - first->k[i]), reach);
     return isfinite(reach) ? reach : INFINITY;
 }
 
@@ -65,7 +67,7 @@ static double reach_of(const series *x, int degree, double log_part)
     for (int k = degree, seen = 0; k > 1 && seen < LAST; k--) {
         const double at_k = size_of(x, k);
         if (at_k == 0) continue;
-        reach = fmin(reach, reach_of_term(&first, k, log(at_k), log_part * k / degree));
+        reach = tvi_smaller(reach_of_term(&first, k, log(at_k), log_part * k / degree), reach);
         seen++;
     }
     return reach;
@@ -75,7 +77,7 @@ double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, doubl
 {
     const series q = {curve, false}, p = {curve, true};
     const double log_part = log(tolerance) - SAFETY;
-    return exp(fmin(reach_of(&q, q_degree, log_part), reach_of(&p, p_degree, log_part)));
+    return exp(tvi_smaller(reach_of(&q, q_degree, log_part), reach_of(&p, p_degree, log_part)));
 }
 
 void tvi_curve_rescale(tvi_curve *curve, double factor)
