@@ -13,13 +13,6 @@ void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, i
 void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
              double *b, const int *ldb, int *info, size_t trans_length);
 
-static void small_factor(int n, double a[], int pivot[])
-{
-#define CALL(n) linear_small_factor(n, a, pivot)
-    LINEAR_BY_SIZE(n, CALL)
-#undef CALL
-}
-
 static void small_solve(int n, const double lu[], const int pivot[], double x[])
 {
 #define CALL(n) linear_small_solve(n, lu, pivot, x)
@@ -63,9 +56,8 @@ static double inverse_power(double size)
 
 /* A <- R A C with columns, then rows, of size about 1. The rows of the ends' Jacobians (closure.h) are coordinates, so
  * that the columns, first, take the units out: the pivots do not depend on them. */
-static void equilibrate(tvi_factor *factor)
+JET_INLINE void equilibrate(int n, tvi_factor *factor)
 {
-    const int n = factor->n;
     for (int j = 0; j < n; j++) {
         double size = 0;
         for (int i = 0; i < n; i++) {
@@ -84,15 +76,26 @@ static void equilibrate(tvi_factor *factor)
     }
 }
 
+JET_INLINE void small_factor(int n, tvi_factor *factor)
+{
+    equilibrate(n, factor);
+    linear_small_factor(n, factor->lu, factor->pivot);
+}
+
 tvi_status tvi_factor_compute(tvi_factor *factor)
 {
     const int n = factor->n;
+    int info = 0;
     for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
         if (!isfinite(factor->lu[i])) return TVI_ENONFINITE;
-    equilibrate(factor);
-    int info = 0;
-    if (n <= LINEAR_SMALL) small_factor(n, factor->lu, factor->pivot);
-    else (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
+    if (n > LINEAR_SMALL) {
+        equilibrate(n, factor);
+        (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
+    } else {
+#define CALL(n) small_factor(n, factor)
+        LINEAR_BY_SIZE(n, CALL)
+#undef CALL
+    }
     return info == 0 && tvi_factor_least_pivot(factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 
