@@ -118,7 +118,7 @@ typedef struct {
 } adaptive_race;
 #define TO_A_TOLERANCE(id, title, h, most)                                                                             \
     {                                                                                                                  \
-        &(const hard_scene){.scene = id}, title, "taylor", 18, 1e-13, &id, h, most                                     \
+        &(const hard_scene){.scene = id}, title, "taylor", 26, 1e-13, &id, h, most                                     \
     }
 #define RESCALED(id, title, h, most)                                                                                   \
     {                                                                                                                  \

@@ -34,11 +34,37 @@ static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
     }
 }
 
-/* What generated code has of the curves of its system: the whole series to this degree from the centre data. false
- * where the field is outside its domain. */
+/* The same for tangents of `lanes` directions, of which x is the block. */
+static inline void tvi_advance_tangent(int lanes, double factor, const double *field, double *next)
+{
+    for (int lane = 0; lane < lanes; lane++) next[lane] = factor * field[lane];
+}
+
+static inline void tvi_tangents_separable(const tvi_recurrence *of, int k, int lanes)
+{
+    const double *field = of->x + (size_t)k * of->stride;
+    double *next = of->x + (size_t)(k + 2) * of->stride;
+    for (int i = 0; i < of->n; i++)
+        tvi_advance_tangent(lanes, of->kappa[i] * of->tau / ((k + 1) * (k + 2)), field + of->output[i] * lanes,
+                            next + i * lanes);
+}
+
+static inline void tvi_tangents_hamiltonian(const tvi_recurrence *of, int k, int lanes)
+{
+    const double factor = of->tau / (k + 1), *field = of->x + (size_t)k * of->stride;
+    double *q = of->x + (size_t)(k + 1) * of->stride, *p = q + of->n * lanes;
+    for (int i = 0; i < of->n; i++) {
+        tvi_advance_tangent(lanes, factor, field + of->output[of->n + i] * lanes, q + i * lanes);
+        tvi_advance_tangent(lanes, -factor, field + of->output[i] * lanes, p + i * lanes);
+    }
+}
+
+/* What generated code has of the curves of its system: the whole series to this degree from the centre data, false
+ * where the field is outside its domain; and its tangents in so many directions. */
 typedef struct tvi_curve_code {
-    int top;
+    int top, lanes;
     bool (*expand)(double *x, const double *kappa, double tau);
+    void (*differentiate)(const double *x, double *dx, const double *kappa, double tau);
 } tvi_curve_code;
 
 #endif

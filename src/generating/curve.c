@@ -11,8 +11,6 @@
 #include "generating/curve.h"
 #include "algebra/tail.h"
 #include "algebra/weigh.h"
-#include "compiled/code.h"
-#include "generating/advance.h"
 
 #include <math.h>
 #include <string.h>
@@ -110,8 +108,8 @@ static tvi_status expand_by_orders(tvi_curve *curve)
 /* All orders at once, where there is generated code. */
 static tvi_status expand_at_once(tvi_curve *curve)
 {
-    const tvi_curve_code *code = curve->system->code ? curve->system->code->curve : NULL;
-    if (!code || code->top != curve->top) return expand_by_orders(curve);
+    const tvi_curve_code *code = tvi_curve_code_of(curve);
+    if (!code) return expand_by_orders(curve);
     const bool inside = code->expand(curve->x, curve->kappa, curve->tau);
     return inside || jet_refuse_sweep(curve->system->field_series, curve->x, 1) ? TVI_OK : TVI_EDOMAIN;
 }

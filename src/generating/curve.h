@@ -9,6 +9,8 @@
 #define TVI_SRC_GENERATING_CURVE_H
 
 #include "algebra/linear.h"
+#include "compiled/code.h"
+#include "generating/advance.h"
 #include "method/stepper.h"
 
 /* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
@@ -68,8 +70,9 @@ void tvi_curve_differentiate(tvi_curve *curve);
 /* What a stepper runs whose curves have such Jacobians. */
 tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, tvi_jacobians jacobians);
 
-/* tvi_uses.emit_loops: tvi_curve_code (advance.h). */
-void tvi_curve_emit(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
+/* tvi_uses.emit_loops: tvi_curve_code (advance.h), without and with tangents. */
+void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
+void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
@@ -77,9 +80,18 @@ enum { TVI_CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to 
 
 static inline size_t tvi_curve_slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
 
-static inline size_t tvi_curve_lanes(const tvi_curve *curve)
+static inline int tvi_curve_lanes_of(const tvi_system *system)
 {
-    return 2 * curve->n < TVI_CURVE_LANES ? 2 * (size_t)curve->n : TVI_CURVE_LANES;
+    return 2 * system->n < TVI_CURVE_LANES ? 2 * system->n : TVI_CURVE_LANES;
+}
+
+static inline size_t tvi_curve_lanes(const tvi_curve *curve) { return (size_t)tvi_curve_lanes_of(curve->system); }
+
+/* The generated code that has all its orders; NULL: none has. */
+static inline const tvi_curve_code *tvi_curve_code_of(const tvi_curve *curve)
+{
+    const tvi_curve_code *code = curve->system->code ? curve->system->code->curve : NULL;
+    return code && code->top == curve->top ? code : NULL;
 }
 
 /* Order k: q, then velocity or momentum of a Lagrangian or a Hamiltonian. */

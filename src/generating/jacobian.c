@@ -42,27 +42,22 @@ static void seed_directions(tvi_curve *curve, const block *b)
     }
 }
 
-static void differentiate_separable(tvi_curve *curve, const block *b)
+/* All orders at once, where there is generated code for so many directions. */
+static void differentiate_explicit(tvi_curve *curve, const block *b)
 {
-    for (int k = 0; k + 2 <= curve->top; k++) {
-        jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, (int)b->lanes);
-        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
-        for (int i = 0; i < curve->n; i++)
-            scale_lanes(b->lanes, factor / curve->system->mass[i], field_tangent(curve, b, k, i),
-                        tangent(curve, b, k + 2, i));
+    const jet_tape *tape = curve->system->field_series;
+    const bool is_separable = curve->system->form == TVI_SEPARABLE;
+    const tvi_recurrence of = {curve->n, b->order, tape->output, curve->dx, curve->kappa, curve->tau};
+    const tvi_curve_code *code = tvi_curve_code_of(curve);
+    const int lanes = (int)b->lanes;
+    if (code && code->lanes == lanes) {
+        code->differentiate(curve->x, curve->dx, curve->kappa, curve->tau);
+        return;
     }
-}
-
-static void differentiate_hamiltonian(tvi_curve *curve, const block *b)
-{
-    const int n = curve->n;
-    for (int k = 0; k + 1 <= curve->top; k++) {
-        jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, (int)b->lanes);
-        const double factor = curve->tau / (k + 1);
-        for (int i = 0; i < n; i++) {
-            scale_lanes(b->lanes, factor, field_tangent(curve, b, k, n + i), tangent(curve, b, k + 1, i));
-            scale_lanes(b->lanes, -factor, field_tangent(curve, b, k, i), tangent(curve, b, k + 1, n + i));
-        }
+    for (int k = 0; k + 1 + is_separable <= curve->top; k++) {
+        jet_sweep_tangents(tape, curve->x, curve->dx, k, lanes);
+        if (is_separable) tvi_tangents_separable(&of, k, lanes);
+        else tvi_tangents_hamiltonian(&of, k, lanes);
     }
 }
 
@@ -111,13 +106,13 @@ static void differentiate_block(tvi_curve *curve, const block *b)
     for (int k = 0; k <= curve->top; k++) memset(tangent(curve, b, k, 0), 0, fixed * sizeof(double));
     seed_directions(curve, b);
     switch (system->form) {
-    case TVI_SEPARABLE: differentiate_separable(curve, b); break;
+    case TVI_SEPARABLE: differentiate_explicit(curve, b); break;
     case TVI_LAGRANGIAN:
         differentiate_lagrangian(curve, b);
         store(curve, b, system->field_series->output + n, 0, curve->dU);
         break;
     case TVI_HAMILTONIAN:
-        differentiate_hamiltonian(curve, b);
+        differentiate_explicit(curve, b);
         store(curve, b, NULL, n, curve->dU);
         break;
     }
@@ -153,12 +148,14 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
     const bool is_whole = system->form != TVI_LAGRANGIAN;
     tvi_uses used = {.series = {.name = "series", .lanes = {1}, .top = top, .has_series = !is_whole},
                      .member = "curve",
-                     .emit_loops = is_whole ? tvi_curve_emit : NULL};
+                     .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
     if (used.series.has_adjoints) used.series.directions[0] = 1;
+    else if (is_whole) used.series.directions[0] = directions < TVI_CURVE_LANES ? 0 : left;
     else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;
     else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
+    if (is_whole && !used.series.has_adjoints) used.emit_loops = tvi_curve_emit_matrices;
     used.values = (jet_emission){.name = "values", .lanes = {options->quadrature_points}};
     if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
         used.bend = (jet_emission){.name = "bend", .lanes = {options->quadrature_points}};
