@@ -157,12 +157,13 @@ START_TEST(hard_places_come_late)
 }
 END_TEST
 
-/* The first steps from a pericentre are a small part of a run, and their errors roundoff: they say nothing. Where it
- * alone makes more than the error, that is said. */
+/* The first steps from a pericentre are a small part of a run, and their errors roundoff: they say nothing. At e = 0.999
+ * it makes more than 1e-9 of the run, which trials may see, and then say. */
 START_TEST(roundoff_says_nothing)
 {
     static const hard_scene *const orbits[] = {&hard_kepler_90, &hard_kepler_99, &hard_kepler_999};
     const bool is_too_much = _i == 2;
+    tvi_status status;
     const scene *s = &orbits[_i]->scene;
     tvi_system *base, *system;
     tvi_options options;
@@ -170,9 +171,9 @@ START_TEST(roundoff_says_nothing)
     ck_assert_int_eq(tvi_options_named("galerkin", 8, &options), TVI_OK);
     ck_assert_int_eq(scene_system(s, &base), TVI_OK);
     ck_assert_int_eq(tvi_system_rescaled(&system, base, orbits[_i]->scale, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_suggest_step(system, &options, 0, s->q, s->p, s->t_end, 1e-10, &h),
-                     is_too_much ? TVI_EINVAL : TVI_OK);
-    ck_assert(is_too_much ? strstr(tvi_last_error(), "is below roundoff") && h == 0 : h >= 0.02 && h <= 0.5);
+    status = tvi_suggest_step(system, &options, 0, s->q, s->p, s->t_end, 1e-10, &h);
+    if (status == TVI_OK) ck_assert(h >= 0.02 && h <= 0.5);
+    else ck_assert(is_too_much && status == TVI_EINVAL && strstr(tvi_last_error(), "is below roundoff") && h == 0);
     tvi_system_free(system);
     tvi_system_free(base);
 }
