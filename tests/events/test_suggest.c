@@ -157,8 +157,8 @@ START_TEST(hard_places_come_late)
 }
 END_TEST
 
-/* The first steps from a pericentre are a small part of a run, and their errors roundoff: they say nothing. At e = 0.999
- * it makes more than 1e-9 of the run, which trials may see, and then say. */
+/* The first steps from a pericentre are a small part of a run, and their errors roundoff: they say nothing. At e =
+ * 0.999 it makes more than 1e-9 of the run, which trials may see, and then say. */
 START_TEST(roundoff_says_nothing)
 {
     static const hard_scene *const orbits[] = {&hard_kepler_90, &hard_kepler_99, &hard_kepler_999};
