@@ -90,11 +90,13 @@ do-base: $(addprefix $(BUILD)/check/,library events generating ensemble)
 	tests/suites.sh 'bits/bits,lanes' $(BUILD)/check/ensemble
 	tests/suites.sh 'forms,orders,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
 
-# generated code: every scene with every method, and the memory of all kinds of steps; some minutes of the compiler
+# generated code: every scene with every method beside the memory of all kinds of steps; some minutes of the compiler,
+# none where the cache below $(BUILD)/check/generated has it already
 check-generated: ; $(REPORT) "generated code: every scene with every method" $(LOG) $(DO)
+do-generated: export TVI_COMPILED = all
 do-generated: $(addprefix $(BUILD)/check/,compiled library)
-	TVI_COMPILED=all tests/suites.sh same $<
-	TVI_COMPILED=all tests/suites.sh faults/generated $(BUILD)/check/library
+	tests/suites.sh same $< & same=$$!; \
+	tests/suites.sh faults/generated $(BUILD)/check/library; memory=$$?; wait $$same && exit $$memory
 
 # 20,000 steps of every method about every equilibrium at 1 and at 100
 check-equilibria: ; $(REPORT) "long runs about equilibria" $(LOG) $(DO)
