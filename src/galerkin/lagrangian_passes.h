@@ -44,7 +44,9 @@ typedef bool lagrangian_sweep(const lagrangian_passes *w, bool with_second);
 
 typedef enum { LAGRANGIAN_PASSED, LAGRANGIAN_OUTSIDE, LAGRANGIAN_NO_NUMBER, LAGRANGIAN_SINGULAR } lagrangian_passed;
 
-enum { LAGRANGIAN_ITERATIONS = 3 }; /* of a pass: more save less than they cost, as measured */
+/* Of a pass. More save less than they cost, as measured; after one alone F would not follow V, and the energy would
+ * drift by what the pass before has left of V. */
+enum { LAGRANGIAN_ITERATIONS = 3, LAGRANGIAN_LEAST_ITERATIONS = 2 };
 /* The square of a relative movement after which second derivatives serve again. */
 #define LAGRANGIAN_SERVES 1e-6
 /* That of one which is roundoff: no other one follows from it. */
@@ -156,7 +158,8 @@ static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, lagrangian
     }
     lagrangian_take_gradient(w);
     double moved = w->moved = lagrangian_iterate(w);
-    for (int i = 1; i < LAGRANGIAN_ITERATIONS && moved > LAGRANGIAN_NOTHING * numbers; i++) {
+    for (int i = 1; i < LAGRANGIAN_ITERATIONS; i++) {
+        if (i >= LAGRANGIAN_LEAST_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
         lagrangian_linearise(w);
         w->moved += moved = lagrangian_iterate(w);
     }
