@@ -45,8 +45,9 @@ tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, co
 tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
                                 const tvi_origin *origin, double *slowest, tvi_stats *stats)
 {
-    tvi_passes passes = TVI_NO_PASSES;
+    tvi_passes passes;
     bool is_stuck = false;
+    tvi_passes_begin(&passes);
     passes.slowest = *slowest;
     for (int count = 1; count <= rule->most; count++) {
         double moved;

@@ -42,10 +42,11 @@ bool tvi_galerkin_is_steady(const galerkin_predictor *w, const galerkin_field *f
 /* Sets the field's unknowns. */
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part);
-/* Those of the last step, of the one before it, and where the next one puts its own. */
+/* Those of the last step, of the one before it, and where the next one puts its own: -1 <= after_last <= 1. */
 static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int after_last)
 {
-    return w->impulses[(w->last->turn + after_last + GALERKIN_TURNS) % GALERKIN_TURNS];
+    const int turn = w->last->turn + after_last;
+    return w->impulses[turn < 0 ? turn + GALERKIN_TURNS : turn < GALERKIN_TURNS ? turn : turn - GALERKIN_TURNS];
 }
 /* What the step of size h from t leaves to the next ones beside its impulses: that, and how its passes contracted. */
 void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest);
