@@ -5,6 +5,7 @@
  * are those that go on from two steps of the same size, and whose passes converge to a roundoff that is known. All
  * others, as the first two of a run, are made by the stepper of a single curve, one after the other; so whatever may
  * happen in a step is written once. */
+#include "compiled/code.h"
 #include "galerkin/crowd_loops.h"
 #include "galerkin/step.h"
 #include "method/single.h"
@@ -12,7 +13,8 @@
 #include <math.h>
 
 enum { MOST_LANES = 256, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
-/* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger. */
+/* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger, but where a whole
+ * step is generated code, which then is faster. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 
 typedef enum { LEFT_ALONE, IN_LANES, BY_ITSELF } progress;
@@ -49,7 +51,8 @@ static int width_of(const tvi_system *system, const tvi_options *options)
 {
     const int points = options->degree, bytes = system->field_values->slots * points * (int)sizeof(double);
     if (!tvi_galerkin_is_plain(system) || options->passes == TVI_PREDICT_ONLY) return 1;
-    if (LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
+    const bool has_steps = system->code && system->code->galerkin;
+    if (LEAST_WIDTH * bytes > (has_steps ? MOST_BYTES : MOST_BYTES_OF_ALL)) return 1;
     int width = LEAST_WIDTH;
     while (2 * width <= MOST_WIDTH && 2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES) width *= 2;
     return width;
