@@ -9,8 +9,7 @@
  * What a step leaves out has the same sign in the next one, where roundoff changes its sign: it stays below the
  * roundoff of N steps if it is that of one step / sqrt(N), with 2^-80 for more than 10^9 of them. A Newton method,
  * whose passes cost more, does so for 2^16 times fewer. Passes of a small step soon do no more than roundoff, which
- * does not show how far they contract: then they do as those of an earlier step did. Of fixed points the last ones
- * above roundoff show it; nothing is expected before, which spares the other passes the most of the verdict. */
+ * does not show how far they contract: then they do as those of an earlier step did. */
 #define SQUARE(x)      ((x) * (x))
 #define FAR            SQUARE(1e-9)
 #define MAYBE_ROUNDOFF SQUARE(1e-12)
@@ -21,7 +20,7 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
                                                   .goal = SQUARE(0x1p-80),
                                                   .memory = 2,
                                                   .contraction = 0.25,
-                                                  .far = SQUARE(1e-12),
+                                                  .far = FAR,
                                                   .noise = NOISE,
                                                   .first_noise = NOISE,
                                                   .stuck = TVI_PASSES_ALL,
