@@ -139,7 +139,7 @@ START_TEST(another_run_leaves_no_trace)
     int refused = 0;
     ck_assert_int_eq(tvi_system_lagrangian(&system, 1, folded, NULL), TVI_OK);
     ck_assert_int_eq(tvi_integrator_create(&used, system, NULL), TVI_OK);
-    for (int i = 0; i < 400; i++) {
+    for (int i = 0; i < 800; i++) {
         const double h = 0.4 + 0.3 * sin(2.3 * i);
         test_state x = {.q = {sin(i)}, .p = {5 * sin(1.7 * i)}}, y = x;
         ck_assert_int_eq(tvi_integrator_create(&fresh, system, NULL), TVI_OK);
