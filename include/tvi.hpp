@@ -46,6 +46,16 @@ inline void check(tvi_status status)
     if (status != TVI_OK) throw error(status, tvi_last_error());
 }
 
+/* The bytes that `save` makes of it. */
+template <class Saved> std::vector<char> bytes_of(tvi_status (*save)(const Saved *, void *, std::size_t *), Saved *it)
+{
+    std::size_t bytes = 0;
+    check(save(it, nullptr, &bytes));
+    std::vector<char> state(bytes);
+    check(save(it, state.data(), &bytes));
+    return state;
+}
+
 /* The numbers of a vector of n. */
 template <class Vector> auto data_of(const char *name, std::size_t n, Vector &x) -> decltype(x.data())
 {
@@ -467,14 +477,7 @@ class integrator
             });
     }
 
-    std::vector<char> save() const
-    {
-        std::size_t bytes = 0;
-        detail::check(tvi_state_save(get(), nullptr, &bytes));
-        std::vector<char> state(bytes);
-        detail::check(tvi_state_save(get(), state.data(), &bytes));
-        return state;
-    }
+    std::vector<char> save() const { return detail::bytes_of(tvi_state_save, get()); }
     void load(const std::vector<char> &state) { detail::check(tvi_state_load(get(), state.data(), state.size())); }
     template <class Q, class P> void last(double &t, Q &q, P &p) const
     {
@@ -602,14 +605,7 @@ class ensemble
         return go(plan, t, q, p, status, detail::guarded<detail::no_observer>(none));
     }
 
-    std::vector<char> save() const
-    {
-        std::size_t bytes = 0;
-        detail::check(tvi_ensemble_save(get(), nullptr, &bytes));
-        std::vector<char> state(bytes);
-        detail::check(tvi_ensemble_save(get(), state.data(), &bytes));
-        return state;
-    }
+    std::vector<char> save() const { return detail::bytes_of(tvi_ensemble_save, get()); }
     void load(const std::vector<char> &state) { detail::check(tvi_ensemble_load(get(), state.data(), state.size())); }
     template <class T, class Q, class P> void last(T &t, Q &q, P &p, std::vector<tvi_status> &status) const
     {

@@ -27,6 +27,8 @@ static inline double tvi_largest(int n, const double x[], int stride)
 /* Unlike fmax and fmin no calls: b where one is no number. */
 static inline double tvi_larger(double a, double b) { return a > b ? a : b; }
 static inline double tvi_smaller(double a, double b) { return a < b ? a : b; }
+/* The one nearer to 0. */
+static inline double tvi_shorter(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
 
 /* part / whole, where 0 is no part of 0. */
 static inline double tvi_ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }

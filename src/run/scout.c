@@ -1,6 +1,7 @@
 /* scout.c - a first look along an orbit. Each step is as large as just resolves it, which its tail (tvi_stats.tail)
  * tells, so that few steps see much of the run: where it is hardest, and what step would do there. */
 #include "run/scout.h"
+#include "algebra/sizes.h"
 #include "run/integrator.h"
 
 #include <float.h>
@@ -14,8 +15,6 @@ static const double MOST_TAIL = 0.03;
 static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, MOST = 8;
 /* The error that a step of given size makes, as a power of the scale; and at least, relative to the hardest place. */
 static const double POWER = 4, LEAST_WEIGHT = 0.02;
-
-static double shorter(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
 
 static void take_sizes(tvi_scout *s, const tvi_orbit *o)
 {
@@ -51,7 +50,7 @@ static double learn(tvi_scout *s, const tvi_orbit *o, double h, bool is_rest)
     if (fabs(s->scale[s->count]) < fabs(s->scale[s->hardest])) s->hardest = s->count;
     s->count++;
     take_sizes(s, o);
-    return shorter(scale, GROWS * h);
+    return tvi_shorter(scale, GROWS * h);
 }
 
 /* The next step, of size h or less. Returns the size of the one after it, or of another trial. */

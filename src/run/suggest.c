@@ -10,6 +10,7 @@
  *
  * A trial goes on while it says about what is aimed at, and while the cost allows; else another h is tried. */
 #include "run/suggest.h"
+#include "algebra/sizes.h"
 #include "run/integrator.h"
 #include "run/scout.h"
 #include "system/rates.h"
@@ -147,7 +148,6 @@ static double distance_of_orbits(trials *w)
 
 /* ---- A trial ----------------------------------------------------------------------------------------------------- */
 
-static double shorter(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
 static double within(double least, double x, double most) { return fmin(fmax(x, least), most); }
 static bool is_power_of_two(long k) { return (k & (k - 1)) == 0; }
 
@@ -190,7 +190,7 @@ static bool is_over(const trials *w, const trial *r, long k)
 static bool go_on(trials *w, trial *r, long k)
 {
     const double left = w->t + w->duration - w->whole.t;
-    r->status = advance(w, w->is_rescaled ? r->h : shorter(r->h, left));
+    r->status = advance(w, w->is_rescaled ? r->h : tvi_shorter(r->h, left));
     r->error = INFINITY;
     r->is_over = true;
     if (r->status != TVI_OK) return false;
@@ -247,13 +247,13 @@ static bool learn(trials *w, const trial *r, double *h, tvi_suggestion *out)
     const bool counts = r->part >= AS_LONG * w->longest || (r->is_over && is_above(r, w->aim));
     const double factor = counts ? correction(w, r) : 1;
     const double most = pow(BAND, 1.0 / w->order); /* farther, another trial is to say so */
-    if (failed) w->limit = shorter(w->limit, fails(w) * r->h);
+    if (failed) w->limit = tvi_shorter(w->limit, fails(w) * r->h);
     else if (counts) out->tried = r->h, out->reached = r->part, out->error = r->error;
     if (counts) out->h = r->h * fmin(factor, most);
     look_for_roundoff(w, r);
     const bool last = is_last(w, r) || w->roundoff > 0;
     if (!failed) w->longest = fmax(w->longest, r->part);
-    *h = shorter(r->h * factor, w->limit);
+    *h = tvi_shorter(r->h * factor, w->limit);
     w->run *= r->h / *h;
     return !last && may_go_on(w) && fabs(*h) > DBL_EPSILON * fabs(w->duration);
 }
@@ -281,8 +281,8 @@ static double prepare(trials *w)
     w->way = end / s->part;
     w->weight = tvi_scout_weight(s, 0, end) / s->part;
     w->limit = scale * pow(MOST_TAILS, 1 / w->degree);
-    if (!w->is_rescaled) w->limit = shorter(w->limit, w->duration);
-    const double h = shorter(scale * pow(w->aim * pow(KNOWN, w->growth) / error, 1.0 / (w->order + 1)), w->limit);
+    if (!w->is_rescaled) w->limit = tvi_shorter(w->limit, w->duration);
+    const double h = tvi_shorter(scale * pow(w->aim * pow(KNOWN, w->growth) / error, 1.0 / (w->order + 1)), w->limit);
     w->run = fabs(w->way / h);
     choose_start(w, h);
     return h;
@@ -301,7 +301,7 @@ static tvi_status find(trials *w, double error, tvi_suggestion *out)
     if (w->roundoff > 0)
         return jet_refuse(TVI_EINVAL, "error = %g is below roundoff, which makes about %.0e of such a run", error,
                           w->roundoff);
-    out->h = shorter(out->h * pow(AIM * error / w->aim, 1.0 / w->order), w->limit);
+    out->h = tvi_shorter(out->h * pow(AIM * error / w->aim, 1.0 / w->order), w->limit);
     if (out->tried != 0) return TVI_OK;
     return r.status != TVI_OK ? r.status : jet_refuse(TVI_ENOCONV, "no step was found that is right");
 }
