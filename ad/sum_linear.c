@@ -5,9 +5,10 @@
 enum { OWN_MAX = 5 };
 #define TABLE(name, body, parameters, ...)                                                                             \
     static void name##_any parameters { body(__VA_ARGS__, run->terms); }                                               \
-    JET_BY_TERMS(name, body, parameters, __VA_ARGS__)                                                                  \
+    JET_BY_TERMS(name##_of, body, parameters, __VA_ARGS__)                                                             \
     static void name##_5 parameters { body(__VA_ARGS__, 5); }                                                          \
-    static void(*const name[1 + OWN_MAX]) parameters = {name##_any, name##_1, name##_2, name##_3, name##_4, name##_5};
+    static void(*const name[1 + OWN_MAX])                                                                              \
+        parameters = {name##_any, name##_of_1, name##_of_2, name##_of_3, name##_of_4, name##_5};
 #define FUNCTION(name, run) name[(run)->terms <= OWN_MAX ? (run)->terms : 0]
 
 /* One lane. */

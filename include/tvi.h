@@ -201,7 +201,7 @@ TVI_NODISCARD tvi_status tvi_compile(tvi_compiled **out, const tvi_system *syste
 /* The same C as a file, to be compiled with the program: it defines `const tvi_compiled *name(void)`, which is not to
  * be freed. It serves the version of the library that wrote it, and machines that have the instructions that it is
  * compiled to.
- *   TVI_EINVAL    NULL, a name that is no identifier
+ *   TVI_EINVAL    NULL; a name that is no identifier, or is one of C, C++, their libraries, this one, or macros
  *   TVI_ECOMPILE  the file cannot be written
  *   others        as of tvi_compile */
 TVI_NODISCARD tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *name,

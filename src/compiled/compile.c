@@ -4,7 +4,6 @@
 #include "refusal.h"
 
 #include <stdlib.h>
-#include <string.h>
 
 /* The options as an integrator has them. */
 static tvi_status resolve(const tvi_system *system, const tvi_options *options, tvi_options *resolved)
@@ -41,19 +40,11 @@ tvi_status tvi_compile(tvi_compiled **out, const tvi_system *system, const tvi_o
     return jet_refuse_memory(status == TVI_OK ? compile(out, system->stepped, &resolved, how ? how : &usual) : status);
 }
 
-static bool is_identifier(const char *name)
-{
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_", digits[] = "0123456789";
-    if (!*name || strchr(digits, *name)) return false;
-    for (; *name; name++)
-        if (!strchr(letters, *name) && !strchr(digits, *name)) return false;
-    return true;
-}
-
 tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *name, const char *path)
 {
     if (!name || !path) return jet_refuse(TVI_EINVAL, "%s is NULL", name ? "path" : "name");
-    if (!is_identifier(name)) return jet_refuse(TVI_EINVAL, "name = \"%s\" is no identifier", name);
+    const char *why = tvi_compiled_misnamed(name);
+    if (why) return jet_refuse(TVI_EINVAL, "name = \"%s\" %s", name, why);
     tvi_options resolved;
     const tvi_status status = resolve(system, options, &resolved);
     if (status != TVI_OK) return status;

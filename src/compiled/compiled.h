@@ -19,13 +19,16 @@ const tvi_system *tvi_compiled_system(tvi_arena *arena, const tvi_system *steppe
 void tvi_compiled_hold(const tvi_compiled *compiled);
 void tvi_compiled_release(const tvi_compiled *compiled);
 
+/* Why the function cannot have the name; NULL: it can. */
+const char *tvi_compiled_misnamed(const char *name);
+
 /* C that defines `const tvi_compiled *name(void)`. */
 void tvi_compiled_text(jet_text *text, const tvi_system *stepped, const tvi_options *resolved, const char *name);
 
 /* The version of all text that generated code consists of. */
 uint64_t tvi_compiled_library(void);
 
-#define TVI_COMPILED_NAME "tvi_generated" /* of the function in shared libraries */
+#define TVI_COMPILED_NAME "generated" /* of the function in shared libraries */
 
 /* The shared library of the text: the one in the cache, or a new one, loaded. TVI_ENOMEM, TVI_ECOMPILE. */
 TVI_NODISCARD tvi_status tvi_compiled_load(tvi_compiled **out, const jet_text *text, const tvi_compiler *how,

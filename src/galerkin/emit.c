@@ -26,7 +26,7 @@ static void emit_plain(jet_text *text, const tvi_system *system, int lanes, cons
     jet_text_add(text, "0};\nstatic const int %s_slot[] = {", name);
     for (int u = 0; u < system->inputs; u++) jet_text_add(text, "%d, ", tvi_galerkin_driven_slot(system, u, &copies));
     jet_text_add(text, "};\nenum { %s_copies = %d };\n", name, copies);
-    jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, values_values_of, %d, %d, %d, %d)\n", name, system->inputs,
+    jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, tvi_values_values_of, %d, %d, %d, %d)\n", name, system->inputs,
                  rows_kept(system->field_values), system->field_values->slots, lanes);
 }
 

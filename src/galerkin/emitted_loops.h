@@ -179,7 +179,7 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
 #define GALERKIN_EMITTED_LAGRANGIAN(NAME, N, LANES, INPUTS, VALUES_KEPT, VALUES_SLOTS, SECOND_KEPT, SECOND_SLOTS)      \
     JET_INLINE bool NAME##_sweep(const lagrangian_passes *w, bool with_second)                                         \
     {                                                                                                                  \
-        return with_second ? second_values_of(w->second, (LANES)) : values_values_of(w->values, (LANES));              \
+        return with_second ? tvi_second_values_of(w->second, (LANES)) : tvi_values_values_of(w->values, (LANES));      \
     }                                                                                                                  \
     JET_INLINE lagrangian_passes NAME##_passes(const lagrangian_passes *of, const galerkin_nodes *nodes)               \
     {                                                                                                                  \

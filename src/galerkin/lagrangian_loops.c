@@ -10,11 +10,11 @@
 
 /* ---- Factors ----------------------------------------------------------------------------------------------------- */
 
-#define LARGER(V, a, b)        LARGER_OF_##V(a, b)
-#define LARGER_OF_jet_v1(a, b) ((a) > (b) ? (a) : (b))
-#define LARGER_OF_jet_v2(a, b) JET_CHOOSE(jet_v2, (a) > (b), a, b)
-#define LARGER_OF_jet_v4(a, b) JET_CHOOSE(jet_v4, (a) > (b), a, b)
-#define LARGER_OF_jet_v8(a, b) JET_CHOOSE(jet_v8, (a) > (b), a, b)
+#define LARGER(V, a, b)            TVI_LARGER_OF_##V(a, b)
+#define TVI_LARGER_OF_jet_v1(a, b) ((a) > (b) ? (a) : (b))
+#define TVI_LARGER_OF_jet_v2(a, b) JET_CHOOSE(jet_v2, (a) > (b), a, b)
+#define TVI_LARGER_OF_jet_v4(a, b) JET_CHOOSE(jet_v4, (a) > (b), a, b)
+#define TVI_LARGER_OF_jet_v8(a, b) JET_CHOOSE(jet_v8, (a) > (b), a, b)
 /* 0 of what is no number. */
 #define SIZE(V, x) LARGER(V, LARGER(V, x, -(x)), (V){0})
 

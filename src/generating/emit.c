@@ -14,7 +14,7 @@ static void emit(jet_text *text, const tvi_system *system, const char *name, int
     for (int i = 0; i < system->field_series->outputs; i++) jet_text_add(text, "%d, ", system->field_series->output[i]);
     jet_text_add(text, "};\nCURVE_EMITTED_EXPAND(%s, %d)\n", name, system->n);
     if (lanes > 0) jet_text_add(text, "CURVE_EMITTED_DIFFERENTIATE(%s, %d)\n", name, system->n);
-    jet_text_add(text, "static const tvi_curve_code %s = {series_top, LANES, %s_expand, ", name, name);
+    jet_text_add(text, "static const tvi_curve_code %s = {tvi_series_top, LANES, %s_expand, ", name, name);
     jet_text_add(text, lanes > 0 ? "%s_differentiate};\n" : "0};\n", name);
 }
 

@@ -146,7 +146,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN;
-    tvi_uses used = {.series = {.name = "series", .lanes = {1}, .top = top, .has_series = !is_whole},
+    tvi_uses used = {.series = {.name = "tvi_series", .lanes = {1}, .top = top, .has_series = !is_whole},
                      .member = "curve",
                      .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
@@ -156,9 +156,9 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
     else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;
     else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
     if (is_whole && !used.series.has_adjoints) used.emit_loops = tvi_curve_emit_matrices;
-    used.values = (jet_emission){.name = "values", .lanes = {options->quadrature_points}};
+    used.values = (jet_emission){.name = "tvi_values", .lanes = {options->quadrature_points}};
     if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
-        used.bend = (jet_emission){.name = "bend", .lanes = {options->quadrature_points}};
+        used.bend = (jet_emission){.name = "tvi_bend", .lanes = {options->quadrature_points}};
     return used;
 }
 

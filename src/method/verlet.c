@@ -83,7 +83,7 @@ static double most_change(const void *work)
 
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
-    return (tvi_uses){.values = {.name = "values", .lanes = {1, tvi_verlet_crowd.width(system, options)}}};
+    return (tvi_uses){.values = {.name = "tvi_values", .lanes = {1, tvi_verlet_crowd.width(system, options)}}};
 }
 
 static const tvi_stepper stepper = {

@@ -11,6 +11,7 @@ Suite *suite_same(void);
 Suite *suite_cache(void);
 Suite *suite_owners(void);
 Suite *suite_ahead(void);
+Suite *suite_names(void);
 
 enum { COORDINATES_MOST = 18 };
 

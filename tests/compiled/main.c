@@ -70,6 +70,6 @@ int directory_count(const char *path, const char *ending)
     return count;
 }
 
-static Suite *(*const suites[])(void) = {suite_same, suite_cache, suite_owners, suite_ahead};
+static Suite *(*const suites[])(void) = {suite_same, suite_cache, suite_owners, suite_ahead, suite_names};
 
 int main(void) { return RUN_SUITES(suites); }
