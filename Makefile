@@ -42,9 +42,10 @@ SOVERSION := 0
 
 # No -ffast-math: the roundoff of a step is part of the design. No contraction of multiply-adds, so that gcc and clang
 # round alike. No errno from the mathematical functions, so that square roots are one instruction.
+# No traps, as clang has it: the larger of two numbers is no branch, and loops with it are those of vectors.
 CFLAGS   ?= -O3 -g
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-BASE     := -std=c11 $(WARNINGS) -ffp-contract=off -fno-math-errno -fPIC -fvisibility=hidden -Iinclude
+BASE     := -std=c11 $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -fvisibility=hidden -Iinclude
 # what is not the product: tests, bench and the quadruple-precision reference, which only gcc compiles
 TOOL     := -std=c11 $(WARNINGS) -D_POSIX_C_SOURCE=200809L -Iinclude -Iad -Isrc -Ibench -Ibench/scenes
 QUADCC   ?= gcc
@@ -149,7 +150,7 @@ $(EMBEDDED): %.o: %.c
 	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
 comma := ,
-GENERATED_FLAGS := -O3 -fno-math-errno -fno-tree-slp-vectorize
+GENERATED_FLAGS := -O3 -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize
 quoted = "$(GENERATED_FLAGS) $(1)",
 # with the SLEEF that the library has
 SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))

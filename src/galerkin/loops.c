@@ -275,11 +275,11 @@ BY_LANES(void, , integrate, (const galerkin_nodes *nodes, const galerkin_weights
          nodes, weights, sums)
 
 /* A loop without comparisons that last from one component to the next is one of vectors. */
-JET_INLINE void tails_of(const galerkin_motion *of, double *restrict share, double *restrict ratio, bool has_masses)
+JET_INLINE void tails_of(galerkin_motion of, double *restrict share, double *restrict ratio, bool has_masses)
 {
-    const size_t n = (size_t)of->n, momenta = has_masses ? 0 : n;
+    const size_t n = (size_t)of.n, momenta = has_masses ? 0 : n;
     for (size_t i = 0; i < n; i++) {
-        const tvi_tail_part part = galerkin_tail_part(of, has_masses, of->scale[i], of->per_scale[i], i, i + momenta);
+        const tvi_tail_part part = galerkin_tail_part(&of, has_masses, of.scale[i], of.per_scale[i], i, i + momenta);
         share[i] = tvi_tail_share(&part, has_masses);
         ratio[i] = tvi_tail_ratio(&part);
     }
@@ -288,8 +288,8 @@ JET_INLINE void tails_of(const galerkin_motion *of, double *restrict share, doub
 static double tail(const galerkin_motion *of, double *share, double *ratio)
 {
     double largest = 0, most = 0;
-    if (of->has_masses) tails_of(of, share, ratio, true);
-    else tails_of(of, share, ratio, false);
+    if (of->has_masses) tails_of(*of, share, ratio, true);
+    else tails_of(*of, share, ratio, false);
     for (int i = 0; i < of->n; i++) largest = tvi_larger(share[i], largest);
     for (int i = 0; i < of->n; i++) most = tvi_larger(tvi_tail_of(ratio[i], share[i], largest), most);
     return most;
