@@ -16,6 +16,14 @@ static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, 
 /* The error that a step of given size makes, as a power of the scale; and at least, relative to the hardest place. */
 static const double POWER = 4, LEAST_WEIGHT = 0.02;
 
+void tvi_orbit_set(tvi_orbit *o, int n, const double *state)
+{
+    memcpy(o->q, state, (size_t)n * sizeof *o->q);
+    memcpy(o->p, state + n, (size_t)n * sizeof *o->p);
+    o->t = state[2 * n];
+    tvi_integrator_reset(o->steps);
+}
+
 static void take_sizes(tvi_scout *s, const tvi_orbit *o)
 {
     for (int i = 0; i < s->n; i++) {
@@ -60,12 +68,24 @@ static double advance(tvi_scout *s, tvi_orbit *o, double h, double left, tvi_sta
     const double size = is_rest ? left : h;
     keep_state(s, o);
     s->made++;
+    if (tvi_is_rescaled(o->steps)) tvi_integrator_reset(o->steps); /* to the energy that its state has */
     *status = tvi_step(o->steps, size, &o->t, o->q, o->p);
     if (*status != TVI_OK) return size * (s->count == 0 ? FIRST_FAILS : FAILS);
     const bool may_try = s->count > 0 || s->made < TVI_SCOUT_STEPS / 2;
     if (tvi_integrator_stats(o->steps)->tail <= MOST_TAIL || !may_try) return learn(s, o, size, is_rest);
     tvi_integrator_take_back(o->steps, &o->t, o->q, o->p);
     return scale_of(o, size);
+}
+
+/* A first step that is too large may not show it, where the orbit is as before and after the start, but leads astray,
+ * where only much shorter ones are right. Returns a shorter one. */
+static double start_over(tvi_scout *s, tvi_orbit *o)
+{
+    tvi_orbit_set(o, s->n, s->states);
+    s->count = s->hardest = 0;
+    s->size_q = s->size_p = 0;
+    take_sizes(s, o);
+    return FIRST_FAILS * s->place[1];
 }
 
 tvi_status tvi_scout_look(tvi_scout *s, tvi_orbit *o, double duration)
@@ -77,9 +97,11 @@ tvi_status tvi_scout_look(tvi_scout *s, tvi_orbit *o, double duration)
     bool is_blind = false; /* the method has no tail */
     while (s->made < TVI_SCOUT_STEPS && s->part < 1 && !is_blind) {
         h = advance(s, o, h, end - o->t, &status);
+        if (s->count == 1 && fabs(h) < FIRST_FAILS * fabs(s->place[1])) h = start_over(s, o);
         s->part = fmin((o->t - start) / duration, 1);
         is_blind = s->count == 1 && o->steps->options.degree <= 2;
     }
+    keep_state(s, o);
     return s->count > 0 ? TVI_OK : status;
 }
 

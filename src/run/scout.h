@@ -10,12 +10,15 @@ typedef struct {
     double t, *q, *p;
 } tvi_orbit;
 
+/* Moves it to state, [2n + 1]: q, p and t. */
+void tvi_orbit_set(tvi_orbit *orbit, int n, const double *state);
+
 enum { TVI_SCOUT_STEPS = 24 };
 
 /* What was seen. Places along the orbit are sums of steps, from 0, so in s where the system is rescaled. */
 typedef struct {
     int n;
-    double *states; /* [TVI_SCOUT_STEPS][2n + 1] q, p and t before each step: the caller's memory */
+    double *states; /* [TVI_SCOUT_STEPS + 1][2n + 1] q, p and t at each place: the caller's memory */
     long made;      /* steps, those that failed or were taken back included */
     int count;      /* steps that were right, k = 0 ... count - 1, */
     double place[TVI_SCOUT_STEPS + 1];

@@ -78,7 +78,7 @@ static void assert_reached(const trip *to, const char *name, double wanted, doub
 static const double wanted[] = {1e-4, 1e-6, 1e-8, 1e-10};
 enum { WANTED = sizeof wanted / sizeof *wanted };
 
-/* All but the chaotic one, whose errors grow faster at the end than they did before. */
+/* The chaotic one too, whose errors grow faster at the end than they do in trials: the scout's companion shows it. */
 START_TEST(scenes_reach_what_is_wanted)
 {
     static const struct {
@@ -88,7 +88,6 @@ START_TEST(scenes_reach_what_is_wanted)
     for (int list = 0; list < 2; list++)
         for (const scene *const *s = list ? general_scenes : scenes; *s; s++) {
             tvi_system *system;
-            if (*s == &scene_henon_heiles_8) continue;
             ck_assert_int_eq(scene_system(*s, &system), TVI_OK);
             trip to = {.system = system, .n = (*s)->n, .q = (*s)->q, .p = (*s)->p, .duration = (*s)->t_end};
             ck_assert_int_eq(tvi_options_named(methods[_i].name, methods[_i].order, &to.options), TVI_OK);
@@ -153,6 +152,21 @@ START_TEST(hard_places_come_late)
     ck_assert_int_eq(tvi_options_named("taylor", 12, &to.options), TVI_OK);
     look_ahead(&to, s->t_end / 400);
     for (int i = 0; i < 3; i++) assert_reached(&to, s->name, wanted[i], 3e-4);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* At rest where its force is largest, the pendulum's force has only the powers 4 k of t, and so no last term: a first
+ * step of "taylor" of order 12 has no tail, however large it is. The scout that it leads astray starts over. */
+START_TEST(large_first_steps_are_found_out)
+{
+    const scene *s = &scene_pendulum;
+    tvi_system *system;
+    ck_assert_int_eq(scene_system(s, &system), TVI_OK);
+    trip to = {.system = system, .n = s->n, .q = s->q, .p = s->p, .duration = s->t_end};
+    ck_assert_int_eq(tvi_options_named("taylor", 12, &to.options), TVI_OK);
+    look_ahead(&to, s->t_end / 400);
+    for (int i = 0; i < 3; i++) assert_reached(&to, s->name, wanted[i], 1e-4);
     tvi_system_free(system);
 }
 END_TEST
@@ -258,6 +272,7 @@ Suite *suite_suggest(void)
     tcase_add_test(errors, driven_systems);
     tcase_add_loop_test(errors, rescaled_systems, 0, 2);
     tcase_add_test(errors, hard_places_come_late);
+    tcase_add_test(errors, large_first_steps_are_found_out);
     tcase_add_loop_test(errors, roundoff_says_nothing, 0, 3);
     tcase_add_test(errors, backwards);
     tcase_add_test(input, bad_input_is_refused);
