@@ -5,6 +5,7 @@
 #include <string.h>
 
 enum { MEMBERS = 19, STEPS = 40 };
+static const double LONG_STEP = 0.75;
 
 /* V = |q|^2 / 2 + x^2 y - y^3 / 3 + sqrt(x + 1/2) / 100: beyond the walls the motion escapes, left of x = -1/2 there is
  * none. */
@@ -92,7 +93,9 @@ START_TEST(failures_stay_where_they_are)
     before = with;
     OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
     for (int k = 0; k < BAD; k++) expect_same("left alone", &with, bad[k].member, &before, bad[k].member);
-    /* and go on from another state */
+    /* and go on from another state, as if they had not been before */
+    tvi_ensemble_free(sound);
+    sound = create(system, &options, 1);
     start_crowd(&without, MEMBERS, 0);
     OK(tvi_ensemble_integrate(sound, H, 1, without.t, without.q, without.p, without.status, NULL, NULL));
     start_crowd(&with, MEMBERS, 0);
@@ -126,12 +129,73 @@ START_TEST(a_reset_tries_again)
 }
 END_TEST
 
+/* Of members that go by themselves: what each of them counts, and its largest tail. */
+static tvi_stats run_alone(const tvi_system *system, const tvi_options *options, crowd *all, double tail[])
+{
+    tvi_stats sum = {0};
+    for (int m = 0; m < MEMBERS; m++) {
+        alone a = start_alone(system, options, m);
+        all->status[m] = tvi_integrate(a.integrator, LONG_STEP, STEPS, &a.t, a.q, a.p, NULL, NULL);
+        const tvi_stats *stats = tvi_integrator_stats(a.integrator);
+        tail[m] = stats->largest_tail;
+        sum.steps += stats->steps;
+        sum.passes += stats->passes;
+        sum.largest_tail = fmax(sum.largest_tail, tail[m]);
+        end_alone(&a);
+    }
+    return sum;
+}
+
+static tvi_stats run_together(const tvi_system *system, const tvi_options *options, crowd *all)
+{
+    tvi_stats stats;
+    tvi_ensemble *ensemble = create(system, options, 2);
+    ck_assert(has_lanes(ensemble));
+    set_values(ensemble, MEMBERS, 0);
+    start_crowd(all, MEMBERS, 0);
+    OK(tvi_ensemble_integrate(ensemble, LONG_STEP, STEPS, all->t, all->q, all->p, all->status, NULL, NULL));
+    OK(tvi_ensemble_stats(ensemble, &stats));
+    tvi_ensemble_free(ensemble);
+    return stats;
+}
+
+/* The counts are those of the members, and a step whose tail is too large is refused of the same members. */
+START_TEST(counts_and_tails_are_those_of_members)
+{
+    tvi_options options;
+    double tail[MEMBERS];
+    tvi_system *system = system_of(&forms[_i % 2 == 0 ? 0 : 2]);
+    ck_assert(has_options(system, &methods[_i / 2], &options));
+    options.max_tail = -1;
+    tvi_stats sum = run_alone(system, &options, &without, tail), all = run_together(system, &options, &with);
+    ck_assert_int_eq(all.steps, sum.steps);
+    ck_assert_double_le(fabs(all.largest_tail - sum.largest_tail), 1e-6 * sum.largest_tail);
+    ck_assert_double_ge((double)all.passes, 0.75 * (double)sum.passes);
+    ck_assert_double_le((double)all.passes, 1.5 * (double)sum.passes);
+    double least = tail[0];
+    for (int m = 1; m < MEMBERS; m++) least = fmin(least, tail[m]);
+    options.max_tail = sqrt(least * sum.largest_tail);
+    sum = run_alone(system, &options, &without, tail);
+    all = run_together(system, &options, &with);
+    int refused = 0;
+    for (int m = 0; m < MEMBERS; m++) {
+        ck_assert_int_eq(with.status[m], without.status[m]);
+        refused += with.status[m] == TVI_ETOOLARGE;
+    }
+    ck_assert_int_gt(refused, 0);
+    ck_assert_int_lt(refused, MEMBERS);
+    ck_assert_int_eq(all.steps, sum.steps);
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_failing(void)
 {
     Suite *suite = suite_create("failing");
     TCase *tests = tcase_create("failing");
     tcase_add_loop_test(tests, failures_stay_where_they_are, 0, method_count);
     tcase_add_test(tests, a_reset_tries_again);
+    tcase_add_loop_test(tests, counts_and_tails_are_those_of_members, 0, 6);
     suite_add_tcase(suite, tests);
     return suite;
 }
