@@ -23,10 +23,11 @@
 #define SERIES_PRODUCTS(T, i, squares, terms) series_of(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
 #define SERIES_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, x, terms)
 
-#define TANGENTS_RULE(T, i, name)               name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
-#define TANGENTS_ANGLES(T, i, next)             TANGENTS_RULE(T, i, sin) TANGENTS_RULE(T, next, cos)
-#define TANGENTS_PRODUCTS(T, i, squares, terms) tangents_of(&T, &T##_run[i], x, dx, k, (size_t)lanes, squares, terms);
-#define TANGENTS_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, dx, terms)
+#define TANGENTS_RULE(T, i, name)   name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
+#define TANGENTS_ANGLES(T, i, next) TANGENTS_RULE(T, i, sin) TANGENTS_RULE(T, next, cos)
+#define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
+    tangents_of(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
+#define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)

@@ -162,20 +162,21 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
         JET_D_AT(V, dz, k) = total;                                                                                    \
     }
 
-/* Across the members where there is one lane, else across the lanes of each member i. */
+/* Across the members where x has as many lanes, else across the lanes of each member i. */
 #define TANGENT_OF(TANGENT)                                                                                            \
-    if (lanes == 1) {                                                                                                  \
+    if (lanes == lanes_of_x) {                                                                                         \
         const size_t i = 0;                                                                                            \
-        JET_BLOCKS(run->count, TANGENT, JET_OF);                                                                       \
+        const int width = run->count * (int)lanes;                                                                     \
+        JET_BLOCKS(width, TANGENT, JET_OF);                                                                            \
     } else {                                                                                                           \
         for (size_t i = 0; i < (size_t)run->count; i++, dz += lanes) JET_BLOCKS((int)lanes, TANGENT, JET_ONE_OF);      \
     }
 
-JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, size_t lanes,
-                            bool squares, int terms)
+JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k,
+                            size_t lanes_of_x, size_t lanes, bool squares, int terms)
 {
-    const products p = terms_of(tape, run, x, 1, terms), d = terms_of(tape, run, dx, lanes, terms);
-    const size_t stride = (size_t)tape->slots, dstride = stride * lanes;
+    const products p = terms_of(tape, run, x, lanes_of_x, terms), d = terms_of(tape, run, dx, lanes, terms);
+    const size_t stride = (size_t)tape->slots * lanes_of_x, dstride = (size_t)tape->slots * lanes;
     double *dz = dx + (size_t)run->z * lanes;
     if (squares) {
         TANGENT_OF(SQUARES_TANGENT)
@@ -184,12 +185,18 @@ JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const doub
     }
 }
 
-TABLE(tangents, tangents_of, (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes),
-      tape, run, x, dx, k, (size_t)lanes)
+TABLE(tangents_one, tangents_of,
+      (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes), tape, run, x, dx, k, 1,
+      (size_t)lanes)
+TABLE(tangents_own, tangents_of,
+      (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes), tape, run, x, dx, k,
+      (size_t)lanes, (size_t)lanes)
 
-void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes)
+void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes_of_x,
+                         int lanes)
 {
-    FUNCTION(tangents, run)(tape, run, x, dx, k, lanes);
+    if (lanes_of_x == 1) FUNCTION(tangents_one, run)(tape, run, x, dx, k, lanes);
+    else FUNCTION(tangents_own, run)(tape, run, x, dx, k, lanes);
 }
 
 /* ---- Adjoints ---------------------------------------------------------------------------------------------------- */

@@ -23,7 +23,9 @@ void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar);
 /* PRODUCTS and SQUARES: what the sweeps of the same names do (tape.h). */
 void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes);
 void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes);
-void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes);
+/* x has one lane, or as many as dx. */
+void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes_of_x,
+                         int lanes);
 void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bar, int k, int top);
 
 /* name_T(parameters) calls body(..., T) for T = 1 .. JET_TERMS_MAX terms, each a function of its own: what the compiler

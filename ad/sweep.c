@@ -49,9 +49,34 @@ static void tangents(const jet_tape *tape, const double *x, double *dx, int k, i
 {
     const size_t stride = (size_t)tape->slots;
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
-        if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, lanes);
+        if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, 1, lanes);
         else if (run->op == OP_LINEAR) jet_linear_order(tape, run, dx + (size_t)k * stride * (size_t)lanes, lanes);
         else jet_rules[run->op]->tangent(run, x, dx, k, stride, lanes);
+    }
+}
+
+/* The members of a run and their lanes stand side by side, as if all were members of one lane. */
+static jet_run spread(const jet_run *run, int lanes)
+{
+    return (jet_run){.op = run->op,
+                     .count = run->count * lanes,
+                     .z = run->z * lanes,
+                     .a = run->a * lanes,
+                     .b = run->b * lanes,
+                     .w = run->w * lanes,
+                     .c = run->c};
+}
+
+static void tangents_in_lanes(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
+{
+    const size_t stride = (size_t)tape->slots * (size_t)lanes;
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) {
+        if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, lanes, lanes);
+        else if (run->op == OP_LINEAR) jet_linear_order(tape, run, dx + (size_t)k * stride, lanes);
+        else {
+            const jet_run all = spread(run, lanes);
+            jet_rules[run->op]->tangent(&all, x, dx, k, stride, 1);
+        }
     }
 }
 
@@ -78,4 +103,5 @@ static void combine(int count, const double *c, size_t of_c, int width, const do
     JET_BLOCKS(width, COMBINE, JET_OF);
 }
 
-const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa), values, series, tangents, adjoints, combine};
+const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa), values,   series, tangents,
+                                            tangents_in_lanes,    adjoints, combine};

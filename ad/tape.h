@@ -89,6 +89,7 @@ struct jet_sweeps {
     bool (*values)(const jet_tape *tape, double *x, int lanes);
     bool (*series)(const jet_tape *tape, double *x, int k, int lanes);
     void (*tangents)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
+    void (*tangents_in_lanes)(const jet_tape *tape, const double *x, double *dx, int k, int lanes);
     void (*adjoints)(const jet_tape *tape, const double *x, double *bar, int k, int top);
     /* out[w] = sum_{j < count} c_j table[j][w], c_j = c[j * stride], w < width; the last, smallest terms first. */
     void (*combine)(int count, const double *c, size_t stride, int width, const double *table, double *out);
@@ -125,6 +126,12 @@ static inline bool jet_sweep_series(const jet_tape *tape, double *x, int k, int 
 static inline void jet_sweep_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
 {
     tape->sweeps->tangents(tape, x, dx, k, lanes);
+}
+
+/* The same of one direction along each lane of the series x, which has as many. */
+static inline void jet_sweep_tangents_in_lanes(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
+{
+    tape->sweeps->tangents_in_lanes(tape, x, dx, k, lanes);
 }
 
 /* Adjoints along the one-lane series x: bar, a block like x, holds the derivatives of a scalar with respect to the

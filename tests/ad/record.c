@@ -147,17 +147,19 @@ bool run_series(const recording *r, int degree, int lanes, const double x[], dou
     return inside;
 }
 
-void run_tangents(const recording *r, int degree, int lanes, const double x[], const double dx[], double dz[])
+void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, const double x[], const double dx[],
+                  double dz[])
 {
-    double *block = new_block(r->tape, degree + 1, 1), *dblock = new_block(r->tape, degree + 1, lanes);
-    jet_tape_prepare(r->tape, block, degree + 1, 1);
-    spoil(r->tape, degree + 1, 1, true, block);
+    double *block = new_block(r->tape, degree + 1, lanes_of_x), *dblock = new_block(r->tape, degree + 1, lanes);
+    jet_tape_prepare(r->tape, block, degree + 1, lanes_of_x);
+    spoil(r->tape, degree + 1, lanes_of_x, true, block);
     spoil(r->tape, degree + 1, lanes, true, dblock);
     for (int k = 0; k <= degree; k++) {
-        set_inputs(r, degree, 1, k, k, x, block);
-        ck_assert(jet_sweep_series(r->tape, block, k, 1));
+        set_inputs(r, degree, lanes_of_x, k, k, x, block);
+        ck_assert(jet_sweep_series(r->tape, block, k, lanes_of_x));
         set_inputs(r, degree, lanes, k, k, dx, dblock);
-        jet_sweep_tangents(r->tape, block, dblock, k, lanes);
+        if (lanes_of_x == 1) jet_sweep_tangents(r->tape, block, dblock, k, lanes);
+        else jet_sweep_tangents_in_lanes(r->tape, block, dblock, k, lanes);
     }
     get_outputs(r, degree, lanes, dblock, dz);
     free(block);

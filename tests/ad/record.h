@@ -36,7 +36,8 @@ double *numbers(size_t count);
 bool run_values(const recording *r, int lanes, const double x[], double z[]);
 bool run_series(const recording *r, int degree, int lanes, const double x[], double z[]);
 /* Tangents dz (several lanes) along the series x (one lane); orders of x above k hold NaN while order k is swept. */
-void run_tangents(const recording *r, int degree, int lanes, const double x[], const double dx[], double dz[]);
+void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, const double x[], const double dx[],
+                  double dz[]);
 
 /* Adjoints of the inputs, xbar, from those of the outputs, zbar, along the series x: sum zbar dz = sum xbar dx. */
 void run_adjoints(const recording *r, int degree, const double x[], const double zbar[], double xbar[]);

@@ -17,7 +17,7 @@ static void check_transpose(const function *f, const recording *r)
     const int lanes = f->inputs * SHORT;
     double *dx = numbers((size_t)(f->inputs * SHORT * lanes)), *dz = numbers((size_t)(f->outputs * SHORT * lanes));
     for (int lane = 0; lane < lanes; lane++) dx[lane * lanes + lane] = 1;
-    run_tangents(r, DEGREE, lanes, x, dx, dz);
+    run_tangents(r, DEGREE, 1, lanes, x, dx, dz);
     for (int lane = 0; lane < lanes; lane++) {
         double sum = 0, size = DBL_MIN;
         for (int row = 0; row < f->outputs * SHORT; row++) {

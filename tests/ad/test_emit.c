@@ -131,8 +131,8 @@ static void run(const function *f, const jet_sweeps *of_series, const jet_sweeps
     for (int i = 0; i < f->inputs * 3; i++) lanes[i] = f->centre[i / 3];
     ck_assert(run_values(&values, 3, lanes, r->odd));
     ck_assert(run_series(&series, DEGREE, 1, x, r->series));
-    run_tangents(&series, DEGREE, 1, x, dx, r->tangent);
-    run_tangents(&series, DEGREE, DIRECTIONS, x, dx, r->tangents);
+    run_tangents(&series, DEGREE, 1, 1, x, dx, r->tangent);
+    run_tangents(&series, DEGREE, 1, DIRECTIONS, x, dx, r->tangents);
     run_adjoints(&series, DEGREE, x, zbar, r->adjoints);
     recording_free(&series);
     recording_free(&values);

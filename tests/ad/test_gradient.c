@@ -121,7 +121,7 @@ static void run_unit_tangents(const recording *r, double *dz)
         dx[(i * SHORT + 0) * lanes + i] = 1;
         dx[(i * SHORT + SHIFT) * lanes + r->inputs + i] = 1;
     }
-    run_tangents(r, DEGREE, lanes, series, dx, dz);
+    run_tangents(r, DEGREE, 1, lanes, series, dx, dz);
     free(dx);
 }
 
@@ -197,7 +197,7 @@ static void check_lift(const function *f, bool of_gradient)
     }
     ck_assert(run_series(&lift, DEGREE, 1, in, out));
     ck_assert(run_series(&r, DEGREE, 1, series, z));
-    run_tangents(&r, DEGREE, 1, series, direction, dz);
+    run_tangents(&r, DEGREE, 1, 1, series, direction, dz);
     for (int i = 0; i < r.outputs; i++) {
         check_series(f->name, DEGREE, out + i * SHORT, z + i * SHORT, 10 * f->bound);
         check_series(f->name, DEGREE, out + (r.outputs + i) * SHORT, dz + i * SHORT, 10 * f->bound);

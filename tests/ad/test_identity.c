@@ -110,7 +110,7 @@ START_TEST(both_sides_agree)
     ck_assert(run_series(&r, DEGREE_MAX, 1, x, z));
     check_sides(f, "series");
     dense_direction(f, 0, DEGREE_MAX, dx);
-    run_tangents(&r, DEGREE_MAX, 1, x, dx, z);
+    run_tangents(&r, DEGREE_MAX, 1, 1, x, dx, z);
     check_sides(f, "tangents");
     recording_free(&r);
 }

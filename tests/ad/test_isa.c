@@ -33,7 +33,7 @@ static const jet_sweeps *run_with(const char *set, const function *f, results *r
     for (int i = 0; i < f->inputs * EIGHT; i++) lanes[i] = f->centre[i / EIGHT] + 0.01 * (i % EIGHT);
     ck_assert(run_values(&values, EIGHT, lanes, r->eight));
     ck_assert(run_series(&series, DEGREE, 1, x, r->series));
-    run_tangents(&series, DEGREE, 1, x, dx, r->tangents);
+    run_tangents(&series, DEGREE, 1, 1, x, dx, r->tangents);
     for (int i = 0; i < f->outputs * SHORT; i++) zbar[i] = 1.0 / (1 + i % 7);
     run_adjoints(&series, DEGREE, x, zbar, r->adjoints);
     recording_free(&series);
