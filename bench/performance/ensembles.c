@@ -31,6 +31,8 @@ static const row rows[] = {
     {&scene_solar, "Solar System", "taylor", 12, 100, 0},
     {&scene_kepler, "Kepler", "midpoint", 12, 0.125, 6},
     {&scene_henon_heiles_8, "Henon-Heiles", "midpoint", 12, 0.25, 6},
+    {&scene_pendulum, "pendulum", "midpoint", 12, 0.25, 6},
+    {&scene_kepler, "Kepler", "poincare", 12, 0.125, 0},
     {&scene_kepler, "Kepler", "stormer-verlet", 2, 0.01, 0},
     {&scene_solar, "Solar System", "stormer-verlet", 2, 20, 0},
 };

@@ -45,7 +45,8 @@ typedef struct tvi_closure {
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
     int p_degree;                                 /* of the momentum */
     double *p_size;                               /* [n] sum_k |P_k| */
-    tvi_close_fn *close;                          /* the generating function's */
+    tvi_close_fn *close;                          /* the generating function's, */
+    const tvi_mean_closing *mean;                 /* and what it is where that is tvi_close_mean */
     double *seed_Q, *seed_U;                      /* [top + 1][n] of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */
     const tvi_solver *solver;
@@ -61,10 +62,13 @@ TVI_NODISCARD tvi_status tvi_close_half(tvi_closure *closure, const tvi_combinat
 TVI_NODISCARD tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first,
                                         const tvi_combination *second);
 
+/* The same with the mean of the ends, J1, and makes the corrections of it that closure->mean says. */
+tvi_close_fn tvi_close_mean;
+
 /* Sets p_size. */
 void tvi_close_measure(tvi_closure *closure);
 
-/* Type I, expanded anywhere inside the step, and at its start or its end. */
-tvi_close_fn tvi_close_type1, tvi_close_type1_end;
+/* Type I, expanded at the start or the end of the step. */
+tvi_close_fn tvi_close_type1_end;
 
 #endif

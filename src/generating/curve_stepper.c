@@ -1,34 +1,14 @@
 /* curve_stepper.c - the step of every method that expands one curve: predictor, residual of the passes, increments. The
  * generating function is data: where the curve is expanded, and how its equations are closed (method/descriptor.h).
  * Without passes the corrections are left out; at the start that is the plain Taylor method. */
-#include "generating/newton.h"
+#include "generating/curve_stepper.h"
 #include "generating/products.h"
-#include "generating/refine.h"
 #include "method/method.h"
-#include "system/legendre.h"
 
 #include <math.h>
 #include <string.h>
 
-typedef struct {
-    tvi_closure closure;
-    bool corrects;
-    bool is_rough;
-    const tvi_options *options;
-    int q_degree;
-    tvi_action action;
-    tvi_newton newton;
-    tvi_legendre legendre;
-    tvi_combination q_back;             /* q- - Q_0 */
-    tvi_combination q_centre, z_centre; /* the centre data, of the curve that starts at (q0, p0) */
-    tvi_combination dense_q, dense_u;   /* for one point of dense output */
-    double *z;                          /* [2n] predictor */
-    double *dz;                         /* [2n] what z lacks at the end of the passes */
-    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
-    double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
-    double *shift;                      /* [n] */
-    tvi_refinement refinement;
-} work;
+typedef tvi_curve_work work;
 
 /* A step at hand. */
 typedef struct {
@@ -49,6 +29,7 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->span = expanded->span;
     c->p_degree = expanded->has_top_momentum ? degree : degree - 1;
     c->close = expanded->close;
+    c->mean = &expanded->mean;
     c->solver = jacobians == TVI_JACOBIAN_PRODUCTS ? &tvi_by_products : &tvi_by_matrices;
     tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians);
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to, &c->q_rise, &c->q_mean,
@@ -388,7 +369,8 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
     return tvi_curve_uses(system, options, top, corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
 }
 
-const tvi_stepper tvi_stepper_curve = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};
+const tvi_stepper tvi_stepper_curve = {
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses, .crowd = &tvi_curve_crowd};
 const tvi_stepper tvi_stepper_taylor = {.take = take,
                                         .prepare = prepare,
                                         .step = step,

@@ -47,15 +47,10 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, 
     newton->history = tvi_arena_history(arena, sizeof *newton->history);
 }
 
-typedef struct {
-    double relative; /* max_i |correction_i| / scale_i */
-    double of_group; /* the largest correction of a group against the largest scale of the group */
-} correction_size;
-
 /* unit: the scales of the unknowns, or their reach. */
-static correction_size measure(const tvi_newton *newton, const double unit[])
+static tvi_newton_size measure(const tvi_newton *newton, const double unit[])
 {
-    correction_size size = {0, 0};
+    tvi_newton_size size = {0, 0};
     for (int first = 0; first < newton->size; first += newton->group) {
         double largest = 0, scale = 0;
         for (int i = first; i < first + newton->group; i++) {
@@ -118,12 +113,6 @@ static void fill_scale(tvi_newton *newton)
     }
 }
 
-/* How one solution goes. */
-typedef struct {
-    tvi_passes_rule rule, rule_of_largest;
-    tvi_passes passes, largest;
-} progress;
-
 /* The reach of the unknowns: their scales, and that of which the roundoff of the residual is the part STAGNATION.
  * Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
 static void find_reach(tvi_newton *newton, const tvi_equations *equations)
@@ -143,17 +132,21 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
 /* Corrections of q follow from those of p and these from those of q, without a matrix to make anew and where the first
  * contraction tells little. Without a matrix passes are not stuck as long as the largest unknowns settle: what one body
  * hands on to the next in each pass, to bodies that had nothing before, is the last to do so. */
-static progress start(const tvi_newton *newton, const tvi_equations *equations, const tvi_options *options)
+tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough)
 {
-    tvi_newton_history *history = newton->history;
-    const bool is_rough = equations->is_rough, is_due = history->solves++ % CHECK_EVERY == 0;
-    progress at = {tvi_passes_rule_asked(&of_each, options, options->tolerance), of_largest, TVI_NO_PASSES,
-                   TVI_NO_PASSES};
-    if (!newton->has_matrix) at.rule_of_largest.stuck = CONTRACTION;
-    if (!newton->has_matrix || is_rough) at.rule.turns = 2;
-    at.passes.slack = fmax(history->slack, 1);
-    at.passes.checks = options->tolerance == 0 && (is_due || is_rough);
-    return at;
+    tvi_newton_rules rules = {tvi_passes_rule_asked(&of_each, options, options->tolerance), of_largest};
+    if (!has_matrix) rules.of_largest.stuck = CONTRACTION;
+    if (!has_matrix || is_rough) rules.of_each.turns = 2;
+    return rules;
+}
+
+void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options, bool is_rough)
+{
+    const bool is_due = history->solves++ % CHECK_EVERY == 0;
+    tvi_passes_begin(&passes->of_each);
+    tvi_passes_begin(&passes->of_largest);
+    passes->of_each.slack = tvi_larger(history->slack, 1);
+    passes->of_each.checks = options->tolerance == 0 && (is_due || is_rough);
 }
 
 /* Whether corrections that no longer shrink are roundoff, by that of the residual. */
@@ -166,14 +159,14 @@ static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_
     return true;
 }
 
-static tvi_passes_verdict judge(tvi_newton *newton, const tvi_equations *equations, progress *at, correction_size size)
+tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules, tvi_newton_size size)
 {
-    tvi_passes_verdict verdict = tvi_passes_judge(&at->passes, &at->rule, size.relative);
-    const tvi_passes_verdict settled = tvi_passes_judge(&at->largest, &at->rule_of_largest, size.of_group);
-    if (verdict == TVI_PASSES_STUCK) verdict = settled;
-    if (verdict != TVI_PASSES_STUCK) return verdict;
-    if (at->passes.count <= at->rule.turns) return TVI_PASSES_GO_ON; /* small and large in turns show nothing yet */
-    return is_roundoff(newton, equations, &at->passes) ? TVI_PASSES_MAY_END : verdict;
+    const tvi_passes_verdict verdict = tvi_passes_judge(&passes->of_each, &rules->of_each, size.relative);
+    const tvi_passes_verdict settled = tvi_passes_judge(&passes->of_largest, &rules->of_largest, size.of_group);
+    if (verdict != TVI_PASSES_STUCK || settled != TVI_PASSES_STUCK)
+        return verdict == TVI_PASSES_STUCK ? settled : verdict;
+    const bool shows_nothing = passes->of_each.count <= rules->of_each.turns; /* small and large in turns */
+    return shows_nothing ? TVI_PASSES_GO_ON : TVI_PASSES_STUCK;
 }
 
 /* One pass: correction = -K^-1 r(x). */
@@ -203,19 +196,23 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
                             tvi_stats *stats)
 {
-    progress at = start(newton, equations, options);
+    const bool is_rough = equations->is_rough;
+    const tvi_newton_rules rules = tvi_newton_rules_asked(options, newton->has_matrix, is_rough);
+    tvi_newton_passes at;
+    tvi_newton_begin(&at, newton->history, options, is_rough);
     int refreshes = 0;
     bool refresh = false;
-    for (int count = 1; count <= at.rule.most; count++) {
+    for (int count = 1; count <= rules.of_each.most; count++) {
         refreshes += refresh;
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
-        const correction_size size = measure(newton, newton->scale);
+        const tvi_newton_size size = measure(newton, newton->scale);
         stats->residual = size.relative;
-        const tvi_passes_verdict verdict = judge(newton, equations, &at, size);
+        tvi_passes_verdict verdict = tvi_newton_judge(&at, &rules, size);
+        if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at.of_each)) verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            newton->history->slack = fmax(newton->history->slack, at.passes.slack);
+            newton->history->slack = fmax(newton->history->slack, at.of_each.slack);
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];

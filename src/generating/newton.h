@@ -3,6 +3,7 @@
 #define TVI_SRC_GENERATING_NEWTON_H
 
 #include "algebra/linear.h"
+#include "algebra/passes.h"
 
 /* What is smaller than this part of the largest of its kind is measured as if it had this size. */
 static const double TVI_LEAST_SHARE = 1e-20;
@@ -33,6 +34,26 @@ typedef struct {
     long solves;
     double slack; /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
 } tvi_newton_history;
+
+/* How large the corrections of a pass are: the largest relative to its unknown's scale; and the largest of a group
+ * relative to the largest scale of the group. */
+typedef struct {
+    double relative, of_group;
+} tvi_newton_size;
+
+/* When passes may end, by the one and by the other size, and what they have shown so far of each. */
+typedef struct {
+    tvi_passes_rule of_each, of_largest;
+} tvi_newton_rules;
+typedef struct {
+    tvi_passes of_each, of_largest;
+} tvi_newton_passes;
+
+tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough);
+void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options,
+                      bool is_rough);
+/* Adds a pass with a correction of this size. TVI_PASSES_STUCK: the caller measures whether it is roundoff. */
+tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules, tvi_newton_size size);
 
 typedef struct {
     bool has_matrix, is_fresh;      /* is_fresh: the matrix is one by differences */

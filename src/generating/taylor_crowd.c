@@ -85,20 +85,6 @@ static void set_start(crowd *w, double h, const tvi_crowd_origin *origin)
     }
 }
 
-/* Whether all values of the field are inside its domain. */
-static bool expand(const crowd *w)
-{
-    const tvi_taylor_lanes *curve = &w->curve;
-    const jet_tape *tape = w->system->field_series;
-    const int first = curve->has_masses ? 2 : 1;
-    bool inside = true;
-    for (int k = 0; k + first <= curve->top; k++) {
-        inside &= tape->sweeps->series(tape, curve->x, k, curve->width);
-        w->loops->advance(curve, k);
-    }
-    return inside;
-}
-
 static bool is_finite(const crowd *w, int m)
 {
     for (int at = m; at < w->curve.n * w->curve.width; at += w->curve.width)
@@ -113,7 +99,7 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
     const jet_tape *tape = w->system->field_series;
     const int n = curve->n, width = curve->width, p_degree = w->degree - 1;
     set_start(w, h, origin);
-    const bool inside = expand(w);
+    const bool inside = tvi_taylor_expand(w->loops, curve, tape);
     w->loops->rise(curve, w->degree, p_degree, w->dq, w->dp);
     if (p_degree > 1) w->loops->tail(curve, w->degree, p_degree, w->share, w->ratio, w->tail);
     for (int m = 0; m < width; m++) {

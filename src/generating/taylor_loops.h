@@ -3,8 +3,7 @@
 #ifndef TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 #define TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "tape.h"
 
 /* The block of the series: order k of row i of member m stands at x[k * stride + i * width + m]. */
 typedef struct {
@@ -25,6 +24,18 @@ typedef struct {
     /* tvi_stats.tail of each member, for P and Q to these degrees; share, ratio [n][width]: scratch. */
     void (*tail)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *share, double *ratio, double *tail);
 } tvi_taylor_loops;
+
+/* All orders from order 0; false where a value of the field is outside its domain. */
+static inline bool tvi_taylor_expand(const tvi_taylor_loops *loops, const tvi_taylor_lanes *curve, const jet_tape *tape)
+{
+    const int first = curve->has_masses ? 2 : 1;
+    bool inside = true;
+    for (int k = 0; k + first <= curve->top; k++) {
+        inside &= tape->sweeps->series(tape, curve->x, k, curve->width);
+        loops->advance(curve, k);
+    }
+    return inside;
+}
 
 extern const tvi_taylor_loops tvi_taylor_loops_base, tvi_taylor_loops_avx2, tvi_taylor_loops_avx512;
 

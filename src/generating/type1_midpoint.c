@@ -1,5 +1,7 @@
 /* type1_midpoint.c - type I, Ld(q0, q1), expanded at the midpoint (docs/method.md section 4): q- = q0, q1 = q+,
- * p0 = p- + d0, p1 = p+ + d1 with G+^T d1 - G-^T d0 = D_z. */
+ * p0 = p- + d0, p1 = p+ + d1 with G+^T d1 - G-^T d0 = D_z. With the mean M of G- and G+, and R = G+ - G-, the matrix is
+ * I + O(h):
+ *     M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
 #include "generating/closure.h"
 #include "method/list.h"
 
@@ -15,5 +17,8 @@ const tvi_descriptor tvi_type1_midpoint = {
     .quadrature = TVI_ANY_QUADRATURE,
     .pairs_momenta = true,
     .stepper = &tvi_stepper_curve,
-    .curve = {.span = {-1, 1, 0.5}, .action = TVI_ACTION_LAGRANGE, .close = tvi_close_type1},
+    .curve = {.span = {-1, 1, 0.5},
+              .action = TVI_ACTION_LAGRANGE,
+              .close = tvi_close_mean,
+              .mean = {false, .from_p = {-0.5, 1}, .rise_p = {1, 0}}},
 };

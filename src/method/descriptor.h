@@ -48,12 +48,22 @@ typedef enum {
 struct tvi_closure;
 typedef tvi_status tvi_close_fn(struct tvi_closure *closure);
 
+/* The corrections of both ends from the solution (x, y) of [J1; J2]^T (x, y) = D_z (generating/closure.h), J1 the
+ * Jacobian of the mean of the ends' coordinates: the coordinates' are these parts of kappa y, the momenta's these of x
+ * and y. */
+typedef struct {
+    bool has_momenta; /* J2 is that of the mean of the scaled momenta, else of the rise of the coordinates */
+    double from_q, rise_q;
+    double from_p[2], rise_p[2];
+} tvi_mean_closing;
+
 /* A Taylor curve, and what a generating function adds to it. */
 typedef struct {
     tvi_span span;
     tvi_action_kind action;
     bool has_top_momentum; /* p is used to degree N, as q is, else to N - 1 */
     tvi_close_fn *close;   /* NULL: nothing is added */
+    tvi_mean_closing mean; /* of tvi_close_mean */
     bool is_rough;         /* the first pass gains by much the most, and tells little of the others */
 } tvi_expanded;
 

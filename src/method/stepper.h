@@ -93,6 +93,6 @@ typedef struct {
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;
-extern const tvi_crowd_stepper tvi_taylor_crowd, tvi_verlet_crowd, tvi_galerkin_crowd;
+extern const tvi_crowd_stepper tvi_curve_crowd, tvi_taylor_crowd, tvi_verlet_crowd, tvi_galerkin_crowd;
 
 #endif

@@ -1,0 +1,303 @@
+/* curve_crowd.c - corrected steps of several members of an ensemble at once, as in curve_stepper.c: lane m of a sweep
+ * is member m. Served are generating functions whose equations are those of the mean of the ends, I + O(h), which are
+ * factored without exchanges of rows.
+ *
+ * All that a pass computes follows from z, the Jacobians too, which single curves mostly take anew as well. So a member
+ * that has converged stays as it is while the others go on. What does not converge so, or is outside of the domain,
+ * goes by itself. */
+#include "generating/curve_pass.h"
+#include "generating/products.h"
+#include "algebra/quadrature.h"
+#include "algebra/sizes.h"
+#include "method/method.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_WIDTH = 32, LEAST_WIDTH = 8, MOST_N = 7 };
+/* Of the series and of its tangents along one direction, in the first-level cache; a block of the least width may be
+ * larger. */
+enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
+/* Smaller pivots, which do not depend on units where equations are I + O(h), are left to those that exchange rows. */
+static const double LEAST_PIVOT = 0.25;
+
+typedef tvi_curve_crowd_work crowd;
+
+/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
+
+static const tvi_taylor_loops *const series_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_taylor_loops_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_taylor_loops_avx2,
+    [jet_isa_avx512] = &tvi_taylor_loops_avx512,
+#endif
+};
+static const tvi_curve_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_curve_loops_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_curve_loops_avx2,
+    [jet_isa_avx512] = &tvi_curve_loops_avx512,
+#endif
+};
+
+static int top_of(const tvi_system *system, const tvi_options *options)
+{
+    return options->degree + (tvi_method_of(options)->curve.has_top_momentum && system->form == TVI_SEPARABLE);
+}
+
+/* Curves whose field needs no momenta of nodes, and nothing by parts. */
+static bool serves(const tvi_system *system, const tvi_options *options)
+{
+    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const bool has_field =
+        system->form == TVI_SEPARABLE || (system->form == TVI_HAMILTONIAN && expanded->action == TVI_ACTION_HAMILTON);
+    const int degrees = 2 * options->degree - !expanded->has_top_momentum;
+    return expanded->close == tvi_close_mean && has_field && options->passes != TVI_PREDICT_ONLY &&
+           options->nodes == TVI_NODES_ON_CURVE && system->n <= MOST_N &&
+           tvi_curve_jacobians_for(system) == TVI_JACOBIAN_MATRICES && top_of(system, options) > 1 &&
+           tvi_quadrature_order(options->quadrature, options->quadrature_points) >= degrees;
+}
+
+static int width_of(const tvi_system *system, const tvi_options *options)
+{
+    if (!serves(system, options)) return 1;
+    const int bytes = 2 * system->field_series->slots * (top_of(system, options) + 1) * (int)sizeof(double);
+    int width = LEAST_WIDTH;
+    if (LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
+    while (2 * width <= MOST_WIDTH && 2 * width * bytes <= MOST_BYTES) width *= 2;
+    return width;
+}
+
+static void take_members(tvi_curve_members *of, tvi_arena *arena, int n, int width)
+{
+    const size_t row = (size_t)width, rows = 2 * (size_t)n;
+    double **const vectors[] = {&of->z, &of->scale, &of->D, &of->from, &of->rise, &of->correction};
+    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, rows * row);
+    double **const numbers[] = {&of->least, &of->relative, &of->of_group};
+    for (size_t i = 0; i < 3; i++) *numbers[i] = tvi_arena_doubles(arena, row);
+    of->kappa = tvi_arena_doubles(arena, (size_t)n);
+    of->n = n;
+    of->width = width;
+}
+
+static tvi_taylor_lanes lanes_of(const tvi_system *system, int top, int width, const double *kappa, double *x)
+{
+    return (tvi_taylor_lanes){.n = system->n,
+                              .width = width,
+                              .top = top,
+                              .stride = (size_t)system->field_series->slots * (size_t)width,
+                              .kappa = kappa,
+                              .output = system->field_series->output,
+                              .x = x,
+                              .has_masses = system->form == TVI_SEPARABLE};
+}
+
+static tvi_weights take_weights(tvi_arena *arena, int outs, int rows)
+{
+    return (tvi_weights){tvi_arena_doubles(arena, (size_t)outs * (size_t)rows), outs, rows, (size_t)rows, 1};
+}
+
+static void take_nodes(crowd *w, tvi_arena *arena, const tvi_options *options, int orders, int width)
+{
+    const int points = options->quadrature_points;
+    const bool is_separable = w->system->form == TVI_SEPARABLE;
+    const bool has_momenta = tvi_method_of(options)->curve.action == TVI_ACTION_HAMILTON;
+    w->x = tvi_arena_block(arena, w->system->field_values, 1, points * width, 0);
+    w->defect = tvi_arena_doubles(arena, 2 * (size_t)points * (size_t)width);
+    for (int i = 0; i < TVI_SUMS; i++) {
+        w->at_nodes[i] = tvi_arena_doubles(arena, (size_t)points * (size_t)width);
+        w->node_sums[i].weights = take_weights(arena, points, orders);
+    }
+    w->seeds_q = take_weights(arena, orders, is_separable && has_momenta ? 2 * points : points);
+    w->seeds_p = take_weights(arena, orders, points);
+    w->q_sizes = tvi_arena_doubles(arena, (size_t)orders);
+    w->z_sizes = tvi_arena_doubles(arena, (size_t)orders);
+}
+
+static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
+{
+    crowd *taken = tvi_arena_take(arena, sizeof *taken);
+    const jet_isa isa = system->field_series->sweeps->isa;
+    const int n = system->n, top = top_of(system, options);
+    const size_t count = (size_t)width, rows = 2 * (size_t)n * count, orders = (size_t)top + 1;
+    const size_t coefficients = orders * (size_t)system->inputs * count;
+    crowd w = {.system = system, .series = series_of[isa], .loops = loops_of[isa]};
+    tvi_single_take(&w.by_itself, arena, &tvi_stepper_curve, system, options, width, options->quadrature_points);
+    w.single = w.by_itself.work;
+    w.closing = &tvi_method_of(options)->curve.mean;
+    take_members(&w.members, arena, n, width);
+    take_nodes(&w, arena, options, top + 1, width);
+    double *const x = tvi_arena_block(arena, system->field_series, top + 1, width, 0);
+    double *const dx = tvi_arena_doubles(arena, orders * (size_t)system->field_series->slots * count);
+    w.curve = lanes_of(system, top, width, w.members.kappa, x);
+    w.tangent = lanes_of(system, top, width, w.members.kappa, dx);
+    w.J = tvi_arena_doubles(arena, 2 * (size_t)n * coefficients);
+    w.seed = tvi_arena_doubles(arena, coefficients);
+    w.full = tvi_arena_doubles(arena, 2 * (size_t)n * rows);
+    w.back = tvi_arena_doubles(arena, 2 * (size_t)n * rows);
+    w.values = tvi_arena_doubles(arena, rows);
+    w.change = tvi_arena_doubles(arena, rows);
+    double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio};
+    for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, (size_t)n * count);
+    w.tail = tvi_arena_doubles(arena, count);
+    w.is_moving = tvi_arena_take(arena, count * sizeof *w.is_moving);
+    w.now = tvi_arena_take(arena, count * sizeof *w.now);
+    w.passes = tvi_arena_take(arena, count * sizeof *w.passes);
+    w.history = tvi_arena_history(arena, count * sizeof *w.history);
+    if (taken) *taken = w;
+    return taken;
+}
+
+/* As curve_stepper.c and action.c have them, in one table: [points][orders]. */
+static void set_node_sums(crowd *w, int which, bool of_momentum, const double *power, int degree)
+{
+    const tvi_curve *curve = &w->single->closure.curve;
+    const tvi_action *action = &w->single->action;
+    tvi_weights *weights = &w->node_sums[which].weights;
+    for (int node = 0; node < action->points; node++) {
+        double weight[TVI_MAX_DEGREE + 2] = {0};
+        tvi_combination one = {.weight = weights->weight + (size_t)node * weights->per_out};
+        for (int k = 0; k <= degree; k++) weight[k] = power[k * action->points + node];
+        tvi_combination_set(&one, curve, of_momentum, weight);
+        w->node_sums[which].of_momentum = one.of_momentum;
+    }
+}
+
+/* dp_i of a separable system are of Q, U_k = (k+1) Q_{k+1}. */
+static void set_seeds(crowd *w)
+{
+    const tvi_action *action = &w->single->action;
+    const int points = action->points;
+    double *const of_q = w->seeds_q.weight, *const of_p = w->seeds_p.weight;
+    for (int node = 0; node < points; node++)
+        for (int k = 0; k < action->orders; k++) {
+            const double weight = action->weighted_power[node * action->orders + k];
+            of_q[k * w->seeds_q.rows + node] = k <= action->q_degree ? weight : 0;
+            of_p[k * w->seeds_p.rows + node] = k <= action->p_degree ? weight : 0;
+            if (w->seeds_q.rows > points && k <= action->p_degree && k + 1 < action->orders)
+                of_q[(k + 1) * w->seeds_q.rows + points + node] = (k + 1) * weight;
+        }
+}
+
+static void prepare(void *work)
+{
+    crowd *w = work;
+    tvi_single_prepare(&w->by_itself);
+    const tvi_curve_work *single = w->single;
+    const tvi_action *action = &single->action;
+    set_node_sums(w, TVI_SUM_Q, false, action->power, action->q_degree);
+    set_node_sums(w, TVI_SUM_U, true, action->power, action->p_degree);
+    set_node_sums(w, TVI_SUM_Q_SLOPE, false, action->slope, action->q_degree);
+    set_node_sums(w, TVI_SUM_U_SLOPE, true, action->slope, action->p_degree);
+    set_seeds(w);
+    for (int k = 0; k < action->orders; k++) {
+        w->q_sizes[k] = 1;
+        w->z_sizes[k] = k > 0 || w->system->form == TVI_HAMILTONIAN;
+    }
+    w->rules = tvi_newton_rules_asked(single->options, true, single->is_rough);
+}
+
+/* ---- A step ------------------------------------------------------------------------------------------------------ */
+
+/* z is that of the curve from the start of the step. Returns how many are in lanes. */
+static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_status status[])
+{
+    const tvi_curve_members *of = &w->members;
+    const int half = of->n * of->width;
+    int count = 0;
+    w->curve.tau = w->tangent.tau = w->single->closure.span.tau * h;
+    memcpy(of->z, origin->q, (size_t)half * sizeof *of->z);
+    for (int i = 0; i < of->n; i++) {
+        of->kappa[i] = w->curve.has_masses ? w->curve.tau / w->system->mass[i] : 1;
+        for (int at = i * of->width; at < (i + 1) * of->width; at++) of->z[half + at] = of->kappa[i] * origin->p[at];
+    }
+    for (int m = 0; m < of->width; m++) {
+        const bool moves = status[m] == TVI_OK;
+        w->now[m] = moves ? TVI_MOVING : TVI_LEFT_ALONE;
+        w->is_moving[m] = moves ? -1 : 0;
+        if (moves) tvi_newton_begin(&w->passes[m], &w->history[m], w->single->options, w->single->is_rough);
+        count += moves;
+    }
+    return count;
+}
+
+/* Those that have not converged make the correction. Returns how many. */
+static int judge(crowd *w)
+{
+    const tvi_curve_members *of = &w->members;
+    int count = 0;
+    for (int m = 0; m < of->width; m++) {
+        if (!w->is_moving[m]) continue;
+        const tvi_newton_size size = {of->relative[m], of->of_group[m]};
+        const bool is_solved = isfinite(size.relative) && of->least[m] >= LEAST_PIVOT;
+        const tvi_passes_verdict verdict =
+            is_solved ? tvi_newton_judge(&w->passes[m], &w->rules, size) : TVI_PASSES_STUCK;
+        if (verdict == TVI_PASSES_STUCK) tvi_curve_leave(w, m);
+        if (verdict != TVI_PASSES_MAY_END) continue;
+        w->now[m] = TVI_DONE;
+        w->is_moving[m] = 0;
+        w->history[m].slack = tvi_larger(w->history[m].slack, w->passes[m].of_each.slack);
+    }
+    for (int m = 0; m < of->width; m++) count += w->is_moving[m] != 0;
+    return count;
+}
+
+static void iterate(crowd *w, const tvi_crowd_origin *origin, int count, tvi_stats *stats)
+{
+    stats->expansions += count;
+    for (int passes = 1; count > 0 && passes <= w->rules.of_each.most; passes++) {
+        tvi_curve_pass(w, origin, passes == 1);
+        stats->passes += count;
+        stats->expansions += count;
+        stats->factorisations += 2 * count;
+        stats->force_evaluations += count * w->single->action.points;
+        count = judge(w);
+        if (count > 0) w->loops->move(&w->members, w->is_moving);
+    }
+    for (int m = 0; m < w->members.width && count > 0; m++)
+        if (w->is_moving[m]) tvi_curve_leave(w, m);
+}
+
+/* The increments of those that have converged. */
+static void finish(crowd *w, const tvi_crowd_end *end, tvi_stats *stats)
+{
+    const tvi_curve_members *of = &w->members;
+    const int half = of->n * of->width;
+    tvi_curve_end_members(w);
+    for (int m = 0; m < of->width; m++) {
+        if (w->now[m] != TVI_DONE) continue;
+        for (int at = m; at < half; at += of->width) {
+            end->dq[at] = w->dq[at];
+            end->dp[at] = w->dp[at];
+        }
+        end->tail[m] = stats->tail = w->tail[m];
+        end->passes[m] = w->passes[m].of_each.count;
+        stats->residual = of->relative[m];
+    }
+}
+
+static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
+                           tvi_stats *stats)
+{
+    tvi_newton_history *history = w->single->newton.history;
+    w->history[m].solves--; /* which is counted once more */
+    *history = w->history[m];
+    if (tvi_single_step(&w->by_itself, w->system->field_series, w->curve.x, 1, h, origin, end, m, stats))
+        w->history[m] = *history;
+}
+
+static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+{
+    crowd *w = work;
+    const int count = begin(w, h, origin, end->status);
+    tvi_curve_predict_members(w, origin);
+    iterate(w, origin, count, stats);
+    finish(w, end, stats);
+    for (int m = 0; m < w->members.width; m++)
+        if (w->now[m] == TVI_BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
+}
+
+static void forget(void *work, int lane) { ((crowd *)work)->history[lane] = (tvi_newton_history){0}; }
+
+const tvi_crowd_stepper tvi_curve_crowd = {
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .forget = forget};

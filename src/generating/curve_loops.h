@@ -1,0 +1,64 @@
+/* curve_loops.h - the loops of the corrected curves of several members at once (curve_crowd.c), compiled once for each
+ * instruction set. Arrays are [rows][width], the member fastest, so that no sum runs across lanes; the width is a
+ * multiple of 8. */
+#ifndef TVI_SRC_GENERATING_CURVE_LOOPS_H
+#define TVI_SRC_GENERATING_CURVE_LOOPS_H
+
+#include "method/descriptor.h"
+
+/* Sums of rows: number o of them has the weights weight[o * per_out + r * per_row] of rows r. */
+typedef struct {
+    double *weight;
+    int outs, rows;
+    size_t per_out, per_row;
+} tvi_weights;
+
+/* What is of one step: [2n][width] where nothing else is said, of the coordinates and then of the scaled momenta. */
+typedef struct {
+    int n, width;
+    double *kappa;               /* [n] */
+    double *z, *scale;           /* the data at the centre, and their natural sizes */
+    double *D;                   /* D_z, then the solution of the generating function's equations */
+    double *from, *rise;         /* the corrections of q and p at the start, and of what they rise by */
+    double *correction;          /* of z */
+    double *least;               /* [width] the least pivot of all equations */
+    double *relative, *of_group; /* [width] tvi_newton_size; NaN where a correction is no number */
+} tvi_curve_members;
+
+typedef struct {
+    /* out[o * out_stride ..] = sum_r weight x[r * stride ..], width of each, the last rows first; what has no weight is
+     * not read. */
+    void (*combine)(const tvi_weights *weights, size_t stride, int width, const double *x, size_t out_stride,
+                    double *out);
+    /* The same of |x|. */
+    void (*combine_sizes)(const tvi_weights *weights, size_t stride, int width, const double *x, size_t out_stride,
+                          double *out);
+    /* out[d] = sum_r seed[r] J[d][r], d < directions. */
+    void (*pull)(int rows, int directions, int width, const double *seed, const double *J, double *out);
+    /* out[r] = sum_d J[d][r] dz[d]. */
+    void (*push)(int rows, int directions, int width, const double *J, const double *dz, double *out);
+    /* A = L U in place of A [size][size][width], without exchanges; least becomes that pivot that is nearest to 0, if
+     * it is nearer. */
+    void (*factor)(int size, int width, double *A, double *least);
+    /* x <- A^-1 x and x <- A^-T x. */
+    void (*solve)(int size, int width, const double *lu, double *x);
+    void (*solve_transposed)(int size, int width, const double *lu, double *x);
+    /* out = a field - b other, so many numbers. */
+    void (*subtract)(int count, double a, const double *field, double b, const double *other, double *out);
+    /* The corrections of the ends from D. */
+    void (*close)(const tvi_curve_members *of, const tvi_mean_closing *closing);
+    /* correction = -r, r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first; it is (q- - Q_0,
+     * kappa p-) beforehand, and Q0 where the curve's start stands. */
+    void (*residual)(const tvi_curve_members *of, const double *Q0, const tvi_crowd_origin *origin);
+    /* As newton.c: an unknown without a size has the largest of its group, or 1. */
+    void (*fill_scale)(const tvi_curve_members *of);
+    void (*measure)(const tvi_curve_members *of);
+    /* z += correction where the mask is set. */
+    void (*move)(const tvi_curve_members *of, const long long *is_moving);
+    /* dq and dp from the curve's rise and its change by the last correction, [2n][width] each. */
+    void (*end)(const tvi_curve_members *of, const double *curve, const double *change, double *dq, double *dp);
+} tvi_curve_loops;
+
+extern const tvi_curve_loops tvi_curve_loops_base, tvi_curve_loops_avx2, tvi_curve_loops_avx512;
+
+#endif

@@ -1,0 +1,30 @@
+/* curve_stepper.h - what the step of a method that expands one curve works with. */
+#ifndef TVI_SRC_GENERATING_CURVE_STEPPER_H
+#define TVI_SRC_GENERATING_CURVE_STEPPER_H
+
+#include "generating/closure.h"
+#include "generating/newton.h"
+#include "generating/refine.h"
+#include "system/legendre.h"
+
+typedef struct {
+    tvi_closure closure;
+    bool corrects;
+    bool is_rough;
+    const tvi_options *options;
+    int q_degree;
+    tvi_action action;
+    tvi_newton newton;
+    tvi_legendre legendre;
+    tvi_combination q_back;             /* q- - Q_0 */
+    tvi_combination q_centre, z_centre; /* the centre data, of the curve that starts at (q0, p0) */
+    tvi_combination dense_q, dense_u;   /* for one point of dense output */
+    double *z;                          /* [2n] predictor */
+    double *dz;                         /* [2n] what z lacks at the end of the passes */
+    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
+    double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
+    double *shift;                      /* [n] */
+    tvi_refinement refinement;
+} tvi_curve_work;
+
+#endif
