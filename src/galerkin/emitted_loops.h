@@ -38,14 +38,11 @@
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
         predict_lanes(&sized, steps, matrix, impulses, (LANES));                                                       \
     }                                                                                                                  \
-    static void NAME##_drive(const galerkin_nodes *nodes, const lanes_matrix *of, const double *change,                \
-                             double *impulse)                                                                          \
+    static void NAME##_go_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds,         \
+                                const double *moved, bool is_new, double first, double last, double *changes)          \
     {                                                                                                                  \
-        drive_lanes(nodes, of, change, impulse, (LANES));                                                              \
-    }                                                                                                                  \
-    static double NAME##_round(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds)          \
-    {                                                                                                                  \
-        return go_round_lanes(nodes, matrix, rounds, (LANES));                                                         \
+        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
+        go_round_lanes(&sized, matrix, rounds, moved, is_new, first, last, changes, (LANES));                          \
     }                                                                                                                  \
     static void NAME##_integrate(const galerkin_nodes *nodes, const galerkin_weights *weights,                         \
                                  const galerkin_sums *sums)                                                            \
@@ -221,7 +218,7 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
     }
 
 #define GALERKIN_EMITTED_TABLE(NAME)                                                                                   \
-    NAME##_move, NAME##_move_both, NAME##_predict, NAME##_drive, NAME##_round, NAME##_integrate, NAME##_start,         \
+    NAME##_move, NAME##_move_both, NAME##_predict, NAME##_go_round, NAME##_integrate, NAME##_start,                    \
         NAME##_start_drifting, NAME##_end_drifting, NAME##_tail, NAME##_place
 
 #endif

@@ -16,29 +16,34 @@
 typedef struct {
     galerkin_model model;
     lanes_rounds rounds;
-    lanes_matrix all; /* of all unknowns, in order */
-    double *changes;  /* [rows of all][lanes] of impulses */
-    int *slot[2];     /* [unknowns] where what drives each is, in the block of values, and with second derivatives */
-    double moved;     /* by the last pass, as `move` says; infinite before the first one of a step */
+    double *movement, *changes; /* [unknowns][lanes] the first one of a pass, and those of impulses */
+    int *slot[2]; /* [unknowns] where what drives each is, in the block of values, and with second derivatives */
+    double moved; /* by the last pass, as `move` says; infinite before the first one of a step */
 } hamiltonian;
 
-enum { MOST_ROUNDS = 32 };
 /* Squares of relative movements: after one of 2^-25 the second derivatives serve once more, since what the pass that
  * follows leaves is as its cube. */
 static const double SERVES = 0x1p-50, NOTHING = 0x1p-144;
+/* The rounds of the first pass of a step end here: another follows, whose movement is no less. */
+static const double ROUNDOFF = 0x1p-108;
 
-static size_t rounded_up(int rows) { return (size_t)(rows + LANES_ROWS - 1) / LANES_ROWS * LANES_ROWS; }
+static int rounded_up(int rows) { return (rows + LANES_ROWS - 1) / LANES_ROWS * LANES_ROWS; }
 
-static void take_matrix(lanes_matrix *matrix, tvi_arena *arena, size_t rows)
+static void take_rounds(lanes_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
 {
-    matrix->unknown = tvi_arena_take(arena, rows * sizeof *matrix->unknown);
-    matrix->place = tvi_arena_take(arena, rows * rows * sizeof *matrix->place);
+    rounds->unknown = tvi_arena_take(arena, rows * sizeof *rounds->unknown);
+    rounds->place = tvi_arena_take(arena, rows * rows * sizeof *rounds->place);
+    rounds->packed = tvi_arena_take(arena, rows * rows * lanes * sizeof *rounds->packed);
+    rounds->size = tvi_arena_doubles(arena, rows);
+    rounds->per_size = tvi_arena_doubles(arena, rows);
+    float **const vectors[] = {&rounds->change, &rounds->total, &rounds->impulse, &rounds->all};
+    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_take(arena, rows * lanes * sizeof(float));
 }
 
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
-    const size_t rows = rounded_up(field->nodes.unknowns);
+    const size_t rows = (size_t)rounded_up(field->nodes.unknowns) + LANES_ROWS;
     hamiltonian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
     hamiltonian w = {0};
     field->rows = field->nodes.unknowns;
@@ -46,12 +51,9 @@ static void take(galerkin_field *field, tvi_arena *arena)
     tvi_galerkin_model_take(&w.model, arena, field);
     field->inputs = w.model.values;
     field->ahead = field->matrix;
-    take_matrix(&w.all, arena, rows);
-    take_matrix(&w.rounds.matrix, arena, rows);
-    w.rounds.change = tvi_arena_doubles(arena, unknowns * lanes);
-    w.rounds.moved = tvi_arena_doubles(arena, unknowns * lanes);
-    w.rounds.impulse = tvi_arena_doubles(arena, rows * lanes);
-    w.changes = tvi_arena_doubles(arena, rows * lanes);
+    take_rounds(&w.rounds, arena, rows, lanes);
+    w.movement = tvi_arena_doubles(arena, unknowns * lanes);
+    w.changes = tvi_arena_doubles(arena, unknowns * lanes);
     for (int i = 0; i < 2; i++) w.slot[i] = tvi_arena_take(arena, unknowns * sizeof(int));
     if (taken) *taken = w;
 }
@@ -65,12 +67,13 @@ static int driving(const galerkin_field *field, int unknown)
 
 static int begin_of(const galerkin_model *model, int row) { return row > 0 ? model->end[row - 1] : 0; }
 
-/* Whether it moves, and something depends on it. A coordinate that H does not have (t of a rescaled system, if its
- * forces do not have it) is a quadrature, and its momentum does not move. */
+static bool depends(const galerkin_model *model, int row) { return begin_of(model, row) < model->end[row]; }
+
+/* Whether something depends on it that moves. A coordinate that H does not have (t of a rescaled system, if its forces
+ * do not have it) is a quadrature, and its momentum does not move. */
 static bool takes_part(const galerkin_field *field, const galerkin_model *model, int unknown)
 {
-    const int drive = driving(field, unknown);
-    return begin_of(model, unknown) < model->end[unknown] && begin_of(model, drive) < model->end[drive];
+    return depends(model, unknown) && depends(model, driving(field, unknown));
 }
 
 /* Where the second derivative stands in their block: zeros where it is none, or where there is no such row. */
@@ -83,27 +86,36 @@ static int place_of(const galerkin_field *field, const galerkin_model *model, in
     return slot * field->nodes.lanes;
 }
 
-/* Of all unknowns, or of those that take part. */
-static void set_matrix(const galerkin_field *field, const galerkin_model *model, bool all, lanes_matrix *matrix)
+/* Adds those whose drives change and that take part, or not; then rows of none. The number of them all. */
+static int add_rows(const galerkin_field *field, const galerkin_model *model, bool part, int rows, int *unknown)
 {
     for (int u = 0; u < field->nodes.unknowns; u++)
-        if (all || takes_part(field, model, u)) matrix->unknown[matrix->count++] = u;
-    int *place = matrix->place;
-    for (int first = 0; first < matrix->count; first += LANES_ROWS)
-        for (int column = 0; column < matrix->count; column++)
+        if (depends(model, driving(field, u)) && takes_part(field, model, u) == part) unknown[rows++] = u;
+    const int end = rounded_up(rows);
+    while (rows < end) unknown[rows++] = -1;
+    return end;
+}
+
+static void set_rounds(const galerkin_field *field, const galerkin_model *model, lanes_rounds *rounds)
+{
+    for (int u = 0; u < field->nodes.unknowns; u++) rounds->count += takes_part(field, model, u);
+    rounds->moving = add_rows(field, model, true, 0, rounds->unknown);
+    rounds->rows = add_rows(field, model, false, rounds->moving, rounds->unknown);
+    rounds->second = model->second;
+    int *place = rounds->place;
+    for (int first = 0; first < rounds->rows; first += LANES_ROWS)
+        for (int column = 0; column < rounds->count; column++)
             for (int i = first; i < first + LANES_ROWS; i++) {
-                const int row = i < matrix->count ? driving(field, matrix->unknown[i]) : -1;
-                *place++ = place_of(field, model, row, matrix->unknown[column]);
+                const int row = rounds->unknown[i] < 0 ? -1 : driving(field, rounds->unknown[i]);
+                *place++ = place_of(field, model, row, rounds->unknown[column]);
             }
-    matrix->second = model->second;
 }
 
 static void prepare(galerkin_field *field)
 {
     hamiltonian *w = field->own;
     tvi_galerkin_model_prepare(&w->model, field);
-    set_matrix(field, &w->model, true, &w->all);
-    set_matrix(field, &w->model, false, &w->rounds.matrix);
+    set_rounds(field, &w->model, &w->rounds);
     for (int u = 0; u < field->nodes.unknowns; u++) {
         field->slot[u] = field->nodes.unknowns + driving(field, u);
         w->slot[false][u] = field->system->field_values->output[driving(field, u)];
@@ -131,23 +143,6 @@ static void predict(galerkin_field *field, int steps, const double *extrapolatio
     w->moved = INFINITY;
 }
 
-/* The rounds that follow a movement, whose square is `first`, until one is at most `last`. Where they do not shrink,
- * they are left out. */
-static void go_round(const galerkin_field *field, const hamiltonian *w, double first, double last)
-{
-    const galerkin_nodes *nodes = &field->nodes;
-    const lanes_rounds *rounds = &w->rounds;
-    const size_t numbers = (size_t)nodes->unknowns * (size_t)nodes->lanes;
-    double now = first, before = INFINITY, earlier = INFINITY;
-    for (size_t i = 0; i < numbers; i++) rounds->change[i] = rounds->moved[i] = nodes->x[i] - w->model.values[i];
-    for (int i = 0; i < MOST_ROUNDS && now > last && (now < before || now < earlier); i++) {
-        earlier = before;
-        before = now;
-        now = field->loops->round(nodes, field->matrix, rounds);
-    }
-    if (now > first) memset(rounds->moved, 0, numbers * sizeof *rounds->moved);
-}
-
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     hamiltonian *w = field->own;
@@ -160,8 +155,10 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     if (!drives) return TVI_EDOMAIN;
     const double first = field->loops->move(nodes, field->matrix, drives, slot);
     const double left_out = first * (serves ? w->moved : first) / count;
-    go_round(field, w, first, fmax(left_out, NOTHING * count));
-    field->loops->drive(nodes, &w->all, w->rounds.moved, w->changes);
+    const double least = count * (isinf(w->moved) ? ROUNDOFF : NOTHING);
+    for (int i = 0; i < nodes->unknowns * nodes->lanes; i++) w->movement[i] = nodes->x[i] - w->model.values[i];
+    field->loops->go_round(nodes, field->matrix, &w->rounds, w->movement, !serves, first, fmax(left_out, least),
+                           w->changes);
     *moved = w->moved = first + field->loops->move_both(nodes, field->matrix, drives, w->changes, slot);
     return TVI_OK;
 }

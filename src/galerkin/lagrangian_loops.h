@@ -30,21 +30,19 @@ typedef struct {
     const int *end;         /* [2n] and where the row ends */
 } lanes_model;
 
-/* A part of the matrix of second derivatives at each node: the unknowns that its columns belong to, and what drives
- * them in its rows, as many at a time as have sums that need not wait for each other. */
+/* Second derivatives at each node: what drives unknowns, the rows, by the movement of those that move and that
+ * something else depends on, the columns. The rows are those of the columns, then those that nothing depends on, both
+ * rounded up to as many as have sums that need not wait for each other. */
 enum { LANES_ROWS = 4 };
 typedef struct {
-    int count;            /* of unknowns; of rows so many, rounded up to LANES_ROWS, [rows] */
-    int *unknown;         /* [rows] */
-    int *place;           /* [rows / LANES_ROWS][count][LANES_ROWS] in the block of the second derivatives: */
-    const double *second; /* it has zeros, too */
-} lanes_matrix;
-
-/* Of the unknowns that move and that something else depends on. */
-typedef struct {
-    lanes_matrix matrix;
-    double *change, *moved; /* [unknowns][lanes] the last one, and the sum of them all */
-    double *impulse;        /* [rows][lanes] scratch */
+    int count, moving, rows; /* columns, their rows, all rows */
+    int *unknown;            /* [rows] -1: none */
+    int *place;              /* [rows / LANES_ROWS][count][LANES_ROWS] in the block of the second derivatives: */
+    const double *second;    /* it has zeros, too */
+    float *packed;           /* the same, [rows / LANES_ROWS][count][LANES_ROWS][lanes] */
+    double *size, *per_size; /* [rows] of the unknowns */
+    float *change, *total;   /* [rows][lanes] the last round's; the movement and all rounds */
+    float *impulse, *all;    /* [rows][lanes] the same of impulses, but for those of the movement */
 } lanes_rounds;
 
 typedef struct {

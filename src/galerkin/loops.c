@@ -2,6 +2,7 @@
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "galerkin/lanes.h"
+#include "galerkin/rounds.h"
 #include "rule.h"
 #include "vector.h"
 
@@ -164,63 +165,10 @@ BY_LANES(void, , predict,
          (const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]), nodes, steps,
          matrix, impulses)
 
-#define DRIVE(V, blocks)                                                                                               \
-    for (int first = 0; first < of->count; first += LANES_ROWS, impulse += LANES_ROWS * lanes) {                       \
-        V sum[LANES_ROWS][MOST_BLOCKS];                                                                                \
-        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
-            for (int b = 0; b < (blocks); b++) sum[i][b] = (V){0};                                                     \
-        for (int column = 0; column < of->count; column++, place += LANES_ROWS) {                                      \
-            const double *by = change + of->unknown[column] * lanes;                                                   \
-            for (int i = 0; i < LANES_ROWS; i++)                                                                       \
-                for (int b = 0; b < (blocks); b++)                                                                     \
-                    sum[i][b] += BLOCK_OF(V, of->second + place[i], b) * BLOCK_OF(V, by, b);                           \
-        }                                                                                                              \
-        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
-            for (int b = 0; b < (blocks); b++)                                                                         \
-                BLOCK_AT(V, impulse + i * lanes, b) = BLOCK_OF(V, nodes->weight, b) * sum[i][b];                       \
-    }
-
-JET_INLINE void drive_lanes(const galerkin_nodes *nodes, const lanes_matrix *of, const double *change, double *impulse,
-                            int lanes)
-{
-    const int *place = of->place;
-    ALL_LANES(lanes, DRIVE)
-}
-
-BY_LANES(void, , drive, (const galerkin_nodes *nodes, const lanes_matrix *of, const double *change, double *impulse),
-         nodes, of, change, impulse)
-
-#define ROUND(V, blocks)                                                                                               \
-    {                                                                                                                  \
-        V squares = {0};                                                                                               \
-        KEEP_ROWS(V, blocks, row, matrix)                                                                              \
-        for (int i = 0; i < of->count; i++, impulse += lanes) {                                                        \
-            const int u = of->unknown[i];                                                                              \
-            SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
-            ADD_CHAINS(blocks)                                                                                         \
-            for (int k = 0; k < (blocks); k++) {                                                                       \
-                const V change = nodes->scale[u] * sum[0][k], part = change * nodes->inverse_size[u];                  \
-                squares += part * part;                                                                                \
-                BLOCK_AT(V, rounds->change + u * lanes, k) = change;                                                   \
-                BLOCK_AT(V, rounds->moved + u * lanes, k) += change;                                                   \
-            }                                                                                                          \
-        }                                                                                                              \
-        moved = sum_of_##V(squares);                                                                                   \
-    }
-
-JET_INLINE
-double go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, int lanes)
-{
-    const lanes_matrix *of = &rounds->matrix;
-    const double *impulse = rounds->impulse;
-    double moved = 0;
-    drive_lanes(nodes, of, rounds->change, rounds->impulse, lanes);
-    ALL_LANES(lanes, ROUND)
-    return moved;
-}
-
-BY_LANES(double, return, go_round, (const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds),
-         nodes, matrix, rounds)
+BY_LANES(void, , go_round,
+         (const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, const double *moved,
+          bool is_new, double first, double last, double *changes),
+         nodes, matrix, rounds, moved, is_new, first, last, changes)
 
 /* Two-sums: what each addition loses is collected. */
 JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, jet_v4 term)
@@ -387,8 +335,8 @@ BY_LANES(void, , place, (const galerkin_places *p, const double *table, const do
 #ifndef JET_EMITTED
 #define LOOPS_OF(lanes)                                                                                                \
     {                                                                                                                  \
-        move_##lanes, move_both_##lanes, predict_##lanes, drive_##lanes, go_round_##lanes, integrate_##lanes,          \
-            start_##lanes, start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                             \
+        move_##lanes, move_both_##lanes, predict_##lanes, go_round_##lanes, integrate_##lanes, start_##lanes,          \
+            start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                                            \
     }
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops)[GALERKIN_LOOPS] = {LOOPS_OF(1), LOOPS_OF(2), LOOPS_OF(4),
                                                                         LOOPS_OF(8), LOOPS_OF(most)};

@@ -88,11 +88,10 @@ typedef struct galerkin_loops {
                         const int slot[]);
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
-    /* impulse[i][j] = weight_j (what drives unknown i of the matrix by the change)_j, to first order. */
-    void (*drive)(const galerkin_nodes *nodes, const lanes_matrix *of, const double *change, double *impulse);
-    /* change <- scale sum_j matrix_ji (impulse of the change)_j, and moved += change. Returns the sum of the squares of
-     * change inverse_size. */
-    double (*round)(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds);
+    /* The changes of impulses, [unknowns][lanes], by a movement, whose square is `first`, and by the rounds that follow
+     * it (rounds.h), until one is at most `last`; 0 where they do not shrink. is_new: the second derivatives are. */
+    void (*go_round)(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, const double *moved,
+                     bool is_new, double first, double last, double *changes);
     /* Of the last movement; `once` and `twice` are compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
     /* start = (q, p) and base = (q_low, p_low) of the origin, n of each. */

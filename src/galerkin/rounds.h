@@ -1,0 +1,166 @@
+/* rounds.h - the rounds of a pass that knows second derivatives (hamiltonian.c), in the lanes of a block; read by
+ * loops.c. They are in single precision, which takes half the time: a pass leaves more than that of its movement, but
+ * for the last one, whose movement is roundoff. So that nothing depends on units, movements are relative to the sizes
+ * of the unknowns, and to the first one. */
+#ifndef TVI_SRC_GALERKIN_ROUNDS_H
+#define TVI_SRC_GALERKIN_ROUNDS_H
+
+#include "galerkin/lanes.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { MOST_ROUNDS = 32 };
+
+typedef float single_jet_v8 __attribute__((vector_size(32), aligned(4), may_alias));
+typedef float single_jet_v4 __attribute__((vector_size(16), aligned(4), may_alias));
+typedef float single_jet_v2 __attribute__((vector_size(8), aligned(4), may_alias));
+typedef float single_jet_v1;
+#define SINGLE(V)              single_##V
+#define SINGLE_AT(V, array, k) (*(SINGLE(V) *)((array) + (size_t)(k) * (sizeof(SINGLE(V)) / sizeof(float))))
+#define SINGLE_OF(V, array, k) (*(const SINGLE(V) *)((array) + (size_t)(k) * (sizeof(SINGLE(V)) / sizeof(float))))
+
+/* From the one precision to the other. */
+#define NARROW_jet_v8(x) __builtin_convertvector(x, single_jet_v8)
+#define NARROW_jet_v4(x) __builtin_convertvector(x, single_jet_v4)
+#define NARROW_jet_v2(x) __builtin_convertvector(x, single_jet_v2)
+#define NARROW_jet_v1(x) ((float)(x))
+#define WIDEN_jet_v8(x)  __builtin_convertvector(x, jet_v8)
+#define WIDEN_jet_v4(x)  __builtin_convertvector(x, jet_v4)
+#define WIDEN_jet_v2(x)  __builtin_convertvector(x, jet_v2)
+#define WIDEN_jet_v1(x)  ((double)(x))
+
+/* All lanes, in vectors of as many numbers of half the width. */
+#define ALL_SINGLE(lanes, BODY)                                                                                        \
+    if (lanes % 8 == 0) BODY(jet_v8, (lanes / 8))                                                                      \
+    else if (lanes % 4 == 0) BODY(jet_v4, (lanes / 4))                                                                 \
+    else if (lanes % 2 == 0) BODY(jet_v2, (lanes / 2))                                                                 \
+    else BODY(jet_v1, lanes)
+
+#define PACK(V, blocks)                                                                                                \
+    for (int first = 0; first < rounds->rows; first += LANES_ROWS)                                                     \
+        for (int column = 0; column < count; column++, place += LANES_ROWS, packed += LANES_ROWS * lanes)              \
+            for (int b = 0; b < (blocks); b++) {                                                                       \
+                const V of_column = size[column] * BLOCK_OF(V, weight, b);                                             \
+                for (int i = 0; i < LANES_ROWS; i++) {                                                                 \
+                    const V by = per_size[first + i] * of_column;                                                      \
+                    SINGLE_AT(V, packed + i * lanes, b) = NARROW_##V(by * BLOCK_OF(V, second + place[i], b));          \
+                }                                                                                                      \
+            }
+
+/* What drives a row by the movement of a column, from the second derivatives. */
+JET_INLINE void pack_second(const galerkin_nodes *nodes, const lanes_rounds *rounds, int lanes)
+{
+    double *size = rounds->size, *per_size = rounds->per_size;
+    const double *second = rounds->second, *weight = nodes->weight;
+    const int *place = rounds->place;
+    float *packed = rounds->packed;
+    const int count = rounds->count;
+    for (int i = 0; i < rounds->rows; i++) {
+        per_size[i] = rounds->unknown[i] < 0 ? 0 : nodes->inverse_size[rounds->unknown[i]];
+        size[i] = 1 / per_size[i];
+    }
+    ALL_LANES(lanes, PACK)
+}
+
+#define DRIVE_SINGLE(V, blocks)                                                                                        \
+    for (int first = from; first < to; first += LANES_ROWS, all += LANES_ROWS * lanes) {                               \
+        SINGLE(V) sum[LANES_ROWS][MOST_BLOCKS];                                                                        \
+        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
+            for (int b = 0; b < (blocks); b++) sum[i][b] = (SINGLE(V)){0};                                             \
+        for (int column = 0; column < count; column++)                                                                 \
+            for (int i = 0; i < LANES_ROWS; i++, packed += lanes)                                                      \
+                for (int b = 0; b < (blocks); b++)                                                                     \
+                    sum[i][b] += SINGLE_OF(V, packed, b) * SINGLE_OF(V, change + column * lanes, b);                   \
+        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
+            for (int b = 0; b < (blocks); b++) {                                                                       \
+                SINGLE_AT(V, rounds->impulse + (first + i) * lanes, b) = sum[i][b];                                    \
+                SINGLE_AT(V, all + i * lanes, b) += sum[i][b];                                                         \
+            }                                                                                                          \
+    }
+
+/* The impulses of these rows by a change, and `all` += them. */
+JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, int from, int to, int lanes)
+{
+    const int count = rounds->count;
+    const float *packed = rounds->packed + from * count * lanes;
+    float *all = rounds->all + from * lanes;
+    ALL_SINGLE(lanes, DRIVE_SINGLE)
+}
+
+#define CHANGE(V, blocks)                                                                                              \
+    {                                                                                                                  \
+        SINGLE(V) squares = {0}, row[TVI_GALERKIN_MAX_LANES];                                                          \
+        float parts[sizeof squares / sizeof(float)];                                                                   \
+        for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++)                                                          \
+            row[j] = SINGLE_OF(V, a + j * lanes, 0) + (SINGLE(V)){0};                                                  \
+        for (int i = 0; i < rounds->count; i++, impulse += lanes, change += lanes, total += lanes) {                   \
+            const float scale = (float)nodes->scale[rounds->unknown[i]];                                               \
+            for (int b = 0; b < (blocks); b++) {                                                                       \
+                SINGLE(V) sum[2] = {0};                                                                                \
+                for (int j = 0; j < lanes; j++)                                                                        \
+                    sum[j % 2] += ((blocks) == 1 ? row[j] : SINGLE_OF(V, a + j * lanes, b)) * impulse[j];              \
+                sum[0] = scale * (sum[0] + sum[1]);                                                                    \
+                squares += sum[0] * sum[0];                                                                            \
+                SINGLE_AT(V, change, b) = sum[0];                                                                      \
+                SINGLE_AT(V, total, b) += sum[0];                                                                      \
+            }                                                                                                          \
+        }                                                                                                              \
+        SINGLE_AT(V, parts, 0) = squares;                                                                              \
+        for (size_t half = sizeof parts / sizeof *parts / 2; half > 0; half /= 2)                                      \
+            for (size_t i = 0; i < half; i++) parts[i] += parts[i + half];                                             \
+        moved = (double)parts[0];                                                                                      \
+    }
+
+/* The change by the impulses, and `total` += it; the sum of its squares. */
+JET_INLINE double change_by_impulses(const galerkin_nodes *nodes, const lanes_rounds *rounds, const float *a, int lanes)
+{
+    const float *impulse = rounds->impulse;
+    float *change = rounds->change, *total = rounds->total;
+    double moved = 0;
+    ALL_SINGLE(lanes, CHANGE)
+    return moved;
+}
+
+#define NARROW(V, blocks)                                                                                              \
+    {                                                                                                                  \
+        for (int j = 0; j < lanes; j++)                                                                                \
+            for (int b = 0; b < (blocks); b++)                                                                         \
+                SINGLE_AT(V, a + j * lanes, b) = NARROW_##V(BLOCK_OF(V, matrix + j * lanes, b));                       \
+        for (int i = 0; i < rounds->count; i++) {                                                                      \
+            const double *of_u = moved + rounds->unknown[i] * lanes, by = rounds->per_size[i] / size;                  \
+            for (int b = 0; b < (blocks); b++)                                                                         \
+                SINGLE_AT(V, rounds->change + i * lanes, b) = SINGLE_AT(V, rounds->total + i * lanes, b) =             \
+                    NARROW_##V(by * BLOCK_OF(V, of_u, b));                                                             \
+        }                                                                                                              \
+    }
+
+#define WIDEN(V, blocks)                                                                                               \
+    for (int i = 0; i < rounds->rows; i++)                                                                             \
+        for (int b = 0; b < (rounds->unknown[i] < 0 ? 0 : (blocks)); b++)                                              \
+            BLOCK_AT(V, changes + rounds->unknown[i] * lanes, b) =                                                     \
+                size * rounds->size[i] * WIDEN_##V(SINGLE_OF(V, rounds->all + i * lanes, b));
+
+JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds,
+                               const double *moved, bool is_new, double first, double last, double *changes, int lanes)
+{
+    const int moving = rounds->moving;
+    const double size = sqrt(first);
+    float a[TVI_GALERKIN_MAX_LANES * TVI_GALERKIN_MAX_LANES];
+    double now = 1, before = INFINITY, earlier;
+    int turn = 0;
+    if (is_new) pack_second(nodes, rounds, lanes);
+    ALL_LANES(lanes, NARROW)
+    for (int i = 0; i < rounds->rows * lanes; i++) rounds->all[i] = 0;
+    do {
+        earlier = before;
+        before = now;
+        drive_rows(rounds, rounds->change, 0, moving, lanes);
+        now = change_by_impulses(nodes, rounds, a, lanes);
+    } while (++turn < MOST_ROUNDS && now > last / first && (now < before || now < earlier));
+    drive_rows(rounds, rounds->total, moving, rounds->rows, lanes);
+    if (now <= 1) ALL_LANES(lanes, WIDEN)
+    else memset(changes, 0, (size_t)(nodes->unknowns * lanes) * sizeof *changes);
+}
+
+#endif
