@@ -12,7 +12,7 @@ set border 3 lw 1 lc rgb "#444444"
 set tics nomirror
 set key outside right top Left reverse samplen 3 spacing 1.2 width 1
 
-colours = "#222222 #D55E00 #009E73 #56A8E8 #08254F #AA5599 #E69F00 #0F7F7F #7F7F7F #A05020 #2277C4 #B0B000 #FF6080 #308030 #CC0000 #0000CC #00AACC"
+colours = "#222222 #D55E00 #009E73 #56A8E8 #08254F #AA5599 #E69F00 #0F7F7F #7F7F7F #A05020 #2277C4 #B0B000 #FF6080 #F7E35A #CC0000 #0000CC #00AACC"
 colour(i) = word(colours, i)
 
 do for [type in "png svg"] {
