@@ -94,11 +94,11 @@ TVI_NODISCARD tvi_status tvi_integrate_tolerance_events(tvi_integrator *integrat
 
 /* The step h of a run of that duration, from (t, q, p), whose error at its end is the wanted one: the largest error of
  * a coordinate relative to the largest coordinate, or of a momentum relative to the largest momentum. Large steps look
- * along the orbit for its hardest part; trial steps there, beside pairs of half the size, are aimed at a twelfth of the
- * error: on a regular orbit the error then lies between a hundredth of the wanted one and the wanted one, or h is about
- * the longest that the orbit allows. What is not seen, as chaos and close encounters later on, makes it larger
- * (docs/choosing.md has what was reached). At most 60 steps are made, those of 20 trial steps, or in a run of more than
- * 1200 steps about 5 % of it, and never more than 6000. Make the run by tvi_integrate_to. options as for
+ * along the orbit for its hardest part; trial steps there, beside pairs of half the size, are aimed at less than a
+ * tenth of the error: on a regular orbit the error then lies between a hundredth of the wanted one and the wanted one,
+ * or h is about the longest that the orbit allows. What is not seen, as chaos and close encounters later on, makes it
+ * larger (docs/choosing.md has what was reached). At most 60 steps are made, those of 20 trial steps, or in a run of
+ * more than 1200 steps about 5 % of it, and never more than 6000. Make the run by tvi_integrate_to. options as for
  * tvi_integrator_create; h has the sign of the duration, and is not larger. Of a rescaled system it is in s.
  *   TVI_EINVAL  NULL, a duration that is 0, not finite or roundoff of t, an error below DBL_EPSILON or not below 1, or
  *               below what roundoff is seen to make of the run

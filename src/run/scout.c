@@ -13,6 +13,8 @@ static const double MOST_TAIL = 0.03;
 /* What a step is multiplied by: where it fails, the first one and others; after one that did not, at most; and what its
  * tail is believed to say, at least and at most. */
 static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, MOST = 8;
+/* The part of the energy that the first one may change. */
+static const double MOST_CHANGE = 0.1;
 /* The error that a step of given size makes, as a power of the scale; and at least, relative to the hardest place. */
 static const double POWER = 4, LEAST_WEIGHT = 0.02;
 
@@ -77,8 +79,27 @@ static double advance(tvi_scout *s, tvi_orbit *o, double h, double left, tvi_sta
     return scale_of(o, size);
 }
 
-/* A first step that is too large may not show it, where the orbit is as before and after the start, but leads astray,
- * where only much shorter ones are right. Returns a shorter one. */
+/* Whether the first step keeps the energy, if the run does: one that is so large that its nodes are all far away, where
+ * no force is, has no tail. Relative to p.dq/dt where the energy is about 0. */
+static bool keeps_energy(const tvi_scout *s, const tvi_orbit *o)
+{
+    const tvi_system *system = o->steps->system;
+    const double *const q = s->states, *const p = q + s->n, t = q[2 * s->n];
+    double before, after, action = 0;
+    if (system->uses_time || system->is_driven || tvi_energy(system, t, q, p, &before) != TVI_OK) return true;
+    if (tvi_energy(system, o->t, o->q, o->p, &after) != TVI_OK) return false;
+    for (int i = 0; i < s->n; i++) action += fabs(p[i] * (o->q[i] - q[i]));
+    return fabs(after - before) <= MOST_CHANGE * fmax(fabs(before), action / fabs(o->t - t));
+}
+
+/* A first step that is too large may not show it by its tail, but leads astray, where only much shorter ones are right,
+ * or where the energy is another one. */
+static bool is_astray(const tvi_scout *s, const tvi_orbit *o, double next)
+{
+    return s->count == 1 && (fabs(next) < FIRST_FAILS * fabs(s->place[1]) || !keeps_energy(s, o));
+}
+
+/* Returns a shorter first step. */
 static double start_over(tvi_scout *s, tvi_orbit *o)
 {
     tvi_orbit_set(o, s->n, s->states);
@@ -97,7 +118,7 @@ tvi_status tvi_scout_look(tvi_scout *s, tvi_orbit *o, double duration)
     bool is_blind = false; /* the method has no tail */
     while (s->made < TVI_SCOUT_STEPS && s->part < 1 && !is_blind) {
         h = advance(s, o, h, end - o->t, &status);
-        if (s->count == 1 && fabs(h) < FIRST_FAILS * fabs(s->place[1])) h = start_over(s, o);
+        if (is_astray(s, o, h)) h = start_over(s, o);
         s->part = fmin((o->t - start) / duration, 1);
         is_blind = s->count == 1 && o->steps->options.degree <= 2;
     }

@@ -171,6 +171,22 @@ START_TEST(large_first_steps_are_found_out)
 }
 END_TEST
 
+/* Of a run of a million revolutions a first step may have all its nodes where the Sun is not felt: free flight, without
+ * a tail, but with another energy. */
+START_TEST(long_runs_are_looked_at_closely)
+{
+    const scene *s = &scene_kepler;
+    tvi_system *system;
+    double h = 0;
+    ck_assert_int_eq(scene_system(s, &system), TVI_OK);
+    for (double duration = 1e5; duration <= 1e8; duration *= 10) {
+        ck_assert_int_eq(tvi_suggest_step(system, NULL, 0, s->q, s->p, duration, 1e-3, &h), TVI_OK);
+        ck_assert_msg(h > 0.1 && h < 0.6, "%g: h = %g", duration, h);
+    }
+    tvi_system_free(system);
+}
+END_TEST
+
 /* The first steps from a pericentre are a small part of a run, and their errors roundoff: they say nothing. At e =
  * 0.999 it makes more than 1e-9 of the run, which trials may see, and then say. */
 START_TEST(roundoff_says_nothing)
@@ -273,6 +289,7 @@ Suite *suite_suggest(void)
     tcase_add_loop_test(errors, rescaled_systems, 0, 2);
     tcase_add_test(errors, hard_places_come_late);
     tcase_add_test(errors, large_first_steps_are_found_out);
+    tcase_add_test(errors, long_runs_are_looked_at_closely);
     tcase_add_loop_test(errors, roundoff_says_nothing, 0, 3);
     tcase_add_test(errors, backwards);
     tcase_add_test(input, bad_input_is_refused);
