@@ -26,8 +26,8 @@ typedef struct {
     galerkin_crowd_nodes nodes;
     galerkin_crowd_drift drift;
     galerkin_motion motion;
+    galerkin_halves halves;
     tvi_passes_rule rule;
-    int *slot;                       /* [unknowns] what drives them: all is read before anything moves */
     double *dq, *dp, *share, *ratio; /* [n][width] */
     double *moved;                   /* [width] */
     galerkin_crowd_passes passes;    /* [width] */
@@ -64,9 +64,10 @@ static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_
     nodes->width = width;
     nodes->points = points;
     nodes->unknowns = system->inputs;
-    nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, 0);
+    nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, numbers); /* and copies */
     nodes->start = tvi_arena_doubles(arena, of_unknowns);
     nodes->base = tvi_arena_doubles(arena, numbers);
+    nodes->sum = tvi_arena_doubles(arena, numbers);
     nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
     nodes->is_moving = tvi_arena_take(arena, (size_t)width * sizeof *nodes->is_moving);
 }
@@ -84,7 +85,6 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio};
     for (size_t i = 0; i < 6; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
     for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, n);
-    w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
     w.moved = tvi_arena_doubles(arena, count);
     galerkin_crowd_passes *passes = &w.passes;
     double **const of_passes[] = {&passes->size,    &passes->before, &passes->part,
@@ -109,10 +109,10 @@ static void prepare(void *work)
     nodes->stride = single->field.nodes.lanes;
     nodes->weight = single->field.nodes.weight;
     nodes->scale = single->field.nodes.scale;
-    for (int u = 0; u < nodes->unknowns; u++) w->slot[u] = tvi_galerkin_driving_slot(single->field.system, u);
     const galerkin_sums sums = w->motion.sums;
     w->motion = single->motion;
     w->motion.sums = sums;
+    tvi_galerkin_halves_prepare(&w->halves, &single->coefficients, galerkin_is_second_order(&single->field));
     w->rule = tvi_galerkin_rule(single->field.form->rule, nodes->unknowns * nodes->points, single->options);
 }
 
@@ -170,8 +170,8 @@ static void rest(const crowd *w, int m)
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
     nodes->is_moving[m] = 0;
-    for (int row = 0; row < nodes->unknowns * nodes->points; row++)
-        nodes->impulse[row * nodes->width + m] = nodes->base[row * nodes->width + m] = 0;
+    for (int at = m; at < nodes->unknowns * nodes->points * nodes->width; at += nodes->width)
+        nodes->impulse[at] = nodes->base[at] = nodes->sum[at] = 0;
 }
 
 /* Returns how many are in lanes. */
@@ -241,14 +241,15 @@ static void pass(crowd *w, int count, tvi_stats *stats)
     stats->passes += count;
     for (int m = 0; m < nodes->width && !inside; m++)
         if (nodes->is_moving[m] && !tvi_single_is_inside(&w->by_itself, tape, nodes->x, nodes->points, m)) leave(w, m);
-    w->loops->move(nodes, field->matrix, nodes->x, w->slot, w->moved);
+    galerkin_copy_inputs(field, nodes->x, nodes->points * nodes->width);
+    w->loops->move(nodes, &w->halves, nodes->x, field->slot, w->moved);
 }
 
 static void iterate(crowd *w, int count, tvi_stats *stats)
 {
     bool any_stuck;
     for (int passes = 1; count > 0 && passes <= w->rule.most; passes++) {
-        w->nodes.all_move = count == w->nodes.width;
+        w->nodes.is_first = passes == 1;
         pass(w, count, stats);
         count = w->loops->judge(&w->nodes, &w->rule, passes, w->moved, &w->passes, &any_stuck);
         for (int m = 0; m < w->nodes.width && any_stuck; m++)

@@ -1,18 +1,9 @@
 /* crowd_loops.c - see crowd_loops.h. */
-#include "galerkin/crowd_loops.h"
-#include "rule.h"
-#include "vector.h"
+#include "galerkin/crowd_vectors.h"
 
-#include <float.h>
 #include <math.h>
 
-/* ---- Members in vectors ------------------------------------------------------------------------------------------ */
-
-/* Row of [rows][width], at the block of members. */
-#define ROW_AT(V, array, row) (*(V *)((array) + (size_t)(row)*width + here))
-#define ROW_OF(V, array, row) (*(const V *)((array) + (size_t)(row)*width + here))
-
-#define IS_MOVING(V) (*(const JET_MASK(V) *)(nodes->is_moving + here))
+/* ---- Nodes in chains --------------------------------------------------------------------------------------------- */
 
 /* BODY(V, count) for nodes first .. first + count - 1: in chains that do not wait for each other. */
 #define IN_NODES(BODY, V)                                                                                              \
@@ -46,58 +37,103 @@
 
 /* ---- Passes ------------------------------------------------------------------------------------------------------ */
 
-#define WEIGH(V, S)                                                                                                    \
-    if (nodes->all_move) SET_IMPULSES(V, ALL)                                                                          \
-    else SET_IMPULSES(V, SOME)
-#define ALL(V, is, was)  (is)
-#define SOME(V, is, was) JET_CHOOSE(V, IS_MOVING(V), is, was)
+/* At a node of the unknown at hand, whose arrays begin at the block of members. */
+#define NODE_AT(V, array, node) (*(V *)((array) + (size_t)(node)*width))
+#define NODE_OF(V, array, node) (*(const V *)((array) + (size_t)(node)*width))
 
-#define SET_IMPULSES(V, OF)                                                                                            \
-    for (int u = 0; u < unknowns; u++)                                                                                 \
-        for (int j = 0; j < points; j++) {                                                                             \
-            const V is = weight[j] * ROW_OF(V, drives, slot[u] * points + j);                                          \
-            ROW_AT(V, impulse, u *points + j) = OF(V, is, ROW_OF(V, impulse, u * points + j));                         \
-        }
-
-#define MOVE_NODES(V, count)                                                                                           \
+/* By how much the impulse changes: by nothing where a member moves no more. */
+#define DRIVE(V, node, change)                                                                                         \
     {                                                                                                                  \
-        V sum[count] = {0};                                                                                            \
-        ADD_PRODUCT(V, count, sum, matrix, impulse)                                                                    \
-        for (int i = 0; i < (count); i++) {                                                                            \
-            const int row = u * points + first + i;                                                                    \
-            const V place = start + (ROW_OF(V, base, row) + scale[u] * sum[i]);                                        \
-            const V change = place - ROW_OF(V, x, row);                                                                \
-            squares[i % 2] += change * change;                                                                         \
-            ROW_AT(V, x, row) = place;                                                                                 \
-        }                                                                                                              \
+        const V none = {0}, was = is_first ? none : NODE_OF(V, impulse, node),                                         \
+                is = weight[node] * NODE_OF(V, drive, node), now = JET_CHOOSE(V, moving, is, was);                     \
+        NODE_AT(V, impulse, node) = now;                                                                               \
+        change = now - was;                                                                                            \
     }
 
+/* halves.h, of the changes. */
+#define FOLD(V, j)                                                                                                     \
+    {                                                                                                                  \
+        V one, other = {0};                                                                                            \
+        DRIVE(V, j, one)                                                                                               \
+        if (2 * j + 1 < points) DRIVE(V, points - 1 - j, other)                                                        \
+        first[j] = is_crossed ? one - other : one + other;                                                             \
+        second[j] = is_crossed ? one + other : one - other;                                                            \
+        total += first[j];                                                                                             \
+        shift += halves->shift[j] * second[j];                                                                         \
+    }
+
+#define ADD_HALF(sum, matrix, part)                                                                                    \
+    for (int j = 0; j < pairs; j++)                                                                                    \
+        for (int i = 0; i < pairs; i++) sum[i] += halves->matrix[j * MOST_PAIRS + i] * part[j];
+
+/* What is added becomes smaller with each pass. So it is added to the sums: what an unknown, which is larger, loses of
+ * it is always on the same side. */
+#define MOVE_NODE(V, node, more, squares)                                                                              \
+    {                                                                                                                  \
+        const V sum = is_first ? (more) : NODE_OF(V, sums, node) + (more),                                             \
+                place = start + (NODE_OF(V, base, node) + scale * sum), change = place - NODE_OF(V, x, node);          \
+        squares += change * change;                                                                                    \
+        NODE_AT(V, sums, node) = sum;                                                                                  \
+        NODE_AT(V, x, node) = place;                                                                                   \
+    }
+
+#define MOVE_UNKNOWN(V)                                                                                                \
+    {                                                                                                                  \
+        const double scale = nodes->scale[u], *drive = drives + (size_t)(slot[u] * points) * width + here;             \
+        const V start = ROW_OF(V, nodes->start, u), inverse_size = ROW_OF(V, nodes->inverse_size, u);                  \
+        V first[MOST_PAIRS], second[MOST_PAIRS], even[MOST_PAIRS] = {0}, odd[MOST_PAIRS] = {0};                        \
+        V total = {0}, shift = {0}, squares[2] = {0};                                                                  \
+        for (int j = 0; j < pairs; j++) FOLD(V, j)                                                                     \
+        ADD_HALF(even, even, first)                                                                                    \
+        ADD_HALF(odd, odd, second)                                                                                     \
+        for (int i = 0; i < pairs; i++) {                                                                              \
+            even[i] += shift;                                                                                          \
+            odd[i] += halves->slope[i] * total;                                                                        \
+            MOVE_NODE(V, i, even[i] + odd[i], squares[0])                                                              \
+            if (2 * i + 1 < points) MOVE_NODE(V, points - 1 - i, even[i] - odd[i], squares[1])                         \
+        }                                                                                                              \
+        size += (squares[0] + squares[1]) * (inverse_size * inverse_size);                                             \
+    }
+
+/* Where none of the block moves, all stays as it is. */
 #define MOVE(V, S)                                                                                                     \
     {                                                                                                                  \
+        const size_t of_unknown = (size_t)points * width;                                                              \
+        const JET_MASK(V) moving = IS_MOVING(V);                                                                       \
+        const double *base = nodes->base + here;                                                                       \
+        double *x = nodes->x + here, *impulse = nodes->impulse + here, *sums = nodes->sum + here;                      \
         V size = {0};                                                                                                  \
-        WEIGH(V, S)                                                                                                    \
-        for (int u = 0; u < unknowns; u++) {                                                                           \
-            const V start = ROW_OF(V, nodes->start, u), inverse_size = ROW_OF(V, nodes->inverse_size, u);              \
-            V squares[2] = {0};                                                                                        \
-            IN_NODES(MOVE_NODES, V)                                                                                    \
-            size += (squares[0] + squares[1]) * (inverse_size * inverse_size);                                         \
-        }                                                                                                              \
+        HOLDS_FOR_ALL(V, ~moving, all_rest)                                                                            \
+        if (all_rest) continue;                                                                                        \
+        for (int u = 0; u < unknowns;                                                                                  \
+             u++, base += of_unknown, x += of_unknown, impulse += of_unknown, sums += of_unknown)                      \
+            MOVE_UNKNOWN(V)                                                                                            \
         ROW_AT(V, moved, 0) = size;                                                                                    \
     }
 
-JET_INLINE void move_sized(const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives,
-                           const int slot[], double moved[], int points, int stride, size_t width)
+JET_INLINE void move_halves(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
+                            const int slot[], double moved[], int points, size_t width, bool is_crossed, bool is_first)
 {
-    const int unknowns = nodes->unknowns;
-    const double *weight = nodes->weight, *base = nodes->base, *scale = nodes->scale;
-    double *x = nodes->x, *impulse = nodes->impulse;
+    const int unknowns = nodes->unknowns, pairs = (points + 1) / 2;
+    const double *weight = nodes->weight;
     JET_EIGHTS((int)width, MOVE, )
 }
 
+JET_INLINE void move_sized(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
+                           const int slot[], double moved[], int points, int stride, size_t width)
+{
+    (void)stride;
+    if (halves->is_crossed && nodes->is_first)
+        move_halves(nodes, halves, drives, slot, moved, points, width, true, true);
+    else if (halves->is_crossed) move_halves(nodes, halves, drives, slot, moved, points, width, true, false);
+    else if (nodes->is_first) move_halves(nodes, halves, drives, slot, moved, points, width, false, true);
+    else move_halves(nodes, halves, drives, slot, moved, points, width, false, false);
+}
+
 BY_SIZE(move,
-        (const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives, const int slot[],
+        (const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives, const int slot[],
          double moved[]),
-        nodes, matrix, drives, slot, moved)
+        nodes, halves, drives, slot, moved)
 
 #define PREDICT_NODES(V, count)                                                                                        \
     {                                                                                                                  \
@@ -132,91 +168,6 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
     const size_t width = (size_t)nodes->width;                                                                         \
     const int points = nodes->points, unknowns = nodes->unknowns
 
-/* ---- Verdicts ---------------------------------------------------------------------------------------------------- */
-
-#define ALL_OF(V, number) ((V){0} + (number))
-#define MASK_OF(V, of)    ((JET_MASK(V))(of))
-
-/* The numbers of the rule for one pass: what does not hold in it is beyond all sizes. */
-typedef struct {
-    double goal, far, noise, contraction, stuck, again, roundoff;
-} numbers;
-
-static numbers numbers_of(const tvi_passes_rule *rule, int count)
-{
-    const bool is_asked = rule->exactly > 0, has_two = rule->turns > 1 && count > 2;
-    numbers of = {rule->goal, rule->far, rule->noise, rule->contraction, rule->stuck, -1, rule->roundoff};
-    if (is_asked) of.goal = count == rule->exactly ? DBL_MAX : -1;
-    if (is_asked || count <= rule->patience) of.stuck = INFINITY;
-    if (count == 1) of.far = -1;
-    if (has_two) of.again = rule->stuck * rule->stuck;
-    return of;
-}
-
-#define BEGIN(V, S)                                                                                                    \
-    {                                                                                                                  \
-        ROW_AT(V, of.size, 0) = ROW_AT(V, of.before, 0) = ALL_OF(V, INFINITY);                                         \
-        ROW_AT(V, of.part, 0) = ROW_AT(V, of.shown, 0) = ROW_AT(V, of.count, 0) = ALL_OF(V, 0);                        \
-        *(JET_MASK(V) *)(of.is_stuck + here) = (JET_MASK(V)){0};                                                       \
-    }
-
-static void begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_passes *passes)
-{
-    const size_t width = (size_t)nodes->width;
-    const galerkin_crowd_passes of = *passes;
-    JET_EIGHTS((int)width, BEGIN, )
-}
-
-/* In the words of algebra/passes.h. */
-#define JUDGE(V, S)                                                                                                    \
-    {                                                                                                                  \
-        const JET_MASK(V) moving = *(JET_MASK(V) *)(is_moving + here);                                                 \
-        const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, of.size, 0),            \
-                earlier = ROW_OF(V, of.before, 0), part_before = ROW_OF(V, of.part, 0),                                \
-                slowest_before = ROW_OF(V, of.slowest, 0);                                                             \
-        const JET_MASK(V) is_far = MASK_OF(V, size > ALL_OF(V, by.far));                                               \
-        const JET_MASK(V) is_loud = MASK_OF(V, size > ALL_OF(V, by.noise)), shows = ~is_far & is_loud;                 \
-        const V part_now = size / JET_CHOOSE(V, before < one, before, one);                                            \
-        const V slower = JET_CHOOSE(V, part_now > part_before, part_now, part_before);                                 \
-        const V slowest = JET_CHOOSE(V, shows, slower, slowest_before);                                                \
-        const JET_MASK(V) is_known = MASK_OF(V, slowest > none) & MASK_OF(V, slowest < ALL_OF(V, by.contraction));     \
-        const V part = JET_CHOOSE(V, is_known, slowest, one), expected = part * ROW_OF(V, of.shown, 0);                \
-        const V quiet = JET_CHOOSE(V, size < expected, size, expected);                                                \
-        const V shown = JET_CHOOSE(V, is_far | is_loud, size, quiet);                                                  \
-        const V next = JET_CHOOSE(V, is_far, size, part * shown);                                                      \
-        const JET_MASK(V) is_stuck = MASK_OF(V, size > by.stuck * before) & MASK_OF(V, size > by.again * earlier);     \
-        const JET_MASK(V) is_large = MASK_OF(V, size > ALL_OF(V, by.roundoff));                                        \
-        const JET_MASK(V) is_cycle = MASK_OF(V, size == before) & MASK_OF(V, size == earlier);                         \
-        const JET_MASK(V) is_enough = MASK_OF(V, next <= ALL_OF(V, by.goal));                                          \
-        const JET_MASK(V) ends = is_enough | (is_stuck & ~is_large & (~is_known | is_cycle));                          \
-        const JET_MASK(V) fails = (is_stuck & is_large & ~ends) | ~MASK_OF(V, size < ALL_OF(V, INFINITY));             \
-        ROW_AT(V, of.size, 0) = JET_CHOOSE(V, moving, size, before);                                                   \
-        ROW_AT(V, of.slowest, 0) = JET_CHOOSE(V, moving, slowest, slowest_before);                                     \
-        ROW_AT(V, of.count, 0) += JET_CHOOSE(V, moving, one, none);                                                    \
-        ROW_AT(V, of.before, 0) = before;                                                                              \
-        ROW_AT(V, of.part, 0) = JET_CHOOSE(V, shows, part_now, part_before);                                           \
-        ROW_AT(V, of.shown, 0) = shown;                                                                                \
-        *(JET_MASK(V) *)(of.is_stuck + here) |= moving & fails;                                                        \
-        *(JET_MASK(V) *)(is_moving + here) = moving & ~(ends | fails);                                                 \
-    }
-
-static int judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
-                 const galerkin_crowd_passes *passes, bool *any_stuck)
-{
-    const size_t width = (size_t)nodes->width;
-    const galerkin_crowd_passes of = *passes;
-    const numbers by = numbers_of(rule, count);
-    long long *is_moving = nodes->is_moving, go_on = 0, stuck = 0;
-    JET_EIGHTS((int)width, JUDGE, )
-    for (size_t m = 0; m < width; m += 8)
-        for (size_t k = m; k < m + 8; k++) {
-            go_on -= is_moving[k];
-            stuck -= of.is_stuck[k];
-        }
-    *any_stuck = stuck > 0;
-    return (int)go_on;
-}
-
 /* ---- The end of a step ------------------------------------------------------------------------------------------- */
 
 /* Two-sums: what each addition loses is collected. */
@@ -233,8 +184,13 @@ static int judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule,
         const V of_node = ROW_OF(V, impulse, u * points + j);                                                          \
         const V of_twice = weights->pair[j * OF_PAIR + 1] * of_node;                                                   \
         sum += weights->last[j] * of_node;                                                                             \
-        ADD_TWO_SUM(V, once[j % 2], once_lost[j % 2], of_node)                                                         \
-        ADD_TWO_SUM(V, twice[j % 2], twice_lost[j % 2], of_twice)                                                      \
+        if (j < 2) {                                                                                                   \
+            once[j] = of_node;                                                                                         \
+            twice[j] = of_twice;                                                                                       \
+        } else {                                                                                                       \
+            ADD_TWO_SUM(V, once[j % 2], once_lost[j % 2], of_node)                                                     \
+            ADD_TWO_SUM(V, twice[j % 2], twice_lost[j % 2], of_twice)                                                  \
+        }                                                                                                              \
     }
 
 #define SUM_UP(V, row, total, lost)                                                                                    \
@@ -388,4 +344,5 @@ static void tail(const galerkin_motion *of, int width, double *share, double *ra
 }
 
 const galerkin_crowd_loops JET_FOR_ISA(tvi_galerkin_crowd_loops) = {
-    start, start_drifting, set_sizes, predict, move, begin, judge, integrate, choose, end, end_drifting, tail};
+    start,     start_drifting, set_sizes, predict,      move, tvi_galerkin_crowd_begin, tvi_galerkin_crowd_judge,
+    integrate, choose,         end,       end_drifting, tail};

@@ -4,16 +4,17 @@
 #define TVI_SRC_GALERKIN_CROWD_LOOPS_H
 
 #include "algebra/passes.h"
+#include "galerkin/halves.h"
 #include "galerkin/loops.h"
 
 /* Unknown u of node i of member m stands at x[u][i][m]; tables of the nodes are those of one curve, whose rows are
  * `stride` numbers apart. The rest as in galerkin_nodes. */
 typedef struct {
     int width, points, unknowns, stride;
-    bool all_move; /* and so nothing waits for is_moving */
+    bool is_first; /* the pass: before it, impulses and sums are none */
     double *x;
     double *start;        /* [unknowns][width] */
-    double *base;         /* [unknowns][points][width] */
+    double *base, *sum;   /* [unknowns][points][width]; sum: what scale multiplies, by the impulses */
     double *weight;       /* [points] */
     double *impulse;      /* [unknowns][points][width] */
     double *scale;        /* [unknowns] */
@@ -41,9 +42,10 @@ typedef struct {
     void (*set_sizes)(const galerkin_crowd_nodes *nodes, int n);
     /* From the impulses of the last two steps, matrix [2][j][i]. */
     void (*predict)(const galerkin_crowd_nodes *nodes, const double *matrix, const double *last, const double *before);
-    /* moved [width]. */
-    void (*move)(const galerkin_crowd_nodes *nodes, const double *matrix, const double *drives, const int slot[],
-                 double moved[]);
+    /* As that of loops.h, by what the impulses have changed since the pass before; drives are none of the unknowns.
+     * moved [width]. */
+    void (*move)(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
+                 const int slot[], double moved[]);
     /* TVI_NO_PASSES, but for how slow they are. */
     void (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_passes *passes);
     /* tvi_passes_judge of the pass number `count` for all members that move, by a rule that learns no slack: those that

@@ -71,6 +71,14 @@ void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, cons
 /* Displaces the outputs of a tape of the field in its block. */
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);
 
+/* The outputs that are inputs, behind the slots of a block of the tape: they stay while the unknowns move. */
+static inline void galerkin_copy_inputs(const galerkin_field *field, double *x, int lanes)
+{
+    const size_t count = (size_t)lanes, slots = (size_t)field->system->field_values->slots;
+    for (size_t i = 0; i < (size_t)field->copies; i++)
+        memcpy(x + (slots + i) * count, x + (size_t)field->copied[i] * count, count * sizeof *x);
+}
+
 /* Runs the tape at the unknowns, which are its inputs. */
 static inline tvi_status galerkin_evaluate(galerkin_field *field)
 {
@@ -78,9 +86,7 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
     double *x = field->nodes.x;
     if (!jet_sweep_values(tape, x, field->nodes.lanes)) return TVI_EDOMAIN;
     if (field->noise) tvi_galerkin_displace(field, tape, x);
-    const size_t lanes = (size_t)field->nodes.lanes;
-    for (int i = 0; i < field->copies; i++)
-        memcpy(x + (size_t)(tape->slots + i) * lanes, x + (size_t)field->copied[i] * lanes, lanes * sizeof *x);
+    galerkin_copy_inputs(field, x, field->nodes.lanes);
     return TVI_OK;
 }
 

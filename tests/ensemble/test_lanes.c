@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* ---- Verdicts ---------------------------------------------------------------------------------------------------- */
@@ -100,6 +101,52 @@ START_TEST(lanes_judge_as_one_member_does)
     ck_assert(is_same);
     ck_assert_int_gt(ended, SEQUENCES);
     ck_assert_int_gt(stuck, SEQUENCES / 100); /* both were seen */
+}
+END_TEST
+
+/* ---- Halves ------------------------------------------------------------------------------------------------------ */
+
+enum { LANES = TVI_GALERKIN_MAX_LANES };
+
+/* What an impulse of 1 at node j makes of an unknown at node i. */
+static long double product_of(const galerkin_halves *of, int points, int i, int j)
+{
+    const int pair = j < points - 1 - j ? j : points - 1 - j, row = i < points - 1 - i ? i : points - 1 - i;
+    const long double late = j > pair ? -1 : 1, first = of->is_crossed ? late : 1, second = of->is_crossed ? 1 : late;
+    const long double even = of->even[pair * MOST_PAIRS + row] * first + of->shift[pair] * second;
+    const long double odd = of->odd[pair * MOST_PAIRS + row] * second + of->slope[row] * first;
+    return i > row ? even - odd : even + odd;
+}
+
+typedef struct {
+    galerkin_coefficients of;
+    galerkin_dense dense;
+} tables;
+
+static void take_tables(tables *all, tvi_arena *arena, int points)
+{
+    tvi_galerkin_dense_take(&all->dense, arena, points, LANES, jet_sweeps_choose());
+    tvi_galerkin_coefficients_take(&all->of, arena, points, LANES);
+}
+
+/* To the last bit: so they are symplectic and symmetric, as the matrix is. */
+START_TEST(halves_are_the_matrix)
+{
+    const int points = 1 + _i / 2;
+    const bool is_second_order = _i % 2 == 0;
+    tvi_arena arena = {0};
+    tables all = {0};
+    galerkin_halves halves;
+    take_tables(&all, &arena, points);
+    void *memory = tvi_arena_open(&arena);
+    ck_assert_ptr_nonnull(memory);
+    take_tables(&all, &arena, points);
+    tvi_galerkin_coefficients_prepare(&all.of, &all.dense, is_second_order);
+    tvi_galerkin_halves_prepare(&halves, &all.of, is_second_order);
+    for (int i = 0; i < points; i++)
+        for (int j = 0; j < points; j++)
+            ck_assert(product_of(&halves, points, i, j) == (long double)all.of.matrix[j * LANES + i]);
+    free(memory);
 }
 END_TEST
 
@@ -230,6 +277,7 @@ Suite *suite_lanes(void)
     tcase_add_loop_test(tests, lanes_judge_as_one_member_does, 0, 3 * JET_ISA_COUNT);
     tcase_add_loop_test(tests, energies_do_not_drift, 0, DRIFTS);
     tcase_add_loop_test(tests, small_motions_go_by_themselves, 0, BY_THEMSELVES);
+    tcase_add_loop_test(tests, halves_are_the_matrix, 0, 2 * LANES);
     suite_add_tcase(suite, tests);
     return suite;
 }
