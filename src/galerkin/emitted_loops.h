@@ -95,28 +95,42 @@ typedef struct {
     lagrangian_sweep *sweep;
 } steady_form;
 
-JET_INLINE bool steady_pass(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                            double *moved, int lanes)
+/* A pass in two parts, between which its impulses are stored. */
+JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
+{
+    if (form->lagrangian) return true;
+    if (!form->run(nodes->x, lanes)) return false;
+    weigh_lanes(nodes, nodes->x, form->slot, lanes);
+    return true;
+}
+
+JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                           double *moved, int lanes)
 {
     if (form->lagrangian) {
         const lagrangian_passed passed = lagrangian_pass(form->lagrangian, form->sweep);
         *moved = form->lagrangian->moved;
         return passed == LAGRANGIAN_PASSED;
     }
-    if (!form->run(nodes->x, lanes)) return false;
-    *moved = move_lanes(nodes, frame->matrix, nodes->x, form->slot, lanes);
+    *moved = follow_lanes(nodes, frame->matrix, lanes);
     return true;
 }
 
+/* A few unknowns stay in registers from the end of a pass to the beginning of the next one, which follows directly. */
+enum { STEADY_FEW = 8 };
 JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
                               tvi_passes *shown, int lanes)
 {
+    const bool few = nodes->unknowns <= STEADY_FEW;
     tvi_passes passes = *shown;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
+    if (few && !steady_begin(nodes, form, lanes)) return false;
     while (verdict == TVI_PASSES_GO_ON && passes.count < frame->rule->most) {
         double moved;
-        if (!steady_pass(frame, nodes, form, &moved, lanes) || !isfinite(moved)) return false;
+        if (!few && !steady_begin(nodes, form, lanes)) return false;
+        if (!steady_end(frame, nodes, form, &moved, lanes) || !isfinite(moved)) return false;
         verdict = tvi_passes_judge(&passes, frame->rule, moved);
+        if (few && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
     }
     *shown = passes;
     return verdict == TVI_PASSES_MAY_END;

@@ -55,15 +55,20 @@ enum { CHAINS = 4 };
         for (int k = 0; k < (blocks); k++) BLOCK_AT(V, of_u, k) = BLOCK_OF(V, weight, k) * BLOCK_OF(V, drive, k);      \
     }
 
-/* A product with a number in memory is one operation, with one of a register's numbers two. */
-#define LEAVE_REGISTERS(array, count) __asm__("" : "+m"(*(double(*)[count])(array)));
+JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, const int slot[], int lanes)
+{
+    const double *weight = nodes->weight;
+    const int unknowns = nodes->unknowns;
+    double *impulse = nodes->impulse;
+    ALL_LANES(lanes, WEIGH)
+}
 
-/* Once all impulses are there, and none waits for the one before it. */
-#define MOVE_BY(WEIGH, V, blocks)                                                                                      \
+/* A product with a number in memory is one operation, with one of a register's numbers two: what it was is unknown. */
+#define LEAVE_REGISTERS(array) __asm__("" : "+r"(array))
+
+#define FOLLOW(V, blocks)                                                                                              \
     {                                                                                                                  \
         V squares = {0};                                                                                               \
-        WEIGH(V, blocks)                                                                                               \
-        LEAVE_REGISTERS(impulse, unknowns *lanes)                                                                      \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, impulse += lanes) {                              \
             SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
@@ -77,17 +82,23 @@ enum { CHAINS = 4 };
         }                                                                                                              \
         moved = sum_of_##V(squares);                                                                                   \
     }
-#define MOVE(V, blocks) MOVE_BY(WEIGH, V, blocks)
+
+/* Once all impulses are there, and none waits for the one before it. */
+JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, int lanes)
+{
+    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
+    const int unknowns = nodes->unknowns;
+    double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
+    LEAVE_REGISTERS(impulse);
+    ALL_LANES(lanes, FOLLOW)
+    return moved;
+}
 
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                              int lanes)
 {
-    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size,
-                 *weight = nodes->weight;
-    const int unknowns = nodes->unknowns;
-    double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
-    ALL_LANES(lanes, MOVE)
-    return moved;
+    weigh_lanes(nodes, drives, slot, lanes);
+    return follow_lanes(nodes, matrix, lanes);
 }
 
 BY_LANES(double, return, move,
@@ -108,22 +119,14 @@ JET_INLINE double product_and(double a, double b, double c)
 
 /* If drives and changes were added first, a change of less than a unit of the drive would be rounded by what repeats
  * itself from step to step (docs/method.md section 6). */
-#define WEIGH_BOTH(V, blocks)                                                                                          \
-    for (int u = 0; u < unknowns; u++) {                                                                               \
-        const double *drive = drives + (size_t)slot[u] * (size_t)lanes, *change = changes + u * lanes;                 \
-        for (int i = 0; i < lanes; i++) impulse[u * lanes + i] = product_and(weight[i], drive[i], change[i]);          \
-    }
-#define MOVE_BY_BOTH(V, blocks) MOVE_BY(WEIGH_BOTH, V, blocks)
-
 JET_INLINE double move_both_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives,
                                   const double *changes, const int slot[], int lanes)
 {
-    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size,
-                 *weight = nodes->weight;
-    const int unknowns = nodes->unknowns;
-    double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
-    ALL_LANES(lanes, MOVE_BY_BOTH)
-    return moved;
+    double *impulse = nodes->impulse;
+    for (int u = 0; u < nodes->unknowns; u++, changes += lanes, impulse += lanes)
+        for (int i = 0; i < lanes; i++)
+            impulse[i] = product_and(nodes->weight[i], drives[slot[u] * lanes + i], changes[i]);
+    return follow_lanes(nodes, matrix, lanes);
 }
 
 BY_LANES(double, return, move_both,
@@ -222,7 +225,8 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weig
 BY_LANES(void, , integrate, (const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
          nodes, weights, sums)
 
-/* A loop without comparisons that last from one component to the next is one of vectors. */
+/* A loop without comparisons that last from one component to the next is one of vectors, but for a few components, as
+ * these would wait for what was just stored in parts. */
 JET_INLINE void tails_of(galerkin_motion of, double *restrict share, double *restrict ratio, bool has_masses)
 {
     const size_t n = (size_t)of.n, momenta = has_masses ? 0 : n;
@@ -230,6 +234,7 @@ JET_INLINE void tails_of(galerkin_motion of, double *restrict share, double *res
         const tvi_tail_part part = galerkin_tail_part(&of, has_masses, of.scale[i], of.per_scale[i], i, i + momenta);
         share[i] = tvi_tail_share(&part, has_masses);
         ratio[i] = tvi_tail_ratio(&part);
+        if (JET_KNOWS(n) && n < 8) __asm__("" : : : "memory");
     }
 }
 

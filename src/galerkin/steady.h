@@ -28,7 +28,7 @@ typedef struct galerkin_outcome {
     int factors; /* of second derivatives at the nodes, so often were they taken */
 } galerkin_outcome;
 
-/* 1 / (|start| + |predicted end - start|). */
+/* 1 / (|start| + |predicted end - start|). No branches: which is the larger changes from step to step. */
 static inline void galerkin_set_sizes(const galerkin_nodes *nodes, int n)
 {
     const double *last = nodes->x + nodes->lanes - 1;
@@ -37,9 +37,9 @@ static inline void galerkin_set_sizes(const galerkin_nodes *nodes, int n)
         for (int u = first; u < first + n; u++) {
             const double start = nodes->start[u], size = fabs(start) + fabs(last[u * nodes->lanes] - start);
             nodes->inverse_size[u] = size;
-            largest = size > largest ? size : largest;
+            largest = tvi_larger(size, largest);
         }
-        const double least = largest > 0 ? TVI_GALERKIN_LEAST_SHARE * largest : 1;
+        const double share = TVI_GALERKIN_LEAST_SHARE * largest, least = share > 0 ? share : 1;
         for (int u = first; u < first + n; u++) nodes->inverse_size[u] = 1 / (nodes->inverse_size[u] + least);
     }
 }
