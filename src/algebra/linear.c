@@ -1,6 +1,7 @@
 /* linear.c - the only file that calls LAPACK; the smallest systems do without (linear_small.h). */
 #include "algebra/linear.h"
 #include "algebra/linear_small.h"
+#include "algebra/sizes.h"
 
 #include <float.h>
 #include <math.h>
@@ -76,26 +77,29 @@ JET_INLINE void equilibrate(int n, tvi_factor *factor)
     }
 }
 
-JET_INLINE void small_factor(int n, tvi_factor *factor)
+JET_INLINE bool small_factor(int n, tvi_factor *factor)
 {
+    if (!tvi_all_finite(n * n, factor->lu)) return false;
     equilibrate(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
+    return true;
 }
 
 tvi_status tvi_factor_compute(tvi_factor *factor)
 {
     const int n = factor->n;
     int info = 0;
-    for (size_t i = 0; i < (size_t)n * (size_t)n; i++)
-        if (!isfinite(factor->lu[i])) return TVI_ENONFINITE;
+    bool is_finite;
     if (n > LINEAR_SMALL) {
-        equilibrate(n, factor);
-        (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
+        is_finite = tvi_all_finite(n * n, factor->lu);
+        if (is_finite) equilibrate(n, factor);
+        if (is_finite) (n < DGETRF_BELOW ? dgetrf_ : dgetf2_)(&n, &n, factor->lu, &n, factor->pivot, &info);
     } else {
-#define CALL(n) small_factor(n, factor)
+#define CALL(n) is_finite = small_factor(n, factor)
         LINEAR_BY_SIZE(n, CALL)
 #undef CALL
     }
+    if (!is_finite) return TVI_ENONFINITE;
     return info == 0 && tvi_factor_least_pivot(factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 

@@ -27,21 +27,29 @@ JET_INLINE void linear_swap(double *x, double *y)
     *y = kept;
 }
 
-/* P L U in place of a, partial pivoting; a pivot that is 0 is left so. */
+/* Column j of what follows. */
+JET_INLINE void linear_small_eliminate(int n, int j, double a[], int pivot[])
+{
+    int largest = j;
+    for (int i = j + 1; i < n; i++)
+        if (fabs(a[i + j * n]) > fabs(a[largest + j * n])) largest = i;
+    pivot[j] = largest + 1;
+    if (a[largest + j * n] == 0) return;
+    for (int k = 0; largest != j && k < n; k++) linear_swap(&a[j + k * n], &a[largest + k * n]);
+    const double inverse = 1 / a[j + j * n];
+    for (int i = j + 1; i < n; i++) a[i + j * n] *= inverse;
+    for (int k = j + 1; k < n; k++)
+        for (int i = j + 1; i < n; i++) a[i + k * n] -= a[i + j * n] * a[j + k * n];
+}
+
+/* P L U in place of a, partial pivoting; a pivot that is 0 is left so. No loop over the columns, so that all places are
+ * known with n. */
 JET_INLINE void linear_small_factor(int n, double a[], int pivot[])
 {
-    for (int j = 0; j < n; j++) {
-        int largest = j;
-        for (int i = j + 1; i < n; i++)
-            if (fabs(a[i + j * n]) > fabs(a[largest + j * n])) largest = i;
-        pivot[j] = largest + 1;
-        if (a[largest + j * n] == 0) continue;
-        for (int k = 0; largest != j && k < n; k++) linear_swap(&a[j + k * n], &a[largest + k * n]);
-        const double inverse = 1 / a[j + j * n];
-        for (int i = j + 1; i < n; i++) a[i + j * n] *= inverse;
-        for (int k = j + 1; k < n; k++)
-            for (int i = j + 1; i < n; i++) a[i + k * n] -= a[i + j * n] * a[j + k * n];
-    }
+    if (n > 0) linear_small_eliminate(n, 0, a, pivot);
+    if (n > 1) linear_small_eliminate(n, 1, a, pivot);
+    if (n > 2) linear_small_eliminate(n, 2, a, pivot);
+    if (n > 3) linear_small_eliminate(n, 3, a, pivot);
 }
 
 /* x <- A^-1 x. */

@@ -10,13 +10,17 @@
 /* What reused Jacobians may do to the state, relative to it: well below the roundoff of a step. */
 static const double STALE = DBL_EPSILON / 16;
 
+/* The corrector's Jacobian serves passes that contract this well or nearly: those before it have gone farther. */
+static const double NEAR = 1e-4;
+
 /* The Jacobians of the curve, and what is made of them. They are counted as they are taken, from 0 in each step: what
  * is of the last ones is valid. */
 typedef struct {
     double *z;       /* [2n] where they were taken */
     int taken;       /* how often, in this step */
     int factored;    /* the factor is of these */
-    int given;       /* the corrector has these */
+    bool is_given;   /* the corrector has one, */
+    double moved;    /* from which z has moved so far, relative to its size, before the last ones were taken */
     double *G;       /* [n][2n] scratch for Jacobians of the ends */
     tvi_factor half; /* n x n, or */
     tvi_factor full; /* 2n x 2n: a generating function has one of them */
@@ -39,7 +43,8 @@ static void take(tvi_closure *c, tvi_arena *arena)
 static void begin(tvi_closure *c)
 {
     matrices *m = matrices_of(c);
-    m->taken = m->factored = m->given = 0;
+    m->taken = m->factored = 0;
+    m->is_given = false;
 }
 
 static void differentiate(tvi_closure *c, const double z[])
@@ -100,8 +105,9 @@ static tvi_status solve(tvi_closure *c, const tvi_transposed *a)
 static bool jacobian(tvi_closure *c, double matrix[])
 {
     matrices *m = matrices_of(c);
-    if (m->given == m->taken) return false;
-    m->given = m->taken;
+    if (m->is_given && m->moved <= NEAR) return false;
+    m->is_given = true;
+    m->moved = 0;
     tvi_curve_sum_jacobian(&c->curve, &c->q_from, matrix);
     tvi_curve_sum_jacobian(&c->curve, &c->u_from, matrix + 2 * (size_t)c->n * (size_t)c->n);
     return true;
@@ -117,19 +123,26 @@ static double seed_size(const tvi_closure *c, const double seed[], int i)
     return size;
 }
 
+/* How far z is from where the Jacobians were taken, relative to its size. */
+static double distance_of(const tvi_closure *c, const double z[], const double scale[])
+{
+    const double *z_taken = matrices_of(c)->z;
+    double distance = 0;
+    for (int i = 0; i < 2 * c->n; i++) distance = tvi_larger(tvi_ratio(fabs(z[i] - z_taken[i]), scale[i]), distance);
+    return distance;
+}
+
 /* Jacobians that were taken at another z are wrong by about the relative distance to it. They multiply the seeds, which
  * need not be as small as the D_z that they add up to, and the corrections: this bounds what that does to the state,
  * relative to the state. */
-static double staleness(tvi_closure *c, const double z[], const double scale[])
+static double staleness(tvi_closure *c, double distance, const double scale[])
 {
-    const double *z_taken = matrices_of(c)->z;
-    double distance = 0, part = 0;
+    double part = 0;
     tvi_close_measure(c);
-    for (int i = 0; i < 2 * c->n; i++) distance = fmax(distance, tvi_ratio(fabs(z[i] - z_taken[i]), scale[i]));
     for (int i = 0; i < c->n; i++) {
         const double of_q = fabs(c->curve.kappa[i]) * seed_size(c, c->seed_U, i), of_p = seed_size(c, c->seed_Q, i);
-        part = fmax(part, tvi_ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]));
-        part = fmax(part, tvi_ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, c->p_size[i]));
+        part = tvi_larger(tvi_ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]), part);
+        part = tvi_larger(tvi_ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, c->p_size[i]), part);
     }
     return distance * part;
 }
@@ -146,10 +159,14 @@ static tvi_status close_at(tvi_closure *c, const double z[], bool anew, tvi_stat
 /* The Jacobians of the first pass serve the later ones as long as that shows nowhere. */
 static tvi_status close_equations(tvi_closure *c, const double z[], const double scale[], tvi_stats *stats)
 {
-    const bool reuses = matrices_of(c)->taken > 0;
+    matrices *m = matrices_of(c);
+    const bool reuses = m->taken > 0;
     const tvi_status status = close_at(c, z, !reuses, stats);
-    const bool serves = !reuses || (status == TVI_OK && !(staleness(c, z, scale) > STALE));
-    return serves ? status : close_at(c, z, true, stats);
+    if (!reuses) return status;
+    const double distance = distance_of(c, z, scale);
+    if (status == TVI_OK && !(staleness(c, distance, scale) > STALE)) return status;
+    m->moved += distance;
+    return close_at(c, z, true, stats);
 }
 
 const tvi_solver tvi_by_matrices = {take, begin, close_equations, solve, jacobian, NULL};

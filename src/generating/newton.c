@@ -1,5 +1,6 @@
 /* newton.c - the corrector. */
 #include "generating/newton.h"
+#include "algebra/sizes.h"
 #include "method/asked.h"
 #include "system/roundoff.h"
 
@@ -55,11 +56,11 @@ static tvi_newton_size measure(const tvi_newton *newton, const double unit[])
         double largest = 0, scale = 0;
         for (int i = first; i < first + newton->group; i++) {
             const double correction = fabs(newton->correction[i]);
-            if (correction > 0) size.relative = fmax(size.relative, correction / unit[i]);
-            largest = fmax(largest, correction);
-            scale = fmax(scale, unit[i]);
+            if (correction > 0) size.relative = tvi_larger(correction / unit[i], size.relative);
+            largest = tvi_larger(correction, largest);
+            scale = tvi_larger(unit[i], scale);
         }
-        if (largest > 0) size.of_group = fmax(size.of_group, largest / scale);
+        if (largest > 0) size.of_group = tvi_larger(largest / scale, size.of_group);
     }
     return size;
 }
@@ -106,10 +107,10 @@ static void fill_scale(tvi_newton *newton)
 {
     for (int first = 0; first < newton->size; first += newton->group) {
         double largest = 0;
-        for (int i = first; i < first + newton->group; i++) largest = fmax(largest, newton->scale[i]);
+        for (int i = first; i < first + newton->group; i++) largest = tvi_larger(newton->scale[i], largest);
         for (int i = first; i < first + newton->group; i++)
             if (newton->scale[i] == 0) newton->scale[i] = largest > 0 ? largest : 1;
-            else newton->scale[i] = fmax(newton->scale[i], TVI_LEAST_SHARE * largest);
+            else newton->scale[i] = tvi_larger(TVI_LEAST_SHARE * largest, newton->scale[i]);
     }
 }
 
