@@ -22,7 +22,7 @@
 #define TVI_WEIGH(OF)                                                                                                  \
     size_t first = 0;                                                                                                  \
     TVI_WEIGH_BLOCK(8, 1, OF)                                                                                          \
-    TVI_WEIGH_BLOCK(4, 1, OF)                                                                                          \
+    TVI_WEIGH_BLOCK(4, 2, OF)                                                                                          \
     TVI_WEIGH_BLOCK(2, 2, OF)                                                                                          \
     TVI_WEIGH_BLOCK(1, 4, OF)
 

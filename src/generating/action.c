@@ -59,7 +59,7 @@ static void momenta_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve->n, points = action->points, degree = action->p_degree;
     const bool has_momenta = action->kind == TVI_ACTION_HAMILTON || action->has_velocity_defect;
-    for (int k = 0; k <= degree; k++) tvi_curve_momentum(curve, k, action->P + k * n);
+    tvi_curve_momenta(curve, degree, action->P);
     for (int i = 0; i < n; i++) {
         const double *P = action->P + i;
         if (has_momenta) at_nodes(action, degree, P, (size_t)n, action->power, action->momentum + i * points);
@@ -324,7 +324,5 @@ tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[]
     if (bent || action->has_velocity_defect) seed_velocities(action, n, seed_Q);
     if (bent || action->has_momentum_defect) seed_momenta(action, curve, seed_Q, seed_U);
     if (action->by_parts) seed_by_parts(action, curve, seed_Q);
-    for (int i = 0; i < seeds; i++)
-        if (!isfinite(seed_Q[i]) || !isfinite(seed_U[i])) return TVI_ENONFINITE;
-    return TVI_OK;
+    return tvi_all_finite(seeds, seed_Q) && tvi_all_finite(seeds, seed_U) ? TVI_OK : TVI_ENONFINITE;
 }

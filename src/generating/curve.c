@@ -176,10 +176,15 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
 
-void tvi_curve_momentum(const tvi_curve *curve, int k, double out[])
+void tvi_curve_momenta(const tvi_curve *curve, int degree, double out[])
 {
+    const int n = curve->n;
     const bool is_separable = curve->system->form == TVI_SEPARABLE;
-    for (int i = 0; i < curve->n; i++) out[i] = tvi_curve_U(curve, k, i) / (is_separable ? curve->kappa[i] : 1);
+    for (int k = 0; k <= degree; k++, out += n) {
+        const bool is_next = is_separable && k < curve->top;
+        const double *next = is_next ? tvi_curve_input(curve, k + 1) : NULL;
+        for (int i = 0; i < n; i++) out[i] = is_next ? (k + 1) * next[i] / curve->kappa[i] : tvi_curve_U(curve, k, i);
+    }
 }
 
 typedef void adder(size_t, const double[], size_t, size_t, const double[], double[]);

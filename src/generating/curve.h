@@ -118,8 +118,8 @@ static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
     }
 }
 
-/* P_k [n]. */
-void tvi_curve_momentum(const tvi_curve *curve, int k, double out[]);
+/* P_k of all orders k, [degree + 1][n]. */
+void tvi_curve_momenta(const tvi_curve *curve, int degree, double out[]);
 /* Q_k where it stands. */
 static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return tvi_curve_input(curve, k); }
 

@@ -58,6 +58,25 @@ START_TEST(passes_contract_as_measured)
 }
 END_TEST
 
+/* Each pass differentiates at most once; the corrector factors once in a step where the passes move z little, and
+ * again where they move it far. */
+START_TEST(corrector_factors_anew_where_passes_go_far)
+{
+    static const kind midpoint = {TVI_TYPE1, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, false};
+    static const double h[] = {0.015625, 0.5};
+    tvi_options options = kind_options(&midpoint, 2);
+    tvi_system *system = model_system(&model_kepler);
+    tvi_integrator *integrator = integrator_of(system, &options);
+    test_state x = model_start(&model_kepler);
+    go(integrator, h[_i], 1, &x);
+    const long factors = tvi_integrator_stats(integrator)->factorisations;
+    const long passes = tvi_integrator_stats(integrator)->passes;
+    ck_assert_msg((factors > passes + 1) == (_i > 0), "%ld passes, %ld factorisations", passes, factors);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_convergence(void)
 {
     Suite *suite = suite_create("convergence");
@@ -65,6 +84,7 @@ Suite *suite_convergence(void)
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, passes_end_at_roundoff, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, passes_contract_as_measured, 0, 2);
+    tcase_add_loop_test(tcase, corrector_factors_anew_where_passes_go_far, 0, 2);
     suite_add_tcase(suite, tcase);
     return suite;
 }
