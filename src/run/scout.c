@@ -13,6 +13,8 @@ static const double MOST_TAIL = 0.03;
 /* What a step is multiplied by: where it fails, the first one and others; after one that did not, at most; and what its
  * tail is believed to say, at least and at most. */
 static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, MOST = 8;
+/* Passages that are nearly as hard count as the first of them. */
+static const double MUCH_HARDER = 0.9;
 /* The part of the energy that the first one may change. */
 static const double MOST_CHANGE = 0.1;
 /* The error that a step of given size makes, as a power of the scale; and at least, relative to the hardest place. */
@@ -57,7 +59,7 @@ static double learn(tvi_scout *s, const tvi_orbit *o, double h, bool is_rest)
     const double scale = scale_of(o, h);
     s->place[s->count + 1] = s->place[s->count] + h;
     s->scale[s->count] = is_rest && s->count > 0 ? s->scale[s->count - 1] : scale;
-    if (fabs(s->scale[s->count]) < fabs(s->scale[s->hardest])) s->hardest = s->count;
+    if (fabs(s->scale[s->count]) < MUCH_HARDER * fabs(s->scale[s->hardest])) s->hardest = s->count;
     s->count++;
     take_sizes(s, o);
     return tvi_shorter(scale, GROWS * h);
