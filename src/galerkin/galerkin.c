@@ -70,6 +70,7 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
+    nodes->high = tvi_arena_doubles(arena, unknowns * lanes);
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);
     nodes->weight = tvi_arena_doubles(arena, lanes);
     nodes->start = tvi_arena_doubles(arena, unknowns);

@@ -55,7 +55,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     take_factor(&w.passes.mass, arena, n, field->nodes.lanes);
     w.passes.drives = field->nodes;
     w.passes.drives.x = field->nodes.x ? lagrangian_row(&field->nodes, unknowns) : NULL;
-    w.passes.drives.start = tvi_arena_doubles(arena, (size_t)unknowns);
+    w.passes.drives.high = tvi_arena_doubles(arena, (size_t)unknowns * lanes);
     w.passes.drives.scale = tvi_arena_doubles(arena, (size_t)unknowns);
     if (taken) *taken = w;
 }

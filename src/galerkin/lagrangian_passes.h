@@ -60,6 +60,7 @@ static inline galerkin_nodes lagrangian_half(const galerkin_nodes *of, int first
     const int offset = first * nodes.lanes;
     nodes.unknowns /= 2;
     nodes.x += offset;
+    nodes.high += offset;
     nodes.base += offset;
     nodes.impulse += offset;
     nodes.start += first;

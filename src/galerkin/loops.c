@@ -70,11 +70,11 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
     {                                                                                                                  \
         V squares = {0};                                                                                               \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
-        for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, impulse += lanes) {                              \
+        for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, impulse += lanes) {               \
             SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
             ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++) {                                                                       \
-                const V place = start[u] + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                              \
+                const V place = BLOCK_OF(V, high, k) + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                  \
                 const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
                 squares += change * change;                                                                            \
                 BLOCK_AT(V, x, k) = place;                                                                             \
@@ -86,7 +86,7 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
 /* Once all impulses are there, and none waits for the one before it. */
 JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, int lanes)
 {
-    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
+    const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
     const int unknowns = nodes->unknowns;
     double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
     LEAVE_REGISTERS(impulse);
@@ -138,19 +138,19 @@ BY_LANES(double, return, move_both,
     {                                                                                                                  \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
-        for (int u = 0; u < unknowns; u++, x += lanes, base += lanes, last += lanes, before += lanes) {                \
+        for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes) { \
             SET_PRODUCT(V, blocks, row, matrix, last)                                                                  \
             if (steps > 1) ADD_PRODUCT(V, blocks, row_before, of_before, before, 0)                                    \
             ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++)                                                                         \
-                BLOCK_AT(V, x, k) = start[u] + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                          \
+                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);              \
         }                                                                                                              \
     }
 
 JET_INLINE void predict_steps(const galerkin_nodes *nodes, int steps, const double *matrix,
                               const double *const impulses[], int lanes)
 {
-    const double *start = nodes->start, *base = nodes->base, *scale = nodes->scale;
+    const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale;
     const double *last = impulses[0], *before = impulses[steps - 1], *of_before = matrix + (steps - 1) * lanes * lanes;
     const int unknowns = nodes->unknowns;
     double *x = nodes->x;
@@ -249,18 +249,24 @@ static double tail(const galerkin_motion *of, double *share, double *ratio)
 }
 
 #define SET_ALL(V, blocks)                                                                                             \
-    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, base, k) = (V){0} + low;
+    for (int k = 0; k < (blocks); k++) {                                                                               \
+        BLOCK_AT(V, high, k) = (V){0} + q[i];                                                                          \
+        BLOCK_AT(V, base, k) = (V){0} + q_low[i];                                                                      \
+    }
 
 #define DRIFT(V, blocks)                                                                                               \
-    for (int k = 0; k < (blocks); k++)                                                                                 \
-        BLOCK_AT(V, base, k) = (low + BLOCK_OF(V, c, k) * drift_low) + BLOCK_OF(V, c, k) * drift;
+    for (int k = 0; k < (blocks); k++) {                                                                               \
+        const V sum = start + BLOCK_OF(V, c, k) * drift, added = sum - start;                                          \
+        const V lost = (start - (sum - added)) + (BLOCK_OF(V, c, k) * drift - added);                                  \
+        BLOCK_AT(V, high, k) = sum;                                                                                    \
+        BLOCK_AT(V, base, k) = (low + BLOCK_OF(V, c, k) * drift_low) + lost;                                           \
+    }
 
 JET_INLINE void start_half(const galerkin_nodes *nodes, int first, int count, const double q[], const double q_low[],
                            int lanes)
 {
-    double *base = nodes->base + first * lanes;
-    for (int i = 0; i < count; i++, base += lanes) {
-        const double low = q_low[i];
+    double *high = nodes->high + first * lanes, *base = nodes->base + first * lanes;
+    for (int i = 0; i < count; i++, high += lanes, base += lanes) {
         nodes->start[first + i] = q[i];
         ALL_LANES(lanes, SET_ALL)
     }
@@ -274,17 +280,16 @@ JET_INLINE void start_lanes(const galerkin_nodes *nodes, int n, const tvi_origin
 
 BY_LANES(void, , start, (const galerkin_nodes *nodes, int n, const tvi_origin *origin), nodes, n, origin)
 
-/* Rounded products with one and the same h are not on average right, if h is nearly a ratio of small numbers, such as
- * 0.1: their errors repeat themselves, with a mean that many steps show. So they are exact. */
+/* Rounded products with one and the same h repeat their errors, whose mean many steps show, if h is nearly a ratio of
+ * small numbers, such as 0.1. So these are exact; that with sum L is rounded with `base`, with far smaller bits. */
 JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin,
                                      double *drifts, double *drifts_low, int lanes)
 {
-    double *base = nodes->base;
-    for (int u = 0; u < nodes->unknowns; u++, base += lanes) {
-        const double scale = nodes->scale[u], low = origin->q_low[u];
-        const double drift = scale * origin->p[u];
-        const double drift_low = fma(scale, origin->p[u], -drift) + scale * origin->p_low[u];
-        nodes->start[u] = origin->q[u];
+    double *high = nodes->high, *base = nodes->base;
+    for (int u = 0; u < nodes->unknowns; u++, high += lanes, base += lanes) {
+        const double scale = nodes->scale[u], start = origin->q[u], low = origin->q_low[u], p = origin->p[u];
+        const double drift = scale * p, drift_low = fma(scale, p, -drift) + scale * origin->p_low[u];
+        nodes->start[u] = start;
         drifts[u] = drift;
         drifts_low[u] = drift_low;
         ALL_LANES(lanes, DRIFT)

@@ -63,7 +63,7 @@ typedef struct {
     int lanes, unknowns;
     double *x;
     double *start;        /* [unknowns] the unknowns at the start of the step */
-    double *base;         /* [unknowns][lanes] what they rise by without F */
+    double *high, *base;  /* [unknowns][lanes] where they would be without F, in two parts */
     double *weight;       /* [lanes] h b_j */
     double *impulse;      /* [unknowns][lanes] L of the last movement, in the history */
     double *scale;        /* [unknowns] what multiplies the sums of L */
@@ -80,7 +80,7 @@ typedef struct {
 struct galerkin_frame;
 struct galerkin_outcome;
 typedef struct galerkin_loops {
-    /* x = start + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
+    /* x = high + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
     /* The same with L_j = weight_j F_j + changes[u][j], rounded once. */
@@ -94,10 +94,10 @@ typedef struct galerkin_loops {
                      bool is_new, double first, double last, double *changes);
     /* Of the last movement; `once` and `twice` are compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
-    /* start = (q, p) and base = (q_low, p_low) of the origin, n of each. */
+    /* start = high = (q, p) and base = (q_low, p_low) of the origin, n of each. */
     void (*start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin);
-    /* start = q, drift + drift_low = scale (p + p_low) and base_i = q_low + c_i drift_low + c_i drift for all unknowns,
-     * c [lanes]. */
+    /* start = q, drift + drift_low = scale (p + p_low) and high_i + base_i = q + q_low + c_i (drift + drift_low), for
+     * all unknowns, c [lanes]. */
     void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
                            double *drift_low);
     /* dq = drift + drift_low + scale twice, dp = once, from what `integrate` made. */
