@@ -10,8 +10,6 @@
 #include "galerkin/step.h"
 #include "method/single.h"
 
-#include <math.h>
-
 enum { MOST_LANES = 256, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
 /* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger, but where a whole
  * step is generated code, which then is faster. */
@@ -290,7 +288,7 @@ static void remember(const crowd *w)
 }
 
 /* Of those that are solved in lanes. */
-static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end *end)
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
     const int n = w->single->n;
@@ -302,17 +300,13 @@ static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end
     w->loops->choose(nodes, n, w->dq, end->dq);
     w->loops->choose(nodes, n, w->motion.dp, end->dp);
     w->loops->tail(&w->motion, nodes->width, w->share, w->ratio, w->moved);
-    int latest = 0;
     for (int m = 0; m < nodes->width; m++) {
         if (w->now[m] != IN_LANES) continue;
         w->last[m].t = origin->t[m];
         w->last[m].slowest = w->passes.slowest[m];
         end->tail[m] = w->moved[m];
         end->passes[m] = (int)w->passes.count[m];
-        latest = m;
     }
-    stats->tail = w->moved[latest];
-    stats->residual = sqrt(w->passes.size[latest]);
 }
 
 static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
@@ -323,7 +317,7 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
     if (count > 0) {
         predict(w, h, origin);
         iterate(w, count, stats);
-        finish(w, origin, end, stats);
+        finish(w, origin, end);
     }
     for (int m = 0; m < w->nodes.width; m++)
         if (w->now[m] == BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
