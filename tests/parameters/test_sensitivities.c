@@ -62,8 +62,8 @@ START_TEST(columns_are_those_of_the_method)
 }
 END_TEST
 
-/* D is linear in all its rows, and columns beside it do not disturb one: two integrators from one start, of three columns
- * and of the first alone. */
+/* D is linear in all its rows, and columns beside it do not disturb one: two integrators, of three columns and of the
+ * first alone. */
 START_TEST(columns_add)
 {
     tvi_system *system = system_of(&forms[_i], NULL);
