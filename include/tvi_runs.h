@@ -54,6 +54,8 @@ TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double
  * with 1..count as its step. They go the way of h, none before *t. The state is that after the last step, not that at
  * the last time; where the observer stopped the run (TVI_ESTOPPED), after the step that holds that time.
  *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order
+ *   TVI_ENOCONV    also a run that would never end: 65,536 steps in a row, of which each covered less than 1.1e-16 of
+ *                  the time that was left, as where the scale g of a rescaled system goes to 0
  *   TVI_ENOMEM     no memory
  *   others         as of tvi_integrate */
 TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, const double times[], int count,
@@ -63,6 +65,7 @@ TVI_NODISCARD tvi_status tvi_integrate_at(tvi_integrator *integrator, double h, 
  * the step that passes t_end is taken back, and the part of it found that ends there to roundoff. Each step is the
  * method's, but the last one has another size: a run that goes on from t_end is not the one without a stop there.
  *   TVI_EINVAL     NULL, h = 0, values that are not finite, t_end on the other side of *t
+ *   TVI_ENOCONV    also a run that would never end, as in tvi_integrate_at
  *   TVI_ENOMEM     no memory
  *   others         as of tvi_integrate, also where the step that would pass t_end fails */
 TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, double t_end, double *t, double q[],

@@ -1,5 +1,6 @@
 /* between.c - the state inside a step, and results at given times. */
 #include "run/between.h"
+#include "run/run.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 
@@ -172,7 +173,7 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
     if (first < count)
         return jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
     if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, *t, q, "p", p);
-    int next = 0;
+    int next = 0, slow = 0;
     for (; next < count && times[next] == *t; next++)
         if (observer && observer(next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
     if (next == count) return TVI_OK;
@@ -182,6 +183,7 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
     while (next < count && status == TVI_OK) {
         status = tvi_step(it, h, t, q, p);
         if (status == TVI_OK) status = tell_times(&between, times, count, &next, observer, ctx);
+        if (status == TVI_OK && next < count) status = tvi_goes_on(it, times[count - 1], &slow);
     }
     tvi_between_close(&between);
     return status;

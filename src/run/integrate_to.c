@@ -14,6 +14,15 @@ double tvi_time_left(const tvi_integrator *it, double t_end)
     return (t_end - it->now.q[n]) - it->now.q_low[n];
 }
 
+tvi_status tvi_goes_on(const tvi_integrator *it, double t_end, int *slow)
+{
+    const double left = tvi_time_left(it, t_end);
+    *slow = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow + 1 : 0;
+    return *slow < 1 << 16
+               ? TVI_OK
+               : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered, left);
+}
+
 /* From a step that went past t_end, which is taken back, to the part of it that ends there. */
 static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[], double p[])
 {
@@ -54,7 +63,8 @@ tvi_status tvi_run_to(tvi_integrator *it, double h, double t_end, const tvi_audi
         return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "t_end is not finite");
     if (h > 0 ? t_end < *t : t_end > *t)
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", h, *t, t_end);
-    const tvi_plan plan = {.step = step_to, .steps = *t == t_end ? 0 : LONG_MAX, .h = h, .t_end = t_end};
+    const long steps = *t == t_end ? 0 : LONG_MAX;
+    const tvi_plan plan = {.step = step_to, .steps = steps, .h = h, .t_end = t_end, .to_time = true};
     const tvi_status status = tvi_integrator_begin(it, *t, q, p);
     return status == TVI_OK ? tvi_run(it, &plan, to, t, q, p) : status;
 }

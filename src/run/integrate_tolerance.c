@@ -35,8 +35,9 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
     if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
     const tvi_status served = tvi_serves_tolerance(it, tolerance);
     if (served != TVI_OK) return served;
+    const long steps = *t == t_end ? 0 : LONG_MAX;
     const tvi_plan plan = {
-        .step = step_within, .steps = *t == t_end ? 0 : LONG_MAX, .tolerance = tolerance, .t_end = t_end};
+        .step = step_within, .steps = steps, .tolerance = tolerance, .t_end = t_end, .to_time = true};
     const tvi_status status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;
     return tvi_run(it, &plan, &(tvi_audience){events, count, on_event, observer, ctx}, t, q, p);

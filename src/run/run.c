@@ -9,10 +9,12 @@ tvi_status tvi_run(tvi_integrator *it, const tvi_plan *plan, const tvi_audience 
     tvi_locator *locator = NULL;
     tvi_status status = to->count > 0 ? tvi_locator_open(&locator, it, to->events, to->count) : TVI_OK;
     bool is_last = false;
+    int slow = 0;
     for (long step = 1; step <= plan->steps && !is_last && status == TVI_OK; step++) {
         status = plan->step(it, plan, t, q, p, &is_last);
         if (status == TVI_OK && locator) status = tvi_locator_tell(locator, t, q, p, to->on_event, to->ctx);
         if (status == TVI_OK && to->observer && to->observer(step, *t, q, p, to->ctx) != 0) status = TVI_ESTOPPED;
+        if (status == TVI_OK && plan->to_time && !is_last) status = tvi_goes_on(it, plan->t_end, &slow);
     }
     tvi_locator_close(locator);
     return status;

@@ -11,6 +11,7 @@ struct tvi_plan {
     tvi_status (*step)(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[], bool *is_last);
     long steps, at_once;        /* at most; how many are made as one of them */
     double h, tolerance, t_end; /* as the plan's step reads them */
+    bool to_time;               /* the run ends at t_end */
 };
 
 /* Who is told of a step. */
@@ -22,6 +23,9 @@ typedef struct {
     void *ctx;
 } tvi_audience;
 
+/* Whether a run to a time goes on after its last step. TVI_ENOCONV where 2^16 steps in a row, which *slow counts, each
+ * covered less than a 2^53rd of what was left: it would never end. */
+TVI_NODISCARD tvi_status tvi_goes_on(const tvi_integrator *integrator, double t_end, int *slow);
 /* TVI_ESTOPPED where the observer or an event ends the run, else the status of the step that failed. */
 TVI_NODISCARD tvi_status tvi_run(tvi_integrator *integrator, const tvi_plan *plan, const tvi_audience *audience,
                                  double *t, double q[], double p[]);

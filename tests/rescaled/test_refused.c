@@ -198,6 +198,33 @@ START_TEST(collision)
 }
 END_TEST
 
+static jet square(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_add(jet_sqr(q[0]), jet_sqr(q[1]));
+}
+
+/* With g = r^2 the time that is left falls as a power of the number of steps only: either run would take until the end
+ * of days, as one of steps far too small does. */
+START_TEST(time_that_hardly_moves)
+{
+    const double way = _i & 1 ? -1 : 1, end = 2 * way;
+    const bool to_times = _i & 2, is_rescaled = _i & 4;
+    state x = {0, {1, 0}, {0, 0}};
+    tvi_system *fall = of_potential(spring), *system = is_rescaled ? rescaled_system(2, NULL, kepler, square) : fall;
+    run r = open_run(system, NULL, 0, &x);
+    const double h = is_rescaled ? way : way * 1e-17;
+    refused("the time hardly moves: by",
+            to_times ? tvi_integrate_at(r.integrator, h, &end, 1, &r.x.t, r.x.q, r.x.p, NULL, NULL)
+                     : tvi_integrate_to(r.integrator, h, end, &r.x.t, r.x.q, r.x.p, NULL, NULL),
+            TVI_ENOCONV);
+    const double reached = is_rescaled ? acos(-1) / sqrt(8) : 65536 * 1e-17;
+    ck_assert_double_eq_tol(r.x.t * way, reached, 1e-11 * reached);
+    close_run(&r);
+    if (is_rescaled) tvi_system_free(fall);
+}
+END_TEST
+
 /* Type I has no generating function, and Stormer-Verlet no mass. */
 START_TEST(methods)
 {
@@ -226,6 +253,7 @@ Suite *suite_refused(void)
     tcase_add_test(tests, jets_that_are_no_scale);
     tcase_add_test(tests, steps_without_a_scale);
     tcase_add_loop_test(tests, collision, 0, 2);
+    tcase_add_loop_test(tests, time_that_hardly_moves, 0, 8);
     tcase_add_test(tests, methods);
     suite_add_tcase(suite, tests);
     return suite;
