@@ -174,10 +174,10 @@ BY_LANES(void, , go_round,
          nodes, matrix, rounds, moved, is_new, first, last, changes)
 
 /* Two-sums: what each addition loses is collected. */
-JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, jet_v4 term)
+JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, const jet_v4 *term)
 {
-    const jet_v4 next = *total + term, added = next - *total;
-    *lost += (*total - (next - added)) + (term - added);
+    const jet_v4 next = *total + *term, added = next - *total;
+    *lost += (*total - (next - added)) + (*term - added);
     *total = next;
 }
 
@@ -188,9 +188,9 @@ JET_INLINE void sum_pair(const double *factor, const double *u, const double *v,
     for (int j = 0; j < lanes; j++) {
         const jet_v4 term = *(const jet_v4 *)(factor + j * OF_PAIR) * (jet_v4){u[j], u[j], v[j], v[j]};
         if (j < 2) total[j] = term;
-        else add_two_sum(&total[j % 2], &lost[j % 2], term);
+        else add_two_sum(&total[j % 2], &lost[j % 2], &term);
     }
-    add_two_sum(&total[0], &lost[0], total[1]);
+    add_two_sum(&total[0], &lost[0], &total[1]);
     *(jet_v4 *)sum = total[0] + (lost[0] + lost[1]);
 }
 
