@@ -13,25 +13,20 @@ static void take(galerkin_field *field, tvi_arena *arena)
 }
 
 /* The outputs that drive the unknowns: F; or H_p, then H_q. */
-int tvi_galerkin_driving_slot(const tvi_system *system, int unknown)
+static int driving_slot(const tvi_system *system, int unknown)
 {
     const int n = system->n, output = system->form == TVI_SEPARABLE ? unknown : unknown < n ? unknown + n : unknown - n;
     return system->field_values->output[output];
 }
 
 /* An output may be an input: then moving one unknown would change what drives another. */
-int tvi_galerkin_driven_slot(const tvi_system *system, int unknown, int *copies)
-{
-    const int slot = tvi_galerkin_driving_slot(system, unknown);
-    return slot < system->inputs ? system->field_values->slots + (*copies)++ : slot;
-}
-
 static void prepare(galerkin_field *field)
 {
     for (int u = 0; u < field->nodes.unknowns; u++) {
-        const int copies = field->copies;
-        field->slot[u] = tvi_galerkin_driven_slot(field->system, u, &field->copies);
-        if (field->copies > copies) field->copied[copies] = tvi_galerkin_driving_slot(field->system, u);
+        const int slot = field->slot[u] = driving_slot(field->system, u);
+        if (slot >= field->system->inputs) continue;
+        field->slot[u] = field->system->field_values->slots + field->copies;
+        field->copied[field->copies++] = slot;
     }
 }
 
@@ -57,4 +52,16 @@ static void predict(galerkin_field *field, int steps, const double *extrapolatio
     field->loops->predict(&field->nodes, steps, extrapolation, impulses);
 }
 
-const galerkin_form tvi_galerkin_form_plain = {-1, &tvi_galerkin_fixed_point, take, prepare, start, predict, NULL};
+static void emit(jet_text *text, const galerkin_field *field, const char *name)
+{
+    const jet_tape *tape = field->system->field_values;
+    const galerkin_nodes *nodes = &field->nodes;
+    tvi_galerkin_emit_ints(text, name, "copied", field->copies, field->copied);
+    tvi_galerkin_emit_ints(text, name, "slot", nodes->unknowns, field->slot);
+    jet_text_add(text, "enum { %s_copies = %d };\n", name, field->copies);
+    jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, tvi_values_values_of, %d, %d, %d, %d)\n", name, nodes->unknowns,
+                 galerkin_rows_kept(tape), tape->slots, nodes->lanes);
+}
+
+const galerkin_form tvi_galerkin_form_plain = {-1,  &tvi_galerkin_fixed_point, take, prepare, start, predict, NULL,
+                                               emit};

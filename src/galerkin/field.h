@@ -46,6 +46,8 @@ struct galerkin_form {
     void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[]);
     /* See tvi_galerkin_pass; NULL: by galerkin_evaluate. Not counted. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
+    /* Defines NAME_steady of generated code (steady.h). */
+    void (*emit)(jet_text *text, const galerkin_field *field, const char *name);
 };
 
 /* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: passes.c. */
@@ -61,12 +63,12 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
     return field->system->form == TVI_SEPARABLE;
 }
 
-/* Where in nodes.x what drives the unknown is: an output that is an input is copied, and counted. */
-int tvi_galerkin_driving_slot(const tvi_system *system, int unknown);
-int tvi_galerkin_driven_slot(const tvi_system *system, int unknown, int *copies);
-
-/* Defines `static const galerkin_loops NAME` of generated code that has the values (emit.c). */
-void tvi_galerkin_emit(jet_text *text, const tvi_system *system, int lanes, const char *name);
+/* Defines `static const galerkin_loops NAME` of generated code that has the sweeps (emit.c), of a field that is
+ * prepared; and `static const int NAME_what[]`, with a 0 behind it. */
+void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const char *name);
+void tvi_galerkin_emit_ints(jet_text *text, const char *name, const char *what, int count, const int value[]);
+/* Of a block of the tape the rows that a sweep of it does not set. */
+static inline int galerkin_rows_kept(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
 /* Displaces the outputs of a tape of the field in its block. */
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);

@@ -300,7 +300,15 @@ static void sample(void *work, const tvi_range of[2], const double q_start[], co
 
 static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
 {
-    tvi_galerkin_emit(text, system, lanes_for(options->degree), name);
+    tvi_arena arena = {0};
+    (void)take(&arena, system, options);
+    void *memory = tvi_arena_open(&arena);
+    galerkin *w = memory ? take(&arena, system, options) : NULL;
+    text->failed |= !w;
+    if (!w) return;
+    prepare(w);
+    tvi_galerkin_emit(text, &w->field, name);
+    free(memory);
 }
 
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)

@@ -7,32 +7,19 @@
  *     d_{k+1} = h a J K'' d_k,    J (K_q, K_p) = (K_p, -K_q).
  *
  * Such a round costs a small part of an evaluation. The pass ends with a movement by the gradient at x + sum_k d_k. */
+#include "galerkin/hamiltonian_passes.h"
 #include "galerkin/model.h"
 
-#include <math.h>
-#include <string.h>
-
-/* The rows of nodes.x: Q, P, n each, and the gradient of a start behind them. */
 typedef struct {
+    hamiltonian_passes passes;
     galerkin_model model;
-    lanes_rounds rounds;
-    double *movement, *changes; /* [unknowns][lanes] the first one of a pass, and those of impulses */
-    int *slot[2]; /* [unknowns] where what drives each is, in the block of values, and with second derivatives */
-    double moved; /* by the last pass, as `move` says; infinite before the first one of a step */
+    int *slot[2], *unknown, *place; /* the same as of the passes */
 } hamiltonian;
-
-/* Squares of relative movements: after one of 2^-25 the second derivatives serve once more, since what the pass that
- * follows leaves is as its cube. */
-static const double SERVES = 0x1p-50, NOTHING = 0x1p-144;
-/* The rounds of the first pass of a step end here: another follows, whose movement is no less. */
-static const double ROUNDOFF = 0x1p-108;
 
 static int rounded_up(int rows) { return (rows + LANES_ROWS - 1) / LANES_ROWS * LANES_ROWS; }
 
 static void take_rounds(lanes_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
 {
-    rounds->unknown = tvi_arena_take(arena, rows * sizeof *rounds->unknown);
-    rounds->place = tvi_arena_take(arena, rows * rows * sizeof *rounds->place);
     rounds->packed = tvi_arena_take(arena, rows * rows * lanes * sizeof *rounds->packed);
     rounds->size = tvi_arena_doubles(arena, rows);
     rounds->per_size = tvi_arena_doubles(arena, rows);
@@ -45,16 +32,18 @@ static void take(galerkin_field *field, tvi_arena *arena)
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
     const size_t rows = (size_t)rounded_up(field->nodes.unknowns) + LANES_ROWS;
     hamiltonian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
-    hamiltonian w = {0};
+    hamiltonian w = {.passes = {.loops = field->loops}};
     field->rows = field->nodes.unknowns;
     field->nodes.x = tvi_arena_doubles(arena, 2 * unknowns * lanes);
     tvi_galerkin_model_take(&w.model, arena, field);
-    field->inputs = w.model.values;
+    field->inputs = w.model.blocks.values;
     field->ahead = field->matrix;
-    take_rounds(&w.rounds, arena, rows, lanes);
-    w.movement = tvi_arena_doubles(arena, unknowns * lanes);
-    w.changes = tvi_arena_doubles(arena, unknowns * lanes);
-    for (int i = 0; i < 2; i++) w.slot[i] = tvi_arena_take(arena, unknowns * sizeof(int));
+    w.passes.rounds.unknown = w.unknown = tvi_arena_take(arena, rows * sizeof(int));
+    w.passes.rounds.place = w.place = tvi_arena_take(arena, rows * rows * sizeof(int));
+    take_rounds(&w.passes.rounds, arena, rows, lanes);
+    w.passes.movement = w.model.lanes.moved;
+    w.passes.changes = tvi_arena_doubles(arena, unknowns * lanes);
+    for (int i = 0; i < 2; i++) w.passes.slot[i] = w.slot[i] = tvi_arena_take(arena, unknowns * sizeof(int));
     if (taken) *taken = w;
 }
 
@@ -96,13 +85,14 @@ static int add_rows(const galerkin_field *field, const galerkin_model *model, bo
     return end;
 }
 
-static void set_rounds(const galerkin_field *field, const galerkin_model *model, lanes_rounds *rounds)
+static void set_rounds(const galerkin_field *field, const hamiltonian *w, lanes_rounds *rounds)
 {
+    const galerkin_model *model = &w->model;
     for (int u = 0; u < field->nodes.unknowns; u++) rounds->count += takes_part(field, model, u);
-    rounds->moving = add_rows(field, model, true, 0, rounds->unknown);
-    rounds->rows = add_rows(field, model, false, rounds->moving, rounds->unknown);
-    rounds->second = model->second;
-    int *place = rounds->place;
+    rounds->moving = add_rows(field, model, true, 0, w->unknown);
+    rounds->rows = add_rows(field, model, false, rounds->moving, w->unknown);
+    rounds->second = model->blocks.second;
+    int *place = w->place;
     for (int first = 0; first < rounds->rows; first += LANES_ROWS)
         for (int column = 0; column < rounds->count; column++)
             for (int i = first; i < first + LANES_ROWS; i++) {
@@ -114,55 +104,67 @@ static void set_rounds(const galerkin_field *field, const galerkin_model *model,
 static void prepare(galerkin_field *field)
 {
     hamiltonian *w = field->own;
+    hamiltonian_passes *passes = &w->passes;
     tvi_galerkin_model_prepare(&w->model, field);
-    set_rounds(field, &w->model, &w->rounds);
+    set_rounds(field, w, &passes->rounds);
     for (int u = 0; u < field->nodes.unknowns; u++) {
-        field->slot[u] = field->nodes.unknowns + driving(field, u);
+        field->slot[u] = field->nodes.unknowns + u;
         w->slot[false][u] = field->system->field_values->output[driving(field, u)];
         w->slot[true][u] = field->system->second_values->output[driving(field, u)];
     }
+    passes->nodes = &field->nodes;
+    passes->matrix = field->matrix;
+    passes->blocks = w->model.blocks;
 }
 
 static tvi_status start(galerkin_field *field, const tvi_origin *origin)
 {
     hamiltonian *w = field->own;
     const galerkin_nodes *nodes = &field->nodes;
+    const int lanes = nodes->lanes, *slot = w->slot[false];
     (void)origin;
     for (int u = 0; u < nodes->unknowns; u++)
-        for (int i = 0; i < nodes->lanes; i++) nodes->x[u * nodes->lanes + i] = nodes->start[u];
-    w->moved = INFINITY;
-    double *gradient = nodes->x + nodes->unknowns * nodes->lanes;
-    const double *momenta = nodes->x + field->system->n * nodes->lanes;
-    return tvi_galerkin_model_evaluate(&w->model, field, false, nodes->x, momenta, gradient) ? TVI_OK : TVI_EDOMAIN;
+        for (int i = 0; i < lanes; i++) nodes->x[u * lanes + i] = nodes->start[u];
+    w->passes.moved = INFINITY;
+    const double *momenta = nodes->x + field->system->n * lanes;
+    const double *drives = galerkin_sweep_at(&w->passes.blocks, tvi_galerkin_sweep, false, nodes->x, momenta);
+    if (!drives) return TVI_EDOMAIN;
+    for (int u = 0; u < nodes->unknowns; u++)
+        memcpy(nodes->x + field->slot[u] * lanes, drives + slot[u] * lanes, (size_t)lanes * sizeof *drives);
+    return TVI_OK;
 }
 
 static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
 {
     hamiltonian *w = field->own;
-    field->loops->predict(&field->nodes, steps, extrapolation, impulses);
-    w->moved = INFINITY;
+    hamiltonian_predict(&w->passes, steps, extrapolation, impulses);
 }
 
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     hamiltonian *w = field->own;
-    const galerkin_nodes *nodes = &field->nodes;
-    const double count = nodes->unknowns * nodes->lanes, *momenta = nodes->x + field->system->n * nodes->lanes;
-    const bool serves = w->moved <= SERVES * count;
-    const int *slot = w->slot[!serves];
     (void)stats;
-    const double *drives = tvi_galerkin_model_sweep(&w->model, field, !serves, nodes->x, momenta);
-    if (!drives) return TVI_EDOMAIN;
-    const double first = field->loops->move(nodes, field->matrix, drives, slot);
-    const double left_out = first * (serves ? w->moved : first) / count;
-    const double least = count * (isinf(w->moved) ? ROUNDOFF : NOTHING);
-    for (int i = 0; i < nodes->unknowns * nodes->lanes; i++) w->movement[i] = nodes->x[i] - w->model.values[i];
-    field->loops->go_round(nodes, field->matrix, &w->rounds, w->movement, !serves, first, fmax(left_out, least),
-                           w->changes);
-    *moved = w->moved = first + field->loops->move_both(nodes, field->matrix, drives, w->changes, slot);
+    if (!hamiltonian_pass(&w->passes, tvi_galerkin_sweep)) return TVI_EDOMAIN;
+    *moved = w->passes.moved;
     return TVI_OK;
 }
 
-const galerkin_form tvi_galerkin_form_hamiltonian = {-1, &tvi_galerkin_newton, take, prepare, start, predict, pass};
+static void emit(jet_text *text, const galerkin_field *field, const char *name)
+{
+    const hamiltonian *w = field->own;
+    const lanes_rounds *rounds = &w->passes.rounds;
+    const int unknowns = field->nodes.unknowns;
+    tvi_galerkin_model_emit(text, &w->model, name);
+    tvi_galerkin_emit_ints(text, name, "of_values", unknowns, w->slot[false]);
+    tvi_galerkin_emit_ints(text, name, "of_second", unknowns, w->slot[true]);
+    tvi_galerkin_emit_ints(text, name, "unknown", rounds->rows, rounds->unknown);
+    tvi_galerkin_emit_ints(text, name, "place_of", rounds->rows * rounds->count, rounds->place);
+    jet_text_add(text, "GALERKIN_EMITTED_HAMILTONIAN(%s, %d, %d, %d, %d)\n", name, rounds->count, rounds->moving,
+                 rounds->rows, field->nodes.lanes);
+}
+
+const galerkin_form tvi_galerkin_form_hamiltonian = {-1,  &tvi_galerkin_newton, take, prepare, start, predict, pass,
+                                                     emit};
 /* The part of a movement that h g'' would have made is left, too: no less of one movement than of the one before. */
-const galerkin_form tvi_galerkin_form_product = {-1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass};
+const galerkin_form tvi_galerkin_form_product = {-1,  &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass,
+                                                 emit};

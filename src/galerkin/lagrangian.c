@@ -27,16 +27,6 @@ static void take_factor(lanes_factor *factor, tvi_arena *arena, int n, int lanes
     factor->x = tvi_arena_doubles(arena, numbers);
 }
 
-static bool sweep(const lagrangian_passes *passes, bool with_second)
-{
-    const galerkin_field *field = passes->of;
-    const jet_tape *tape = with_second ? field->system->second_values : field->system->field_values;
-    double *x = with_second ? passes->second : passes->values;
-    if (!jet_sweep_values(tape, x, field->nodes.lanes)) return false;
-    if (field->noise) tvi_galerkin_displace(field, tape, x);
-    return true;
-}
-
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     const tvi_system *system = field->system;
@@ -47,7 +37,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     field->rows = 3 * n;
     field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
     tvi_galerkin_model_take(&w.model, arena, field);
-    field->inputs = w.model.values;
+    field->inputs = w.model.blocks.values;
     field->ahead = tvi_arena_doubles(arena, lanes * lanes);
     w.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
@@ -66,10 +56,7 @@ static void prepare_passes(lagrangian_passes *w, const galerkin_field *field, co
     w->nodes = &field->nodes;
     w->matrix = field->matrix;
     w->slot = field->slot;
-    w->of = field;
-    w->values = model->values;
-    w->second = model->second;
-    w->inputs = system->second_values->inputs;
+    w->blocks = model->blocks;
     w->output[false] = system->field_values->output;
     w->output[true] = system->second_values->output;
     w->model = model->lanes;
@@ -112,7 +99,7 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     fill(&field->nodes, n, n, origin->p);
     fill(&field->nodes, n, 2 * n, velocity);
     w->passes.moved = INFINITY;
-    if (!lagrangian_evaluate(&w->passes, sweep, false)) return TVI_EDOMAIN;
+    if (!lagrangian_evaluate(&w->passes, tvi_galerkin_sweep, false)) return TVI_EDOMAIN;
     lagrangian_take_gradient(&w->passes);
     return TVI_OK;
 }
@@ -133,10 +120,22 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
                                         [LAGRANGIAN_SINGULAR] = TVI_ESINGULAR};
     lagrangian *w = field->own;
     const int factors = w->passes.factors;
-    const lagrangian_passed passed = lagrangian_pass(&w->passes, sweep);
+    const lagrangian_passed passed = lagrangian_pass(&w->passes, tvi_galerkin_sweep);
     stats->factorisations += (w->passes.factors - factors) * field->points;
     *moved = w->passes.moved;
     return status[passed];
 }
 
-const galerkin_form tvi_galerkin_form_lagrangian = {1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass};
+static void emit(jet_text *text, const galerkin_field *field, const char *name)
+{
+    const lagrangian *w = field->own;
+    const int unknowns = field->nodes.unknowns;
+    tvi_galerkin_model_emit(text, &w->model, name);
+    tvi_galerkin_emit_ints(text, name, "of_values", unknowns, w->passes.output[false]);
+    tvi_galerkin_emit_ints(text, name, "of_second", unknowns, w->passes.output[true]);
+    tvi_galerkin_emit_ints(text, name, "slot", unknowns, field->slot);
+    jet_text_add(text, "GALERKIN_EMITTED_LAGRANGIAN(%s, %d, %d)\n", name, field->system->n, field->nodes.lanes);
+}
+
+const galerkin_form tvi_galerkin_form_lagrangian = {
+    1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass, emit};

@@ -36,8 +36,8 @@ typedef struct {
 enum { LANES_ROWS = 4 };
 typedef struct {
     int count, moving, rows; /* columns, their rows, all rows */
-    int *unknown;            /* [rows] -1: none */
-    int *place;              /* [rows / LANES_ROWS][count][LANES_ROWS] in the block of the second derivatives: */
+    const int *unknown;      /* [rows] -1: none */
+    const int *place;        /* [rows / LANES_ROWS][count][LANES_ROWS] in the block of the second derivatives: */
     const double *second;    /* it has zeros, too */
     float *packed;           /* the same, [rows / LANES_ROWS][count][LANES_ROWS][lanes] */
     double *size, *per_size; /* [rows] of the unknowns */

@@ -4,6 +4,7 @@
 #define TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 
 #include "algebra/sizes.h"
+#include "galerkin/blocks.h"
 #include "galerkin/loops.h"
 
 #include <float.h>
@@ -18,29 +19,14 @@ typedef struct {
     galerkin_nodes drives; /* V and F as unknowns, which begin at 0 */
     const double *matrix;  /* of a movement, and which row drives each unknown */
     const int *slot;
-    const void *of;          /* sweep's own */
-    double *values, *second; /* blocks of the tapes, [inputs][lanes] first, */
-    int inputs;              /* (Q, V), the time, parameters, */
-    const int *output[2];    /* [2n] and where the gradient is there */
-    double *gradient;        /* [2n][lanes] as evaluated */
-    lanes_model model;       /* of it, */
-    lanes_factor mass;       /* and of L_vv */
-    int factors;             /* so often was it taken */
-    double moved;            /* by the last pass, as `move` says; infinite before the first one of a step */
+    galerkin_blocks blocks;
+    const int *output[2]; /* [2n] where the gradient is there */
+    double *gradient;     /* [2n][lanes] as evaluated */
+    lanes_model model;    /* of it, */
+    lanes_factor mass;    /* and of L_vv */
+    int factors;          /* so often was it taken */
+    double moved;         /* by the last pass, as `move` says; infinite before the first one of a step */
 } lagrangian_passes;
-
-/* Evaluates the gradient (L_q, L_v) in its block: of values or, with second derivatives, of these; false outside its
- * domain. */
-typedef bool lagrangian_sweep(const lagrangian_passes *w, bool with_second);
-
-/* Loops, and the algebra of second derivatives, by the tables or, in generated code, inlined. */
-#ifdef JET_EMITTED
-#define LAGRANGIAN_LOOP(w, name, ...)    name##_lanes(__VA_ARGS__, GALERKIN_LANES)
-#define LAGRANGIAN_ALGEBRA(w, name, ...) name##_lanes(__VA_ARGS__, GALERKIN_LANES)
-#else
-#define LAGRANGIAN_LOOP(w, name, ...)    (w)->loops->name(__VA_ARGS__)
-#define LAGRANGIAN_ALGEBRA(w, name, ...) (w)->algebra->name(__VA_ARGS__)
-#endif
 
 typedef enum { LAGRANGIAN_PASSED, LAGRANGIAN_OUTSIDE, LAGRANGIAN_NO_NUMBER, LAGRANGIAN_SINGULAR } lagrangian_passed;
 
@@ -74,21 +60,18 @@ static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps,
                                       const double *const impulses[])
 {
     for (int u = 0; u < w->nodes->unknowns; u++) w->drives.scale[u] = 1 / h;
-    LAGRANGIAN_LOOP(w, predict, &w->drives, steps, extrapolation, impulses);
-    (void)LAGRANGIAN_LOOP(w, move, w->nodes, w->matrix, w->nodes->x, w->slot);
+    GALERKIN_LOOP(w->loops, predict, &w->drives, steps, extrapolation, impulses);
+    (void)GALERKIN_LOOP(w->loops, move, w->nodes, w->matrix, w->nodes->x, w->slot);
     w->moved = INFINITY;
 }
 
-static inline bool lagrangian_evaluate(lagrangian_passes *w, lagrangian_sweep *sweep, bool with_second)
+static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_second)
 {
     const galerkin_nodes *nodes = w->nodes;
-    const int half = nodes->unknowns / 2 * nodes->lanes, lanes = nodes->lanes;
-    const double *x = with_second ? w->second : w->values;
-    const int *output = w->output[with_second];
-    memcpy(w->values, nodes->x, (size_t)half * sizeof *x);
-    memcpy(w->values + half, nodes->x + 2 * half, (size_t)half * sizeof *x);
-    if (with_second) memcpy(w->second, w->values, (size_t)(w->inputs * lanes) * sizeof *x);
-    if (!sweep(w, with_second)) return false;
+    const int lanes = nodes->lanes, *output = w->output[with_second];
+    const double *x =
+        galerkin_sweep_at(&w->blocks, sweep, with_second, nodes->x, lagrangian_row(nodes, nodes->unknowns));
+    if (!x) return false;
     for (int i = 0; i < nodes->unknowns; i++)
         memcpy(w->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
     return true;
@@ -112,12 +95,12 @@ static inline lagrangian_passed lagrangian_factor(lagrangian_passes *w)
         for (int k = model->end[i - 1]; k < model->end[i]; k++) {
             const lanes_term *term = &model->term[k];
             double *element = a + ((i - n) * n + term->column - n) * lanes;
-            if (term->column >= n) memcpy(element, w->second + term->slot * lanes, (size_t)lanes * sizeof *a);
+            if (term->column >= n) memcpy(element, w->blocks.second + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
     w->factors++;
-    if (LAGRANGIAN_ALGEBRA(w, factor, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
+    if (GALERKIN_LOOP(w->algebra, factor, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
     for (int k = model->end[n - 1]; k < model->end[2 * n - 1]; k++)
-        if (!tvi_all_finite(lanes, w->second + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
+        if (!tvi_all_finite(lanes, w->blocks.second + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
     return LAGRANGIAN_SINGULAR;
 }
 
@@ -127,10 +110,10 @@ static inline double lagrangian_iterate(lagrangian_passes *w)
     const galerkin_nodes *nodes = w->nodes;
     const int n = nodes->unknowns / 2;
     const galerkin_nodes positions = lagrangian_half(nodes, 0), momenta = lagrangian_half(nodes, n);
-    const double moved = LAGRANGIAN_LOOP(w, move, &momenta, w->matrix, nodes->x, w->slot + n);
-    LAGRANGIAN_ALGEBRA(w, correct, &w->mass, lagrangian_row(nodes, n), lagrangian_row(nodes, 4 * n),
-                       lagrangian_row(nodes, 2 * n));
-    return moved + LAGRANGIAN_LOOP(w, move, &positions, w->matrix, nodes->x, w->slot);
+    const double moved = GALERKIN_LOOP(w->loops, move, &momenta, w->matrix, nodes->x, w->slot + n);
+    GALERKIN_LOOP(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), lagrangian_row(nodes, 4 * n),
+                  lagrangian_row(nodes, 2 * n));
+    return moved + GALERKIN_LOOP(w->loops, move, &positions, w->matrix, nodes->x, w->slot);
 }
 
 /* The gradient to first order, where (Q, V) have moved. */
@@ -138,15 +121,15 @@ static inline void lagrangian_linearise(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int half = nodes->unknowns / 2 * nodes->lanes;
-    const double *Q = nodes->x, *V = nodes->x + 2 * half, *from = w->values;
+    const double *Q = nodes->x, *V = nodes->x + 2 * half, *from = w->blocks.values;
     double *moved = w->model.moved;
     for (int i = 0; i < half; i++) moved[i] = Q[i] - from[i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
-    LAGRANGIAN_ALGEBRA(w, linearise, &w->model, nodes->x + 3 * half);
+    GALERKIN_LOOP(w->algebra, linearise, &w->model, nodes->x + 3 * half);
 }
 
 /* New second derivatives are taken where those at hand do not serve. */
-static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, lagrangian_sweep *sweep)
+static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, galerkin_sweep *sweep)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int numbers = nodes->unknowns * nodes->lanes;

@@ -1,21 +1,21 @@
 /* model.c - see model.h. */
 #include "galerkin/model.h"
 
-#include <string.h>
-
 void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const galerkin_field *field)
 {
     const tvi_system *system = field->system;
     const size_t lanes = (size_t)field->nodes.lanes;
-    model->values = tvi_arena_block(arena, system->field_values, 1, field->nodes.lanes, 0);
-    model->second = tvi_arena_block(arena, system->second_values, 1, field->nodes.lanes, lanes);
+    model->blocks =
+        (galerkin_blocks){.n = system->n, .lanes = field->nodes.lanes, .inputs = system->second_values->inputs};
+    model->blocks.values = tvi_arena_block(arena, system->field_values, 1, field->nodes.lanes, 0);
+    model->blocks.second = tvi_arena_block(arena, system->second_values, 1, field->nodes.lanes, lanes);
     model->lanes.moved = tvi_arena_doubles(arena, 2 * (size_t)system->n * lanes);
     model->term = tvi_arena_take(arena, 2 * (size_t)system->seconds * sizeof *model->term);
     model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
 }
 
 /* The rows of the symmetric matrix of second derivatives. */
-void tvi_galerkin_model_terms(const tvi_system *system, lanes_term *term, int *end)
+static void set_terms(const tvi_system *system, lanes_term *term, int *end)
 {
     const int rows = 2 * system->n;
     for (int k = 0; k < system->seconds; k++) {
@@ -39,35 +39,32 @@ void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *fie
 {
     const tvi_system *system = field->system;
     const int lanes = field->nodes.lanes;
-    tvi_galerkin_model_terms(system, model->term, model->end);
+    set_terms(system, model->term, model->end);
+    model->blocks.of = field;
     model->lanes = (lanes_model){
-        system->n, lanes, model->lanes.moved, .second = model->second, .term = model->term, .end = model->end};
+        system->n, lanes, model->lanes.moved, .second = model->blocks.second, .term = model->term, .end = model->end};
 }
 
-const double *tvi_galerkin_model_sweep(galerkin_model *model, const galerkin_field *field, bool with_second,
-                                       const double *first, const double *last)
+bool tvi_galerkin_sweep(const galerkin_blocks *blocks, bool with_second)
 {
-    const tvi_system *system = field->system;
-    const jet_tape *tape = with_second ? system->second_values : system->field_values;
-    const int n = system->n, lanes = field->nodes.lanes;
-    const size_t bytes = (size_t)n * (size_t)lanes * sizeof(double);
-    memcpy(model->values, first, bytes);
-    memcpy(model->values + n * lanes, last, bytes);
-    double *x = with_second ? model->second : model->values;
-    if (with_second) memcpy(x, model->values, (size_t)(tape->inputs * lanes) * sizeof *x);
-    if (!jet_sweep_values(tape, x, lanes)) return NULL;
-    if (field->noise) tvi_galerkin_displace(field, tape, x);
-    return x;
-}
-
-bool tvi_galerkin_model_evaluate(galerkin_model *model, const galerkin_field *field, bool with_second,
-                                 const double *first, const double *last, double *gradient)
-{
+    const galerkin_field *field = blocks->of;
     const jet_tape *tape = with_second ? field->system->second_values : field->system->field_values;
-    const size_t lanes = (size_t)field->nodes.lanes;
-    const double *x = tvi_galerkin_model_sweep(model, field, with_second, first, last);
-    if (!x) return false;
-    for (int i = 0; i < 2 * field->system->n; i++, gradient += lanes)
-        memcpy(gradient, x + (size_t)tape->output[i] * lanes, lanes * sizeof *gradient);
+    double *x = with_second ? blocks->second : blocks->values;
+    if (!jet_sweep_values(tape, x, blocks->lanes)) return false;
+    if (field->noise) tvi_galerkin_displace(field, tape, x);
     return true;
+}
+
+void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model, const char *name)
+{
+    const galerkin_field *field = model->blocks.of;
+    const jet_tape *values = field->system->field_values, *second = field->system->second_values;
+    const int rows = 2 * model->blocks.n;
+    tvi_galerkin_emit_ints(text, name, "end", rows, model->end);
+    jet_text_add(text, "static const lanes_term %s_term[] = {", name);
+    for (int k = 0; k < model->end[rows - 1]; k++)
+        jet_text_add(text, "{%d, %d}, ", model->term[k].column, model->term[k].slot);
+    jet_text_add(text, "{0}};\nGALERKIN_EMITTED_BLOCKS(%s, %d, %d, %d, %d, %d, %d, %d)\n", name, model->blocks.n,
+                 model->blocks.lanes, second->inputs, galerkin_rows_kept(values), values->slots,
+                 galerkin_rows_kept(second), second->slots);
 }

@@ -1,0 +1,41 @@
+/* blocks.h - the blocks of the tapes in which passes that know second derivatives have the gradient that drives the
+ * unknowns (docs/method.md section 5), of the library and of generated code, where all sizes are constants. */
+#ifndef TVI_SRC_GALERKIN_BLOCKS_H
+#define TVI_SRC_GALERKIN_BLOCKS_H
+
+#include <stdbool.h>
+#include <string.h>
+
+/* Of L in (q, v), or of a product in (q, p): two halves of n rows each, the time and parameters come first. */
+typedef struct {
+    int n, lanes, inputs;
+    const void *of;          /* the sweep's own */
+    double *values, *second; /* of the field, and of it with its derivatives: zeros behind it */
+} galerkin_blocks;
+
+/* Of the one block or the other; false outside its domain. */
+typedef bool galerkin_sweep(const galerkin_blocks *blocks, bool with_second);
+
+/* The block that has the gradient at the nodes, first and last [n][lanes]; NULL outside its domain. */
+static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, galerkin_sweep *sweep, bool with_second,
+                                              const double *first, const double *last)
+{
+    const int half = blocks->n * blocks->lanes;
+    double *x = blocks->values;
+    memcpy(x, first, (size_t)half * sizeof *x);
+    memcpy(x + half, last, (size_t)half * sizeof *x);
+    if (with_second) {
+        x = blocks->second;
+        memcpy(x, blocks->values, (size_t)(blocks->inputs * blocks->lanes) * sizeof *x);
+    }
+    return sweep(blocks, with_second) ? x : NULL;
+}
+
+/* A loop of these, by the table or, in generated code, inlined. */
+#ifdef JET_EMITTED
+#define GALERKIN_LOOP(loops, name, ...) name##_lanes(__VA_ARGS__, GALERKIN_LANES)
+#else
+#define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
+#endif
+
+#endif

@@ -1,0 +1,196 @@
+/* emitted_steps.h - whole steps of generated code (emit.c), which alone reads this, after the text of
+ * emitted_loops.h: a step of steady.h, by the passes of the form of the field. */
+#ifndef TVI_SRC_GALERKIN_EMITTED_STEPS_H
+#define TVI_SRC_GALERKIN_EMITTED_STEPS_H
+
+#include "galerkin/hamiltonian_passes.h"
+#include "galerkin/lagrangian_passes.h"
+#include "galerkin/steady.h"
+
+/* The step of steady.h. Small nodes are the function's own, where the compiler keeps them in registers. */
+typedef bool steady_field(double *x, int lanes);
+enum { STEADY_MOST = 4096 };
+
+/* What a pass is made by: the field and the rows of it that drive the unknowns, or passes of their own. */
+typedef struct {
+    steady_field *run;
+    const int *slot;
+    galerkin_sweep *sweep;
+    lagrangian_passes *lagrangian;
+    hamiltonian_passes *hamiltonian;
+} steady_form;
+
+/* A pass in two parts, between which its impulses are stored. */
+JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
+{
+    if (!form->run) return true;
+    if (!form->run(nodes->x, lanes)) return false;
+    weigh_lanes(nodes, nodes->x, form->slot, lanes);
+    return true;
+}
+
+JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                           double *moved, int lanes)
+{
+    if (form->lagrangian) {
+        const lagrangian_passed passed = lagrangian_pass(form->lagrangian, form->sweep);
+        *moved = form->lagrangian->moved;
+        return passed == LAGRANGIAN_PASSED;
+    }
+    if (form->hamiltonian) {
+        const bool is_inside = hamiltonian_pass(form->hamiltonian, form->sweep);
+        *moved = form->hamiltonian->moved;
+        return is_inside;
+    }
+    *moved = follow_lanes(nodes, frame->matrix, lanes);
+    return true;
+}
+
+/* A few unknowns stay in registers from the end of a pass to the beginning of the next one, which follows directly. */
+enum { STEADY_FEW = 8 };
+JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                              tvi_passes *shown, int lanes)
+{
+    const bool few = nodes->unknowns <= STEADY_FEW;
+    tvi_passes passes = *shown;
+    tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
+    if (few && !steady_begin(nodes, form, lanes)) return false;
+    while (verdict == TVI_PASSES_GO_ON && passes.count < frame->rule->most) {
+        double moved;
+        if (!few && !steady_begin(nodes, form, lanes)) return false;
+        if (!steady_end(frame, nodes, form, &moved, lanes) || !isfinite(moved)) return false;
+        verdict = tvi_passes_judge(&passes, frame->rule, moved);
+        if (few && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
+    }
+    *shown = passes;
+    return verdict == TVI_PASSES_MAY_END;
+}
+
+JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *nodes, galerkin_motion motion,
+                             const steady_form *form, const tvi_origin *origin, galerkin_outcome *to, int lanes)
+{
+    const int n = motion.n;
+    if (motion.has_masses) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
+    else start_lanes(nodes, n, origin, lanes);
+    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, frame->extrapolation, to->impulses);
+    else if (form->hamiltonian) hamiltonian_predict(form->hamiltonian, 2, frame->extrapolation, to->impulses);
+    else predict_lanes(nodes, 2, frame->extrapolation, to->impulses, lanes);
+    galerkin_set_sizes(nodes, n);
+    if (!steady_passes(frame, nodes, form, &to->passes, lanes)) return false;
+    integrate_lanes(nodes, frame->weights, &motion.sums, lanes);
+    if (motion.has_masses) end_drifting(nodes, &motion.sums, frame->drift, frame->drift_low, to->dq, to->dp);
+    else galerkin_end(nodes, &motion.sums, n, to->dq, to->dp);
+    motion.q = origin->q;
+    motion.p = origin->p;
+    motion.dp = to->dp;
+    to->tail = lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
+    return true;
+}
+
+/* The rows of a block between its first ones, which are set anew, and `kept`. */
+JET_INLINE void keep_rows(double *own, const double *block, int first, int kept, int lanes)
+{
+    for (int i = first * lanes; i < kept * lanes; i++) own[i] = block[i];
+}
+
+/* KEPT rows of x are not of the tape's operations. Outputs that are inputs are copied behind the tape's slots, as by
+ * galerkin_evaluate. */
+#define GALERKIN_EMITTED_STEADY(NAME, VALUES, UNKNOWNS, KEPT, SLOTS, LANES)                                            \
+    JET_INLINE bool NAME##_values(double *x, int lanes)                                                                \
+    {                                                                                                                  \
+        const bool inside = VALUES(x, lanes);                                                                          \
+        for (int i = 0; i < NAME##_copies; i++)                                                                        \
+            for (int lane = 0; lane < lanes; lane++)                                                                   \
+                x[((SLOTS) + i) * lanes + lane] = x[NAME##_copied[i] * lanes + lane];                                  \
+        return inside;                                                                                                 \
+    }                                                                                                                  \
+    static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
+    {                                                                                                                  \
+        enum { ROWS = (SLOTS) + NAME##_copies, IS_SMALL = ROWS * (LANES) <= STEADY_MOST };                             \
+        _Alignas(64) double x[IS_SMALL ? ROWS * (LANES) : 1];                                                          \
+        galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
+        const steady_form form = {.run = NAME##_values, .slot = NAME##_slot};                                          \
+        if (IS_SMALL) {                                                                                                \
+            keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
+            nodes.x = x;                                                                                               \
+        }                                                                                                              \
+        return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));                  \
+    }
+
+/* The blocks of the tapes of passes that know second derivatives, of which KEPT rows are not of their operations; small
+ * ones are the function's own, too. */
+#define GALERKIN_EMITTED_BLOCKS(NAME, N, LANES, INPUTS, VALUES_KEPT, VALUES_SLOTS, SECOND_KEPT, SECOND_SLOTS)          \
+    JET_INLINE bool NAME##_sweep(const galerkin_blocks *blocks, bool with_second)                                      \
+    {                                                                                                                  \
+        return with_second ? tvi_second_values_of(blocks->second, (LANES))                                             \
+                           : tvi_values_values_of(blocks->values, (LANES));                                            \
+    }                                                                                                                  \
+    enum { NAME##_is_small = ((VALUES_SLOTS) + (SECOND_SLOTS)) * (LANES) <= STEADY_MOST };                             \
+    typedef struct {                                                                                                   \
+        _Alignas(64) double values[NAME##_is_small ? (VALUES_SLOTS) * (LANES) : 1];                                    \
+        _Alignas(64) double second[NAME##_is_small ? ((SECOND_SLOTS) + 1) * (LANES) : 1];                              \
+        _Alignas(64) double x[NAME##_is_small ? 5 * (N) * (LANES) : 1];                                                \
+    } NAME##_room;                                                                                                     \
+    JET_INLINE galerkin_blocks NAME##_blocks(const galerkin_blocks *of, galerkin_nodes *nodes, NAME##_room *own)       \
+    {                                                                                                                  \
+        galerkin_blocks blocks = *of;                                                                                  \
+        blocks.n = (N);                                                                                                \
+        blocks.lanes = (LANES);                                                                                        \
+        blocks.inputs = (INPUTS);                                                                                      \
+        if (!NAME##_is_small) return blocks;                                                                           \
+        keep_rows(own->values, of->values, 2 * (N), (VALUES_KEPT), (LANES));                                           \
+        keep_rows(own->second, of->second, (INPUTS), (SECOND_KEPT), (LANES));                                          \
+        keep_rows(own->second, of->second, (SECOND_SLOTS), (SECOND_SLOTS) + 1, (LANES));                               \
+        blocks.values = own->values;                                                                                   \
+        blocks.second = own->second;                                                                                   \
+        nodes->x = own->x;                                                                                             \
+        return blocks;                                                                                                 \
+    }
+
+#define GALERKIN_EMITTED_LAGRANGIAN(NAME, N, LANES)                                                                    \
+    static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
+    {                                                                                                                  \
+        NAME##_room own;                                                                                               \
+        galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
+        lagrangian_passes w = *(const lagrangian_passes *)frame->own;                                                  \
+        w.nodes = &nodes;                                                                                              \
+        w.blocks = NAME##_blocks(&w.blocks, &nodes, &own);                                                             \
+        w.drives = NAME##_sized(&w.drives);                                                                            \
+        w.drives.x = nodes.x + 2 * (N) * (LANES);                                                                      \
+        w.slot = NAME##_slot;                                                                                          \
+        w.output[false] = NAME##_of_values;                                                                            \
+        w.output[true] = NAME##_of_second;                                                                             \
+        w.model.n = w.mass.n = (N);                                                                                    \
+        w.model.lanes = w.mass.lanes = (LANES);                                                                        \
+        w.model.second = w.blocks.second;                                                                              \
+        w.model.term = NAME##_term;                                                                                    \
+        w.model.end = NAME##_end;                                                                                      \
+        w.factors = 0;                                                                                                 \
+        const steady_form form = {.sweep = NAME##_sweep, .lagrangian = &w};                                            \
+        const bool is_made = steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));    \
+        to->factors = w.factors;                                                                                       \
+        return is_made;                                                                                                \
+    }
+
+/* The rounds have so many columns, rows that move, and rows. */
+#define GALERKIN_EMITTED_HAMILTONIAN(NAME, COUNT, MOVING, ROWS, LANES)                                                 \
+    static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
+    {                                                                                                                  \
+        NAME##_room own;                                                                                               \
+        galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
+        hamiltonian_passes w = *(const hamiltonian_passes *)frame->own;                                                \
+        w.nodes = &nodes;                                                                                              \
+        w.blocks = NAME##_blocks(&w.blocks, &nodes, &own);                                                             \
+        w.slot[false] = NAME##_of_values;                                                                              \
+        w.slot[true] = NAME##_of_second;                                                                               \
+        w.rounds.count = (COUNT);                                                                                      \
+        w.rounds.moving = (MOVING);                                                                                    \
+        w.rounds.rows = (ROWS);                                                                                        \
+        w.rounds.unknown = NAME##_unknown;                                                                             \
+        w.rounds.place = NAME##_place_of;                                                                              \
+        w.rounds.second = w.blocks.second;                                                                             \
+        const steady_form form = {.sweep = NAME##_sweep, .hamiltonian = &w};                                           \
+        return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));                  \
+    }
+
+#endif

@@ -1,0 +1,57 @@
+/* hamiltonian_passes.h - the passes of a product's Galerkin curve (hamiltonian.c), which the library runs with the
+ * loops of its tables, and generated code with its own, where all sizes are constants. */
+#ifndef TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
+#define TVI_SRC_GALERKIN_HAMILTONIAN_PASSES_H
+
+#include "algebra/sizes.h"
+#include "galerkin/blocks.h"
+#include "galerkin/loops.h"
+
+#include <math.h>
+
+/* The rows of nodes->x: Q, P, n each, and the gradient of a start behind them. */
+typedef struct {
+    const galerkin_loops *loops;
+    const galerkin_nodes *nodes;
+    const double *matrix; /* of a movement */
+    galerkin_blocks blocks;
+    const int *slot[2]; /* [unknowns] what drives each, in the block of values, and with second derivatives */
+    lanes_rounds rounds;
+    double *movement, *changes; /* [unknowns][lanes] the first one of a pass, and those of impulses */
+    double moved;               /* by the last pass, as `move` says; infinite before the first one of a step */
+} hamiltonian_passes;
+
+/* Squares of relative movements: after one of 2^-25 the second derivatives serve once more, since what the pass that
+ * follows leaves is as its cube. */
+#define HAMILTONIAN_SERVES  0x1p-50
+#define HAMILTONIAN_NOTHING 0x1p-144
+/* The rounds of the first pass of a step end here: another follows, whose movement is no less. */
+#define HAMILTONIAN_ROUNDOFF 0x1p-108
+
+static inline void hamiltonian_predict(hamiltonian_passes *w, int steps, const double *extrapolation,
+                                       const double *const impulses[])
+{
+    GALERKIN_LOOP(w->loops, predict, w->nodes, steps, extrapolation, impulses);
+    w->moved = INFINITY;
+}
+
+/* False outside the field's domain. */
+static inline bool hamiltonian_pass(hamiltonian_passes *w, galerkin_sweep *sweep)
+{
+    const galerkin_nodes *nodes = w->nodes;
+    const int numbers = nodes->unknowns * nodes->lanes;
+    const bool serves = w->moved <= HAMILTONIAN_SERVES * numbers;
+    const int *slot = w->slot[!serves];
+    const double *drives = galerkin_sweep_at(&w->blocks, sweep, !serves, nodes->x, nodes->x + numbers / 2);
+    if (!drives) return false;
+    const double first = GALERKIN_LOOP(w->loops, move, nodes, w->matrix, drives, slot);
+    const double left_out = first * (serves ? w->moved : first) / numbers;
+    const double least = numbers * (isinf(w->moved) ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
+    for (int i = 0; i < numbers; i++) w->movement[i] = nodes->x[i] - w->blocks.values[i];
+    GALERKIN_LOOP(w->loops, go_round, nodes, w->matrix, &w->rounds, w->movement, !serves, first,
+                  tvi_larger(left_out, least), w->changes);
+    w->moved = first + GALERKIN_LOOP(w->loops, move_both, nodes, w->matrix, drives, w->changes, slot);
+    return true;
+}
+
+#endif
