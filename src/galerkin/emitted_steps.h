@@ -174,9 +174,13 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
 
 /* The rounds have so many columns, rows that move, and rows. */
 #define GALERKIN_EMITTED_HAMILTONIAN(NAME, COUNT, MOVING, ROWS, LANES)                                                 \
+    enum { NAME##_is_packed = (ROWS) * (COUNT) * (LANES) <= 2 * STEADY_MOST };                                         \
     static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
     {                                                                                                                  \
+        enum { ALL = NAME##_is_packed ? (ROWS) * (LANES) : 1 };                                                        \
         NAME##_room own;                                                                                               \
+        _Alignas(64) float packed[NAME##_is_packed ? (ROWS) * (COUNT) * (LANES) : 1];                                  \
+        _Alignas(64) float change[ALL], total[ALL], impulse[ALL], all[ALL];                                            \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
         hamiltonian_passes w = *(const hamiltonian_passes *)frame->own;                                                \
         w.nodes = &nodes;                                                                                              \
@@ -189,6 +193,13 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
         w.rounds.unknown = NAME##_unknown;                                                                             \
         w.rounds.place = NAME##_place_of;                                                                              \
         w.rounds.second = w.blocks.second;                                                                             \
+        if (NAME##_is_packed) {                                                                                        \
+            w.rounds.packed = packed;                                                                                  \
+            w.rounds.change = change;                                                                                  \
+            w.rounds.total = total;                                                                                    \
+            w.rounds.impulse = impulse;                                                                                \
+            w.rounds.all = all;                                                                                        \
+        }                                                                                                              \
         const steady_form form = {.sweep = NAME##_sweep, .hamiltonian = &w};                                           \
         return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));                  \
     }

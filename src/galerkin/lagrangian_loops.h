@@ -41,8 +41,8 @@ typedef struct {
     const double *second;    /* it has zeros, too */
     float *packed;           /* the same, [rows / LANES_ROWS][count][LANES_ROWS][lanes] */
     double *size, *per_size; /* [rows] of the unknowns */
-    float *change, *total;   /* [rows][lanes] the last round's; the movement and all rounds */
-    float *impulse, *all;    /* [rows][lanes] the same of impulses, but for those of the movement */
+    float *change, *total;   /* [rows][lanes] the last round's, and all with the movement, */
+    float *impulse, *all;    /* [rows][lanes] and the impulses by both */
 } lanes_rounds;
 
 typedef struct {

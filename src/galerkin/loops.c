@@ -22,7 +22,6 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
 }
 
 /* sum[0][] + ... = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
-enum { CHAINS = 4 };
 #define CHAINS_OF(blocks) (lanes == 1 ? 1 : lanes == 2 || (blocks) > 2 ? 2 : CHAINS)
 
 /* Where a row is one block it stays in its register, in `row`, for all unknowns; gcc keeps plain copies in memory, sums
@@ -62,9 +61,6 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
     double *impulse = nodes->impulse;
     ALL_LANES(lanes, WEIGH)
 }
-
-/* A product with a number in memory is one operation, with one of a register's numbers two: what it was is unknown. */
-#define LEAVE_REGISTERS(array) __asm__("" : "+r"(array))
 
 #define FOLLOW(V, blocks)                                                                                              \
     {                                                                                                                  \

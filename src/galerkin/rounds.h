@@ -41,30 +41,31 @@ typedef float single_jet_v1;
     for (int first = 0; first < rounds->rows; first += LANES_ROWS)                                                     \
         for (int column = 0; column < count; column++, place += LANES_ROWS, packed += LANES_ROWS * lanes)              \
             for (int b = 0; b < (blocks); b++) {                                                                       \
-                const V of_column = size[column] * BLOCK_OF(V, weight, b);                                             \
+                const V of_column = (scale[unknown[column]] * size[column]) * BLOCK_OF(V, weight, b);                  \
                 for (int i = 0; i < LANES_ROWS; i++) {                                                                 \
                     const V by = per_size[first + i] * of_column;                                                      \
                     SINGLE_AT(V, packed + i * lanes, b) = NARROW_##V(by * BLOCK_OF(V, second + place[i], b));          \
                 }                                                                                                      \
             }
 
-/* What drives a row by the movement of a column, from the second derivatives. */
+/* What drives a row by the movement of a column, from the second derivatives. The scale of an unknown is a sign, and the
+ * movements of the rounds have it in their unit. */
 JET_INLINE void pack_second(const galerkin_nodes *nodes, const lanes_rounds *rounds, int lanes)
 {
     double *size = rounds->size, *per_size = rounds->per_size;
-    const double *second = rounds->second, *weight = nodes->weight;
-    const int *place = rounds->place;
+    const double *second = rounds->second, *weight = nodes->weight, *scale = nodes->scale;
+    const int *unknown = rounds->unknown, *place = rounds->place;
     float *packed = rounds->packed;
     const int count = rounds->count;
     for (int i = 0; i < rounds->rows; i++) {
-        per_size[i] = rounds->unknown[i] < 0 ? 0 : nodes->inverse_size[rounds->unknown[i]];
+        per_size[i] = unknown[i] < 0 ? 0 : nodes->inverse_size[unknown[i]];
         size[i] = 1 / per_size[i];
     }
     ALL_LANES(lanes, PACK)
 }
 
 #define DRIVE_SINGLE(V, blocks)                                                                                        \
-    for (int first = from; first < to; first += LANES_ROWS, all += LANES_ROWS * lanes) {                               \
+    for (int first = 0; first < rows; first += LANES_ROWS, out += LANES_ROWS * lanes) {                                \
         SINGLE(V) sum[LANES_ROWS][MOST_BLOCKS];                                                                        \
         for (int i = 0; i < LANES_ROWS; i++)                                                                           \
             for (int b = 0; b < (blocks); b++) sum[i][b] = (SINGLE(V)){0};                                             \
@@ -73,18 +74,14 @@ JET_INLINE void pack_second(const galerkin_nodes *nodes, const lanes_rounds *rou
                 for (int b = 0; b < (blocks); b++)                                                                     \
                     sum[i][b] += SINGLE_OF(V, packed, b) * SINGLE_OF(V, change + column * lanes, b);                   \
         for (int i = 0; i < LANES_ROWS; i++)                                                                           \
-            for (int b = 0; b < (blocks); b++) {                                                                       \
-                SINGLE_AT(V, rounds->impulse + (first + i) * lanes, b) = sum[i][b];                                    \
-                SINGLE_AT(V, all + i * lanes, b) += sum[i][b];                                                         \
-            }                                                                                                          \
+            for (int b = 0; b < (blocks); b++) SINGLE_AT(V, out + i * lanes, b) = sum[i][b];                           \
     }
 
-/* The impulses of these rows by a change, and `all` += them. */
-JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, int from, int to, int lanes)
+/* The impulses of the first rows by a change. */
+JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, int rows, float *out, int lanes)
 {
     const int count = rounds->count;
-    const float *packed = rounds->packed + from * count * lanes;
-    float *all = rounds->all + from * lanes;
+    const float *packed = rounds->packed;
     ALL_SINGLE(lanes, DRIVE_SINGLE)
 }
 
@@ -95,12 +92,11 @@ JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, int 
         for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++)                                                          \
             row[j] = SINGLE_OF(V, a + j * lanes, 0) + (SINGLE(V)){0};                                                  \
         for (int i = 0; i < rounds->count; i++, impulse += lanes, change += lanes, total += lanes) {                   \
-            const float scale = (float)nodes->scale[rounds->unknown[i]];                                               \
             for (int b = 0; b < (blocks); b++) {                                                                       \
-                SINGLE(V) sum[2] = {0};                                                                                \
+                SINGLE(V) sum[CHAINS] = {0};                                                                           \
                 for (int j = 0; j < lanes; j++)                                                                        \
-                    sum[j % 2] += ((blocks) == 1 ? row[j] : SINGLE_OF(V, a + j * lanes, b)) * impulse[j];              \
-                sum[0] = scale * (sum[0] + sum[1]);                                                                    \
+                    sum[j % CHAINS] += ((blocks) == 1 ? row[j] : SINGLE_OF(V, a + j * lanes, b)) * impulse[j];         \
+                sum[0] = (sum[0] + sum[1]) + (sum[2] + sum[3]);                                                        \
                 squares += sum[0] * sum[0];                                                                            \
                 SINGLE_AT(V, change, b) = sum[0];                                                                      \
                 SINGLE_AT(V, total, b) += sum[0];                                                                      \
@@ -113,11 +109,12 @@ JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, int 
     }
 
 /* The change by the impulses, and `total` += it; the sum of its squares. */
-JET_INLINE double change_by_impulses(const galerkin_nodes *nodes, const lanes_rounds *rounds, const float *a, int lanes)
+JET_INLINE double change_by_impulses(const lanes_rounds *rounds, const float *a, int lanes)
 {
     const float *impulse = rounds->impulse;
     float *change = rounds->change, *total = rounds->total;
     double moved = 0;
+    LEAVE_REGISTERS(impulse);
     ALL_SINGLE(lanes, CHANGE)
     return moved;
 }
@@ -128,7 +125,8 @@ JET_INLINE double change_by_impulses(const galerkin_nodes *nodes, const lanes_ro
             for (int b = 0; b < (blocks); b++)                                                                         \
                 SINGLE_AT(V, a + j * lanes, b) = NARROW_##V(BLOCK_OF(V, matrix + j * lanes, b));                       \
         for (int i = 0; i < rounds->count; i++) {                                                                      \
-            const double *of_u = moved + rounds->unknown[i] * lanes, by = rounds->per_size[i] / size;                  \
+            const int u = rounds->unknown[i];                                                                          \
+            const double *of_u = moved + u * lanes, by = nodes->scale[u] * rounds->per_size[i] / size;                 \
             for (int b = 0; b < (blocks); b++)                                                                         \
                 SINGLE_AT(V, rounds->change + i * lanes, b) = SINGLE_AT(V, rounds->total + i * lanes, b) =             \
                     NARROW_##V(by * BLOCK_OF(V, of_u, b));                                                             \
@@ -144,21 +142,20 @@ JET_INLINE double change_by_impulses(const galerkin_nodes *nodes, const lanes_ro
 JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds,
                                const double *moved, bool is_new, double first, double last, double *changes, int lanes)
 {
-    const int moving = rounds->moving;
-    const double size = sqrt(first);
+    const double size = sqrt(first), goal = last / first;
     float a[TVI_GALERKIN_MAX_LANES * TVI_GALERKIN_MAX_LANES];
     double now = 1, before = INFINITY, earlier;
     int turn = 0;
     if (is_new) pack_second(nodes, rounds, lanes);
     ALL_LANES(lanes, NARROW)
-    for (int i = 0; i < rounds->rows * lanes; i++) rounds->all[i] = 0;
     do {
         earlier = before;
         before = now;
-        drive_rows(rounds, rounds->change, 0, moving, lanes);
-        now = change_by_impulses(nodes, rounds, a, lanes);
-    } while (++turn < MOST_ROUNDS && now > last / first && (now < before || now < earlier));
-    drive_rows(rounds, rounds->total, moving, rounds->rows, lanes);
+        drive_rows(rounds, rounds->change, rounds->moving, rounds->impulse, lanes);
+        now = change_by_impulses(rounds, a, lanes);
+    } while (++turn < MOST_ROUNDS && (now * now > goal * before || now * before > goal * earlier) &&
+             (now < before || now < earlier));
+    drive_rows(rounds, rounds->total, rounds->rows, rounds->all, lanes);
     if (now <= 1) ALL_LANES(lanes, WIDEN)
     else memset(changes, 0, (size_t)(nodes->unknowns * lanes) * sizeof *changes);
 }
