@@ -89,7 +89,8 @@ typedef struct galerkin_loops {
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
     /* The changes of impulses, [unknowns][lanes], by a movement, whose square is `first`, and by the rounds that follow
-     * it (rounds.h), until the next one is at most `last`, as they shrink; 0 where they do not. is_new: the second derivatives are. */
+     * it (rounds.h), until the next one is at most `last`, as they shrink; 0 where they do not. is_new: the second
+     * derivatives are. */
     void (*go_round)(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, const double *moved,
                      bool is_new, double first, double last, double *changes);
     /* Of the last movement; `once` and `twice` are compensated. */

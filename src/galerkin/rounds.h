@@ -48,8 +48,8 @@ typedef float single_jet_v1;
                 }                                                                                                      \
             }
 
-/* What drives a row by the movement of a column, from the second derivatives. The scale of an unknown is a sign, and the
- * movements of the rounds have it in their unit. */
+/* What drives a row by the movement of a column, from the second derivatives. The scale of an unknown is a sign, which
+ * the movements of the rounds have in their unit. */
 JET_INLINE void pack_second(const galerkin_nodes *nodes, const lanes_rounds *rounds, int lanes)
 {
     double *size = rounds->size, *per_size = rounds->per_size;
