@@ -181,6 +181,7 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
         NAME##_room own;                                                                                               \
         _Alignas(64) float packed[NAME##_is_packed ? (ROWS) * (COUNT) * (LANES) : 1];                                  \
         _Alignas(64) float change[ALL], total[ALL], impulse[ALL], all[ALL];                                            \
+        double size[NAME##_is_packed ? (ROWS) : 1], per_size[NAME##_is_packed ? (ROWS) : 1];                           \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
         hamiltonian_passes w = *(const hamiltonian_passes *)frame->own;                                                \
         w.nodes = &nodes;                                                                                              \
@@ -195,6 +196,8 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
         w.rounds.second = w.blocks.second;                                                                             \
         if (NAME##_is_packed) {                                                                                        \
             w.rounds.packed = packed;                                                                                  \
+            w.rounds.size = size;                                                                                      \
+            w.rounds.per_size = per_size;                                                                              \
             w.rounds.change = change;                                                                                  \
             w.rounds.total = total;                                                                                    \
             w.rounds.impulse = impulse;                                                                                \

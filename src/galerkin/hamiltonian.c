@@ -20,6 +20,7 @@ static int rounded_up(int rows) { return (rows + LANES_ROWS - 1) / LANES_ROWS * 
 
 static void take_rounds(lanes_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
 {
+    rounds->matrix = tvi_arena_take(arena, lanes * lanes * sizeof *rounds->matrix);
     rounds->packed = tvi_arena_take(arena, rows * rows * lanes * sizeof *rounds->packed);
     rounds->size = tvi_arena_doubles(arena, rows);
     rounds->per_size = tvi_arena_doubles(arena, rows);
@@ -92,6 +93,7 @@ static void set_rounds(const galerkin_field *field, const hamiltonian *w, lanes_
     rounds->moving = add_rows(field, model, true, 0, w->unknown);
     rounds->rows = add_rows(field, model, false, rounds->moving, w->unknown);
     rounds->second = model->blocks.second;
+    for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++) rounds->matrix[i] = (float)field->matrix[i];
     int *place = w->place;
     for (int first = 0; first < rounds->rows; first += LANES_ROWS)
         for (int column = 0; column < rounds->count; column++)

@@ -35,21 +35,31 @@ static inline void hamiltonian_predict(hamiltonian_passes *w, int steps, const d
     w->moved = INFINITY;
 }
 
+static inline void hamiltonian_set_sizes(const hamiltonian_passes *w)
+{
+    const lanes_rounds *rounds = &w->rounds;
+    for (int i = 0; i < rounds->rows; i++) {
+        rounds->per_size[i] = rounds->unknown[i] < 0 ? 0 : w->nodes->inverse_size[rounds->unknown[i]];
+        rounds->size[i] = 1 / rounds->per_size[i];
+    }
+}
+
 /* False outside the field's domain. */
 static inline bool hamiltonian_pass(hamiltonian_passes *w, galerkin_sweep *sweep)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int numbers = nodes->unknowns * nodes->lanes;
-    const bool serves = w->moved <= HAMILTONIAN_SERVES * numbers;
+    const bool is_first = isinf(w->moved), serves = w->moved <= HAMILTONIAN_SERVES * numbers;
     const int *slot = w->slot[!serves];
     const double *drives = galerkin_sweep_at(&w->blocks, sweep, !serves, nodes->x, nodes->x + numbers / 2);
     if (!drives) return false;
+    if (is_first) hamiltonian_set_sizes(w);
     const double first = GALERKIN_LOOP(w->loops, move, nodes, w->matrix, drives, slot);
     const double left_out = first * (serves ? w->moved : first) / numbers;
-    const double least = numbers * (isinf(w->moved) ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
+    const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
     for (int i = 0; i < numbers; i++) w->movement[i] = nodes->x[i] - w->blocks.values[i];
-    GALERKIN_LOOP(w->loops, go_round, nodes, w->matrix, &w->rounds, w->movement, !serves, first,
-                  tvi_larger(left_out, least), w->changes);
+    GALERKIN_LOOP(w->loops, go_round, nodes, &w->rounds, w->movement, !serves, first, tvi_larger(left_out, least),
+                  w->changes);
     w->moved = first + GALERKIN_LOOP(w->loops, move_both, nodes, w->matrix, drives, w->changes, slot);
     return true;
 }

@@ -39,8 +39,9 @@ typedef struct {
     const int *unknown;      /* [rows] -1: none */
     const int *place;        /* [rows / LANES_ROWS][count][LANES_ROWS] in the block of the second derivatives: */
     const double *second;    /* it has zeros, too */
+    float *matrix;           /* of a movement, [lanes][lanes] */
     float *packed;           /* the same, [rows / LANES_ROWS][count][LANES_ROWS][lanes] */
-    double *size, *per_size; /* [rows] of the unknowns */
+    double *size, *per_size; /* [rows] of the unknowns, in this step */
     float *change, *total;   /* [rows][lanes] the last round's, and all with the movement, */
     float *impulse, *all;    /* [rows][lanes] and the impulses by both */
 } lanes_rounds;

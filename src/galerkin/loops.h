@@ -91,8 +91,8 @@ typedef struct galerkin_loops {
     /* The changes of impulses, [unknowns][lanes], by a movement, whose square is `first`, and by the rounds that follow
      * it (rounds.h), until the next one is at most `last`, as they shrink; 0 where they do not. is_new: the second
      * derivatives are. */
-    void (*go_round)(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds, const double *moved,
-                     bool is_new, double first, double last, double *changes);
+    void (*go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *moved, bool is_new,
+                     double first, double last, double *changes);
     /* Of the last movement; `once` and `twice` are compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
     /* start = high = (q, p) and base = (q_low, p_low) of the origin, n of each. */

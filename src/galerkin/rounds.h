@@ -11,6 +11,8 @@
 #include <string.h>
 
 enum { MOST_ROUNDS = 32 };
+/* That of relative movements, whose squares, from 2^-144 on, are single numbers in it. */
+#define UNIT 0x1p-40
 
 typedef float single_jet_v8 __attribute__((vector_size(32), aligned(4), may_alias));
 typedef float single_jet_v4 __attribute__((vector_size(16), aligned(4), may_alias));
@@ -52,15 +54,11 @@ typedef float single_jet_v1;
  * the movements of the rounds have in their unit. */
 JET_INLINE void pack_second(const galerkin_nodes *nodes, const lanes_rounds *rounds, int lanes)
 {
-    double *size = rounds->size, *per_size = rounds->per_size;
     const double *second = rounds->second, *weight = nodes->weight, *scale = nodes->scale;
+    const double *size = rounds->size, *per_size = rounds->per_size;
     const int *unknown = rounds->unknown, *place = rounds->place;
     float *packed = rounds->packed;
     const int count = rounds->count;
-    for (int i = 0; i < rounds->rows; i++) {
-        per_size[i] = unknown[i] < 0 ? 0 : nodes->inverse_size[unknown[i]];
-        size[i] = 1 / per_size[i];
-    }
     ALL_LANES(lanes, PACK)
 }
 
@@ -109,9 +107,9 @@ JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, int 
     }
 
 /* The change by the impulses, and `total` += it; the sum of its squares. */
-JET_INLINE double change_by_impulses(const lanes_rounds *rounds, const float *a, int lanes)
+JET_INLINE double change_by_impulses(const lanes_rounds *rounds, int lanes)
 {
-    const float *impulse = rounds->impulse;
+    const float *impulse = rounds->impulse, *a = rounds->matrix;
     float *change = rounds->change, *total = rounds->total;
     double moved = 0;
     LEAVE_REGISTERS(impulse);
@@ -120,31 +118,24 @@ JET_INLINE double change_by_impulses(const lanes_rounds *rounds, const float *a,
 }
 
 #define NARROW(V, blocks)                                                                                              \
-    {                                                                                                                  \
-        for (int j = 0; j < lanes; j++)                                                                                \
-            for (int b = 0; b < (blocks); b++)                                                                         \
-                SINGLE_AT(V, a + j * lanes, b) = NARROW_##V(BLOCK_OF(V, matrix + j * lanes, b));                       \
-        for (int i = 0; i < rounds->count; i++) {                                                                      \
-            const int u = rounds->unknown[i];                                                                          \
-            const double *of_u = moved + u * lanes, by = nodes->scale[u] * rounds->per_size[i] / size;                 \
-            for (int b = 0; b < (blocks); b++)                                                                         \
-                SINGLE_AT(V, rounds->change + i * lanes, b) = SINGLE_AT(V, rounds->total + i * lanes, b) =             \
-                    NARROW_##V(by * BLOCK_OF(V, of_u, b));                                                             \
-        }                                                                                                              \
+    for (int i = 0; i < rounds->count; i++) {                                                                          \
+        const int u = rounds->unknown[i];                                                                              \
+        const double *of_u = moved + u * lanes, by = nodes->scale[u] * rounds->per_size[i] / UNIT;                     \
+        for (int b = 0; b < (blocks); b++)                                                                             \
+            SINGLE_AT(V, rounds->change + i * lanes, b) = SINGLE_AT(V, rounds->total + i * lanes, b) =                 \
+                NARROW_##V(by * BLOCK_OF(V, of_u, b));                                                                 \
     }
 
 #define WIDEN(V, blocks)                                                                                               \
     for (int i = 0; i < rounds->rows; i++)                                                                             \
         for (int b = 0; b < (rounds->unknown[i] < 0 ? 0 : (blocks)); b++)                                              \
             BLOCK_AT(V, changes + rounds->unknown[i] * lanes, b) =                                                     \
-                size * rounds->size[i] * WIDEN_##V(SINGLE_OF(V, rounds->all + i * lanes, b));
+                UNIT * rounds->size[i] * WIDEN_##V(SINGLE_OF(V, rounds->all + i * lanes, b));
 
-JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const double *matrix, const lanes_rounds *rounds,
-                               const double *moved, bool is_new, double first, double last, double *changes, int lanes)
+JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *moved,
+                               bool is_new, double first, double last, double *changes, int lanes)
 {
-    const double size = sqrt(first), goal = last / first;
-    float a[TVI_GALERKIN_MAX_LANES * TVI_GALERKIN_MAX_LANES];
-    double now = 1, before = INFINITY, earlier;
+    double now = first, before = INFINITY, earlier;
     int turn = 0;
     if (is_new) pack_second(nodes, rounds, lanes);
     ALL_LANES(lanes, NARROW)
@@ -152,11 +143,11 @@ JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const double *matrix
         earlier = before;
         before = now;
         drive_rows(rounds, rounds->change, rounds->moving, rounds->impulse, lanes);
-        now = change_by_impulses(rounds, a, lanes);
-    } while (++turn < MOST_ROUNDS && (now * now > goal * before || now * before > goal * earlier) &&
+        now = UNIT * UNIT * change_by_impulses(rounds, lanes);
+    } while (++turn < MOST_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
              (now < before || now < earlier));
     drive_rows(rounds, rounds->total, rounds->rows, rounds->all, lanes);
-    if (now <= 1) ALL_LANES(lanes, WIDEN)
+    if (now <= first) ALL_LANES(lanes, WIDEN)
     else memset(changes, 0, (size_t)(nodes->unknowns * lanes) * sizeof *changes);
 }
 
