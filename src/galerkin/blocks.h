@@ -3,6 +3,8 @@
 #ifndef TVI_SRC_GALERKIN_BLOCKS_H
 #define TVI_SRC_GALERKIN_BLOCKS_H
 
+#include "galerkin/loops.h"
+
 #include <stdbool.h>
 #include <string.h>
 
@@ -33,9 +35,20 @@ static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, gal
 
 /* A loop of these, by the table or, in generated code, inlined. */
 #ifdef JET_EMITTED
-#define GALERKIN_LOOP(loops, name, ...) name##_lanes(__VA_ARGS__, GALERKIN_LANES)
+#define GALERKIN_LOOP(loops, name, ...) ((void)(loops), name##_lanes(__VA_ARGS__, GALERKIN_LANES))
 #else
 #define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
 #endif
+
+/* The unknowns by their drives, which are impulses divided by h b, and unknowns that begin at 0. */
+static inline void galerkin_predict_drives(const galerkin_loops *loops, const galerkin_nodes *nodes,
+                                           const galerkin_nodes *drives, const double *matrix, const int slot[],
+                                           double h, int steps, const double *extrapolation,
+                                           const double *const impulses[])
+{
+    for (int u = 0; u < nodes->unknowns; u++) drives->scale[u] = 1 / h;
+    GALERKIN_LOOP(loops, predict, drives, steps, extrapolation, impulses);
+    (void)GALERKIN_LOOP(loops, move, nodes, matrix, nodes->x, slot);
+}
 
 #endif

@@ -37,11 +37,11 @@
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
         predict_lanes(&sized, steps, matrix, impulses, (LANES));                                                       \
     }                                                                                                                  \
-    static void NAME##_go_round(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *moved,          \
-                                bool is_new, double first, double last, double *changes)                               \
+    static void NAME##_go_round(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives,         \
+                                const int slot[], bool is_new, double moved, double least, double *changes)            \
     {                                                                                                                  \
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
-        go_round_lanes(&sized, rounds, moved, is_new, first, last, changes, (LANES));                                  \
+        go_round_lanes(&sized, rounds, drives, slot, is_new, moved, least, changes, (LANES));                          \
     }                                                                                                                  \
     static void NAME##_integrate(const galerkin_nodes *nodes, const galerkin_weights *weights,                         \
                                  const galerkin_sums *sums)                                                            \

@@ -73,7 +73,8 @@ JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *
     if (motion.has_masses) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
     else start_lanes(nodes, n, origin, lanes);
     if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, frame->extrapolation, to->impulses);
-    else if (form->hamiltonian) hamiltonian_predict(form->hamiltonian, 2, frame->extrapolation, to->impulses);
+    else if (form->hamiltonian)
+        hamiltonian_predict(form->hamiltonian, *frame->h, 2, frame->extrapolation, to->impulses);
     else predict_lanes(nodes, 2, frame->extrapolation, to->impulses, lanes);
     galerkin_set_sizes(nodes, n);
     if (!steady_passes(frame, nodes, form, &to->passes, lanes)) return false;
@@ -173,7 +174,7 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
     }
 
 /* The rounds have so many columns, rows that move, and rows. */
-#define GALERKIN_EMITTED_HAMILTONIAN(NAME, COUNT, MOVING, ROWS, LANES)                                                 \
+#define GALERKIN_EMITTED_HAMILTONIAN(NAME, UNKNOWNS, COUNT, MOVING, ROWS, LANES)                                       \
     enum { NAME##_is_packed = (ROWS) * (COUNT) * (LANES) <= 2 * STEADY_MOST };                                         \
     static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
     {                                                                                                                  \
@@ -186,6 +187,9 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
         hamiltonian_passes w = *(const hamiltonian_passes *)frame->own;                                                \
         w.nodes = &nodes;                                                                                              \
         w.blocks = NAME##_blocks(&w.blocks, &nodes, &own);                                                             \
+        w.drives = NAME##_sized(&w.drives);                                                                            \
+        w.drives.x = nodes.x + (UNKNOWNS) * (LANES);                                                                   \
+        w.of_drives = NAME##_slot;                                                                                     \
         w.slot[false] = NAME##_of_values;                                                                              \
         w.slot[true] = NAME##_of_second;                                                                               \
         w.rounds.count = (COUNT);                                                                                      \

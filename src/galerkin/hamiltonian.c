@@ -38,11 +38,14 @@ static void take(galerkin_field *field, tvi_arena *arena)
     field->nodes.x = tvi_arena_doubles(arena, 2 * unknowns * lanes);
     tvi_galerkin_model_take(&w.model, arena, field);
     field->inputs = w.model.blocks.values;
-    field->ahead = field->matrix;
+    field->ahead = tvi_arena_doubles(arena, lanes * lanes);
+    w.passes.drives = field->nodes;
+    w.passes.drives.x = field->nodes.x ? field->nodes.x + unknowns * lanes : NULL;
+    w.passes.drives.high = w.passes.drives.base = tvi_arena_doubles(arena, unknowns * lanes);
+    w.passes.drives.scale = tvi_arena_doubles(arena, unknowns);
     w.passes.rounds.unknown = w.unknown = tvi_arena_take(arena, rows * sizeof(int));
     w.passes.rounds.place = w.place = tvi_arena_take(arena, rows * rows * sizeof(int));
     take_rounds(&w.passes.rounds, arena, rows, lanes);
-    w.passes.movement = w.model.lanes.moved;
     w.passes.changes = tvi_arena_doubles(arena, unknowns * lanes);
     for (int i = 0; i < 2; i++) w.passes.slot[i] = w.slot[i] = tvi_arena_take(arena, unknowns * sizeof(int));
     if (taken) *taken = w;
@@ -116,6 +119,7 @@ static void prepare(galerkin_field *field)
     }
     passes->nodes = &field->nodes;
     passes->matrix = field->matrix;
+    passes->of_drives = field->slot;
     passes->blocks = w->model.blocks;
 }
 
@@ -139,7 +143,7 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
 static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
 {
     hamiltonian *w = field->own;
-    hamiltonian_predict(&w->passes, steps, extrapolation, impulses);
+    hamiltonian_predict(&w->passes, field->h, steps, extrapolation, impulses);
 }
 
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
@@ -161,8 +165,9 @@ static void emit(jet_text *text, const galerkin_field *field, const char *name)
     tvi_galerkin_emit_ints(text, name, "of_second", unknowns, w->slot[true]);
     tvi_galerkin_emit_ints(text, name, "unknown", rounds->rows, rounds->unknown);
     tvi_galerkin_emit_ints(text, name, "place_of", rounds->rows * rounds->count, rounds->place);
-    jet_text_add(text, "GALERKIN_EMITTED_HAMILTONIAN(%s, %d, %d, %d, %d)\n", name, rounds->count, rounds->moving,
-                 rounds->rows, field->nodes.lanes);
+    tvi_galerkin_emit_ints(text, name, "slot", unknowns, field->slot);
+    jet_text_add(text, "GALERKIN_EMITTED_HAMILTONIAN(%s, %d, %d, %d, %d, %d)\n", name, unknowns, rounds->count,
+                 rounds->moving, rounds->rows, field->nodes.lanes);
 }
 
 const galerkin_form tvi_galerkin_form_hamiltonian = {-1,  &tvi_galerkin_newton, take, prepare, start, predict, pass,

@@ -9,16 +9,18 @@
 
 #include <math.h>
 
-/* The rows of nodes->x: Q, P, n each, and the gradient of a start behind them. */
+/* The rows of nodes->x: Q, P, n each, and what drives them at a start or in a prediction. */
 typedef struct {
     const galerkin_loops *loops;
     const galerkin_nodes *nodes;
-    const double *matrix; /* of a movement */
+    galerkin_nodes drives; /* as unknowns, which begin at 0 */
+    const double *matrix;  /* of a movement, */
+    const int *of_drives;  /* and which row drives each unknown there */
     galerkin_blocks blocks;
     const int *slot[2]; /* [unknowns] what drives each, in the block of values, and with second derivatives */
     lanes_rounds rounds;
-    double *movement, *changes; /* [unknowns][lanes] the first one of a pass, and those of impulses */
-    double moved;               /* by the last pass, as `move` says; infinite before the first one of a step */
+    double *changes; /* [unknowns][lanes] of impulses */
+    double moved;    /* by the last pass, as `move` says; infinite before the first one of a step */
 } hamiltonian_passes;
 
 /* Squares of relative movements: after one of 2^-25 the second derivatives serve once more, since what the pass that
@@ -28,10 +30,10 @@ typedef struct {
 /* The rounds of the first pass of a step end here: another follows, whose movement is no less. */
 #define HAMILTONIAN_ROUNDOFF 0x1p-108
 
-static inline void hamiltonian_predict(hamiltonian_passes *w, int steps, const double *extrapolation,
+static inline void hamiltonian_predict(hamiltonian_passes *w, double h, int steps, const double *extrapolation,
                                        const double *const impulses[])
 {
-    GALERKIN_LOOP(w->loops, predict, w->nodes, steps, extrapolation, impulses);
+    galerkin_predict_drives(w->loops, w->nodes, &w->drives, w->matrix, w->of_drives, h, steps, extrapolation, impulses);
     w->moved = INFINITY;
 }
 
@@ -51,16 +53,12 @@ static inline bool hamiltonian_pass(hamiltonian_passes *w, galerkin_sweep *sweep
     const int numbers = nodes->unknowns * nodes->lanes;
     const bool is_first = isinf(w->moved), serves = w->moved <= HAMILTONIAN_SERVES * numbers;
     const int *slot = w->slot[!serves];
+    const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
     const double *drives = galerkin_sweep_at(&w->blocks, sweep, !serves, nodes->x, nodes->x + numbers / 2);
     if (!drives) return false;
     if (is_first) hamiltonian_set_sizes(w);
-    const double first = GALERKIN_LOOP(w->loops, move, nodes, w->matrix, drives, slot);
-    const double left_out = first * (serves ? w->moved : first) / numbers;
-    const double least = numbers * (is_first ? HAMILTONIAN_ROUNDOFF : HAMILTONIAN_NOTHING);
-    for (int i = 0; i < numbers; i++) w->movement[i] = nodes->x[i] - w->blocks.values[i];
-    GALERKIN_LOOP(w->loops, go_round, nodes, &w->rounds, w->movement, !serves, first, tvi_larger(left_out, least),
-                  w->changes);
-    w->moved = first + GALERKIN_LOOP(w->loops, move_both, nodes, w->matrix, drives, w->changes, slot);
+    GALERKIN_LOOP(w->loops, go_round, nodes, &w->rounds, drives, slot, !serves, w->moved, least, w->changes);
+    w->moved = GALERKIN_LOOP(w->loops, move_both, nodes, w->matrix, drives, w->changes, slot);
     return true;
 }
 

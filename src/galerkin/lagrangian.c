@@ -66,14 +66,9 @@ static void prepare_passes(lagrangian_passes *w, const galerkin_field *field, co
 static void prepare(galerkin_field *field)
 {
     lagrangian *w = field->own;
-    const int lanes = field->nodes.lanes;
     tvi_galerkin_model_prepare(&w->model, field);
     tvi_legendre_prepare(&w->legendre);
     prepare_passes(&w->passes, field, &w->model);
-    for (int i = 0; i < lanes; i++) {
-        const int node = i < field->points ? i : field->points - 1;
-        field->ahead[node * lanes + i] = 1 / field->b[node];
-    }
     for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = field->nodes.unknowns + u;
 }
 

@@ -55,13 +55,10 @@ static inline galerkin_nodes lagrangian_half(const galerkin_nodes *of, int first
     return nodes;
 }
 
-/* V and F are impulses divided by h b. */
 static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps, const double *extrapolation,
                                       const double *const impulses[])
 {
-    for (int u = 0; u < w->nodes->unknowns; u++) w->drives.scale[u] = 1 / h;
-    GALERKIN_LOOP(w->loops, predict, &w->drives, steps, extrapolation, impulses);
-    (void)GALERKIN_LOOP(w->loops, move, w->nodes, w->matrix, w->nodes->x, w->slot);
+    galerkin_predict_drives(w->loops, w->nodes, &w->drives, w->matrix, w->slot, h, steps, extrapolation, impulses);
     w->moved = INFINITY;
 }
 

@@ -165,9 +165,9 @@ BY_LANES(void, , predict,
          matrix, impulses)
 
 BY_LANES(void, , go_round,
-         (const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *moved, bool is_new, double first,
-          double last, double *changes),
-         nodes, rounds, moved, is_new, first, last, changes)
+         (const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives, const int slot[], bool is_new,
+          double moved, double least, double *changes),
+         nodes, rounds, drives, slot, is_new, moved, least, changes)
 
 /* Two-sums: what each addition loses is collected. */
 JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, const jet_v4 *term)

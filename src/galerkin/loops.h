@@ -88,11 +88,11 @@ typedef struct galerkin_loops {
                         const int slot[]);
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
-    /* The changes of impulses, [unknowns][lanes], by a movement, whose square is `first`, and by the rounds that follow
-     * it (rounds.h), until the next one is at most `last`, as they shrink; 0 where they do not. is_new: the second
-     * derivatives are. */
-    void (*go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *moved, bool is_new,
-                     double first, double last, double *changes);
+    /* The changes of impulses, [unknowns][lanes], by a movement and by the rounds that follow it (rounds.h), until the
+     * square of the next one is, as they shrink, at most `least` or what the first order leaves out; 0 where they do
+     * not. moved: that of the pass whose second derivatives serve again, unless they are new. */
+    void (*go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives, const int slot[],
+                     bool is_new, double moved, double least, double *changes);
     /* Of the last movement; `once` and `twice` are compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
     /* start = high = (q, p) and base = (q_low, p_low) of the origin, n of each. */

@@ -40,6 +40,10 @@ void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *fie
     const tvi_system *system = field->system;
     const int lanes = field->nodes.lanes;
     set_terms(system, model->term, model->end);
+    for (int i = 0; i < lanes; i++) {
+        const int node = i < field->points ? i : field->points - 1;
+        field->ahead[node * lanes + i] = 1 / field->b[node];
+    }
     model->blocks.of = field;
     model->lanes = (lanes_model){
         system->n, lanes, model->lanes.moved, .second = model->blocks.second, .term = model->term, .end = model->end};

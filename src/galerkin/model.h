@@ -14,6 +14,7 @@ typedef struct {
 } galerkin_model;
 
 void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const galerkin_field *field);
+/* Sets what `predict` wants, drives, too. */
 void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *field);
 
 /* The tapes of the field that the blocks are of, with its noise. */

@@ -9,7 +9,7 @@
 typedef struct {
     tvi_roundoff of_field;
     double *before, *displaced; /* [rows][lanes] */
-    double *base;               /* [unknowns][lanes] */
+    double *base, *impulse;     /* [unknowns][lanes] */
 } galerkin_probe;
 
 void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const galerkin_field *field);

@@ -19,6 +19,7 @@ void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const gale
     probe->before = tvi_arena_doubles(arena, numbers(field, field->rows));
     probe->displaced = tvi_arena_doubles(arena, numbers(field, field->rows));
     probe->base = tvi_arena_doubles(arena, numbers(field, field->nodes.unknowns));
+    probe->impulse = tvi_arena_doubles(arena, numbers(field, field->nodes.unknowns));
 }
 
 /* Moves the unknowns, and what the passes bring them back to, by some units of the roundoff that a pass leaves in them,
@@ -54,6 +55,7 @@ static tvi_status pass_displaced(galerkin_field *field, galerkin_probe *probe, d
     const size_t bytes = numbers(field, field->rows) * sizeof(double);
     const size_t base_bytes = numbers(field, nodes->unknowns) * sizeof(double);
     memcpy(probe->base, nodes->base, base_bytes);
+    memcpy(probe->impulse, nodes->impulse, base_bytes);
     displace(nodes);
     field->noise = &probe->of_field;
     const tvi_status status = tvi_galerkin_pass(field, moved, stats);
@@ -61,6 +63,7 @@ static tvi_status pass_displaced(galerkin_field *field, galerkin_probe *probe, d
     memcpy(probe->displaced, nodes->x, bytes);
     memcpy(nodes->x, probe->before, bytes);
     memcpy(nodes->base, probe->base, base_bytes);
+    memcpy(nodes->impulse, probe->impulse, base_bytes);
     return status;
 }
 

@@ -1,10 +1,12 @@
 /* rounds.h - the rounds of a pass that knows second derivatives (hamiltonian.c), in the lanes of a block; read by
  * loops.c. They are in single precision, which takes half the time: a pass leaves more than that of its movement, but
  * for the last one, whose movement is roundoff. So that nothing depends on units, movements are relative to the sizes
- * of the unknowns, and to the first one. */
+ * of the unknowns. The first one is by how far the impulses are from those that made the unknowns: so it has the digits
+ * of a difference, without the unknowns. */
 #ifndef TVI_SRC_GALERKIN_ROUNDS_H
 #define TVI_SRC_GALERKIN_ROUNDS_H
 
+#include "algebra/sizes.h"
 #include "galerkin/lanes.h"
 
 #include <math.h>
@@ -120,10 +122,13 @@ JET_INLINE double change_by_impulses(const lanes_rounds *rounds, int lanes)
 #define NARROW(V, blocks)                                                                                              \
     for (int i = 0; i < rounds->count; i++) {                                                                          \
         const int u = rounds->unknown[i];                                                                              \
-        const double *of_u = moved + u * lanes, by = nodes->scale[u] * rounds->per_size[i] / UNIT;                     \
-        for (int b = 0; b < (blocks); b++)                                                                             \
-            SINGLE_AT(V, rounds->change + i * lanes, b) = SINGLE_AT(V, rounds->total + i * lanes, b) =                 \
-                NARROW_##V(by * BLOCK_OF(V, of_u, b));                                                                 \
+        const double *drive = drives + slot[u] * lanes, *old = nodes->impulse + u * lanes;                             \
+        const double by = rounds->per_size[i] / UNIT;                                                                  \
+        for (int b = 0; b < (blocks); b++) {                                                                           \
+            const V impulse = BLOCK_OF(V, nodes->weight, b) * BLOCK_OF(V, drive, b);                                   \
+            SINGLE_AT(V, rounds->impulse + i * lanes, b) = NARROW_##V(by * (impulse - BLOCK_OF(V, old, b)));           \
+            SINGLE_AT(V, rounds->total + i * lanes, b) = (SINGLE(V)){0};                                               \
+        }                                                                                                              \
     }
 
 #define WIDEN(V, blocks)                                                                                               \
@@ -132,13 +137,16 @@ JET_INLINE double change_by_impulses(const lanes_rounds *rounds, int lanes)
             BLOCK_AT(V, changes + rounds->unknown[i] * lanes, b) =                                                     \
                 UNIT * rounds->size[i] * WIDEN_##V(SINGLE_OF(V, rounds->all + i * lanes, b));
 
-JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *moved,
-                               bool is_new, double first, double last, double *changes, int lanes)
+JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives,
+                               const int slot[], bool is_new, double moved, double least, double *changes, int lanes)
 {
-    double now = first, before = INFINITY, earlier;
+    double before = INFINITY, earlier;
     int turn = 0;
     if (is_new) pack_second(nodes, rounds, lanes);
     ALL_LANES(lanes, NARROW)
+    const double first = UNIT * UNIT * change_by_impulses(rounds, lanes);
+    const double last = tvi_larger(first * (is_new ? first : moved) / (nodes->unknowns * lanes), least);
+    double now = first;
     do {
         earlier = before;
         before = now;
