@@ -62,7 +62,7 @@ const longrun_line longrun_lines[] = {
     {SOLAR(400, CENTURIES / 400), GALERKIN, .orbits = 256},
     {BOTTLE, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
     {SPRING, GALERKIN, .h = 0.1, .steps = 1e6, .orbits = 128},
-    {DOUBLE, GALERKIN, .h = 0.015625, .steps = 1e6, .orbits = 72},
+    {DOUBLE, GALERKIN, .h = 0.015625, .steps = 1e6, .orbits = 128},
     {RESCALED, GALERKIN, .scale = scale, .h = 0.83, .steps = 1e5, .orbits = 128, .rms_most = 1e-12},
     {KEPLER, GALERKIN, .h = 0.1, .sums = LONGRUN_ROUNDED, .orbits = 24, .duty = {LONGRUN_FAILS, LONGRUN_SHOWN}},
     {SOLAR(250, CENTURIES / 250), GALERKIN, .sums = LONGRUN_ROUNDED, .orbits = 32, .duty = {LONGRUN_FAILS}},

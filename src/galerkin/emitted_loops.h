@@ -25,6 +25,11 @@
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
         return move_lanes(&sized, matrix, drives, slot, (LANES));                                                      \
     }                                                                                                                  \
+    static double NAME##_move_in_parts(const galerkin_nodes *nodes, const double *matrix, const double *drives,        \
+                                       const int slot[], double *low)                                                  \
+    {                                                                                                                  \
+        return move_in_parts_lanes(nodes, matrix, drives, slot, low, (LANES));                                         \
+    }                                                                                                                  \
     static double NAME##_move_both(const galerkin_nodes *nodes, const double *matrix, const double *drives,            \
                                    const double *changes, const int slot[])                                            \
     {                                                                                                                  \
@@ -83,7 +88,7 @@
     }
 
 #define GALERKIN_EMITTED_TABLE(NAME)                                                                                   \
-    NAME##_move, NAME##_move_both, NAME##_predict, NAME##_go_round, NAME##_integrate, NAME##_start,                    \
-        NAME##_start_drifting, NAME##_end_drifting, NAME##_tail, NAME##_place, NAME##_steady
+    NAME##_move, NAME##_move_in_parts, NAME##_move_both, NAME##_predict, NAME##_go_round, NAME##_integrate,            \
+        NAME##_start, NAME##_start_drifting, NAME##_end_drifting, NAME##_tail, NAME##_place, NAME##_steady
 
 #endif

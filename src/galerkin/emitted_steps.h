@@ -42,7 +42,7 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
         *moved = form->hamiltonian->moved;
         return is_inside;
     }
-    *moved = follow_lanes(nodes, frame->matrix, lanes);
+    *moved = follow_lanes(nodes, frame->matrix, NULL, lanes);
     return true;
 }
 

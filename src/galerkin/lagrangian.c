@@ -39,6 +39,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     tvi_galerkin_model_take(&w.model, arena, field);
     field->inputs = w.model.blocks.values;
     field->ahead = tvi_arena_doubles(arena, lanes * lanes);
+    w.passes.low = tvi_arena_doubles(arena, half_size);
     w.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
     tvi_legendre_take(&w.legendre, arena, system);
@@ -86,6 +87,7 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     lagrangian *w = field->own;
     const tvi_system *system = field->system;
     const int n = system->n;
+    const size_t numbers = (size_t)n * (size_t)field->nodes.lanes;
     double *velocity = w->velocity;
     memset(velocity, 0, (size_t)n * sizeof *velocity);
     const tvi_status status = tvi_legendre_solve(&w->legendre, origin->t, origin->q, origin->p, velocity);
@@ -93,9 +95,9 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     fill(&field->nodes, n, 0, origin->q);
     fill(&field->nodes, n, n, origin->p);
     fill(&field->nodes, n, 2 * n, velocity);
-    w->passes.moved = INFINITY;
+    lagrangian_begin(&w->passes);
     if (!lagrangian_evaluate(&w->passes, tvi_galerkin_sweep, false)) return TVI_EDOMAIN;
-    lagrangian_take_gradient(&w->passes);
+    memcpy(lagrangian_row(&field->nodes, 3 * n), w->passes.gradient, 2 * numbers * sizeof *w->passes.gradient);
     return TVI_OK;
 }
 

@@ -134,11 +134,13 @@ JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const doub
 
 /* ---- The gradient to first order --------------------------------------------------------------------------------- */
 
+/* What is small is added up first. */
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
-        V sum = m->gradient ? JET_OF(V, m->gradient, i) : (V){0};                                                      \
+        V sum = {0};                                                                                                   \
         for (int k = begin; k < m->end[i]; k++)                                                                        \
             sum += JET_OF(V, m->second, m->term[k].slot) * JET_OF(V, m->moved, m->term[k].column);                     \
+        if (m->gradient) sum += JET_OF(V, m->gradient, i);                                                             \
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 

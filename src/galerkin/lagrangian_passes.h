@@ -21,6 +21,7 @@ typedef struct {
     const int *slot;
     galerkin_blocks blocks;
     const int *output[2]; /* [2n] where the gradient is there */
+    double *low;          /* [n][lanes] what Q lacks */
     double *gradient;     /* [2n][lanes] as evaluated */
     lanes_model model;    /* of it, */
     lanes_factor mass;    /* and of L_vv */
@@ -55,11 +56,31 @@ static inline galerkin_nodes lagrangian_half(const galerkin_nodes *of, int first
     return nodes;
 }
 
+static inline double lagrangian_move_momenta(const lagrangian_passes *w)
+{
+    const int n = w->nodes->unknowns / 2;
+    const galerkin_nodes momenta = lagrangian_half(w->nodes, n);
+    return GALERKIN_LOOP(w->loops, move, &momenta, w->matrix, w->nodes->x, w->slot + n);
+}
+
+static inline double lagrangian_move_positions(const lagrangian_passes *w)
+{
+    const galerkin_nodes positions = lagrangian_half(w->nodes, 0);
+    return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->low);
+}
+
+/* What the nodes lack is found by the first pass. */
+static inline void lagrangian_begin(lagrangian_passes *w)
+{
+    memset(w->low, 0, (size_t)(w->nodes->unknowns / 2 * w->nodes->lanes) * sizeof *w->low);
+    w->moved = INFINITY;
+}
+
 static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps, const double *extrapolation,
                                       const double *const impulses[])
 {
     galerkin_predict_drives(w->loops, w->nodes, &w->drives, w->matrix, w->slot, h, steps, extrapolation, impulses);
-    w->moved = INFINITY;
+    lagrangian_begin(w);
 }
 
 static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_second)
@@ -72,13 +93,6 @@ static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *swe
     for (int i = 0; i < nodes->unknowns; i++)
         memcpy(w->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
     return true;
-}
-
-static inline void lagrangian_take_gradient(lagrangian_passes *w)
-{
-    const galerkin_nodes *nodes = w->nodes;
-    const int numbers = nodes->unknowns * nodes->lanes;
-    memcpy(nodes->x + 3 * (numbers / 2), w->gradient, (size_t)numbers * sizeof *w->gradient);
 }
 
 /* L_vv of the block of second derivatives, factored. */
@@ -106,21 +120,20 @@ static inline double lagrangian_iterate(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int n = nodes->unknowns / 2;
-    const galerkin_nodes positions = lagrangian_half(nodes, 0), momenta = lagrangian_half(nodes, n);
-    const double moved = GALERKIN_LOOP(w->loops, move, &momenta, w->matrix, nodes->x, w->slot + n);
+    const double moved = lagrangian_move_momenta(w);
     GALERKIN_LOOP(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), lagrangian_row(nodes, 4 * n),
                   lagrangian_row(nodes, 2 * n));
-    return moved + GALERKIN_LOOP(w->loops, move, &positions, w->matrix, nodes->x, w->slot);
+    return moved + lagrangian_move_positions(w);
 }
 
-/* The gradient to first order, where (Q, V) have moved. */
+/* The gradient to first order, where (Q, V) have moved from where it was evaluated, and for what Q lacks. */
 static inline void lagrangian_linearise(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int half = nodes->unknowns / 2 * nodes->lanes;
     const double *Q = nodes->x, *V = nodes->x + 2 * half, *from = w->blocks.values;
     double *moved = w->model.moved;
-    for (int i = 0; i < half; i++) moved[i] = Q[i] - from[i];
+    for (int i = 0; i < half; i++) moved[i] = (Q[i] - from[i]) + w->low[i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
     GALERKIN_LOOP(w->algebra, linearise, &w->model, nodes->x + 3 * half);
 }
@@ -137,7 +150,7 @@ static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, galerkin_s
         const lagrangian_passed factored = lagrangian_factor(w);
         if (factored != LAGRANGIAN_PASSED) return factored;
     }
-    lagrangian_take_gradient(w);
+    lagrangian_linearise(w);
     double moved = w->moved = lagrangian_iterate(w);
     for (int i = 1; i < LAGRANGIAN_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_LEAST_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;

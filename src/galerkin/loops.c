@@ -70,17 +70,19 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
             SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
             ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++) {                                                                       \
-                const V place = BLOCK_OF(V, high, k) + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);                  \
+                const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[0][k];                \
+                const V place = from + way, added = place - from;                                                      \
                 const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
                 squares += change * change;                                                                            \
                 BLOCK_AT(V, x, k) = place;                                                                             \
+                if (low) BLOCK_AT(V, low + u * lanes, k) = (from - (place - added)) + (way - added);                   \
             }                                                                                                          \
         }                                                                                                              \
         moved = sum_of_##V(squares);                                                                                   \
     }
 
-/* Once all impulses are there, and none waits for the one before it. */
-JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, int lanes)
+/* Once all impulses are there, and none waits for the one before it. low: what x lacks, or NULL. */
+JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, double *low, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
     const int unknowns = nodes->unknowns;
@@ -94,12 +96,23 @@ JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, 
                              int lanes)
 {
     weigh_lanes(nodes, drives, slot, lanes);
-    return follow_lanes(nodes, matrix, lanes);
+    return follow_lanes(nodes, matrix, NULL, lanes);
 }
 
 BY_LANES(double, return, move,
          (const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]), nodes, matrix,
          drives, slot)
+
+JET_INLINE double move_in_parts_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives,
+                                      const int slot[], double *low, int lanes)
+{
+    weigh_lanes(nodes, drives, slot, lanes);
+    return follow_lanes(nodes, matrix, low, lanes);
+}
+
+BY_LANES(double, return, move_in_parts,
+         (const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[], double *low),
+         nodes, matrix, drives, slot, low)
 
 /* a b + c, rounded once where c is small beside a b; without fused operations by Dekker's product. */
 JET_INLINE double product_and(double a, double b, double c)
@@ -122,7 +135,7 @@ JET_INLINE double move_both_lanes(const galerkin_nodes *nodes, const double *mat
     for (int u = 0; u < nodes->unknowns; u++, changes += lanes, impulse += lanes)
         for (int i = 0; i < lanes; i++)
             impulse[i] = product_and(nodes->weight[i], drives[slot[u] * lanes + i], changes[i]);
-    return follow_lanes(nodes, matrix, lanes);
+    return follow_lanes(nodes, matrix, NULL, lanes);
 }
 
 BY_LANES(double, return, move_both,
@@ -341,8 +354,8 @@ BY_LANES(void, , place, (const galerkin_places *p, const double *table, const do
 #ifndef JET_EMITTED
 #define LOOPS_OF(lanes)                                                                                                \
     {                                                                                                                  \
-        move_##lanes, move_both_##lanes, predict_##lanes, go_round_##lanes, integrate_##lanes, start_##lanes,          \
-            start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                                            \
+        move_##lanes, move_in_parts_##lanes, move_both_##lanes, predict_##lanes, go_round_##lanes, integrate_##lanes,  \
+            start_##lanes, start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                             \
     }
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops)[GALERKIN_LOOPS] = {LOOPS_OF(1), LOOPS_OF(2), LOOPS_OF(4),
                                                                         LOOPS_OF(8), LOOPS_OF(most)};
