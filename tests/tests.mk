@@ -8,7 +8,7 @@
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 CHECKS  := check-generating check-library $(patsubst %,check-%,$(filter-out generating library,$(FOLDERS))) check-valgrind \
            check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
-           check-symbols check-names check-floors check-instructions check-examples
+           check-symbols check-names check-floors check-instructions check-examples check-generated-few
 LONG    := check-sanitizers check-coverage check-equilibria check-optimized check-base check-threads
 .PHONY: check-generated do-generated check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
 JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
@@ -63,13 +63,16 @@ $(BUILD)/check/helpers.a: $(HELPERS)
 # the jets build and are tested without src/
 library_of = $(if $(filter ad,$(1)),$(AD_OBJECTS),$(BUILD)/check/helpers.a $(BUILD)/libtvi.a)
 define program
-$(BUILD)/check/$(1): $(call objects_of,$(wildcard tests/$(1)/*.c)) $(call library_of,$(1))
+$(BUILD)/check/$(1) $(BUILD)/check/$(1)-generated: $(call objects_of,$(wildcard tests/$(1)/*.c)) $(call library_of,$(1))
 endef
 $(foreach folder,$(FOLDERS),$(eval $(call program,$(folder))))
 $(BUILD)/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+# their integrators run generated code: tests/problems/generated.c
+GENERATED := $(patsubst %,$(BUILD)/check/%-generated,generating rescaled fuzz)
+$(GENERATED): WRAP = -Wl,--wrap=tvi_integrator_create,--wrap=tvi_integrator_free
 
-test-programs: $(PROGRAMS) $(BUILD)/bench/steps/steps
-$(PROGRAMS):
+test-programs: $(PROGRAMS) $(GENERATED) $(BUILD)/bench/steps/steps
+$(PROGRAMS) $(GENERATED):
 	@mkdir -p $(@D)
 	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
 
@@ -90,13 +93,19 @@ do-base: $(addprefix $(BUILD)/check/,library events generating ensemble)
 	tests/suites.sh 'bits/bits,lanes' $(BUILD)/check/ensemble
 	tests/suites.sh 'forms,orders,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
 
-# generated code: every scene with every method beside the memory of all kinds of steps; some minutes of the compiler,
-# none where the cache below $(BUILD)/check/generated has it already
-check-generated: ; $(REPORT) "generated code: every scene with every method" $(LOG) $(DO)
+# generated code: every scene with every method beside the memory of all kinds of steps, then the suites of orders,
+# geometry, tangents, states and random programs; some minutes of the compiler, few where the cache below
+# $(BUILD)/check/generated has it already
+check-generated: ; $(REPORT) "generated code: every scene with every method, and the suites of other programs" $(LOG) $(DO)
 do-generated: export TVI_COMPILED = all
-do-generated: $(addprefix $(BUILD)/check/,compiled library)
+do-generated: $(addprefix $(BUILD)/check/,compiled library) $(GENERATED)
 	tests/suites.sh same $< & same=$$!; \
 	tests/suites.sh faults/generated $(BUILD)/check/library; memory=$$?; wait $$same && exit $$memory
+	tests/generated.sh $(BUILD)
+
+check-generated-few: ; $(REPORT) "suites with generated code" $(LOG) $(DO)
+do-generated-few: $(GENERATED)
+	tests/generated.sh $(BUILD) few
 
 # 20,000 steps of every method about every equilibrium at 1 and at 100
 check-equilibria: ; $(REPORT) "long runs about equilibria" $(LOG) $(DO)
