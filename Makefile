@@ -2,7 +2,7 @@
 # make            build/libtvi.a and build/libtvi.so
 # make check      the tests (installs what they need from Debian, as root), less than six minutes of two cores
 # make check-long what takes longer: sanitizers, coverage, the base instruction set, warnings of gcc as it optimizes
-# make check-generated  generated code on every scene with every method, and the suites of other programs with it: ten
+# make check-generated  generated code on every scene with every method, and the suites of other programs with it: some
 #                 minutes of the compiler, once
 # make bench      the library and the baselines over all scenes: tables, CSV, plots in build/bench; SCENE=kepler for one
 # make cov        lines of ad and src that the tests run; fails below 95%

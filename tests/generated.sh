@@ -13,7 +13,7 @@ runs 200 9999 generating tangent map
 runs 20 9999 generating states
 fails 300 9999 generating orders'
 all='runs 4 9999 generating orders
-runs 1 100 generating geometry
+runs 4 400 generating geometry
 runs 5 9999 generating tangent map
 runs 1 12 generating states
 runs 1 9999 rescaled orders

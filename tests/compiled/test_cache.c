@@ -124,9 +124,9 @@ START_TEST(nothing_is_kept_without_a_cache)
 }
 END_TEST
 
-enum { WRITABLE_BY_OTHERS, OF_ANOTHER, A_LINK, A_FILE, BELOW_A_FILE, NOT_TO_BE_MADE, PLACES };
+enum { WRITABLE_BY_OTHERS, OF_ANOTHER, A_LINK, A_FILE, BELOW_A_FILE, NOT_TO_BE_MADE, READ_ONLY, PLACES };
 
-START_TEST(a_directory_that_is_not_the_users_own_is_refused)
+START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
 {
     const char *top = directory_make();
     char path[128], other[128];
@@ -143,6 +143,7 @@ START_TEST(a_directory_that_is_not_the_users_own_is_refused)
     }
     if (_i == BELOW_A_FILE) strcat(path, "/cache");
     if (_i == NOT_TO_BE_MADE) strcpy(path, "/proc/tvi/cache");
+    if (_i == READ_ONLY) snprintf(path, sizeof path, "/proc/%d", (int)getpid()); /* the user's own, also root's */
     const tvi_compiler how = {"cc", "-O1", path};
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_ECOMPILE);
     directory_remove(top);
@@ -292,7 +293,7 @@ Suite *suite_cache(void)
     tcase_add_test(tcase, the_environment_names_the_compiler);
     tcase_add_test(tcase, the_cache_is_where_the_user_keeps_caches);
     tcase_add_test(tcase, nothing_is_kept_without_a_cache);
-    tcase_add_loop_test(tcase, a_directory_that_is_not_the_users_own_is_refused, 0, PLACES);
+    tcase_add_loop_test(tcase, a_directory_that_is_not_the_users_own_to_write_to_is_refused, 0, PLACES);
     tcase_add_loop_test(tcase, a_file_that_cannot_be_written_is_refused, 0, 2);
     tcase_add_test(tcase, the_second_time_nothing_is_compiled);
     tcase_add_loop_test(tcase, a_damaged_file_is_made_anew, 0, DAMAGES);
