@@ -37,6 +37,7 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
         curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve) * tvi_curve_lanes(curve));
         curve->dz = tvi_arena_doubles(arena, 2 * n);
         curve->dQ = tvi_arena_doubles(arena, jacobian);
+        curve->by_U = tvi_arena_doubles(arena, 2 * n);
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {

@@ -35,6 +35,7 @@ typedef struct {
     double *bar;            /* products: the same for adjoints */
     double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
     double *dz;             /* [2n] the direction of pushes */
+    double *by_U;           /* [2n] a pull's part by dU */
     int q_degree, p_degree; /* of the tail, */
     tvi_combination q_sizes, u_sizes;
     double *movement, *momentum; /* [n] and what these sums are */

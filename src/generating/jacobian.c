@@ -1,6 +1,5 @@
 /* jacobian.c - the Jacobians of a curve with respect to its centre data, as matrices, by tangents in all directions;
  * what is made of them, or of products.h. */
-#include "algebra/weigh.h"
 #include "generating/products.h"
 
 #include <string.h>
@@ -134,11 +133,17 @@ static const double *jacobians(const tvi_curve *curve, const tvi_combination *co
     return combination->of_momentum ? curve->dU : curve->dQ;
 }
 
+/* out[width] = sum_r weight[r] row[r], in the vectors of the tape. */
+static void weigh_rows(const tvi_curve *curve, int rows, const double weight[], int width, const double *row,
+                       double out[])
+{
+    curve->system->field_series->sweeps->combine(rows, weight, 1, width, row, out);
+}
+
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
 {
-    const size_t size = 2 * (size_t)curve->n * (size_t)curve->n;
-    memset(matrix, 0, size * sizeof *matrix);
-    tvi_add_rows((size_t)curve->top + 1, combination->weight, size, size, jacobians(curve, combination), matrix);
+    weigh_rows(curve, curve->top + 1, combination->weight, 2 * curve->n * curve->n, jacobians(curve, combination),
+               matrix);
 }
 
 /* Matrices take their directions in blocks, the last one of what is left. */
@@ -196,8 +201,9 @@ void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U
         tvi_products_pull(curve, seed_Q, out);
         return;
     }
-    const size_t directions = 2 * (size_t)curve->n, rows = ((size_t)curve->top + 1) * (size_t)curve->n;
-    memset(out, 0, directions * sizeof *out);
-    if (curve->dU && seed_U) tvi_add_rows(rows, seed_U, directions, directions, curve->dU, out);
-    tvi_add_rows(rows, seed_Q, directions, directions, curve->dQ, out);
+    const int directions = 2 * curve->n, rows = (curve->top + 1) * curve->n;
+    weigh_rows(curve, rows, seed_Q, directions, curve->dQ, out);
+    if (!curve->dU || !seed_U) return;
+    weigh_rows(curve, rows, seed_U, directions, curve->dU, curve->by_U);
+    for (int d = 0; d < directions; d++) out[d] += curve->by_U[d];
 }
