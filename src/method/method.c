@@ -110,6 +110,8 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
         options->degree = degree;
         return TVI_OK;
     }
+    const bool is_even = (order_of(descriptor, options, least) | order_of(descriptor, options, least + 1)) % 2 == 0;
+    if (is_even && options->order % 2 != 0) return refuse(TVI_EINVAL, "the orders of the method are even", why);
     return refuse(TVI_EINVAL, "no degree gives the method this order", why);
 }
 

@@ -146,7 +146,19 @@ static int follow(tvi_pair *w, const tvi_scout *s, int first, double apart[])
     }
 }
 
-double tvi_pair_stretch(tvi_pair *w, const tvi_scout *s, double from, double to)
+/* How many times as far apart they were at most in the second half of the way as in the first. */
+static double growth_of(const tvi_scout *s, int first, int last, const double apart[])
+{
+    const double middle = (s->place[first] + s->place[last]) / 2;
+    double most[] = {0, 0};
+    for (int k = first; k <= last; k++) {
+        const bool is_later = fabs(s->place[k]) > fabs(middle);
+        most[is_later] = fmax(most[is_later], apart[k]);
+    }
+    return most[1] / most[0];
+}
+
+double tvi_pair_stretch(tvi_pair *w, const tvi_scout *s, double from, double to, double *growth)
 {
     int first = 0;
     double apart[TVI_SCOUT_STEPS + 1], sum = 0;
@@ -160,5 +172,6 @@ double tvi_pair_stretch(tvi_pair *w, const tvi_scout *s, double from, double to)
         const double before = at > first ? apart[at - 1] : 0, after = at < last ? apart[at + 1] : 0;
         sum += tvi_scout_weight(s, s->place[k - 1], s->place[k]) * apart[last] / fmax(apart[at], fmax(before, after));
     }
+    *growth = growth_of(s, first, last, apart);
     return sum / tvi_scout_weight(s, from, to);
 }

@@ -38,7 +38,8 @@ double tvi_pair_distance(tvi_pair *pair);
 /* What an error makes of a run of which a trial knows the part between two places: the sum of all that the scout saw,
  * each place's part of the error times how much farther it is apart at the end than there, relative to the trial's own
  * part. The companion of the scout that tells it begins beside the place next to the trial's end, in the direction in
- * which the pair is apart. from is a place of the scout. 0: none could be sent. */
-double tvi_pair_stretch(tvi_pair *pair, const tvi_scout *scout, double from, double to);
+ * which the pair is apart. from is a place of the scout. 0: none could be sent. *growth: how many times as far apart
+ * they were in the second half of its way as in the first. */
+double tvi_pair_stretch(tvi_pair *pair, const tvi_scout *scout, double from, double to, double *growth);
 
 #endif

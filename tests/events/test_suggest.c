@@ -98,6 +98,27 @@ START_TEST(scenes_reach_what_is_wanted)
 }
 END_TEST
 
+/* Of runs of a chaotic orbit, of which the scout sees two thirds to a half, the errors on the rest grow as exponentially
+ * as on what was seen: said to grow by a power of the time only, they come out about as large as what is wanted. */
+START_TEST(chaotic_errors_grow_on)
+{
+    const scene *s = &scene_henon_heiles_8;
+    tvi_system *system;
+    tvi_suggestion found;
+    double sum = 0;
+    int count = 0;
+    ck_assert_int_eq(scene_system(s, &system), TVI_OK);
+    trip to = {.system = system, .options = tvi_options_default(), .n = s->n, .q = s->q, .p = s->p};
+    for (to.duration = 100; to.duration <= 120; to.duration += 10) {
+        look_ahead(&to, 0.4);
+        for (int i = 0; i < WANTED; i++, count++) sum += log(reached(&to, wanted[i], &found));
+    }
+    const double mean = exp(sum / count);
+    ck_assert_msg(mean > 0.01 && mean < 0.35, "%g", mean);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* Friction makes errors die out, and they come out smaller than is said. */
 static jet pendulum(const jet q[], jet t, void *ctx)
 {
@@ -285,6 +306,7 @@ Suite *suite_suggest(void)
     Suite *suite = suite_create("suggested steps");
     TCase *errors = tcase_create("errors"), *input = tcase_create("input");
     tcase_add_loop_test(errors, scenes_reach_what_is_wanted, 0, 2);
+    tcase_add_test(errors, chaotic_errors_grow_on);
     tcase_add_test(errors, driven_systems);
     tcase_add_loop_test(errors, rescaled_systems, 0, 2);
     tcase_add_test(errors, hard_places_come_late);

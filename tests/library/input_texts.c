@@ -54,6 +54,8 @@ START_TEST(texts_of_names)
     refused("\"galerkn\"", tvi_options_named("galerkn", 4, &options), TVI_EINVAL);
     refused("svhd has order 2, not 4", tvi_options_named("svhd", 4, &options), TVI_EINVAL);
     refused("order = 5", tvi_options_named("midpoint", 5, &options), TVI_EINVAL);
+    refused("orders of the method are even", tvi_options_named("galerkin", 7, &options), TVI_EINVAL);
+    refused("no degree gives the method this order", tvi_options_named("galerkin", 1000, &options), TVI_EINVAL);
     refused("name is NULL", tvi_options_named(NULL, 4, &options), TVI_EINVAL);
 }
 END_TEST
