@@ -98,8 +98,8 @@ START_TEST(scenes_reach_what_is_wanted)
 }
 END_TEST
 
-/* Of runs of a chaotic orbit, of which the scout sees two thirds to a half, the errors on the rest grow as exponentially
- * as on what was seen: said to grow by a power of the time only, they come out about as large as what is wanted. */
+/* Of runs of a chaotic orbit the scout sees two thirds to a half, and errors grow as exponentially on the rest: said to
+ * grow by a power of the time only, they come out about as large as what is wanted. */
 START_TEST(chaotic_errors_grow_on)
 {
     const scene *s = &scene_henon_heiles_8;
