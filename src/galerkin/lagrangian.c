@@ -95,7 +95,8 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     fill(&field->nodes, n, 0, origin->q);
     fill(&field->nodes, n, n, origin->p);
     fill(&field->nodes, n, 2 * n, velocity);
-    lagrangian_begin(&w->passes);
+    memset(w->passes.low, 0, numbers * sizeof *w->passes.low);
+    w->passes.moved = INFINITY;
     if (!lagrangian_evaluate(&w->passes, tvi_galerkin_sweep, false)) return TVI_EDOMAIN;
     memcpy(lagrangian_row(&field->nodes, 3 * n), w->passes.gradient, 2 * numbers * sizeof *w->passes.gradient);
     return TVI_OK;

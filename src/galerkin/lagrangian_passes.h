@@ -69,18 +69,12 @@ static inline double lagrangian_move_positions(const lagrangian_passes *w)
     return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->low);
 }
 
-/* What the nodes lack is found by the first pass. */
-static inline void lagrangian_begin(lagrangian_passes *w)
-{
-    memset(w->low, 0, (size_t)(w->nodes->unknowns / 2 * w->nodes->lanes) * sizeof *w->low);
-    w->moved = INFINITY;
-}
-
 static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps, const double *extrapolation,
                                       const double *const impulses[])
 {
     galerkin_predict_drives(w->loops, w->nodes, &w->drives, w->matrix, w->slot, h, steps, extrapolation, impulses);
-    lagrangian_begin(w);
+    (void)lagrangian_move_positions(w); /* for what they lack */
+    w->moved = INFINITY;
 }
 
 static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_second)
