@@ -15,8 +15,6 @@ enum { MOST_LANES = 256, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
  * step is generated code, which then is faster. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 
-typedef enum { LEFT_ALONE, IN_LANES, BY_ITSELF } progress;
-
 typedef struct {
     tvi_single by_itself;
     galerkin *single; /* its work, which has all tables */
@@ -29,8 +27,7 @@ typedef struct {
     double *dq, *dp, *share, *ratio; /* [n][width] */
     double *moved;                   /* [width] */
     galerkin_crowd_passes passes;    /* [width] */
-    progress *now;                   /* [width] */
-    galerkin_history *last;          /* [width] in the history, as the impulses and where the last ones are */
+    galerkin_crowd_history last;     /* in the history, as the impulses and where the last ones are */
     int *turn;
     double *impulses[GALERKIN_TURNS]; /* [unknowns][points][width] of the last step, of the one before, of the next */
 } crowd;
@@ -68,6 +65,7 @@ static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_
     nodes->sum = tvi_arena_doubles(arena, numbers);
     nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
     nodes->is_moving = tvi_arena_take(arena, (size_t)width * sizeof *nodes->is_moving);
+    nodes->in_lanes = tvi_arena_take(arena, (size_t)width * sizeof *nodes->in_lanes);
 }
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
@@ -89,8 +87,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
                                   &passes->slowest, &passes->shown,  &passes->count};
     for (size_t i = 0; i < 6; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
     passes->is_stuck = tvi_arena_take(arena, count * sizeof *passes->is_stuck);
-    w.now = tvi_arena_take(arena, count * sizeof *w.now);
-    w.last = tvi_arena_history(arena, count * sizeof *w.last);
+    double **const of_last[] = {&w.last.h, &w.last.h_before, &w.last.t, &w.last.slowest};
+    for (size_t i = 0; i < 4; i++) *of_last[i] = tvi_arena_history(arena, count * sizeof(double));
     w.turn = tvi_arena_history(arena, sizeof *w.turn);
     for (int i = 0; i < GALERKIN_TURNS; i++)
         w.impulses[i] = tvi_arena_history(arena, unknowns * (size_t)options->degree * sizeof(double));
@@ -141,15 +139,17 @@ static void scatter_impulses(const crowd *w, const double *from, int m, double *
 static void hand_over(const crowd *w, int m)
 {
     const galerkin_predictor *predictor = &w->single->predictor;
-    *predictor->last = w->last[m];
+    *predictor->last = (galerkin_history){w->last.h[m], w->last.h_before[m], w->last.t[m], w->last.slowest[m], 0};
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), m, tvi_galerkin_impulses(predictor, -i));
 }
 
 static void take_over(const crowd *w, int m)
 {
     const galerkin_predictor *predictor = &w->single->predictor;
-    w->last[m] = *predictor->last;
-    w->last[m].turn = 0;
+    w->last.h[m] = predictor->last->h;
+    w->last.h_before[m] = predictor->last->h_before;
+    w->last.t[m] = predictor->last->t;
+    w->last.slowest[m] = predictor->last->slowest;
     for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), m, impulses(w, -i));
 }
 
@@ -175,18 +175,10 @@ static void rest(const crowd *w, int m)
 /* Returns how many are in lanes. */
 static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_status status[])
 {
-    int count = 0;
-    for (int m = 0; m < w->nodes.width; m++) {
-        const galerkin_history *last = &w->last[m];
-        const bool goes_on = last->h == h && last->h_before == h && galerkin_is_next(last, h, origin->t[m]);
-        w->now[m] = status[m] != TVI_OK ? LEFT_ALONE : goes_on ? IN_LANES : BY_ITSELF;
-        w->nodes.is_moving[m] = w->now[m] == IN_LANES ? -1 : 0;
-        w->passes.slowest[m] = last->slowest;
-        count += w->now[m] == IN_LANES;
-    }
+    const galerkin_crowd_nodes *nodes = &w->nodes;
     w->nodes.impulse = impulses(w, 1);
-    w->loops->begin(&w->nodes, &w->passes);
-    return count;
+    for (int m = 0; m < nodes->width; m++) nodes->in_lanes[m] = status[m] == TVI_OK ? -1 : 0;
+    return w->loops->begin(nodes, &w->last, h, origin->t, &w->passes);
 }
 
 static void set_start(crowd *w, const tvi_crowd_origin *origin)
@@ -214,7 +206,7 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
 {
     set_start(w, origin);
     for (int m = 0; m < w->nodes.width; m++)
-        if (w->now[m] != IN_LANES) rest(w, m);
+        if (!w->nodes.in_lanes[m]) rest(w, m);
     w->loops->predict(&w->nodes, w->single->predictor.from_two, impulses(w, 0), impulses(w, -1));
     set_times(w, h, origin);
     w->loops->set_sizes(&w->nodes, w->single->n);
@@ -225,7 +217,7 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
 /* Members that are outside of the domain, or whose passes are stuck, go by themselves. */
 static void leave(crowd *w, int m)
 {
-    w->now[m] = BY_ITSELF;
+    w->nodes.in_lanes[m] = 0;
     rest(w, m);
 }
 
@@ -280,7 +272,7 @@ static void remember(const crowd *w)
     const int width = w->nodes.width, rows = w->nodes.unknowns * w->nodes.points;
     double *const before = impulses(w, -1), *const last = impulses(w, 0), *const next = impulses(w, 1);
     for (int m = 0; m < width; m++)
-        for (int at = m; at < rows * width && w->now[m] != IN_LANES; at += width) {
+        for (int at = m; at < rows * width && !w->nodes.in_lanes[m]; at += width) {
             next[at] = last[at];
             last[at] = before[at];
         }
@@ -295,18 +287,15 @@ static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end
     integrate(w);
     w->motion.q = origin->q;
     w->motion.p = origin->p;
-    for (int m = 0; m < nodes->width; m++) nodes->is_moving[m] = w->now[m] == IN_LANES ? -1 : 0;
     remember(w);
     w->loops->choose(nodes, n, w->dq, end->dq);
     w->loops->choose(nodes, n, w->motion.dp, end->dp);
     w->loops->tail(&w->motion, nodes->width, w->share, w->ratio, w->moved);
-    for (int m = 0; m < nodes->width; m++) {
-        if (w->now[m] != IN_LANES) continue;
-        w->last[m].t = origin->t[m];
-        w->last[m].slowest = w->passes.slowest[m];
-        end->tail[m] = w->moved[m];
-        end->passes[m] = (int)w->passes.count[m];
-    }
+    w->loops->choose(nodes, 1, w->moved, end->tail);
+    w->loops->choose(nodes, 1, origin->t, w->last.t);
+    w->loops->choose(nodes, 1, w->passes.slowest, w->last.slowest);
+    for (int m = 0; m < nodes->width; m++)
+        end->passes[m] = nodes->in_lanes[m] ? (int)w->passes.count[m] : end->passes[m];
 }
 
 static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
@@ -320,13 +309,13 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
         finish(w, origin, end);
     }
     for (int m = 0; m < w->nodes.width; m++)
-        if (w->now[m] == BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
+        if (end->status[m] == TVI_OK && !w->nodes.in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
 }
 
 static void forget(void *work, int lane)
 {
     const crowd *w = work;
-    w->last[lane] = (galerkin_history){0};
+    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = w->last.slowest[lane] = 0;
     for (int row = 0; row < w->nodes.unknowns * w->nodes.points; row++)
         for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i][row * w->nodes.width + lane] = 0;
 }

@@ -45,7 +45,7 @@
 #define DRIVE(V, node, change)                                                                                         \
     {                                                                                                                  \
         const V none = {0}, was = is_first ? none : NODE_OF(V, impulse, node),                                         \
-                is = weight[node] * NODE_OF(V, drive, node), now = JET_CHOOSE(V, moving, is, was);                     \
+                is = weight[node] * NODE_OF(V, drive, node), now = CHOOSE(V, moving, is, was);                         \
         NODE_AT(V, impulse, node) = now;                                                                               \
         change = now - was;                                                                                            \
     }
@@ -99,12 +99,11 @@
 #define MOVE(V, S)                                                                                                     \
     {                                                                                                                  \
         const size_t of_unknown = (size_t)points * width;                                                              \
-        const JET_MASK(V) moving = IS_MOVING(V);                                                                       \
+        const WHICH(V) moving = WHICH_OF(V, nodes->is_moving);                                                         \
         const double *base = nodes->base + here;                                                                       \
         double *x = nodes->x + here, *impulse = nodes->impulse + here, *sums = nodes->sum + here;                      \
         V size = {0};                                                                                                  \
-        HOLDS_FOR_ALL(V, ~moving, all_rest)                                                                            \
-        if (all_rest) continue;                                                                                        \
+        if (ARE_ALL(V, NOT(V, moving))) continue;                                                                      \
         for (int u = 0; u < unknowns;                                                                                  \
              u++, base += of_unknown, x += of_unknown, impulse += of_unknown, sums += of_unknown)                      \
             MOVE_UNKNOWN(V)                                                                                            \
@@ -222,7 +221,7 @@ BY_SIZE(integrate, (const galerkin_crowd_nodes *nodes, const galerkin_weights *w
 
 #define CHOOSE_ROWS(V, S)                                                                                              \
     for (int row = 0; row < rows; row++)                                                                               \
-        ROW_AT(V, to, row) = JET_CHOOSE(V, IS_MOVING(V), ROW_OF(V, from, row), ROW_OF(V, to, row));
+        ROW_AT(V, to, row) = CHOOSE(V, WHICH_OF(V, nodes->in_lanes), ROW_OF(V, from, row), ROW_OF(V, to, row));
 
 static void choose(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to)
 {
@@ -305,9 +304,10 @@ BY_SIZE(start_drifting,
             const V from = ROW_OF(V, nodes->start, u), to = ROW_OF(V, nodes->x, (u + 1) * points - 1);                 \
             const V size = JET_ABS(V, from) + JET_ABS(V, to - from);                                                   \
             ROW_AT(V, nodes->inverse_size, u) = size;                                                                  \
-            largest = JET_CHOOSE(V, size > largest, size, largest);                                                    \
+            largest = CHOOSE(V, IS_ABOVE(V, size, largest), size, largest);                                            \
         }                                                                                                              \
-        const V none = {0}, least = JET_CHOOSE(V, largest > none, TVI_GALERKIN_LEAST_SHARE * largest, none + 1);       \
+        const V none = {0},                                                                                            \
+                least = CHOOSE(V, IS_ABOVE(V, largest, none), TVI_GALERKIN_LEAST_SHARE * largest, none + 1);           \
         for (int u = first; u < first + n; u++)                                                                        \
             ROW_AT(V, nodes->inverse_size, u) = 1 / (ROW_OF(V, nodes->inverse_size, u) + least);                       \
     }

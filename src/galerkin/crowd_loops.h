@@ -20,12 +20,18 @@ typedef struct {
     double *scale;        /* [unknowns] */
     double *inverse_size; /* [unknowns][width] */
     long long *is_moving; /* [width] all bits, or none: the impulses of the others stay, and so do their unknowns */
+    long long *in_lanes;  /* [width] alike: what their steps leave behind stays */
 } galerkin_crowd_nodes;
 
 /* Where the drift h M^-1 p0 of a separable system is, [unknowns][width] each; NULL of other systems. */
 typedef struct {
     double *high, *low;
 } galerkin_crowd_drift;
+
+/* The last two steps of each member, as in galerkin_history, [width] each. */
+typedef struct {
+    double *h, *h_before, *t, *slowest;
+} galerkin_crowd_history;
 
 /* What the passes of each member have shown (algebra/passes.h), [width] each. */
 typedef struct {
@@ -46,15 +52,17 @@ typedef struct {
      * moved [width]. */
     void (*move)(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
                  const int slot[], double moved[]);
-    /* TVI_NO_PASSES, but for how slow they are. */
-    void (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_passes *passes);
+    /* Of the members that in_lanes names, those whose last two steps have the size h, and end where this one begins:
+     * they move. Passes: TVI_NO_PASSES, but for how slow the last ones were. Returns how many. */
+    int (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h, const double t[],
+                 const galerkin_crowd_passes *passes);
     /* tvi_passes_judge of the pass number `count` for all members that move, by a rule that learns no slack: those that
      * may end, or are stuck, move no more. Returns how many go on; *any_stuck: some are stuck now. */
     int (*judge)(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
                  const galerkin_crowd_passes *passes, bool *any_stuck);
     /* sums [unknowns][width] */
     void (*integrate)(const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
-    /* Of the members that is_moving names: to = from, of so many rows. */
+    /* Of the members in lanes: to = from, of so many rows. */
     void (*choose)(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to);
     void (*end)(const galerkin_crowd_nodes *nodes, int first, int count, const double *once, double *rise);
     void (*end_drifting)(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,

@@ -18,19 +18,36 @@
 #define ROW_AT(V, array, row) (*(V *)((array) + (size_t)(row)*width + here))
 #define ROW_OF(V, array, row) (*(const V *)((array) + (size_t)(row)*width + here))
 
-#define IS_MOVING(V) (*(const JET_MASK(V) *)(nodes->is_moving + here))
-
-/* Declares `all`: not 0 where the mask holds for all members of the block. */
+/* Which members of the block: what comparisons give, in registers of masks where there are such. */
 #if defined(__AVX512F__)
-#define HOLDS_FOR_ALL(V, mask, all) const bool all = _mm512_test_epi64_mask((__m512i)(mask), (__m512i)(mask)) == 0xff;
+typedef __mmask8 which_of_jet_v8;
+#define WHICH(V)                  which_of_##V
+#define COMPARED(V, a, op, b)     _mm512_cmp_pd_mask((__m512d)(a), (__m512d)(b), op)
+#define IS_ABOVE(V, a, b)         COMPARED(V, a, _CMP_GT_OQ, b)
+#define IS_AT_MOST(V, a, b)       COMPARED(V, a, _CMP_LE_OQ, b)
+#define IS_SAME(V, a, b)          COMPARED(V, a, _CMP_EQ_OQ, b)
+#define NOT(V, which)             ((WHICH(V)) ~(which))
+#define CHOOSE(V, which, yes, no) ((V)_mm512_mask_blend_pd(which, (__m512d)(no), (__m512d)(yes)))
+#define WHICH_OF(V, mask)         _mm512_movepi64_mask(_mm512_loadu_si512((mask) + here))
+#define SET_WHICH(V, mask, which) _mm512_storeu_si512((mask) + here, _mm512_movm_epi64(which))
+JET_INLINE bool are_all_of_jet_v8(__mmask8 which) { return which == 0xff; }
 #else
-#define HOLDS_FOR_ALL(V, mask, all)                                                                                    \
-    long long all = -1;                                                                                                \
-    for (size_t m = 0; m < sizeof(V) / sizeof(double); m++) all &= (mask)[m];
+#define WHICH(V)                  JET_MASK(V)
+#define IS_ABOVE(V, a, b)         ((JET_MASK(V))((a) > (b)))
+#define IS_AT_MOST(V, a, b)       ((JET_MASK(V))((a) <= (b)))
+#define IS_SAME(V, a, b)          ((JET_MASK(V))((a) == (b)))
+#define NOT(V, which)             (~(which))
+#define CHOOSE(V, which, yes, no) JET_CHOOSE(V, which, yes, no)
+#define WHICH_OF(V, mask)         (*(const JET_MASK(V) *)((mask) + here))
+#define SET_WHICH(V, mask, which) (*(JET_MASK(V) *)((mask) + here) = (which))
+JET_INLINE bool are_all_of_jet_v2(JET_MASK(jet_v2) which) { return which[0] & which[1]; }
+JET_INLINE bool are_all_of_jet_v4(JET_MASK(jet_v4) which) { return which[0] & which[1] & which[2] & which[3]; }
 #endif
+#define ARE_ALL(V, which) are_all_of_##V(which)
 
 /* As galerkin_crowd_loops has them. */
-void tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_passes *passes);
+int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
+                             const double t[], const galerkin_crowd_passes *passes);
 int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count,
                              const double moved[], const galerkin_crowd_passes *passes, bool *any_stuck);
 

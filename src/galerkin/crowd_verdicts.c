@@ -5,7 +5,6 @@
 #include <math.h>
 
 #define ALL_OF(V, number) ((V){0} + (number))
-#define MASK_OF(V, of)    ((JET_MASK(V))(of))
 
 /* The numbers of the rule for one pass: what does not hold in it is beyond all sizes. */
 typedef struct {
@@ -23,64 +22,81 @@ static numbers numbers_of(const tvi_passes_rule *rule, int count)
     return of;
 }
 
+/* As galerkin_is_next. */
+#define IS_NEXT(V, last_h)                                                                                             \
+    IS_ABOVE(V, ALL_OF(V, quarter), JET_ABS(V, ROW_OF(V, t, 0) - (ROW_OF(V, last->t, 0) + last_h)))
+
 #define BEGIN(V, S)                                                                                                    \
     {                                                                                                                  \
+        const V of_h = ALL_OF(V, h), last_h = ROW_OF(V, last->h, 0);                                                   \
+        const WHICH(V) is_steady = IS_SAME(V, last_h, of_h) & IS_SAME(V, ROW_OF(V, last->h_before, 0), of_h);          \
+        const WHICH(V) moving = WHICH_OF(V, nodes->in_lanes) & is_steady & IS_NEXT(V, last_h);                         \
+        SET_WHICH(V, nodes->in_lanes, moving);                                                                         \
+        SET_WHICH(V, nodes->is_moving, moving);                                                                        \
+        ROW_AT(V, of.slowest, 0) = ROW_OF(V, last->slowest, 0);                                                        \
         ROW_AT(V, of.size, 0) = ROW_AT(V, of.before, 0) = ALL_OF(V, INFINITY);                                         \
         ROW_AT(V, of.part, 0) = ROW_AT(V, of.shown, 0) = ROW_AT(V, of.count, 0) = ALL_OF(V, 0);                        \
-        *(JET_MASK(V) *)(of.is_stuck + here) = (JET_MASK(V)){0};                                                       \
+        SET_WHICH(V, of.is_stuck, (WHICH(V)){0});                                                                      \
     }
 
-void tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_passes *passes)
+/* How many of the masks are set. */
+JET_INLINE int count_set(size_t width, const long long *mask)
+{
+    long long set = 0;
+    for (size_t m = 0; m < width; m++) set -= mask[m];
+    return (int)set;
+}
+
+int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
+                             const double t[], const galerkin_crowd_passes *passes)
 {
     const size_t width = (size_t)nodes->width;
     const galerkin_crowd_passes of = *passes;
+    const double quarter = 0.25 * fabs(h);
     JET_EIGHTS((int)width, BEGIN, )
+    return count_set(width, nodes->is_moving);
 }
 
 /* Where sizes are far from all that ends passes, they show nothing but themselves. */
 #define IS_FAR(V, size, before)                                                                                        \
-    (MASK_OF(V, size > ALL_OF(V, by.far)) & MASK_OF(V, size > ALL_OF(V, by.goal)) &                                    \
-     MASK_OF(V, size < ALL_OF(V, INFINITY)) & MASK_OF(V, size <= by.stuck * before))
+    (IS_ABOVE(V, size, ALL_OF(V, by.far)) & IS_ABOVE(V, size, ALL_OF(V, by.goal)) &                                    \
+     IS_ABOVE(V, ALL_OF(V, INFINITY), size) & IS_AT_MOST(V, size, by.stuck * before))
 
 /* In the words of algebra/passes.h. */
 #define JUDGE(V, S)                                                                                                    \
     {                                                                                                                  \
-        const JET_MASK(V) moving = *(JET_MASK(V) *)(is_moving + here);                                                 \
+        const WHICH(V) moving = WHICH_OF(V, is_moving);                                                                \
         const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, of.size, 0),            \
                 earlier = ROW_OF(V, of.before, 0), part_before = ROW_OF(V, of.part, 0),                                \
                 slowest_before = ROW_OF(V, of.slowest, 0);                                                             \
-        const JET_MASK(V) is_far = MASK_OF(V, size > ALL_OF(V, by.far)), goes_on = IS_FAR(V, size, before) | ~moving;  \
-        HOLDS_FOR_ALL(V, goes_on, all_go_on)                                                                           \
-        if (all_go_on) {                                                                                               \
-            ROW_AT(V, of.size, 0) = JET_CHOOSE(V, moving, size, before);                                               \
-            ROW_AT(V, of.count, 0) += JET_CHOOSE(V, moving, one, none);                                                \
-            ROW_AT(V, of.before, 0) = before;                                                                          \
+        const WHICH(V) is_far = IS_ABOVE(V, size, ALL_OF(V, by.far));                                                  \
+        ROW_AT(V, of.size, 0) = CHOOSE(V, moving, size, before);                                                       \
+        ROW_AT(V, of.count, 0) += CHOOSE(V, moving, one, none);                                                        \
+        ROW_AT(V, of.before, 0) = before;                                                                              \
+        if (ARE_ALL(V, IS_FAR(V, size, before) | NOT(V, moving))) {                                                    \
             ROW_AT(V, of.shown, 0) = size;                                                                             \
             continue;                                                                                                  \
         }                                                                                                              \
-        const JET_MASK(V) is_loud = MASK_OF(V, size > ALL_OF(V, by.noise)), shows = ~is_far & is_loud;                 \
-        const V part_now = size / JET_CHOOSE(V, before < one, before, one);                                            \
-        const V slower = JET_CHOOSE(V, part_now > part_before, part_now, part_before);                                 \
-        const V slowest = JET_CHOOSE(V, shows, slower, slowest_before);                                                \
-        const JET_MASK(V) is_known = MASK_OF(V, slowest > none) & MASK_OF(V, slowest < ALL_OF(V, by.contraction));     \
-        const V part = JET_CHOOSE(V, is_known, slowest, one), expected = part * ROW_OF(V, of.shown, 0);                \
-        const V quiet = JET_CHOOSE(V, size < expected, size, expected);                                                \
-        const V shown = JET_CHOOSE(V, is_far | is_loud, size, quiet);                                                  \
-        const V next = JET_CHOOSE(V, is_far, size, part * shown);                                                      \
-        const JET_MASK(V) is_stuck = MASK_OF(V, size > by.stuck * before) & MASK_OF(V, size > by.again * earlier);     \
-        const JET_MASK(V) is_large = MASK_OF(V, size > ALL_OF(V, by.roundoff));                                        \
-        const JET_MASK(V) is_cycle = MASK_OF(V, size == before) & MASK_OF(V, size == earlier);                         \
-        const JET_MASK(V) is_enough = MASK_OF(V, next <= ALL_OF(V, by.goal));                                          \
-        const JET_MASK(V) ends = is_enough | (is_stuck & ~is_large & (~is_known | is_cycle));                          \
-        const JET_MASK(V) fails = (is_stuck & is_large & ~ends) | ~MASK_OF(V, size < ALL_OF(V, INFINITY));             \
-        ROW_AT(V, of.size, 0) = JET_CHOOSE(V, moving, size, before);                                                   \
-        ROW_AT(V, of.slowest, 0) = JET_CHOOSE(V, moving, slowest, slowest_before);                                     \
-        ROW_AT(V, of.count, 0) += JET_CHOOSE(V, moving, one, none);                                                    \
-        ROW_AT(V, of.before, 0) = before;                                                                              \
-        ROW_AT(V, of.part, 0) = JET_CHOOSE(V, shows, part_now, part_before);                                           \
+        const WHICH(V) is_loud = IS_ABOVE(V, size, ALL_OF(V, by.noise)), shows = NOT(V, is_far) & is_loud;             \
+        const V part_now = size / CHOOSE(V, IS_ABOVE(V, one, before), before, one);                                    \
+        const V slower = CHOOSE(V, IS_ABOVE(V, part_now, part_before), part_now, part_before);                         \
+        const V slowest = CHOOSE(V, shows, slower, slowest_before);                                                    \
+        const WHICH(V) is_known = IS_ABOVE(V, slowest, none) & IS_ABOVE(V, ALL_OF(V, by.contraction), slowest);        \
+        const V part = CHOOSE(V, is_known, slowest, one), expected = part * ROW_OF(V, of.shown, 0);                    \
+        const V quiet = CHOOSE(V, IS_ABOVE(V, expected, size), size, expected);                                        \
+        const V shown = CHOOSE(V, is_far | is_loud, size, quiet), next = CHOOSE(V, is_far, size, part * shown);        \
+        const WHICH(V) is_stuck = IS_ABOVE(V, size, by.stuck * before) & IS_ABOVE(V, size, by.again * earlier);        \
+        const WHICH(V) is_large = IS_ABOVE(V, size, ALL_OF(V, by.roundoff));                                           \
+        const WHICH(V) is_cycle = IS_SAME(V, size, before) & IS_SAME(V, size, earlier);                                \
+        const WHICH(V) is_roundoff = is_stuck & NOT(V, is_large) & (NOT(V, is_known) | is_cycle);                      \
+        const WHICH(V) ends = IS_AT_MOST(V, next, ALL_OF(V, by.goal)) | is_roundoff;                                   \
+        const WHICH(V) is_finite = IS_ABOVE(V, ALL_OF(V, INFINITY), size);                                             \
+        const WHICH(V) fails = (is_stuck & is_large & NOT(V, ends)) | NOT(V, is_finite);                               \
+        ROW_AT(V, of.slowest, 0) = CHOOSE(V, moving, slowest, slowest_before);                                         \
+        ROW_AT(V, of.part, 0) = CHOOSE(V, shows, part_now, part_before);                                               \
         ROW_AT(V, of.shown, 0) = shown;                                                                                \
-        *(JET_MASK(V) *)(of.is_stuck + here) |= moving & fails;                                                        \
-        *(JET_MASK(V) *)(is_moving + here) = moving & ~(ends | fails);                                                 \
+        SET_WHICH(V, of.is_stuck, WHICH_OF(V, of.is_stuck) | (moving & fails));                                        \
+        SET_WHICH(V, is_moving, moving &NOT(V, ends | fails));                                                         \
     }
 
 int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count,
@@ -89,13 +105,8 @@ int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes
     const size_t width = (size_t)nodes->width;
     const galerkin_crowd_passes of = *passes;
     const numbers by = numbers_of(rule, count);
-    long long *is_moving = nodes->is_moving, go_on = 0, stuck = 0;
+    long long *is_moving = nodes->is_moving;
     JET_EIGHTS((int)width, JUDGE, )
-    for (size_t m = 0; m < width; m += 8)
-        for (size_t k = m; k < m + 8; k++) {
-            go_on -= is_moving[k];
-            stuck -= of.is_stuck[k];
-        }
-    *any_stuck = stuck > 0;
-    return (int)go_on;
+    *any_stuck = count_set(width, of.is_stuck) > 0;
+    return count_set(width, is_moving);
 }

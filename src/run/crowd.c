@@ -231,12 +231,33 @@ static void look_at_energies(tvi_crowd *crowd)
     }
 }
 
+/* Whether the steps of all lanes are to be returned, and no energy is to be looked at: so it is in most steps. */
+static bool are_sure(tvi_crowd *crowd, bool took_series)
+{
+    const tvi_crowd_end *end = &crowd->end;
+    const tvi_sure most = tvi_guard_sure(crowd->one);
+    double largest = crowd->stats.largest_tail;
+    bool any = took_series || crowd->stepper->most_change || crowd->dimension > crowd->one->system->n;
+    for (int lane = 0; lane < crowd->width && !any; lane++) {
+        const double tail = end->tail[lane];
+        const bool is_large = !(tail <= most.tail) | (end->passes[lane] > most.passes) | (crowd->overflows[lane] != 0);
+        if (end->status[lane] != TVI_OK) continue;
+        any = is_large;
+        largest = tvi_larger(tail, largest);
+    }
+    if (any) return false;
+    for (int lane = 0; lane < crowd->width; lane++) crowd->kept[lane].is_known = false;
+    crowd->stats.largest_tail = largest;
+    return true;
+}
+
 /* Sets the status of the lanes whose steps are not to be returned. */
 static void check_lanes(tvi_crowd *crowd, double h, bool took_series)
 {
     const int width = crowd->width;
     tvi_status *status = crowd->end.status;
     bool any = false;
+    if (are_sure(crowd, took_series)) return;
     for (int lane = 0; lane < width; lane++) {
         crowd->doubts[lane] = false;
         if (status[lane] != TVI_OK) continue;

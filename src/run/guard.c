@@ -3,6 +3,7 @@
  * last term of what drives the motion (tail.h), and the energy, where one is kept. The energy is computed where a step
  * may be wrong, or costs so much that this is nothing beside it. */
 #include "run/guard.h"
+#include "algebra/sizes.h"
 #include "system/refuse.h"
 
 #include <float.h>
@@ -70,6 +71,12 @@ static bool is_sure(const tvi_signs *signs, const tvi_kept_energy *kept)
 {
     if (signs->most_change) return *signs->most_change <= MOST_CHANGE * kept->scale;
     return signs->tail <= SURE_TAIL && signs->passes <= SURE_PASSES && !signs->took_series;
+}
+
+tvi_sure tvi_guard_sure(const tvi_integrator *it)
+{
+    const double most = it->options.max_tail;
+    return (tvi_sure){most >= 0 ? tvi_smaller(most, SURE_TAIL) : SURE_TAIL, SURE_PASSES};
 }
 
 bool tvi_guard_asks(const tvi_integrator *it, const tvi_signs *signs, tvi_kept_energy *kept)

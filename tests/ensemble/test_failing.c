@@ -130,14 +130,15 @@ START_TEST(a_reset_tries_again)
 END_TEST
 
 /* Of members that go by themselves: what each of them counts, and its largest tail. */
-static tvi_stats run_alone(const tvi_system *system, const tvi_options *options, crowd *all, double tail[])
+static tvi_stats run_alone(const tvi_system *system, const tvi_options *options, double h, crowd *all, double tail[])
 {
     tvi_stats sum = {0};
     for (int m = 0; m < MEMBERS; m++) {
         alone a = start_alone(system, options, m);
-        all->status[m] = tvi_integrate(a.integrator, LONG_STEP, STEPS, &a.t, a.q, a.p, NULL, NULL);
+        all->status[m] = tvi_integrate(a.integrator, h, STEPS, &a.t, a.q, a.p, NULL, NULL);
         const tvi_stats *stats = tvi_integrator_stats(a.integrator);
         tail[m] = stats->largest_tail;
+        all->t[m] = a.t;
         sum.steps += stats->steps;
         sum.passes += stats->passes;
         sum.largest_tail = fmax(sum.largest_tail, tail[m]);
@@ -146,22 +147,23 @@ static tvi_stats run_alone(const tvi_system *system, const tvi_options *options,
     return sum;
 }
 
-static tvi_stats run_together(const tvi_system *system, const tvi_options *options, crowd *all)
+static tvi_stats run_together(const tvi_system *system, const tvi_options *options, double h, crowd *all)
 {
     tvi_stats stats;
     tvi_ensemble *ensemble = create(system, options, 2);
     ck_assert(has_lanes(ensemble));
     set_values(ensemble, MEMBERS, 0);
     start_crowd(all, MEMBERS, 0);
-    OK(tvi_ensemble_integrate(ensemble, LONG_STEP, STEPS, all->t, all->q, all->p, all->status, NULL, NULL));
+    OK(tvi_ensemble_integrate(ensemble, h, STEPS, all->t, all->q, all->p, all->status, NULL, NULL));
     OK(tvi_ensemble_stats(ensemble, &stats));
     tvi_ensemble_free(ensemble);
     return stats;
 }
 
-/* A form and a method of which there are steps in lanes. */
-static const int in_lanes[][2] = {{0, 0}, {2, 0}, {0, 1}, {2, 1}, {0, 2}, {2, 2}, {0, 4}, {0, 5}, {2, 5}};
-enum { IN_LANES = sizeof in_lanes / sizeof *in_lanes };
+/* A form and a method of which there are steps in lanes; the last one has no tails, and passes of the first ones do not
+ * converge before a step changes the energy. */
+static const int in_lanes[][2] = {{0, 0}, {2, 0}, {0, 1}, {2, 1}, {0, 2}, {2, 2}, {0, 4}, {0, 5}, {2, 5}, {0, 3}};
+enum { IN_LANES = sizeof in_lanes / sizeof *in_lanes, HAVE_TAILS = IN_LANES - 1, LOSE_ENERGY = 4 };
 
 /* The counts are those of the members, and a step whose tail is too large is refused of the same members. */
 START_TEST(counts_and_tails_are_those_of_members)
@@ -171,7 +173,8 @@ START_TEST(counts_and_tails_are_those_of_members)
     tvi_system *system = system_of(&forms[in_lanes[_i][0]]);
     ck_assert(has_options(system, &methods[in_lanes[_i][1]], &options));
     options.max_tail = -1;
-    tvi_stats sum = run_alone(system, &options, &without, tail), all = run_together(system, &options, &with);
+    tvi_stats sum = run_alone(system, &options, LONG_STEP, &without, tail);
+    tvi_stats all = run_together(system, &options, LONG_STEP, &with);
     ck_assert_int_eq(all.steps, sum.steps);
     ck_assert_double_le(fabs(all.largest_tail - sum.largest_tail), 1e-6 * sum.largest_tail);
     ck_assert_double_ge((double)all.passes, 0.75 * (double)sum.passes);
@@ -179,8 +182,8 @@ START_TEST(counts_and_tails_are_those_of_members)
     double least = tail[0];
     for (int m = 1; m < MEMBERS; m++) least = fmin(least, tail[m]);
     options.max_tail = sqrt(least * sum.largest_tail);
-    sum = run_alone(system, &options, &without, tail);
-    all = run_together(system, &options, &with);
+    sum = run_alone(system, &options, LONG_STEP, &without, tail);
+    all = run_together(system, &options, LONG_STEP, &with);
     int refused = 0;
     for (int m = 0; m < MEMBERS; m++) {
         ck_assert_int_eq(with.status[m], without.status[m]);
@@ -193,13 +196,40 @@ START_TEST(counts_and_tails_are_those_of_members)
 }
 END_TEST
 
+/* Steps that are too large by what they do to the energy, whatever their tails: of the same members. */
+START_TEST(energies_refuse_the_same_members)
+{
+    static const double sizes[] = {0.25, 0.75, 1.5, 2, 3};
+    tvi_options options;
+    double tail[MEMBERS];
+    int refused = 0, made = 0;
+    tvi_system *system = system_of(&forms[in_lanes[_i][0]]);
+    ck_assert(has_options(system, &methods[in_lanes[_i][1]], &options));
+    options.max_tail = 1e300;
+    for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
+        (void)run_alone(system, &options, sizes[k], &without, tail);
+        (void)run_together(system, &options, sizes[k], &with);
+        for (int m = 0; m < MEMBERS; m++) {
+            ck_assert_int_eq(with.status[m], without.status[m]);
+            ck_assert(with.t[m] == without.t[m]);
+            refused += with.status[m] == TVI_ETOOLARGE;
+            made += with.status[m] == TVI_OK;
+        }
+    }
+    ck_assert_int_gt(refused, 0);
+    ck_assert_int_ge(made, MEMBERS);
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_failing(void)
 {
     Suite *suite = suite_create("failing");
     TCase *tests = tcase_create("failing");
     tcase_add_loop_test(tests, failures_stay_where_they_are, 0, method_count);
     tcase_add_test(tests, a_reset_tries_again);
-    tcase_add_loop_test(tests, counts_and_tails_are_those_of_members, 0, IN_LANES);
+    tcase_add_loop_test(tests, counts_and_tails_are_those_of_members, 0, HAVE_TAILS);
+    tcase_add_loop_test(tests, energies_refuse_the_same_members, LOSE_ENERGY, IN_LANES);
     suite_add_tcase(suite, tests);
     return suite;
 }
