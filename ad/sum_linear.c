@@ -36,6 +36,18 @@ TABLE(sums_one, sums_of_one, (const jet_tape *tape, const jet_run *run, double *
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
+/* Two sums, each of which would wait for its additions alone. */
+#define LINEAR_PAIR(V, S)                                                                                              \
+    {                                                                                                                  \
+        V sum = coefficient[0] * S(V, x, from[0]), next = coefficient[terms] * S(V, x, from[terms]);                   \
+        for (int term = 1; term < terms; term++) {                                                                     \
+            sum += coefficient[term] * S(V, x, from[term]);                                                            \
+            next += coefficient[terms + term] * S(V, x, from[terms + term]);                                           \
+        }                                                                                                              \
+        JET_AT(V, z, 0) = sum;                                                                                         \
+        JET_AT(V, z, 1) = next;                                                                                        \
+    }
+
 /* number: of the first one, the others' beside it; NULL: none. */
 JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes, const double *number,
                              int terms)
@@ -44,6 +56,9 @@ JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x
     const int *from = tape->term_slot + run->term, kept = terms < OWN_MAX ? terms : OWN_MAX;
     const double *coefficient = tape->term_coefficient + run->term, *a[OWN_MAX];
     double *z = x + stride * (size_t)run->z, *const end = z + stride * (size_t)run->count, c[OWN_MAX];
+    if (lanes == 8 && terms > OWN_MAX)
+        for (; z + stride < end; z += 2 * stride, from += 2 * terms, coefficient += 2 * terms)
+            JET_EIGHTS(lanes, LINEAR_PAIR, JET_OF)
     for (; z < end; z += stride, from += terms, coefficient += terms) {
         for (int term = 0; term < kept; term++) a[term] = x + stride * (size_t)from[term], c[term] = coefficient[term];
         JET_BLOCKS(lanes, LINEAR, JET_OF);

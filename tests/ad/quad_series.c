@@ -149,6 +149,15 @@ static void quad_products(double c, const quad x[], quad z[])
     z[8] = x[2] * x[5] / 2;
 }
 
+static void quad_sums(double c, const quad x[], quad z[])
+{
+    (void)c;
+    for (int i = 0; i < 3; i++) {
+        z[i] = 0;
+        for (int j = 0; j < 7; j++) z[i] += (1 + (3 * i + 2 * j) % 8) * x[j];
+    }
+}
+
 #define NAMED(name)                                                                                                    \
     {                                                                                                                  \
 #name, quad_##name                                                                                             \
@@ -163,6 +172,7 @@ static const struct {
     NAMED(atan),      NAMED(sinh),    NAMED(cosh),         NAMED(tanh),   NAMED(asinh),    NAMED(acosh),
     NAMED(atanh),     NAMED(erf),     NAMED(atan2),        NAMED(hypot),  NAMED(polar),    NAMED(kepler),
     NAMED(pendulums), NAMED(lattice), NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
+    NAMED(sums),
 };
 
 static quad_fn *find_function(const char *name)
