@@ -24,6 +24,7 @@ typedef struct {
     galerkin_motion motion;
     galerkin_halves halves;
     tvi_passes_rule rule;
+    bool are_all_in_lanes;
     double *dq, *dp, *share, *ratio; /* [n][width] */
     double *moved;                   /* [width] */
     galerkin_crowd_passes passes;    /* [width] */
@@ -172,15 +173,6 @@ static void rest(const crowd *w, int m)
         nodes->impulse[at] = nodes->base[at] = nodes->sum[at] = 0;
 }
 
-/* Returns how many are in lanes. */
-static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_status status[])
-{
-    const galerkin_crowd_nodes *nodes = &w->nodes;
-    w->nodes.impulse = impulses(w, 1);
-    for (int m = 0; m < nodes->width; m++) nodes->in_lanes[m] = status[m] == TVI_OK ? -1 : 0;
-    return w->loops->begin(nodes, &w->last, h, origin->t, &w->passes);
-}
-
 static void set_start(crowd *w, const tvi_crowd_origin *origin)
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
@@ -205,7 +197,7 @@ static void set_times(const crowd *w, double h, const tvi_crowd_origin *origin)
 static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
 {
     set_start(w, origin);
-    for (int m = 0; m < w->nodes.width; m++)
+    for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
         if (!w->nodes.in_lanes[m]) rest(w, m);
     w->loops->predict(&w->nodes, w->single->predictor.from_two, impulses(w, 0), impulses(w, -1));
     set_times(w, h, origin);
@@ -218,6 +210,7 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
 static void leave(crowd *w, int m)
 {
     w->nodes.in_lanes[m] = 0;
+    w->are_all_in_lanes = false;
     rest(w, m);
 }
 
@@ -243,7 +236,7 @@ static void iterate(crowd *w, int count, tvi_stats *stats)
         pass(w, count, stats);
         count = w->loops->judge(&w->nodes, &w->rule, passes, w->moved, &w->passes, &any_stuck);
         for (int m = 0; m < w->nodes.width && any_stuck; m++)
-            if (w->passes.is_stuck[m]) leave(w, m);
+            if (w->nodes.in_lanes[m] && w->passes.is_stuck[m]) leave(w, m);
     }
     for (int m = 0; m < w->nodes.width && count > 0; m++)
         if (w->nodes.is_moving[m]) leave(w, m);
@@ -271,7 +264,7 @@ static void remember(const crowd *w)
 {
     const int width = w->nodes.width, rows = w->nodes.unknowns * w->nodes.points;
     double *const before = impulses(w, -1), *const last = impulses(w, 0), *const next = impulses(w, 1);
-    for (int m = 0; m < width; m++)
+    for (int m = 0; m < width && !w->are_all_in_lanes; m++)
         for (int at = m; at < rows * width && !w->nodes.in_lanes[m]; at += width) {
             next[at] = last[at];
             last[at] = before[at];
@@ -302,13 +295,15 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
 {
     crowd *w = work;
     tvi_galerkin_set_size(w->single, h);
-    const int count = begin(w, h, origin, end->status);
+    w->nodes.impulse = impulses(w, 1);
+    const int count = w->loops->begin(&w->nodes, &w->last, h, origin->t, end->status, &w->passes);
+    w->are_all_in_lanes = count == w->nodes.width;
     if (count > 0) {
         predict(w, h, origin);
         iterate(w, count, stats);
         finish(w, origin, end);
     }
-    for (int m = 0; m < w->nodes.width; m++)
+    for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
         if (end->status[m] == TVI_OK && !w->nodes.in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
 }
 

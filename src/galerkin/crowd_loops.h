@@ -52,12 +52,12 @@ typedef struct {
      * moved [width]. */
     void (*move)(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
                  const int slot[], double moved[]);
-    /* Of the members that in_lanes names, those whose last two steps have the size h, and end where this one begins:
-     * they move. Passes: TVI_NO_PASSES, but for how slow the last ones were. Returns how many. */
+    /* In lanes, and moving, are those that are TVI_OK and whose last two steps have the size h, and end where this one
+     * begins. Passes: TVI_NO_PASSES, but for how slow the last ones were. Returns how many. */
     int (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h, const double t[],
-                 const galerkin_crowd_passes *passes);
+                 const tvi_status status[], const galerkin_crowd_passes *passes);
     /* tvi_passes_judge of the pass number `count` for all members that move, by a rule that learns no slack: those that
-     * may end, or are stuck, move no more. Returns how many go on; *any_stuck: some are stuck now. */
+     * may end, or are stuck, move no more. Returns how many go on; *any_stuck: some have become stuck. */
     int (*judge)(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
                  const galerkin_crowd_passes *passes, bool *any_stuck);
     /* sums [unknowns][width] */

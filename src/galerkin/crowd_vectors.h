@@ -30,7 +30,7 @@ typedef __mmask8 which_of_jet_v8;
 #define CHOOSE(V, which, yes, no) ((V)_mm512_mask_blend_pd(which, (__m512d)(no), (__m512d)(yes)))
 #define WHICH_OF(V, mask)         _mm512_movepi64_mask(_mm512_loadu_si512((mask) + here))
 #define SET_WHICH(V, mask, which) _mm512_storeu_si512((mask) + here, _mm512_movm_epi64(which))
-JET_INLINE bool are_all_of_jet_v8(__mmask8 which) { return which == 0xff; }
+JET_INLINE int count_of_jet_v8(__mmask8 which) { return __builtin_popcount(which); }
 #else
 #define WHICH(V)                  JET_MASK(V)
 #define IS_ABOVE(V, a, b)         ((JET_MASK(V))((a) > (b)))
@@ -40,14 +40,15 @@ JET_INLINE bool are_all_of_jet_v8(__mmask8 which) { return which == 0xff; }
 #define CHOOSE(V, which, yes, no) JET_CHOOSE(V, which, yes, no)
 #define WHICH_OF(V, mask)         (*(const JET_MASK(V) *)((mask) + here))
 #define SET_WHICH(V, mask, which) (*(JET_MASK(V) *)((mask) + here) = (which))
-JET_INLINE bool are_all_of_jet_v2(JET_MASK(jet_v2) which) { return which[0] & which[1]; }
-JET_INLINE bool are_all_of_jet_v4(JET_MASK(jet_v4) which) { return which[0] & which[1] & which[2] & which[3]; }
+JET_INLINE int count_of_jet_v2(JET_MASK(jet_v2) which) { return -(int)(which[0] + which[1]); }
+JET_INLINE int count_of_jet_v4(JET_MASK(jet_v4) which) { return -(int)(which[0] + which[1] + which[2] + which[3]); }
 #endif
-#define ARE_ALL(V, which) are_all_of_##V(which)
+#define COUNT(V, which)   count_of_##V(which)
+#define ARE_ALL(V, which) (COUNT(V, which) == sizeof(V) / sizeof(double))
 
 /* As galerkin_crowd_loops has them. */
 int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
-                             const double t[], const galerkin_crowd_passes *passes);
+                             const double t[], const tvi_status status[], const galerkin_crowd_passes *passes);
 int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count,
                              const double moved[], const galerkin_crowd_passes *passes, bool *any_stuck);
 

@@ -33,28 +33,23 @@ static numbers numbers_of(const tvi_passes_rule *rule, int count)
         const WHICH(V) moving = WHICH_OF(V, nodes->in_lanes) & is_steady & IS_NEXT(V, last_h);                         \
         SET_WHICH(V, nodes->in_lanes, moving);                                                                         \
         SET_WHICH(V, nodes->is_moving, moving);                                                                        \
+        count += COUNT(V, moving);                                                                                     \
         ROW_AT(V, of.slowest, 0) = ROW_OF(V, last->slowest, 0);                                                        \
         ROW_AT(V, of.size, 0) = ROW_AT(V, of.before, 0) = ALL_OF(V, INFINITY);                                         \
         ROW_AT(V, of.part, 0) = ROW_AT(V, of.shown, 0) = ROW_AT(V, of.count, 0) = ALL_OF(V, 0);                        \
         SET_WHICH(V, of.is_stuck, (WHICH(V)){0});                                                                      \
     }
 
-/* How many of the masks are set. */
-JET_INLINE int count_set(size_t width, const long long *mask)
-{
-    long long set = 0;
-    for (size_t m = 0; m < width; m++) set -= mask[m];
-    return (int)set;
-}
-
 int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
-                             const double t[], const galerkin_crowd_passes *passes)
+                             const double t[], const tvi_status status[], const galerkin_crowd_passes *passes)
 {
     const size_t width = (size_t)nodes->width;
     const galerkin_crowd_passes of = *passes;
     const double quarter = 0.25 * fabs(h);
+    int count = 0;
+    for (size_t m = 0; m < width; m++) nodes->in_lanes[m] = status[m] == TVI_OK ? -1 : 0;
     JET_EIGHTS((int)width, BEGIN, )
-    return count_set(width, nodes->is_moving);
+    return count;
 }
 
 /* Where sizes are far from all that ends passes, they show nothing but themselves. */
@@ -75,6 +70,7 @@ int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_c
         ROW_AT(V, of.before, 0) = before;                                                                              \
         if (ARE_ALL(V, IS_FAR(V, size, before) | NOT(V, moving))) {                                                    \
             ROW_AT(V, of.shown, 0) = size;                                                                             \
+            go_on += COUNT(V, moving);                                                                                 \
             continue;                                                                                                  \
         }                                                                                                              \
         const WHICH(V) is_loud = IS_ABOVE(V, size, ALL_OF(V, by.noise)), shows = NOT(V, is_far) & is_loud;             \
@@ -95,8 +91,11 @@ int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_c
         ROW_AT(V, of.slowest, 0) = CHOOSE(V, moving, slowest, slowest_before);                                         \
         ROW_AT(V, of.part, 0) = CHOOSE(V, shows, part_now, part_before);                                               \
         ROW_AT(V, of.shown, 0) = shown;                                                                                \
-        SET_WHICH(V, of.is_stuck, WHICH_OF(V, of.is_stuck) | (moving & fails));                                        \
-        SET_WHICH(V, is_moving, moving &NOT(V, ends | fails));                                                         \
+        const WHICH(V) stuck = moving & fails, still = moving & NOT(V, ends | fails);                                  \
+        SET_WHICH(V, of.is_stuck, WHICH_OF(V, of.is_stuck) | stuck);                                                   \
+        SET_WHICH(V, is_moving, still);                                                                                \
+        go_on += COUNT(V, still);                                                                                      \
+        stuck_now += COUNT(V, stuck);                                                                                  \
     }
 
 int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count,
@@ -106,7 +105,8 @@ int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes
     const galerkin_crowd_passes of = *passes;
     const numbers by = numbers_of(rule, count);
     long long *is_moving = nodes->is_moving;
+    int go_on = 0, stuck_now = 0;
     JET_EIGHTS((int)width, JUDGE, )
-    *any_stuck = count_set(width, of.is_stuck) > 0;
-    return count_set(width, is_moving);
+    *any_stuck = stuck_now > 0;
+    return go_on;
 }
