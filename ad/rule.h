@@ -72,6 +72,22 @@ static inline bool jet_have_same_angles(const jet_run *run, const jet_run *next)
 #define jet_sine_cosine JET_FOR_ISA(jet_sine_cosine)
 void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes);
 
+/* How many runs from here are the powers -7/2, -5/2, -3/2, -1/2 of the same operands, or the last few of them, whose
+ * numbers are adjacent, run by run; 1 where they are none: */
+static inline int jet_count_inverse_roots(const jet_run *run, const jet_run *end)
+{
+    int powers = 1;
+    for (; run[powers - 1].c < -0.5 && run + powers < end; powers++) {
+        const jet_run *last = run + powers - 1, *next = run + powers;
+        const bool goes_on = next->op == OP_POW && next->c == last->c + 1;
+        if (!goes_on || next->a != run->a || next->count != run->count || next->z != last->z + run->count) return 1;
+    }
+    return run[powers - 1].c == -0.5 && powers <= 4 ? powers : 1;
+}
+/* their values, the same as of each alone. */
+#define jet_inverse_roots JET_FOR_ISA(jet_inverse_roots)
+bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes);
+
 /* Every rule and its row of the table, in the order of jet_op. */
 #define JET_RULE_LIST(ROW)                                                                                             \
     ROW(OP_MUL, mul)                                                                                                   \

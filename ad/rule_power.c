@@ -88,55 +88,70 @@ static bool is_nonzero(int width, const double *a)
     return !outside;
 }
 
-/* a^(-k/2), k = 1, 3, 5, 7: the potential of gravity and its derivatives. The compiler knows k. */
+/* a^(-k/2), k = 7, 5, 3, 1, or the last few of them: the potential of gravity and its derivatives. The compiler knows
+ * k, and how many there are: each takes `width` numbers of z. */
 #if defined(__AVX512F__)
-/* With y near a^(-1/2), of so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12:
- *   a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...),
- * which is rounded once for k = 1, 3, where a root, a product and a quotient round three times and take twice as long.
- * Where y^2 is infinite, or a is, so is y^k or it is 0; but for k = 1, which divides by the root there. */
-JET_INLINE __m512d inverse_of_roots(int k, __m512d a)
+typedef struct {
+    __m512d a, bounded, y, square, e;
+} inverse_root;
+
+/* y near a^(-1/2), of so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12. */
+JET_INLINE inverse_root near_inverse_root(__m512d a)
 {
-    const double c1 = k / 2.0, c2 = c1 * (k + 2) / 4, c3 = c2 * (k + 4) / 6, c4 = c3 * (k + 6) / 8;
     const __m512d bounded = _mm512_min_pd(_mm512_set1_pd(DBL_MAX), a); /* a NaN stays */
     const __m512i few_bits = _mm512_set1_epi64(~((1LL << 36) - 1));
     const __m512d y = _mm512_castsi512_pd(_mm512_and_epi64(_mm512_castpd_si512(_mm512_rsqrt14_pd(bounded)), few_bits));
     const __m512d square = y * y, e = _mm512_fnmadd_pd(bounded, square, _mm512_set1_pd(1));
-    const __m512d series = (c1 + e * c2) + (e * e) * (c3 + e * c4);
-    __m512d power = y;
-    for (int i = 1; i < k; i += 2) power *= square;
+    return (inverse_root){a, bounded, y, square, e};
+}
+
+/* With e,
+ *   a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...),
+ * which is rounded once for k = 1, 3, where a root, a product and a quotient round three times and take twice as long.
+ * Where y^2 is infinite, or a is, so is y^k or it is 0; but for k = 1, which divides by the root there. */
+JET_INLINE __m512d inverse_of_roots(int k, inverse_root of)
+{
+    const double c1 = k / 2.0, c2 = c1 * (k + 2) / 4, c3 = c2 * (k + 4) / 6, c4 = c3 * (k + 6) / 8;
+    const __m512d e = of.e, series = (c1 + e * c2) + (e * e) * (c3 + e * c4);
+    __m512d power = of.y;
+    for (int i = 1; i < k; i += 2) power *= of.square;
     const __mmask8 finite = _mm512_cmp_pd_mask(power, _mm512_set1_pd(INFINITY), _CMP_NEQ_UQ);
     const __m512d rounded = _mm512_mask3_fmadd_pd(power * e, series, power, finite);
     if (k > 1) return rounded;
-    const __mmask8 usual =
-        _mm512_cmp_pd_mask(square, _mm512_set1_pd(INFINITY), _CMP_LT_OQ) & _mm512_cmp_pd_mask(a, bounded, _CMP_EQ_OQ);
-    return usual == 0xff ? rounded : _mm512_mask_blend_pd(usual, 1 / _mm512_sqrt_pd(a), rounded);
+    const __mmask8 usual = _mm512_cmp_pd_mask(of.square, _mm512_set1_pd(INFINITY), _CMP_LT_OQ) &
+                           _mm512_cmp_pd_mask(of.a, of.bounded, _CMP_EQ_OQ);
+    return usual == 0xff ? rounded : _mm512_mask_blend_pd(usual, 1 / _mm512_sqrt_pd(of.a), rounded);
 }
 
-JET_INLINE bool gravity(int k, int width, const double *a, double *restrict z)
+JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *restrict z)
 {
     __mmask8 outside = 0;
     int w = 0;
     for (; w + 8 <= width; w += 8) {
         const __m512d block = _mm512_loadu_pd(a + w);
+        const inverse_root root = near_inverse_root(block);
         outside |= _mm512_cmp_pd_mask(block, _mm512_setzero_pd(), _CMP_LE_OQ);
-        _mm512_storeu_pd(z + w, inverse_of_roots(k, block));
+        for (int i = 0; i < powers; i++) _mm512_storeu_pd(z + i * width + w, inverse_of_roots(k - 2 * i, root));
     }
     if (w < width) {
         const __mmask8 rest = (__mmask8)((1 << (width - w)) - 1);
         const __m512d block = _mm512_maskz_loadu_pd(rest, a + w);
+        const inverse_root root = near_inverse_root(block);
         outside |= _mm512_mask_cmp_pd_mask(rest, block, _mm512_setzero_pd(), _CMP_LE_OQ);
-        _mm512_mask_storeu_pd(z + w, rest, inverse_of_roots(k, block));
+        for (int i = 0; i < powers; i++)
+            _mm512_mask_storeu_pd(z + i * width + w, rest, inverse_of_roots(k - 2 * i, root));
     }
     return !outside;
 }
 #else
-JET_INLINE bool gravity(int k, int width, const double *a, double *restrict z)
+JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *restrict z)
 {
-    for (int w = 0; w < width; w++) {
-        double power = sqrt(a[w]);
-        for (int i = 1; i < k; i += 2) power *= a[w];
-        z[w] = 1 / power;
-    }
+    for (int p = 0; p < powers; p++, k -= 2, z += width)
+        for (int w = 0; w < width; w++) {
+            double power = sqrt(a[w]);
+            for (int i = 1; i < k; i += 2) power *= a[w];
+            z[w] = 1 / power;
+        }
     return is_positive(width, a);
 }
 #endif
@@ -152,11 +167,21 @@ static __attribute__((noinline)) bool other_power(double c, int width, const dou
 static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return c == -0.5   ? gravity(1, width, a, z)
-           : c == -1.5 ? gravity(3, width, a, z)
-           : c == -2.5 ? gravity(5, width, a, z)
-           : c == -3.5 ? gravity(7, width, a, z)
+    return c == -0.5   ? gravity(1, 1, width, a, z)
+           : c == -1.5 ? gravity(3, 1, width, a, z)
+           : c == -2.5 ? gravity(5, 1, width, a, z)
+           : c == -3.5 ? gravity(7, 1, width, a, z)
                        : other_power(c, width, a, z);
+}
+
+bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
+{
+    const int width = run->count * lanes;
+    const double *a = x + (size_t)run->a * (size_t)lanes;
+    double *z = x + (size_t)run->z * (size_t)lanes;
+    return powers == 2   ? gravity(3, 2, width, a, z)
+           : powers == 3 ? gravity(5, 3, width, a, z)
+                         : gravity(7, 4, width, a, z);
 }
 
 /* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). */

@@ -151,6 +151,13 @@ static void record_gravity(double c, const jet x[], jet z[])
     }
 }
 
+/* The powers c, c + 1, .. -1/2 of each input. */
+static void record_inverse_roots(double c, const jet x[], jet z[])
+{
+    for (double power = c; power < 0; power++)
+        for (int i = 0; i < 3; i++) *z++ = jet_pow(x[i], power);
+}
+
 /* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one
  * more, and with a product that something else needs, too. */
 static void record_products(double c, const jet x[], jet z[])
@@ -254,6 +261,9 @@ const function compositions[] = {
     {"medley", record_medley, 3, 2, 0, {0.7, 0.9, 1.1}, 1e-13},
     {"polar", record_polar, 4, 4, 0, {2.1, -1.3, 1.7, 2.2}, 1e-13},
     {"products", record_products, 6, 9, 0, {0.7, -0.9, 1.1, 0.4, -1.3, 0.8}, 1e-13},
+    {"inverse_roots", record_inverse_roots, 3, 6, -1.5, {0.7, 1.3, 2.1}, 1e-13},
+    {"inverse_roots", record_inverse_roots, 3, 9, -2.5, {0.7, 1.3, 2.1}, 1e-13},
+    {"inverse_roots", record_inverse_roots, 3, 12, -3.5, {0.7, 1.3, 2.1}, 1e-13},
     {"gravity",
      record_gravity,
      18,

@@ -134,6 +134,12 @@ static void quad_gravity(double c, const quad x[], quad z[])
     }
 }
 
+static void quad_inverse_roots(double c, const quad x[], quad z[])
+{
+    for (double power = c; power < 0; power++)
+        for (int i = 0; i < 3; i++) *z++ = cpowq(x[i], power);
+}
+
 static void quad_products(double c, const quad x[], quad z[])
 {
     (void)c;
@@ -166,13 +172,13 @@ static const struct {
     const char *name;
     quad_fn *value;
 } quad_functions[] = {
-    NAMED(add),       NAMED(sub),     NAMED(neg),          NAMED(linear), NAMED(sum),      NAMED(dot),
-    NAMED(mul),       NAMED(div),     NAMED(sqr),          NAMED(sqrt),   NAMED(pow),      NAMED(exp),
-    NAMED(log),       NAMED(sin),     NAMED(cos),          NAMED(tan),    NAMED(asin),     NAMED(acos),
-    NAMED(atan),      NAMED(sinh),    NAMED(cosh),         NAMED(tanh),   NAMED(asinh),    NAMED(acosh),
-    NAMED(atanh),     NAMED(erf),     NAMED(atan2),        NAMED(hypot),  NAMED(polar),    NAMED(kepler),
-    NAMED(pendulums), NAMED(lattice), NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
-    NAMED(sums),
+    NAMED(add),       NAMED(sub),           NAMED(neg),          NAMED(linear), NAMED(sum),      NAMED(dot),
+    NAMED(mul),       NAMED(div),           NAMED(sqr),          NAMED(sqrt),   NAMED(pow),      NAMED(exp),
+    NAMED(log),       NAMED(sin),           NAMED(cos),          NAMED(tan),    NAMED(asin),     NAMED(acos),
+    NAMED(atan),      NAMED(sinh),          NAMED(cosh),         NAMED(tanh),   NAMED(asinh),    NAMED(acosh),
+    NAMED(atanh),     NAMED(erf),           NAMED(atan2),        NAMED(hypot),  NAMED(polar),    NAMED(kepler),
+    NAMED(pendulums), NAMED(lattice),       NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
+    NAMED(sums),      NAMED(inverse_roots),
 };
 
 static quad_fn *find_function(const char *name)
