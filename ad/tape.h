@@ -63,6 +63,9 @@ typedef struct {
 jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind);
 void jet_tape_free(jet_tape *tape);
 
+/* A slot that is 0 whatever the inputs and parameters are. */
+bool jet_tape_is_zero(const jet_tape *tape, int slot);
+
 /* FNV-1a of so many bytes, after what was hashed before. Each step is a bijection of the hash, so that one changed byte
  * always shows. */
 static const uint64_t JET_HASH_OF_NOTHING = UINT64_C(0xcbf29ce484222325);

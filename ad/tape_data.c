@@ -50,6 +50,14 @@ void jet_tape_read_parameters(const jet_tape *tape, const double *x, int lanes, 
         value[it->which] = x[it->slot * lanes + lane];
 }
 
+bool jet_tape_is_zero(const jet_tape *tape, int slot)
+{
+    const int which = slot - tape->inputs;
+    bool is_zero = which >= 0 && which < tape->constants && tape->constant[which] == 0;
+    for (int i = 0; i < tape->parameters; i++) is_zero = is_zero && tape->parameter[i].slot != slot;
+    return is_zero;
+}
+
 void jet_tape_free(jet_tape *tape)
 {
     if (!tape) return;

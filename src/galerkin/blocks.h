@@ -48,7 +48,8 @@ static inline void galerkin_predict_drives(const galerkin_loops *loops, const ga
 {
     for (int u = 0; u < nodes->unknowns; u++) drives->scale[u] = 1 / h;
     GALERKIN_LOOP(loops, predict, drives, steps, extrapolation, impulses);
-    (void)GALERKIN_LOOP(loops, move, nodes, matrix, nodes->x, slot);
+    const galerkin_nodes all = galerkin_all_moving(nodes);
+    (void)GALERKIN_LOOP(loops, move, &all, matrix, nodes->x, slot);
 }
 
 #endif

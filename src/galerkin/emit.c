@@ -16,8 +16,8 @@ void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const char *
     const int lanes = field->nodes.lanes;
     jet_text_add(text, "enum { GALERKIN_LANES = %d };\n", lanes);
     for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_add(text, "%s", *line);
-    jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d)\n", name, field->system->n, field->nodes.unknowns,
-                 lanes);
+    jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d, %d)\n", name, field->system->n, field->nodes.moving,
+                 field->nodes.unknowns, lanes);
     field->form->emit(text, field, name);
     jet_text_add(text, "static const galerkin_loops %s = {GALERKIN_EMITTED_TABLE(%s)};\n", name, name);
 }

@@ -6,16 +6,18 @@
 
 #include "galerkin/loops.h"
 
-#define GALERKIN_EMITTED_LOOPS(NAME, N, UNKNOWNS, LANES)                                                               \
+#define GALERKIN_EMITTED_LOOPS(NAME, N, MOVING, UNKNOWNS, LANES)                                                       \
     JET_INLINE bool NAME##_fits(const galerkin_nodes *nodes)                                                           \
     {                                                                                                                  \
-        return nodes->lanes == (LANES) && nodes->unknowns == (UNKNOWNS);                                               \
+        return nodes->lanes == (LANES) && nodes->unknowns == (UNKNOWNS) && nodes->moving == (MOVING);                  \
     }                                                                                                                  \
     JET_INLINE galerkin_nodes NAME##_sized(const galerkin_nodes *nodes)                                                \
     {                                                                                                                  \
         galerkin_nodes sized = *nodes;                                                                                 \
         sized.lanes = (LANES);                                                                                         \
         sized.unknowns = (UNKNOWNS);                                                                                   \
+        sized.half = (N);                                                                                              \
+        sized.moving = (MOVING);                                                                                       \
         return sized;                                                                                                  \
     }                                                                                                                  \
     static double NAME##_move(const galerkin_nodes *nodes, const double *matrix, const double *drives,                 \

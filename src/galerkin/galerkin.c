@@ -57,6 +57,17 @@ static const galerkin_form *form_of(const tvi_system *system)
 
 bool tvi_galerkin_is_plain(const tvi_system *system) { return form_of(system) == &tvi_galerkin_form_plain; }
 
+/* The last coordinates that H does not have, as the time of a rescaled system whose forces do not have it: what nothing
+ * depends on is a quadrature, which needs no movement, and their momenta do not move. */
+static int cyclic_at_end(const tvi_system *system)
+{
+    const int *force = system->field_values->output;
+    int count = 0;
+    if (system->form != TVI_HAMILTONIAN) return 0;
+    while (count < system->n && jet_tape_is_zero(system->field_values, force[system->n - 1 - count])) count++;
+    return count;
+}
+
 static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system *system, int points)
 {
     galerkin_nodes *nodes = &field->nodes;
@@ -69,6 +80,8 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     field->form = form_of(system);
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;
+    nodes->half = system->n;
+    nodes->moving = system->n - cyclic_at_end(system);
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
     nodes->high = tvi_arena_doubles(arena, unknowns * lanes);
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);

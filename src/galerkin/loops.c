@@ -43,9 +43,9 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
             sum[j % CHAINS_OF(blocks)][k] += ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[j];
 
 #define ADD_CHAINS(blocks)                                                                                             \
-    for (int half = CHAINS_OF(blocks) / 2; half > 0; half /= 2)                                                        \
-        for (int j = 0; j < half; j++)                                                                                 \
-            for (int k = 0; k < (blocks); k++) sum[j][k] += sum[j + half][k];
+    for (int others = CHAINS_OF(blocks) / 2; others > 0; others /= 2)                                                  \
+        for (int j = 0; j < others; j++)                                                                               \
+            for (int k = 0; k < (blocks); k++) sum[j][k] += sum[j + others][k];
 
 #define WEIGH(V, blocks)                                                                                               \
     for (int u = 0; u < unknowns; u++) {                                                                               \
@@ -62,21 +62,29 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
     ALL_LANES(lanes, WEIGH)
 }
 
+#define FOLLOW_ROWS(V, blocks, count)                                                                                  \
+    for (int u = 0; u < (count); u++, x += lanes, high += lanes, base += lanes, impulse += lanes) {                    \
+        SET_PRODUCT(V, blocks, row, matrix, impulse)                                                                   \
+        ADD_CHAINS(blocks)                                                                                             \
+        for (int k = 0; k < (blocks); k++) {                                                                           \
+            const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[0][k];                    \
+            const V place = from + way, added = place - from;                                                          \
+            const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                            \
+            squares += change * change;                                                                                \
+            BLOCK_AT(V, x, k) = place;                                                                                 \
+            if (low) BLOCK_AT(V, low + u * lanes, k) = (from - (place - added)) + (way - added);                       \
+        }                                                                                                              \
+    }
+
 #define FOLLOW(V, blocks)                                                                                              \
     {                                                                                                                  \
         V squares = {0};                                                                                               \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
-        for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, impulse += lanes) {               \
-            SET_PRODUCT(V, blocks, row, matrix, impulse)                                                               \
-            ADD_CHAINS(blocks)                                                                                         \
-            for (int k = 0; k < (blocks); k++) {                                                                       \
-                const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[0][k];                \
-                const V place = from + way, added = place - from;                                                      \
-                const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
-                squares += change * change;                                                                            \
-                BLOCK_AT(V, x, k) = place;                                                                             \
-                if (low) BLOCK_AT(V, low + u * lanes, k) = (from - (place - added)) + (way - added);                   \
-            }                                                                                                          \
+        FOLLOW_ROWS(V, blocks, is_split ? moving : unknowns)                                                           \
+        if (is_split) {                                                                                                \
+            x += gap, high += gap, base += gap, impulse += gap, scale += half, inverse_size += half;                   \
+            low = low ? low + half * lanes : NULL;                                                                     \
+            FOLLOW_ROWS(V, blocks, moving)                                                                             \
         }                                                                                                              \
         moved = sum_of_##V(squares);                                                                                   \
     }
@@ -85,7 +93,8 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
 JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, double *low, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
-    const int unknowns = nodes->unknowns;
+    const int unknowns = nodes->unknowns, half = nodes->half, moving = nodes->moving, gap = (half - moving) * lanes;
+    const bool is_split = gap > 0;
     double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
     LEAVE_REGISTERS(impulse);
     ALL_LANES(lanes, FOLLOW)

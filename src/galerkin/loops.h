@@ -61,6 +61,7 @@ static inline tvi_tail_part galerkin_tail_part(const galerkin_motion *of, bool h
  * was rounded. */
 typedef struct {
     int lanes, unknowns;
+    int half, moving; /* movements are of the first `moving` unknowns of each half of them */
     double *x;
     double *start;        /* [unknowns] the unknowns at the start of the step */
     double *high, *base;  /* [unknowns][lanes] where they would be without F, in two parts */
@@ -69,6 +70,14 @@ typedef struct {
     double *scale;        /* [unknowns] what multiplies the sums of L */
     double *inverse_size; /* [unknowns] */
 } galerkin_nodes;
+
+/* The same, of whom all move. */
+static inline galerkin_nodes galerkin_all_moving(const galerkin_nodes *nodes)
+{
+    galerkin_nodes all = *nodes;
+    all.moving = all.half;
+    return all;
+}
 
 /* out[u][k] = start[u] + (theta[k] drift[u] + scale[u] sum_j table_jk impulses[u][j]), u < count, k < places: 1, all
  * lanes or TVI_SAMPLES; table [lanes][places]. */

@@ -28,7 +28,7 @@ static void displace(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
     for (int u = 0; u < nodes->unknowns; u++)
-        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes; k++) {
+        for (int k = u * nodes->lanes; k < (u + 1) * nodes->lanes && u % nodes->half < nodes->moving; k++) {
             const double size = UNITS * DBL_EPSILON * (fabs(nodes->start[u]) + fabs(nodes->x[k] - nodes->start[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
             nodes->x[k] += bits >> 63 ? size : -size;

@@ -149,6 +149,43 @@ START_TEST(results_at_times_have_them)
 }
 END_TEST
 
+/* A spring, and a winch whose inertia it changes: H has its angle by what hangs from it alone. */
+static jet winch(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const double *weight = ctx;
+    const jet hangs = weight ? jet_const(*weight) : jet_parameter(q[0], 0, 0), inverse = jet_add(1, jet_div(q[0], 4));
+    (void)t;
+    const jet kinetic = jet_add(jet_sqr(p[0]), jet_mul(inverse, jet_sqr(p[1])));
+    return jet_add(jet_div(jet_add(kinetic, jet_sqr(q[0])), 2), jet_mul(hangs, q[1]));
+}
+
+/* The angle is a quadrature where nothing hangs, and else is not. */
+START_TEST(forces_that_are_recorded_as_0)
+{
+    static const double weights[] = {0, 0.25};
+    state ends[2][2];
+    tvi_system *open;
+    ck_assert_int_eq(tvi_system_hamiltonian(&open, N, winch, NULL), TVI_OK);
+    tvi_integrator *it = integrator_of(open, &methods[0]);
+    for (int i = 0; i < 2; i++) {
+        tvi_system *closed;
+        ck_assert_int_eq(tvi_system_hamiltonian(&closed, N, winch, (void *)&weights[i]), TVI_OK);
+        tvi_integrator *by_number = integrator_of(closed, &methods[0]), *by_taylor = integrator_of(closed, &methods[4]);
+        ck_assert_int_eq(tvi_integrator_set_parameters(it, &weights[i]), TVI_OK);
+        ends[i][0] = run(it, STEPS);
+        ends[i][1] = run(by_number, STEPS);
+        const state expected = run(by_taylor, STEPS);
+        for (int k = 0; k < 2; k++) ck_assert_double_le(distance(&ends[i][k], &expected), ROUNDOFF);
+        tvi_integrator_free(by_number);
+        tvi_integrator_free(by_taylor);
+        tvi_system_free(closed);
+    }
+    ck_assert_double_ge(distance(&ends[0][0], &ends[1][0]), 1e-2);
+    tvi_integrator_free(it);
+    tvi_system_free(open);
+}
+END_TEST
+
 Suite *suite_values(void)
 {
     Suite *suite = suite_create("parameters");
@@ -158,6 +195,7 @@ Suite *suite_values(void)
     tcase_add_loop_test(tests, saved_states_have_them, 0, FORMS);
     tcase_add_loop_test(tests, events_have_the_values_of_the_integrator, 0, FORMS);
     tcase_add_loop_test(tests, results_at_times_have_them, 0, FORMS);
+    tcase_add_test(tests, forces_that_are_recorded_as_0);
     suite_add_tcase(suite, tests);
     return suite;
 }
