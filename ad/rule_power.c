@@ -123,25 +123,52 @@ JET_INLINE __m512d inverse_of_roots(int k, inverse_root of)
     return usual == 0xff ? rounded : _mm512_mask_blend_pd(usual, 1 / _mm512_sqrt_pd(of.a), rounded);
 }
 
-JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *restrict z)
+/* `power` from the first one on, of a block. */
+enum { INVERSE_ROOTS = 4 };
+typedef void powers_of_block(int k, int powers, __m512d a, __m512d power[]);
+
+JET_INLINE void inverse_roots(int k, int powers, __m512d a, __m512d power[])
 {
+    const inverse_root root = near_inverse_root(a);
+    for (int i = 0; i < powers; i++) power[i] = inverse_of_roots(k - 2 * i, root);
+}
+
+/* a^(quarters/4) for 3, -1, -3 and -5 of them: with r = a^(-1/2), whose root is a^(-1/4), a^i r^j a^(-1/4). */
+JET_INLINE void odd_quarters(int quarters, int powers, __m512d a, __m512d power[])
+{
+    const int ups = (quarters + 3) / 4;
+    const __m512d bounded = ups > 0 ? _mm512_min_pd(_mm512_set1_pd(DBL_MAX), a) : a;
+    const __m512d r = inverse_of_roots(1, near_inverse_root(bounded));
+    (void)powers;
+    *power = _mm512_sqrt_pd(r);
+    for (int i = quarters; i < -1; i += 2) *power *= r;
+    for (int i = 0; i < ups; i++) *power *= a;
+}
+
+JET_INLINE bool in_blocks(powers_of_block *of_block, int k, int powers, int width, const double *a, double *restrict z)
+{
+    __m512d power[INVERSE_ROOTS];
     __mmask8 outside = 0;
     int w = 0;
     for (; w + 8 <= width; w += 8) {
         const __m512d block = _mm512_loadu_pd(a + w);
-        const inverse_root root = near_inverse_root(block);
         outside |= _mm512_cmp_pd_mask(block, _mm512_setzero_pd(), _CMP_LE_OQ);
-        for (int i = 0; i < powers; i++) _mm512_storeu_pd(z + i * width + w, inverse_of_roots(k - 2 * i, root));
+        of_block(k, powers, block, power);
+        for (int i = 0; i < powers; i++) _mm512_storeu_pd(z + i * width + w, power[i]);
     }
     if (w < width) {
         const __mmask8 rest = (__mmask8)((1 << (width - w)) - 1);
         const __m512d block = _mm512_maskz_loadu_pd(rest, a + w);
-        const inverse_root root = near_inverse_root(block);
         outside |= _mm512_mask_cmp_pd_mask(rest, block, _mm512_setzero_pd(), _CMP_LE_OQ);
-        for (int i = 0; i < powers; i++)
-            _mm512_mask_storeu_pd(z + i * width + w, rest, inverse_of_roots(k - 2 * i, root));
+        of_block(k, powers, block, power);
+        for (int i = 0; i < powers; i++) _mm512_mask_storeu_pd(z + i * width + w, rest, power[i]);
     }
     return !outside;
+}
+
+JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *restrict z)
+{
+    return in_blocks(inverse_roots, k, powers, width, a, z);
 }
 #else
 JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *restrict z)
@@ -159,6 +186,10 @@ JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *r
 /* Apart, so that gravity does not pay for the registers of all the others. */
 static __attribute__((noinline)) bool other_power(double c, int width, const double *a, double *restrict z)
 {
+#if defined(__AVX512F__)
+    if (c == 0.75 || c == -0.25 || c == -0.75 || c == -1.25)
+        return in_blocks(odd_quarters, (int)(4 * c), 1, width, a, z);
+#endif
     if (fabs(4 * c) <= QUARTERS_MAX && 4 * c == floor(4 * c)) power_by_quarters((int)(4 * c), width, a, z);
     else jet_all_pow(c, width, a, z);
     return c == floor(c) ? is_nonzero(width, a) : is_positive(width, a);

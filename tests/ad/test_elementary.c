@@ -23,6 +23,9 @@ POW(pow_large, -17)
 POW(pow_3_4, 0.75)
 POW(pow_1_4, 0.25)
 POW(pow_7_4, -1.75)
+POW(pow_root_4, -0.25)
+POW(pow_root_3_4, -0.75)
+POW(pow_5_4, -1.25)
 POW(pow_1_2, -0.5)
 POW(pow_3_2, -1.5)
 POW(pow_5_2, -2.5)
@@ -63,6 +66,9 @@ static const elementary functions[] = {
     {"pow", {pow_1_4}, 0.25, 1e-3, 1e3, 1.5},
     {"pow", {pow_3_4}, 0.75, 1e-3, 1e3, 2.5},
     {"pow", {pow_7_4}, -1.75, 1e-3, 1e3, 5},
+    {"pow", {pow_root_4}, -0.25, 1e-320, 1e308, 2},
+    {"pow", {pow_root_3_4}, -0.75, 1e-300, 1e300, 3.5},
+    {"pow", {pow_5_4}, -1.25, 1e-200, 1e200, 3.5},
     {"pow", {pow_1_2}, -0.5, 1e-320, 1e308, 1.5},
     {"pow", {pow_3_2}, -1.5, 1e-60, 1e60, 2.5},
     {"pow", {pow_5_2}, -2.5, 1e-60, 1e60, 3},
