@@ -40,7 +40,7 @@ enum { EARLY_STEPS = 4 };
 static const double AS_LONG = 0.8;
 /* What h is multiplied by where a step fails; and of a rescaled system, for the same reason; at least elsewhere; and
  * where an error is of no order. */
-static const double FAILS = 0.88, FAILS_LATER = 0.8, LEAST_FACTOR = 0.25, OF_NO_ORDER = 1e-3;
+static const double FAILS = 0.88, FAILS_LATER = 0.7, LEAST_FACTOR = 0.25, OF_NO_ORDER = 1e-3;
 /* The first h: a step that just resolves the orbit makes this error, times its tail to the power order / degree; and a
  * trial knows this part of the run. No h is longer than a step with a tail of this many times the scout's. */
 static const double RESOLVED = 0.1, KNOWN = 0.05, MOST_TAILS = 40;

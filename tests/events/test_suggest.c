@@ -190,6 +190,25 @@ START_TEST(rescaled_systems)
 }
 END_TEST
 
+/* A first passage that is just right is no sign that others are: at e = 0.99 and 0.999 runs with a step a seventh longer
+ * than the suggested one fail in a later one. */
+START_TEST(later_passages_are_harder)
+{
+    static const hard_scene *const orbits[] = {&hard_kepler_90, &hard_kepler_99, &hard_kepler_999};
+    const scene *s = &orbits[_i]->scene;
+    tvi_system *base, *system;
+    tvi_suggestion found;
+    ck_assert_int_eq(scene_system(s, &base), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&system, base, orbits[_i]->scale, NULL), TVI_OK);
+    trip to = {.system = system, .options = tvi_options_default(), .n = 2, .q = s->q, .p = s->p, .duration = s->t_end};
+    look_ahead(&to, 0.3);
+    const double error = reached(&to, 1e-4, &found);
+    ck_assert_msg(error <= 1 && found.h > 1.2 && found.h < 1.6, "%s: h = %g, %g", s->name, found.h, error);
+    tvi_system_free(system);
+    tvi_system_free(base);
+}
+END_TEST
+
 /* "taylor" of order 12 makes most of the error of the double pendulum in a few steps, after a fifth of the run: the
  * first twenty trial steps do not get there. */
 START_TEST(hard_places_come_late)
@@ -337,6 +356,7 @@ Suite *suite_suggest(void)
     tcase_add_test(errors, chaotic_errors_grow_on);
     tcase_add_test(errors, driven_systems);
     tcase_add_loop_test(errors, rescaled_systems, 0, 2);
+    tcase_add_loop_test(errors, later_passages_are_harder, 0, 3);
     tcase_add_test(errors, hard_places_come_late);
     tcase_add_test(errors, large_first_steps_are_found_out);
     tcase_add_test(errors, long_runs_are_looked_at_closely);
