@@ -190,8 +190,8 @@ START_TEST(rescaled_systems)
 }
 END_TEST
 
-/* A first passage that is just right is no sign that others are: at e = 0.99 and 0.999 runs with a step a seventh longer
- * than the suggested one fail in a later one. */
+/* A first passage that is just right is no sign that others are: at e = 0.99 and 0.999 runs with a step longer by a
+ * seventh fail in a later one. */
 START_TEST(later_passages_are_harder)
 {
     static const hard_scene *const orbits[] = {&hard_kepler_90, &hard_kepler_99, &hard_kepler_999};
