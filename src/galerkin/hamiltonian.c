@@ -16,8 +16,6 @@ typedef struct {
     int *slot[2], *unknown, *place; /* the same as of the passes */
 } hamiltonian;
 
-static int rounded_up(int rows) { return (rows + LANES_ROWS - 1) / LANES_ROWS * LANES_ROWS; }
-
 static void take_rounds(lanes_rounds *rounds, tvi_arena *arena, size_t rows, size_t lanes)
 {
     rounds->matrix = tvi_arena_take(arena, lanes * lanes * sizeof *rounds->matrix);
@@ -31,7 +29,6 @@ static void take_rounds(lanes_rounds *rounds, tvi_arena *arena, size_t rows, siz
 static void take(galerkin_field *field, tvi_arena *arena)
 {
     const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
-    const size_t rows = (size_t)rounded_up(field->nodes.unknowns) + LANES_ROWS;
     hamiltonian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
     hamiltonian w = {.passes = {.loops = field->loops}};
     field->rows = field->nodes.unknowns;
@@ -43,9 +40,9 @@ static void take(galerkin_field *field, tvi_arena *arena)
     w.passes.drives.x = field->nodes.x ? field->nodes.x + unknowns * lanes : NULL;
     w.passes.drives.high = w.passes.drives.base = tvi_arena_doubles(arena, unknowns * lanes);
     w.passes.drives.scale = tvi_arena_doubles(arena, unknowns);
-    w.passes.rounds.unknown = w.unknown = tvi_arena_take(arena, rows * sizeof(int));
-    w.passes.rounds.place = w.place = tvi_arena_take(arena, rows * rows * sizeof(int));
-    take_rounds(&w.passes.rounds, arena, rows, lanes);
+    w.passes.rounds.unknown = w.unknown = tvi_arena_take(arena, unknowns * sizeof(int));
+    w.passes.rounds.place = w.place = tvi_arena_take(arena, unknowns * unknowns * sizeof(int));
+    take_rounds(&w.passes.rounds, arena, unknowns, lanes);
     w.passes.changes = tvi_arena_doubles(arena, unknowns * lanes);
     for (int i = 0; i < 2; i++) w.passes.slot[i] = w.slot[i] = tvi_arena_take(arena, unknowns * sizeof(int));
     if (taken) *taken = w;
@@ -69,24 +66,34 @@ static bool takes_part(const galerkin_field *field, const galerkin_model *model,
     return depends(model, unknown) && depends(model, driving(field, unknown));
 }
 
-/* Where the second derivative stands in their block: zeros where it is none, or where there is no such row. */
+/* Where the second derivative stands in their block: zeros where it is none. */
 static int place_of(const galerkin_field *field, const galerkin_model *model, int row, int column)
 {
-    const int begin = row < 0 ? 0 : begin_of(model, row), end = row < 0 ? 0 : model->end[row];
     int slot = field->system->second_values->slots;
-    for (int k = begin; k < end; k++)
+    for (int k = begin_of(model, row); k < model->end[row]; k++)
         if (model->term[k].column == column) slot = model->term[k].slot;
     return slot * field->nodes.lanes;
 }
 
-/* Adds those whose drives change and that take part, or not; then rows of none. The number of them all. */
+/* Adds those whose drives change and that take part, or not. The number of them all. */
 static int add_rows(const galerkin_field *field, const galerkin_model *model, bool part, int rows, int *unknown)
 {
     for (int u = 0; u < field->nodes.unknowns; u++)
         if (depends(model, driving(field, u)) && takes_part(field, model, u) == part) unknown[rows++] = u;
-    const int end = rounded_up(rows);
-    while (rows < end) unknown[rows++] = -1;
-    return end;
+    return rows;
+}
+
+/* Of the groups of rows from `first` to `end`. Returns what follows. */
+static int *add_places(const galerkin_field *field, const galerkin_model *model, const lanes_rounds *rounds, int first,
+                       int end, int *place)
+{
+    for (int group; first < end; first += group) {
+        group = lanes_group(end - first);
+        for (int column = 0; column < rounds->count; column++)
+            for (int i = first; i < first + group; i++)
+                *place++ = place_of(field, model, driving(field, rounds->unknown[i]), rounds->unknown[column]);
+    }
+    return place;
 }
 
 static void set_rounds(const galerkin_field *field, const hamiltonian *w, lanes_rounds *rounds)
@@ -97,13 +104,8 @@ static void set_rounds(const galerkin_field *field, const hamiltonian *w, lanes_
     rounds->rows = add_rows(field, model, false, rounds->moving, w->unknown);
     rounds->second = model->blocks.second;
     for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++) rounds->matrix[i] = (float)field->matrix[i];
-    int *place = w->place;
-    for (int first = 0; first < rounds->rows; first += LANES_ROWS)
-        for (int column = 0; column < rounds->count; column++)
-            for (int i = first; i < first + LANES_ROWS; i++) {
-                const int row = rounds->unknown[i] < 0 ? -1 : driving(field, rounds->unknown[i]);
-                *place++ = place_of(field, model, row, rounds->unknown[column]);
-            }
+    int *place = add_places(field, model, rounds, 0, rounds->moving, w->place);
+    (void)add_places(field, model, rounds, rounds->moving, rounds->rows, place);
 }
 
 static void prepare(galerkin_field *field)

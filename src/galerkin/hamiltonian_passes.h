@@ -41,7 +41,7 @@ static inline void hamiltonian_set_sizes(const hamiltonian_passes *w)
 {
     const lanes_rounds *rounds = &w->rounds;
     for (int i = 0; i < rounds->rows; i++) {
-        rounds->per_size[i] = rounds->unknown[i] < 0 ? 0 : w->nodes->inverse_size[rounds->unknown[i]];
+        rounds->per_size[i] = w->nodes->inverse_size[rounds->unknown[i]];
         rounds->size[i] = 1 / rounds->per_size[i];
     }
 }

@@ -31,16 +31,17 @@ typedef struct {
 } lanes_model;
 
 /* Second derivatives at each node: what drives unknowns, the rows, by the movement of those that move and that
- * something else depends on, the columns. The rows are those of the columns, then those that nothing depends on, both
- * rounded up to as many as have sums that need not wait for each other. */
+ * something else depends on, the columns. The rows are those of the columns, then those that nothing depends on: both
+ * in groups of LANES_ROWS, whose sums do not wait for each other, then of half as many, and so on. */
 enum { LANES_ROWS = 4 };
+static inline int lanes_group(int rows) { return rows >= LANES_ROWS ? LANES_ROWS : rows >= 2 ? 2 : 1; }
 typedef struct {
     int count, moving, rows; /* columns, their rows, all rows */
-    const int *unknown;      /* [rows] -1: none */
-    const int *place;        /* [rows / LANES_ROWS][count][LANES_ROWS] in the block of the second derivatives: */
+    const int *unknown;      /* [rows] */
+    const int *place;        /* group by group [count][group] in the block of the second derivatives: */
     const double *second;    /* it has zeros, too */
     float *matrix;           /* of a movement, [lanes][lanes] */
-    float *packed;           /* the same, [rows / LANES_ROWS][count][LANES_ROWS][lanes] */
+    float *packed;           /* the same, [count][group][lanes] */
     double *size, *per_size; /* [rows] of the unknowns, in this step */
     float *change, *total;   /* [rows][lanes] the last round's, and all with the movement, */
     float *impulse, *all;    /* [rows][lanes] and the impulses by both */

@@ -41,16 +41,29 @@ typedef float single_jet_v1;
     else if (lanes % 2 == 0) BODY(jet_v2, (lanes / 2))                                                                 \
     else BODY(jet_v1, lanes)
 
+/* BODY(V, blocks, rows) of the groups of rows from `first` on (lanes_group). */
+#define GROUPS_OF(V, blocks, BODY, end, group)                                                                         \
+    for (; first + (group) <= (end); first += (group)) BODY(V, blocks, group)
+#define IN_GROUPS(V, blocks, BODY, end)                                                                                \
+    GROUPS_OF(V, blocks, BODY, end, LANES_ROWS)                                                                        \
+    GROUPS_OF(V, blocks, BODY, end, 2)                                                                                 \
+    GROUPS_OF(V, blocks, BODY, end, 1)
+
+#define PACK_ROWS(V, blocks, group)                                                                                    \
+    for (int column = 0; column < count; column++, place += (group), packed += (group)*lanes)                          \
+        for (int b = 0; b < (blocks); b++) {                                                                           \
+            const V of_column = (scale[unknown[column]] * size[column]) * BLOCK_OF(V, weight, b);                      \
+            for (int i = 0; i < (group); i++) {                                                                        \
+                const V by = per_size[first + i] * of_column;                                                          \
+                SINGLE_AT(V, packed + i * lanes, b) = NARROW_##V(by * BLOCK_OF(V, second + place[i], b));              \
+            }                                                                                                          \
+        }
 #define PACK(V, blocks)                                                                                                \
-    for (int first = 0; first < rounds->rows; first += LANES_ROWS)                                                     \
-        for (int column = 0; column < count; column++, place += LANES_ROWS, packed += LANES_ROWS * lanes)              \
-            for (int b = 0; b < (blocks); b++) {                                                                       \
-                const V of_column = (scale[unknown[column]] * size[column]) * BLOCK_OF(V, weight, b);                  \
-                for (int i = 0; i < LANES_ROWS; i++) {                                                                 \
-                    const V by = per_size[first + i] * of_column;                                                      \
-                    SINGLE_AT(V, packed + i * lanes, b) = NARROW_##V(by * BLOCK_OF(V, second + place[i], b));          \
-                }                                                                                                      \
-            }
+    {                                                                                                                  \
+        int first = 0;                                                                                                 \
+        IN_GROUPS(V, blocks, PACK_ROWS, rounds->moving)                                                                \
+        IN_GROUPS(V, blocks, PACK_ROWS, rounds->rows)                                                                  \
+    }
 
 /* What drives a row by the movement of a column, from the second derivatives. The scale of an unknown is a sign, which
  * the movements of the rounds have in their unit. */
@@ -64,21 +77,28 @@ JET_INLINE void pack_second(const galerkin_nodes *nodes, const lanes_rounds *rou
     ALL_LANES(lanes, PACK)
 }
 
-#define DRIVE_SINGLE(V, blocks)                                                                                        \
-    for (int first = 0; first < rows; first += LANES_ROWS, out += LANES_ROWS * lanes) {                                \
-        SINGLE(V) sum[LANES_ROWS][MOST_BLOCKS];                                                                        \
-        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
+#define DRIVE_ROWS(V, blocks, group)                                                                                   \
+    {                                                                                                                  \
+        SINGLE(V) sum[group][MOST_BLOCKS];                                                                             \
+        for (int i = 0; i < (group); i++)                                                                              \
             for (int b = 0; b < (blocks); b++) sum[i][b] = (SINGLE(V)){0};                                             \
         for (int column = 0; column < count; column++)                                                                 \
-            for (int i = 0; i < LANES_ROWS; i++, packed += lanes)                                                      \
+            for (int i = 0; i < (group); i++, packed += lanes)                                                         \
                 for (int b = 0; b < (blocks); b++)                                                                     \
                     sum[i][b] += SINGLE_OF(V, packed, b) * SINGLE_OF(V, change + column * lanes, b);                   \
-        for (int i = 0; i < LANES_ROWS; i++)                                                                           \
-            for (int b = 0; b < (blocks); b++) SINGLE_AT(V, out + i * lanes, b) = sum[i][b];                           \
+        for (int i = 0; i < (group); i++, out += lanes)                                                                \
+            for (int b = 0; b < (blocks); b++) SINGLE_AT(V, out, b) = sum[i][b];                                       \
+    }
+#define DRIVE_SINGLE(V, blocks)                                                                                        \
+    {                                                                                                                  \
+        int first = 0;                                                                                                 \
+        IN_GROUPS(V, blocks, DRIVE_ROWS, rounds->moving)                                                               \
+        const int end = all ? rounds->rows : first;                                                                    \
+        IN_GROUPS(V, blocks, DRIVE_ROWS, end)                                                                          \
     }
 
-/* The impulses of the first rows by a change. */
-JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, int rows, float *out, int lanes)
+/* The impulses by a change, of all rows or of those that move. */
+JET_INLINE void drive_rows(const lanes_rounds *rounds, const float *change, bool all, float *out, int lanes)
 {
     const int count = rounds->count;
     const float *packed = rounds->packed;
@@ -133,7 +153,7 @@ JET_INLINE double change_by_impulses(const lanes_rounds *rounds, int lanes)
 
 #define WIDEN(V, blocks)                                                                                               \
     for (int i = 0; i < rounds->rows; i++)                                                                             \
-        for (int b = 0; b < (rounds->unknown[i] < 0 ? 0 : (blocks)); b++)                                              \
+        for (int b = 0; b < (blocks); b++)                                                                             \
             BLOCK_AT(V, changes + rounds->unknown[i] * lanes, b) =                                                     \
                 UNIT * rounds->size[i] * WIDEN_##V(SINGLE_OF(V, rounds->all + i * lanes, b));
 
@@ -150,11 +170,11 @@ JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const lanes_rounds *
     do {
         earlier = before;
         before = now;
-        drive_rows(rounds, rounds->change, rounds->moving, rounds->impulse, lanes);
+        drive_rows(rounds, rounds->change, false, rounds->impulse, lanes);
         now = UNIT * UNIT * change_by_impulses(rounds, lanes);
     } while (++turn < MOST_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
              (now < before || now < earlier));
-    drive_rows(rounds, rounds->total, rounds->rows, rounds->all, lanes);
+    drive_rows(rounds, rounds->total, true, rounds->all, lanes);
     if (now <= first) ALL_LANES(lanes, WIDEN)
     else memset(changes, 0, (size_t)(nodes->unknowns * lanes) * sizeof *changes);
 }
