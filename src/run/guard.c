@@ -13,7 +13,7 @@
  * docs/stability.md. Plain Taylor steps bound the change of the energy by their last terms, and Stormer-Verlet, which
  * has no tail, by its forces. */
 static const double SURE_TAIL = 1e-3;
-enum { SURE_PASSES = 12 };
+enum { SURE_PASSES = 32 };
 /* The part of the energy that a step may change. Near a pericentre steps that are right to 1e-3 were seen to change it
  * by 4 %. */
 static const double MOST_CHANGE = 0.05;
