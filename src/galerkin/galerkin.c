@@ -229,12 +229,11 @@ static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
 /* By generated code; false where it is to be made in another way. */
 static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
-    const galerkin_predictor *before = &w->predictor;
-    galerkin_outcome to = {
-        {tvi_galerkin_impulses(before, 0), tvi_galerkin_impulses(before, -1)}, dq, dp, TVI_NO_PASSES, 0, 0};
-    to.passes.slowest = before->last->slowest;
+    galerkin_outcome to;
+    to.dq = dq;
+    to.dp = dp;
     set_times(w, origin, w->field.h);
-    const bool is_made = w->field.loops->steady(&w->frame, origin, &to);
+    const bool is_made = tvi_galerkin_make_steadily(w, origin, &to);
     stats->passes += to.passes.count;
     stats->force_evaluations += to.passes.count * w->field.points;
     stats->factorisations += to.factors * w->field.points;
@@ -250,12 +249,12 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     galerkin *w = work;
     const galerkin_history *last = w->predictor.last;
     tvi_galerkin_set_size(w, h);
-    w->field.nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
     double part, slowest = h == last->h ? last->slowest : 0;
     const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY &&
                               tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
     const bool is_steady = extrapolates && tvi_galerkin_is_steady(&w->predictor, &w->field, part);
     if (is_steady && w->field.loops->steady && step_steadily(w, origin, dq, dp, stats)) return TVI_OK;
+    w->field.nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
     set_start(w, origin);
     tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &slowest, stats);
     if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &slowest, stats);
@@ -337,6 +336,7 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 const tvi_stepper tvi_stepper_galerkin = {.take = take,
                                           .prepare = prepare,
                                           .step = step,
+                                          .run = tvi_galerkin_run,
                                           .dense = dense,
                                           .sample = sample,
                                           .is_superconvergent = true,

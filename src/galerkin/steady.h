@@ -21,8 +21,8 @@ typedef struct galerkin_frame {
 /* One step: the impulses of the last one and of the one before; what it does, but for its impulses, which are in the
  * nodes. */
 typedef struct galerkin_outcome {
-    const double *const impulses[2];
-    double *const dq, *const dp;
+    const double *impulses[2];
+    double *dq, *dp;
     tvi_passes passes; /* slowest: of the last step */
     double tail;
     int factors; /* of second derivatives at the nodes, so often were they taken */

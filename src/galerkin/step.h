@@ -25,6 +25,11 @@ typedef struct {
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
 void tvi_galerkin_set_size(galerkin *w, double h);
 
+/* A step by generated code, from the history, which it does not change; dq and dp are where it puts the increments. */
+bool tvi_galerkin_make_steadily(galerkin *w, const tvi_origin *origin, galerkin_outcome *to);
+/* Steps by generated code in a row: stepper.h. */
+long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats);
+
 /* Whether its passes know no second derivatives. */
 bool tvi_galerkin_is_plain(const tvi_system *system);
 

@@ -9,6 +9,14 @@ typedef struct {
     const double *q, *q_low, *p, *p_low;
 } tvi_origin;
 
+/* A state as the steps have it, N = n of the system that they are made of: the user's q[n], p[n] and the time are q[i],
+ * p[i], i < n, and q[n]. What the steps move in is q[N]: the time, or the s of a rescaled system, whose p[n] is e. Low:
+ * low-order parts. */
+typedef struct {
+    double *q, *q_low; /* [N + 1] */
+    double *p, *p_low; /* [N] */
+} tvi_run_state;
+
 /* The starts of the steps of several members of an ensemble, each in a lane of its own: [components][width], the member
  * fastest; t and t_low [width]. */
 typedef struct {

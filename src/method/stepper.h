@@ -37,6 +37,19 @@ typedef struct {
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 } tvi_uses;
 
+/* Steps without series are to be returned, whatever their energies, up to this tail and so many passes. */
+typedef struct {
+    double tail;
+    int passes;
+} tvi_sure;
+/* Steps in a row: at most so many of size h, each of them sure; dq [n + 1] and dp [n] are theirs. */
+typedef struct {
+    double h;
+    long steps;
+    tvi_sure sure;
+    double *dq, *dp;
+} tvi_row;
+
 /* What a step made of the members: all that the stepper writes, but its own work. */
 typedef struct {
     double *dq, *dp;    /* [components][width] */
@@ -72,6 +85,9 @@ typedef struct {
     /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
      * dq and dp are undefined. */
     tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
+    /* Steps from `now`, which moves on, each as `step` makes it; how many: one that is not to be made so is not begun.
+     * NULL: there are none. */
+    long (*run)(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats);
     /* The state at t0 + theta h of the last step, less the one at its start: dq, dp [n]. */
     void (*dense)(void *work, double theta, double dq[], double dp[]);
     /* The states at all tvi_sample_place, from the one at the start: q, p [n][TVI_SAMPLES], of[0] of q and of[1] of p.

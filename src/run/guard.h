@@ -15,11 +15,6 @@ typedef struct {
     bool took_series;
     const double *most_change;
 } tvi_signs;
-/* Steps without series are to be returned, whatever their energies, up to this tail and so many passes. */
-typedef struct {
-    double tail;
-    int passes;
-} tvi_sure;
 tvi_sure tvi_guard_sure(const tvi_integrator *it);
 /* The tail is one that may be: TVI_ETOOLARGE. */
 TVI_NODISCARD tvi_status tvi_guard_tail(const tvi_integrator *it, double tail);

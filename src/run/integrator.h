@@ -5,14 +5,6 @@
 #include "method/stepper.h"
 #include "system/energy.h"
 
-/* A state as the steps have it, N = n of the system that they are made of: the user's q[n], p[n] and the time are q[i],
- * p[i], i < n, and q[n]. What the steps move in is q[N]: the time, or the s of a rescaled system, whose p[n] is e. Low:
- * low-order parts. */
-typedef struct {
-    double *q, *q_low; /* [N + 1] */
-    double *p, *p_low; /* [N] */
-} tvi_run_state;
-
 /* The energy of a run: its size at the start, and its value now. */
 typedef struct {
     double scale, H;

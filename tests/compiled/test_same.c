@@ -119,6 +119,61 @@ START_TEST(compiled_steps_are_those_of_the_tape)
 }
 END_TEST
 
+typedef struct {
+    motion m, middle; /* at the end of the run, and in the middle of its last step */
+    tvi_stats stats;
+    tvi_status status;
+} travel;
+
+/* All steps by one call, or by one each. */
+static travel travel_by(const tvi_system *system, const tvi_options *options, const whose *of, long steps, long at_once)
+{
+    travel made = {.m = motion_start(of->scene)};
+    tvi_integrator *integrator;
+    motion *m = &made.m, *middle = &made.middle;
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, options), TVI_OK);
+    for (long k = 0; k < steps && made.status == TVI_OK; k += at_once)
+        made.status = tvi_integrate(integrator, of->h, at_once, &m->t, m->q, m->p, NULL, NULL);
+    ck_assert_int_eq(tvi_dense(integrator, 0.5, middle->q, middle->p) == TVI_OK, made.status == TVI_OK);
+    made.stats = *tvi_integrator_stats(integrator);
+    tvi_integrator_free(integrator);
+    return made;
+}
+
+/* A call that makes many steps makes those of many calls, to the bit; where the guard looks at some of them, too. */
+START_TEST(steps_in_a_row_are_those_one_by_one)
+{
+    static const struct {
+        whose of;
+        double max_tail;
+        long least, most; /* steps */
+    } rows[] = {{{&scene_kepler, 0.25, false}, 0, STEPS, STEPS},
+                {{&scene_kepler, 0.25, false}, 1e-6, 4, 20},
+                {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS},
+                {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS},
+                {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS}};
+    const whose *of = &rows[_i].of;
+    systems its;
+    const tvi_system *system = open_systems(of, &its);
+    tvi_options options = tvi_options_default();
+    tvi_compiled *code;
+    options.max_tail = rows[_i].max_tail;
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &quick), TVI_OK);
+    options.compiled = code;
+    const travel row = travel_by(system, &options, of, STEPS, STEPS),
+                 single = travel_by(system, &options, of, STEPS, 1);
+    ck_assert_mem_eq(&row.m, &single.m, sizeof row.m);
+    ck_assert_mem_eq(&row.middle, &single.middle, sizeof row.middle);
+    ck_assert_mem_eq(&row.stats, &single.stats, sizeof row.stats);
+    ck_assert_int_eq(row.status, single.status);
+    ck_assert_int_eq(row.status, rows[_i].most < STEPS ? TVI_ETOOLARGE : TVI_OK);
+    ck_assert_int_ge(row.stats.steps, rows[_i].least);
+    ck_assert_int_le(row.stats.steps, rows[_i].most);
+    tvi_compiled_free(code);
+    free_systems(&its);
+}
+END_TEST
+
 /* A fall into the center: the last step fails where that of the tape does, and says the same. */
 START_TEST(steps_fail_as_those_of_the_tape)
 {
@@ -211,6 +266,7 @@ Suite *suite_same(void)
     tcase_set_timeout(control, 60);
     tcase_add_loop_test(same, compiled_steps_are_those_of_the_tape, 0, RUNS);
     tcase_add_loop_test(same, steps_fail_as_those_of_the_tape, 0, 3);
+    tcase_add_loop_test(same, steps_in_a_row_are_those_one_by_one, 0, 5);
     tcase_add_test(same, steps_are_whole);
     tcase_add_test(control, another_code_moves_otherwise);
     suite_add_tcase(suite, same);
