@@ -1,5 +1,5 @@
 /* files.c - see files.h. */
-#define _POSIX_C_SOURCE 200809L
+#define _GNU_SOURCE /* posix_spawn_file_actions_addclosefrom_np */
 #include "compiled/files.h"
 
 #include <errno.h>
@@ -68,26 +68,41 @@ static char *read_all(int file, size_t *size)
 
 char *tvi_file_read(const char *path, size_t *size)
 {
-    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); /* a pipe is not waited for */
     if (file < 0) return NULL;
     char *data = read_all(file, size);
     close(file);
     return data;
 }
 
+bool tvi_file_claim(const char *path) { return chmod(path, 0700) == 0; }
+
 bool tvi_file_move(const char *from, const char *to) { return rename(from, to) == 0; }
 
 /* ---- Directories ------------------------------------------------------------------------------------------------- */
 
-static bool make_parents(char *path)
+typedef bool directory_fn(const char *path);
+
+/* Of all directories above this one, from the top, which is written to for a while. */
+static bool is_true_above(char *path, directory_fn *of)
 {
     for (char *at = path + 1; (at = strchr(at, '/')); at++) {
         *at = 0;
-        const bool is_there = mkdir(path, 0700) == 0 || errno == EEXIST || access(path, X_OK) == 0;
+        const bool is_true = of(path);
         *at = '/';
-        if (!is_there) return false;
+        if (!is_true) return false;
     }
-    return mkdir(path, 0700) == 0 || errno == EEXIST || access(path, X_OK) == 0;
+    return true;
+}
+
+static bool make(const char *path) { return mkdir(path, 0700) == 0 || errno == EEXIST || access(path, X_OK) == 0; }
+
+/* Where everyone may write, everyone may put another directory in the place of one that is there, but where the sticky
+ * bit says no. */
+static bool keeps_what_it_has(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) == 0 && (!(s.st_mode & S_IWOTH) || (s.st_mode & S_ISVTX));
 }
 
 bool tvi_directory_make(const char *path)
@@ -97,12 +112,12 @@ bool tvi_directory_make(const char *path)
     char *copy = malloc(size);
     if (!copy) return false;
     memcpy(copy, path, size);
-    const bool is_made = make_parents(copy);
+    const bool is_made = is_true_above(copy, make) && make(copy) && is_true_above(copy, keeps_what_it_has);
     free(copy);
     return is_made && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) && is_own(&s);
 }
 
-bool tvi_directory_own(char *path) { return mkdtemp(path) != NULL; }
+bool tvi_directory_own(char *path) { return is_true_above(path, keeps_what_it_has) && mkdtemp(path) != NULL; }
 
 void tvi_directory_remove(const char *path, const char *const file[])
 {
@@ -120,6 +135,16 @@ static int wait_for(pid_t child)
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+/* The program's own files are not the compiler's, nor of a server that it may leave behind. */
+static bool closes_others(posix_spawn_file_actions_t *actions)
+{
+#if defined __GLIBC__ && __GLIBC_PREREQ(2, 34)
+    return posix_spawn_file_actions_addclosefrom_np(actions, 3) == 0;
+#else
+    return actions != NULL;
+#endif
+}
+
 int tvi_process_run(char *const argv[], const char *output)
 {
     posix_spawn_file_actions_t actions;
@@ -128,7 +153,7 @@ int tvi_process_run(char *const argv[], const char *output)
     const bool is_set =
         posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0) == 0 &&
         posix_spawn_file_actions_addopen(&actions, 1, output, O_WRONLY | O_CREAT | O_TRUNC, 0600) == 0 &&
-        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0;
+        posix_spawn_file_actions_adddup2(&actions, 1, 2) == 0 && closes_others(&actions);
     const bool is_started = is_set && posix_spawnp(&child, argv[0], &actions, NULL, argv, environ) == 0;
     posix_spawn_file_actions_destroy(&actions);
     return is_started ? wait_for(child) : -1;

@@ -50,17 +50,23 @@ typedef struct {
 
 /* ---- Requests ---------------------------------------------------------------------------------------------------- */
 
+/* What is below a directory, as a path that no compiler takes for an option. */
+static void add_below(jet_text *path, const char *directory, const char *below)
+{
+    jet_text_add(path, "%s%s%s", *directory == '/' ? "" : "./", directory, below);
+}
+
 static void find_directory(request *r, const char *cache)
 {
     const char *home = tvi_environment("HOME"), *user = tvi_environment("XDG_CACHE_HOME");
     r->keeps = !cache || *cache;
-    if (cache && *cache) jet_text_add(&r->directory, "%s", cache);
+    if (cache && *cache) add_below(&r->directory, cache, "");
     else if (!r->keeps || (!home && !user)) {
         const char *temporary = tvi_environment("TMPDIR");
         r->keeps = false;
-        jet_text_add(&r->directory, "%s", temporary ? temporary : "/tmp");
-    } else if (user && *user == '/') jet_text_add(&r->directory, "%s/tvi", user);
-    else jet_text_add(&r->directory, "%s/.cache/tvi", home ? home : "");
+        add_below(&r->directory, temporary ? temporary : "/tmp", "");
+    } else if (user && *user == '/') add_below(&r->directory, user, "/tvi");
+    else add_below(&r->directory, home ? home : "/", "/.cache/tvi");
 }
 
 static void hash(tvi_key *key, const void *data, size_t size)
@@ -136,7 +142,7 @@ static bool is_whole(const char *data, size_t size)
 static bool put_seal(const char *path, const tvi_key *key)
 {
     size_t size = 0;
-    char *data = tvi_file_read(path, &size);
+    char *data = tvi_file_claim(path) ? tvi_file_read(path, &size) : NULL;
     const bool serves = data && is_whole(data, size);
     const seal s = seal_of(key, data, serves ? size : 0);
     free(data);
@@ -221,13 +227,16 @@ static tvi_status open_library(tvi_compiled **out, const char *path)
     return *out ? TVI_OK : TVI_ENOMEM;
 }
 
+/* What cannot be loaded is not kept. */
 static tvi_status compile_and_open(tvi_compiled **out, const request *r, const workshop *w, const jet_text *text,
                                    const char *kept)
 {
     tvi_status status = make_library(r, w, text);
     if (status != TVI_OK) return status;
-    if (!r->keeps) return open_library(out, w->library.data);
-    if (tvi_file_move(w->library.data, kept)) return open_library(out, kept);
+    status = open_library(out, w->library.data);
+    if (status != TVI_OK || !r->keeps || tvi_file_move(w->library.data, kept)) return status;
+    tvi_compiled_free(*out);
+    *out = NULL;
     return jet_refuse(TVI_ECOMPILE, "%s cannot be written", kept);
 }
 
@@ -238,7 +247,7 @@ static tvi_status make_and_open(tvi_compiled **out, const request *r, const jet_
     jet_text_add(&w.directory, "%s/make-XXXXXX", r->directory.data);
     if (w.directory.failed) return TVI_ENOMEM;
     if (!tvi_directory_own(w.directory.data)) {
-        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s", r->directory.data);
+        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or anyone may exchange it", r->directory.data);
         free(w.directory.data);
         return status;
     }
@@ -260,7 +269,8 @@ static tvi_status find_or_make(tvi_compiled **out, const request *r, const jet_t
 {
     jet_text kept = {0};
     if (r->keeps && !tvi_directory_make(r->directory.data))
-        return jet_refuse(TVI_ECOMPILE, "%s is not a directory of the user's own, to which no other may write",
+        return jet_refuse(TVI_ECOMPILE,
+                          "%s is not a directory of the user's own that no other may write to or exchange",
                           r->directory.data);
     jet_text_add(&kept, "%s/%016" PRIx64 "%016" PRIx64 ".so", r->directory.data, r->key.of[0], r->key.of[1]);
     if (kept.failed) return TVI_ENOMEM;

@@ -3,6 +3,7 @@
 #include "compiled.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -60,7 +61,8 @@ static const struct {
     {"   ", "", TVI_ECOMPILE},
     {"cc", "-fno-such-flag", TVI_ECOMPILE},
     {"cc", "-include /nowhere.h", TVI_ECOMPILE},
-    {"cc; touch", "$(id) `id` > x", TVI_ECOMPILE}, /* no shell reads it */
+    {"cc; touch", "$(id) `id` > x", TVI_ECOMPILE},   /* no shell reads it */
+    {"cc", "-O0 -fvisibility=hidden", TVI_ECOMPILE}, /* its function is not found, which is not kept */
     {"sh tests/compiled/killed.sh", NULL, TVI_ECOMPILE},
     {"sh tests/compiled/cut.sh cc", "-O0", TVI_ECOMPILE},
 };
@@ -85,6 +87,22 @@ START_TEST(the_environment_names_the_compiler)
     setenv("CC", "cc", 1);
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
     unsetenv("CC");
+    directory_remove(cache);
+}
+END_TEST
+
+/* What a compiler leaves behind, as a server, has none of the program's files: nobody writes to a pipe after all ends
+ * of it are closed here. */
+START_TEST(files_are_the_programs_own)
+{
+    const char *cache = directory_make();
+    int ends[2];
+    ck_assert_int_eq(pipe(ends), 0);
+    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"sh tests/compiled/server.sh cc", "-O0", cache}), TVI_OK);
+    close(ends[1]);
+    struct pollfd end = {.fd = ends[0], .events = POLLIN};
+    ck_assert_int_eq(poll(&end, 1, 1000), 1);
+    ck_assert_int_eq(end.revents, POLLHUP);
     directory_remove(cache);
 }
 END_TEST
@@ -124,7 +142,33 @@ START_TEST(nothing_is_kept_without_a_cache)
 }
 END_TEST
 
-enum { WRITABLE_BY_OTHERS, OF_ANOTHER, A_LINK, A_FILE, BELOW_A_FILE, NOT_TO_BE_MADE, READ_ONLY, PLACES };
+/* Also where the umask gives files away; and what is written stays the user's. */
+START_TEST(umasks)
+{
+    static const mode_t masks[] = {0, 002, 077};
+    const char *cache = directory_make();
+    umask(masks[_i]);
+    for (int again = 0; again < 2; again++)
+        ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", "-O0", cache}), TVI_OK);
+    ck_assert_int_eq(directory_count(cache, ""), 1);
+    directory_remove(cache);
+}
+END_TEST
+
+/* Names that a compiler or a shell could take for something else. */
+static const char *const names[] = {"-dir", "@dir", "a b'c\"d", "a;b", "-o", "below/-x", ""};
+START_TEST(odd_names)
+{
+    const char *top = directory_make();
+    ck_assert_int_eq(chdir(top), 0);
+    for (int again = 0; again < 2; again++)
+        ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", "-O0", names[_i]}), TVI_OK);
+    if (*names[_i]) ck_assert_int_eq(directory_count(names[_i], ".so"), 1);
+    directory_remove(top);
+}
+END_TEST
+
+enum { WRITABLE_BY_OTHERS, EXCHANGEABLE, OF_ANOTHER, A_LINK, A_FILE, BELOW_A_FILE, NOT_TO_BE_MADE, READ_ONLY, PLACES };
 
 START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
 {
@@ -134,6 +178,7 @@ START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
     snprintf(other, sizeof other, "%s/other", top);
     ck_assert_int_eq(mkdir(_i == A_LINK ? other : path, 0700), 0);
     if (_i == WRITABLE_BY_OTHERS) ck_assert_int_eq(chmod(path, 0770), 0);
+    if (_i == EXCHANGEABLE) ck_assert_int_eq(chmod(top, 0777), 0);
     if (_i == OF_ANOTHER && chown(path, 12345, 12345) != 0)
         snprintf(path, sizeof path, "/usr"); /* only root gives away */
     if (_i == A_LINK) ck_assert_int_eq(symlink(other, path), 0);
@@ -147,6 +192,19 @@ START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
     const tvi_compiler how = {"cc", "-O1", path};
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_ECOMPILE);
     directory_remove(top);
+}
+END_TEST
+
+/* Nor where all may write, but with the sticky bit, as /tmp is. */
+START_TEST(temporary_files_that_others_may_exchange_are_refused)
+{
+    const bool is_sticky = _i;
+    const char *temporary = directory_make();
+    ck_assert_int_eq(chmod(temporary, is_sticky ? 01777 : 0777), 0);
+    setenv("TMPDIR", temporary, 1);
+    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", "-O0", ""}), is_sticky ? TVI_OK : TVI_ECOMPILE);
+    ck_assert_int_eq(directory_count(temporary, ""), 0);
+    directory_remove(temporary);
 }
 END_TEST
 
@@ -222,8 +280,8 @@ START_TEST(the_second_time_nothing_is_compiled)
 }
 END_TEST
 
-/* Cut short, a byte changed, longer, empty, another's, open to others: what is wrong is made anew. */
-enum { CUT, CHANGED, CHANGED_LAST, LONGER, EMPTY, SWAPPED, OPEN, DAMAGES };
+/* Cut short, a byte changed, longer, empty, another's, open to others, a pipe: what is wrong is made anew. */
+enum { CUT, CHANGED, CHANGED_LAST, LONGER, EMPTY, SWAPPED, OPEN, A_PIPE, DAMAGES };
 
 static void damage(const kept_file *k, int how)
 {
@@ -242,6 +300,7 @@ static void damage(const kept_file *k, int how)
         ck_assert_int_eq(pwrite(file, &byte, 1, at), 1);
     }
     close(file);
+    if (how == A_PIPE) ck_assert(unlink(k->path) == 0 && mkfifo(k->path, 0600) == 0);
     if (how != SWAPPED) return;
     char command[800], kept[300];
     snprintf(kept, sizeof kept, "%s.kept", k->path);
@@ -256,7 +315,7 @@ START_TEST(a_damaged_file_is_made_anew)
     const kept_file k = keep_one();
     damage(&k, _i);
     ck_assert_int_eq(try(&scene_kepler, &k.how), TVI_OK);
-    ck_assert(state_of(k.path).st_ino != k.was.st_ino || _i == SWAPPED);
+    ck_assert(state_of(k.path).st_ino != k.was.st_ino || _i == SWAPPED || _i == A_PIPE);
     ck_assert_int_eq(directory_count(k.cache, ""), 1);
     directory_remove(k.cache);
 }
@@ -291,6 +350,10 @@ Suite *suite_cache(void)
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, a_compiler_that_fails_is_told_of, 0, sizeof compilers / sizeof *compilers);
     tcase_add_test(tcase, the_environment_names_the_compiler);
+    tcase_add_test(tcase, files_are_the_programs_own);
+    tcase_add_loop_test(tcase, umasks, 0, 3);
+    tcase_add_loop_test(tcase, odd_names, 0, sizeof names / sizeof *names);
+    tcase_add_loop_test(tcase, temporary_files_that_others_may_exchange_are_refused, 0, 2);
     tcase_add_test(tcase, the_cache_is_where_the_user_keeps_caches);
     tcase_add_test(tcase, nothing_is_kept_without_a_cache);
     tcase_add_loop_test(tcase, a_directory_that_is_not_the_users_own_to_write_to_is_refused, 0, PLACES);
