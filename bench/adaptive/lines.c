@@ -42,10 +42,10 @@ const adaptive_line adaptive_lines[] = {
     {&hard_kepler_999, TOLERANCE, TIMED},
     {&hard_pythagorean, FIXED, .h = 1e-3, TIMED},
     {&hard_pythagorean, FIXED, .h = 1e-4, TIMED},
-    {&hard_pythagorean, OWN, .h = 0.4, TIMED},
+    {&hard_pythagorean, OWN, .h = 0.9, TIMED},
     {&hard_pythagorean, AUTOMATIC, .h = 0.3, TIMED},
-    {&hard_pythagorean, POINCARE, .h = 0.2, TIMED},
-    {&hard_pythagorean, RIGHT, .h = 0.04, TIMED},
+    {&hard_pythagorean, POINCARE, .h = 0.6, TIMED},
+    {&hard_pythagorean, RIGHT, .h = 0.1, TIMED},
     {&hard_pythagorean, TOLERANCE, TIMED},
     {&hard_comet, FIXED, .h = 120.0 / 6400, TIMED},
     {&hard_comet, OWN, .h = 0.06, TIMED},
@@ -55,7 +55,7 @@ const adaptive_line adaptive_lines[] = {
     {&hard_sitnikov, OWN, .h = 0.7, TIMED},
     {&hard_sitnikov, TOLERANCE, TIMED},
     {&hard_three_planets, FIXED, .h = 30.0 / 6400, TIMED},
-    {&hard_three_planets, OWN, .h = 0.5, TIMED},
+    {&hard_three_planets, OWN, .h = 1.2, TIMED},
     {&hard_three_planets, AUTOMATIC, .h = 0.5, TIMED},
     {&hard_three_planets, TOLERANCE, TIMED},
     {.of = NULL},
@@ -73,7 +73,7 @@ const adaptive_line adaptive_errors[] = {
 };
 
 const adaptive_line adaptive_steps[] = {
-    {&hard_pythagorean, OWN, .h = 0.4},
+    {&hard_pythagorean, OWN, .h = 0.9},
     {&hard_pythagorean, AUTOMATIC, .h = 0.3},
     {.of = NULL},
 };

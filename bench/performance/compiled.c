@@ -200,7 +200,7 @@ static void write_adaptives(FILE *table, const experiment *e)
         RESCALED(kepler_90, "Kepler e = 0.9", ADAPTIVE_S_90 / 10, 5),
         RESCALED(kepler_99, "Kepler e = 0.99", ADAPTIVE_S_99 / 10, 8),
         RESCALED(kepler_999, "Kepler e = 0.999", ADAPTIVE_S_999 / 15, 10),
-        RESCALED(pythagorean, "Pythagorean", 0.4, 7),
+        RESCALED(pythagorean, "Pythagorean", 0.9, 7),
         TO_A_TOLERANCE(scene_kepler, "Kepler, tolerance 1e-13, in u", 0.25, 4.1),
         TO_A_TOLERANCE(scene_solar, "Solar System, tolerance 1e-13, in U", 400, 7.4),
     };

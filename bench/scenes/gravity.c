@@ -1,5 +1,7 @@
 #include "gravity.h"
 
+#include <math.h>
+
 enum { PAIRS_MAX = GRAVITY_BODIES_MAX * (GRAVITY_BODIES_MAX - 1) / 2, AXES_MAX = 3 };
 
 /* |q_i - q_j|^2 */
@@ -26,6 +28,6 @@ jet gravity_scale(const jet q[], int bodies, int axes, const double mass[])
     int pairs = 0;
     for (int i = 1; i < bodies; i++)
         for (int j = 0; j < i; j++)
-            term[pairs++] = jet_mul(mass[i] + mass[j], jet_pow(square_of_distance(q, i, j, axes), -1.5));
-    return jet_pow(jet_sum(term, pairs), -0.5);
+            term[pairs++] = jet_mul(cbrt(mass[i] + mass[j]), jet_pow(square_of_distance(q, i, j, axes), -0.5));
+    return jet_pow(jet_sum(term, pairs), -1.5);
 }

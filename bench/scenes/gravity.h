@@ -8,7 +8,8 @@ enum { GRAVITY_BODIES_MAX = 8 };
 
 /* V = -sum_{i<j} m_i m_j / |q_i - q_j|. */
 jet gravity_potential(const jet q[], int bodies, int axes, const double mass[]);
-/* The time scale of the closest pairs: g = (sum_{i<j} (m_i + m_j) / |q_i - q_j|^3)^(-1/2). */
+/* A time scale that follows the closest pairs, of which a single one has (|q_i - q_j|^3 / (m_i + m_j))^(1/2):
+ * g = (sum_{i<j} (m_i + m_j)^(1/3) / |q_i - q_j|)^(-3/2). */
 jet gravity_scale(const jet q[], int bodies, int axes, const double mass[]);
 
 /* Defines both as functions of a scene: potential and scale, of bodies with the masses of an array. */

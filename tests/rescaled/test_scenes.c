@@ -24,14 +24,14 @@ static const struct {
     {&hard_comet, FIXED, 0.075, 5e-4, 5e-3},
     {&hard_sitnikov, OWN, 1, 5e-12, 5e-11},
     {&hard_sitnikov, OWN, 0.5, 0, 1e-12},
-    {&hard_three_planets, OWN, 0.7, 2e-10, 2e-9},
-    {&hard_three_planets, OWN, 0.4, 0, 6e-11},
+    {&hard_three_planets, OWN, 1.45, 2e-10, 2e-9},
+    {&hard_three_planets, OWN, 1, 0, 6e-11},
     {&hard_three_planets, AUTOMATIC, 1, 1e-7, 1e-6},
     {&hard_three_planets, AUTOMATIC, 0.4, 0, 6e-11},
     {&hard_three_planets, FIXED, 0.0047, 0.1, 10},
-    {&hard_pythagorean, OWN, 0.49, 2e-4, 4e-3},
+    {&hard_pythagorean, OWN, 1.2, 2e-4, 4e-3},
     {&hard_pythagorean, AUTOMATIC, 0.49, 1e-2, 2e-1},
-    {&hard_pythagorean, OWN, 0.2963, 0, 1e-3},
+    {&hard_pythagorean, OWN, 0.75, 0, 1e-3},
 };
 enum { ENDS = sizeof ends / sizeof *ends };
 
