@@ -11,13 +11,22 @@ void tvi_galerkin_emit_ints(jet_text *text, const char *name, const char *what, 
     jet_text_add(text, "0};\n");
 }
 
-void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const char *name)
+static void emit_rule(jet_text *text, const tvi_passes_rule *r, const char *name)
+{
+    jet_text_add(text, "static const tvi_passes_rule %s_rule = {%d, %d, %a, %d, %d, %a, %a, %a, %a, ", name, r->most,
+                 r->exactly, r->goal, r->memory, r->is_quadratic, r->contraction, r->far, r->noise, r->first_noise);
+    jet_text_add(text, "%a, %a, %a, %a, %d, %d, %a};\n", r->most_slack, r->slack_above, r->confirmed, r->stuck,
+                 r->turns, r->patience, r->roundoff);
+}
+
+void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name)
 {
     const int lanes = field->nodes.lanes;
     jet_text_add(text, "enum { GALERKIN_LANES = %d };\n", lanes);
     for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_add(text, "%s", *line);
     jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d, %d)\n", name, field->system->n, field->nodes.moving,
                  field->nodes.unknowns, lanes);
+    emit_rule(text, rule, name);
     field->form->emit(text, field, name);
     jet_text_add(text, "static const galerkin_loops %s = {GALERKIN_EMITTED_TABLE(%s)};\n", name, name);
 }

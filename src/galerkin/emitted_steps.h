@@ -11,8 +11,10 @@
 typedef bool steady_field(double *x, int lanes);
 enum { STEADY_MOST = 4096 };
 
-/* What a pass is made by: the field and the rows of it that drive the unknowns, or passes of their own. */
+/* What a pass is made by: the field and the rows of it that drive the unknowns, or passes of their own. The rule is of
+ * constants where the registers are not the field's. */
 typedef struct {
+    const tvi_passes_rule *rule;
     steady_field *run;
     const int *slot;
     galerkin_sweep *sweep;
@@ -55,11 +57,11 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     tvi_passes passes = *shown;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
     if (few && !steady_begin(nodes, form, lanes)) return false;
-    while (verdict == TVI_PASSES_GO_ON && passes.count < frame->rule->most) {
+    while (verdict == TVI_PASSES_GO_ON && passes.count < form->rule->most) {
         double moved;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
         if (!steady_end(frame, nodes, form, &moved, lanes) || !isfinite(moved)) return false;
-        verdict = tvi_passes_judge(&passes, frame->rule, moved);
+        verdict = tvi_passes_judge(&passes, form->rule, moved);
         if (few && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
     }
     *shown = passes;
@@ -110,7 +112,8 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
         enum { ROWS = (SLOTS) + NAME##_copies, IS_SMALL = ROWS * (LANES) <= STEADY_MOST };                             \
         _Alignas(64) double x[IS_SMALL ? ROWS * (LANES) : 1];                                                          \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
-        const steady_form form = {.run = NAME##_values, .slot = NAME##_slot};                                          \
+        const steady_form form = {                                                                                     \
+            .rule = (UNKNOWNS) <= STEADY_FEW ? &NAME##_rule : frame->rule, .run = NAME##_values, .slot = NAME##_slot}; \
         if (IS_SMALL) {                                                                                                \
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
             nodes.x = x;                                                                                               \
@@ -167,7 +170,7 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
         w.model.term = NAME##_term;                                                                                    \
         w.model.end = NAME##_end;                                                                                      \
         w.factors = 0;                                                                                                 \
-        const steady_form form = {.sweep = NAME##_sweep, .lagrangian = &w};                                            \
+        const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .lagrangian = &w};                       \
         const bool is_made = steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));    \
         to->factors = w.factors;                                                                                       \
         return is_made;                                                                                                \
@@ -207,7 +210,7 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
             w.rounds.impulse = impulse;                                                                                \
             w.rounds.all = all;                                                                                        \
         }                                                                                                              \
-        const steady_form form = {.sweep = NAME##_sweep, .hamiltonian = &w};                                           \
+        const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .hamiltonian = &w};                      \
         return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));                  \
     }
 

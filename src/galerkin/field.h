@@ -64,8 +64,8 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
 }
 
 /* Defines `static const galerkin_loops NAME` of generated code that has the sweeps (emit.c), of a field that is
- * prepared; and `static const int NAME_what[]`, with a 0 behind it. */
-void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const char *name);
+ * prepared, whose passes have this rule; and `static const int NAME_what[]`, with a 0 behind it. */
+void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name);
 void tvi_galerkin_emit_ints(jet_text *text, const char *name, const char *what, int count, const int value[]);
 /* Of a block of the tape the rows that a sweep of it does not set. */
 static inline int galerkin_rows_kept(const jet_tape *tape) { return tape->inputs + tape->constants; }

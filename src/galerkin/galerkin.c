@@ -319,7 +319,7 @@ static void emit_loops(jet_text *text, const tvi_system *system, const tvi_optio
     text->failed |= !w;
     if (!w) return;
     prepare(w);
-    tvi_galerkin_emit(text, &w->field, name);
+    tvi_galerkin_emit(text, &w->field, &w->rule, name);
     free(memory);
 }
 
