@@ -55,7 +55,7 @@ const adaptive_line adaptive_lines[] = {
     {&hard_sitnikov, OWN, .h = 0.7, TIMED},
     {&hard_sitnikov, TOLERANCE, TIMED},
     {&hard_three_planets, FIXED, .h = 30.0 / 6400, TIMED},
-    {&hard_three_planets, OWN, .h = 1.2, TIMED},
+    {&hard_three_planets, OWN, .h = 0.5, TIMED},
     {&hard_three_planets, AUTOMATIC, .h = 0.5, TIMED},
     {&hard_three_planets, TOLERANCE, TIMED},
     {.of = NULL},

@@ -22,12 +22,12 @@ jet gravity_potential(const jet q[], int bodies, int axes, const double mass[])
     return jet_sum(term, pairs);
 }
 
-jet gravity_scale(const jet q[], int bodies, int axes, const double mass[])
+jet gravity_scale(const jet q[], int bodies, int axes, const double mass[], double k)
 {
     jet term[PAIRS_MAX];
     int pairs = 0;
     for (int i = 1; i < bodies; i++)
         for (int j = 0; j < i; j++)
-            term[pairs++] = jet_mul(cbrt(mass[i] + mass[j]), jet_pow(square_of_distance(q, i, j, axes), -0.5));
-    return jet_pow(jet_sum(term, pairs), -1.5);
+            term[pairs++] = jet_mul(pow(mass[i] + mass[j], k / 3), jet_pow(square_of_distance(q, i, j, axes), -k / 2));
+    return jet_pow(jet_sum(term, pairs), -1.5 / k);
 }

@@ -5,7 +5,7 @@
 /* Burrau's problem: masses 3, 4, 5 at rest in the corners opposite to the sides 3, 4, 5 of a triangle. The closest of
  * its encounters is at 4.1e-4; at t = 60 the lightest body leaves. To t = 70. */
 static const double mass[] = {3, 4, 5};
-GRAVITY_OF(mass, 2)
+GRAVITY_OF(mass, 2, 1)
 
 const hard_scene hard_pythagorean = {
     .scene = {.name = "pythagorean",

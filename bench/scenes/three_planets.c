@@ -5,7 +5,7 @@
 /* Three planets too close to each other: a = 1, 1.18, 1.42, masses 1e-3 of the star's, on circles at phases 0, 1 and 3.
  * The inner two pass each other at 0.0011 at t = 5.07. To t = 30; the motion is chaotic. */
 static const double mass[] = {1, 1e-3, 1e-3, 1e-3};
-GRAVITY_OF(mass, 2)
+GRAVITY_OF(mass, 2, 3)
 
 const hard_scene hard_three_planets = {
     .scene = {.name = "three_planets",
