@@ -300,9 +300,9 @@ const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
  * exact to roundoff (docs/method.md section 10). D is [2n][columns] row-major, rows (dq, dp); the identity gives M.
  * Of a system with parameters D has a row more for each, which stay as they are: a column that begins with 0 in all
  * others and 1 in one of these becomes the derivative of the state with respect to that parameter.
- * Each column costs a step of a system of 2n degrees of freedom, and is treated alone: it carries no sums and no
- * guesses from one step to the next, and scaling it by a power of two scales its result. With a tolerance or a fixed
- * number of passes M may differ from the Jacobian by what the passes have left to do.
+ * Each column costs a step of a system of 2n degrees of freedom (in plain steps: docs/chaos.md), and is treated alone:
+ * it carries no sums and no guesses from one step to the next, and scaling it by a power of two scales its result. With
+ * a tolerance or a fixed number of passes M may differ from the Jacobian by what the passes have left to do.
  * The first call, and the first with more columns than before, allocate (TVI_ENOMEM); later ones allocate nothing. Of
  * tvi_stats only the bytes count what the columns take, without their recording of the lifted system.
  *   TVI_EINVAL      as tvi_step, and D NULL, columns < 1

@@ -213,9 +213,10 @@ do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 	    $(BUILD)/check/header || exit 1; done
 	for standard in $(CXX_STANDARDS); do \
 	    $${standard%/*} -std=c++$${standard#*/} $(STRICT) -Wshadow -Iinclude -fsyntax-only tests/library/wrapper.cpp || exit 1; done
-	g++ -std=c++17 -g -fsanitize=address $(STRICT) -DWITH_EIGEN -isystem /usr/include/eigen3 -Iinclude \
-	    -o $(BUILD)/check/wrapper tests/library/wrapper.cpp $(BUILD)/libtvi.a $(LIBS)
-	$(BUILD)/check/wrapper
+	for compiler in 'g++ -std=c++17' 'clang++ -std=c++11'; do \
+	    $$compiler -g -fsanitize=address $(STRICT) -DWITH_EIGEN -isystem /usr/include/eigen3 -Iinclude \
+	        -o $(BUILD)/check/wrapper tests/library/wrapper.cpp $(BUILD)/libtvi.a $(LIBS) && \
+	    $(BUILD)/check/wrapper || exit 1; done
 	echo 'jet f(jet x) { return std::sin(x) + std::pow(x, 2); }' > $(BUILD)/check/std.cpp
 	for compiler in g++ clang++; do \
 	    ! $$compiler -include tvi.hpp -Iinclude -fsyntax-only $(BUILD)/check/std.cpp 2> $(BUILD)/check/std.log && \
