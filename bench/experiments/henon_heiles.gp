@@ -9,7 +9,7 @@ array colours[3] = [taylor_colour, tvi_colour, midpoint_colour]
 
 do for [type in types] {
     eval open(type, "henon_heiles_sections", 1000, 680)
-    set multiplot layout 2,3 margins 0.06, 0.99, 0.09, 0.94 spacing 0.03, 0.09
+    set multiplot layout 2,3 margins 0.06, 0.98, 0.09, 0.94 spacing 0.05, 0.09
     set xrange [-0.55:0.8]; set yrange [-0.55:0.55]; set xtics 0.4; set ytics 0.4
     unset key
     do for [H in "12 8"] { do for [k=1:3] {
@@ -41,7 +41,7 @@ END
 eval work_style
 do for [type in types] {
     eval open(type, "henon_heiles_work", 920, 370)
-    set multiplot layout 1,3 margins 0.08, 0.81, 0.14, 0.91 spacing 0.045, 0.1
+    set multiplot layout 1,3 margins 0.08, 0.81, 0.14, 0.91 spacing 0.065, 0.1
     set logscale xy; set format x powers; set format y powers
     set xlabel "CPU time of the run (ms)"; set xtics 1e2; set ytics 1e2
     set yrange [1e-14:10]
