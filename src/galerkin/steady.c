@@ -38,8 +38,8 @@ static bool is_sure(const galerkin_outcome *to, const tvi_sure *sure)
 static bool is_steady(const galerkin *w, double h, double t)
 {
     double part;
-    return w->field.loops->steady && h == w->field.h && !w->field.system->uses_time &&
-           w->options->passes != TVI_PREDICT_ONLY && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, t, &part) &&
+    return h == w->field.h && !w->field.system->uses_time && w->options->passes != TVI_PREDICT_ONLY &&
+           tvi_galerkin_can_extrapolate(&w->predictor, &w->field, t, &part) &&
            tvi_galerkin_is_steady(&w->predictor, &w->field, part);
 }
 
@@ -49,8 +49,10 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
     const int n = w->n;
     long made = 0, passes = 0;
     double residual = 0;
-    galerkin_outcome to = {.dq = row->dq, .dp = row->dp};
-    if (!is_steady(w, row->h, now->q[n])) return 0;
+    galerkin_outcome to;
+    if (!w->field.loops->steady || !is_steady(w, row->h, now->q[n])) return 0;
+    to.dq = row->dq;
+    to.dp = row->dp;
     row->dq[n] = row->h;
     for (; made < row->steps; made++) {
         const tvi_origin origin = {now->q[n], now->q_low[n], now->q, now->q_low, now->p, now->p_low};

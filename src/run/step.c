@@ -138,7 +138,7 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, now->q[it->system->n], jet_refusal());
 }
 
-/* Steps that nothing is asked of, but the last one of a run: that leaves what is looked at after it. */
+/* Steps of generated code of which nothing is asked, all but the last one of a run. */
 static long make_row(tvi_integrator *it, long steps, double h)
 {
     const tvi_sure sure = tvi_guard_sure(it);
@@ -158,8 +158,9 @@ static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h,
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;
+    const bool in_rows = tolerance == 0 && it->stats.is_compiled;
     for (long k = 0; k < steps && status == TVI_OK; k++) {
-        if (tolerance == 0) k += make_row(it, steps - 1 - k, h);
+        if (in_rows) k += make_row(it, steps - 1 - k, h);
         status = step(it, tolerance, h);
     }
     tvi_state_now(it, t, q, p);
