@@ -5,7 +5,8 @@
 #include "experiments/experiment.h"
 #include "scenes/hard.h"
 
-/* How long a revolution of the Kepler scenes is in s = int r^(-3/2) dt. */
+#define ADAPTIVE_REVOLUTION 6.2831853071795864769 /* of the Kepler scenes, in t */
+/* How long it is in s = int r^(-3/2) dt. */
 #define ADAPTIVE_S_90  8.3680815995493827
 #define ADAPTIVE_S_99  11.446353648528003
 #define ADAPTIVE_S_999 14.674775077677475
@@ -17,9 +18,7 @@ typedef struct {
     const char *method;
     int order;
     adaptive_g g;
-    double h;    /* in t of fixed steps, in s of rescaled ones; of ADAPTIVE_TOLERANCE the tolerance */
-    int lengths; /* the run is that many times as long as the scene's; 0 = 1 */
-    bool is_timed;
+    double h; /* in t of fixed steps, in s of rescaled ones; of ADAPTIVE_TOLERANCE the tolerance */
 } adaptive_line;
 
 extern const adaptive_line adaptive_lines[];  /* rows of the table */
@@ -33,7 +32,6 @@ typedef struct {
 } adaptive_motion;
 
 adaptive_motion adaptive_begin(const adaptive_line *line);
-double adaptive_end_of(const adaptive_line *line); /* t there */
 tvi_status adaptive_go(adaptive_motion *motion, const adaptive_line *line, double t_end, tvi_observer *observer,
                        void *ctx);
 void adaptive_end(adaptive_motion *motion);
@@ -42,9 +40,14 @@ void adaptive_end(adaptive_motion *motion);
 double adaptive_time_of(const adaptive_line *line, int repetitions);
 double adaptive_time_of_unit(void);
 
+/* growth.md: errors against the length of the run. */
+void adaptive_growth(const experiment *e);
+
 /* tolerance.md, tolerance_times.md: what a run to a tolerance reaches, and how fast. */
 void adaptive_tolerances(const experiment *e);
 
+/* Relative to the scene's scale; NAN where the energy is of the time, and not kept. */
+double adaptive_energy_error(const adaptive_motion *motion, const scene *of);
 /* The distance of q from the solution, the 2-norm; NAN where it is not known. */
 double adaptive_error(const hard_scene *of, double t, const double q[]);
 

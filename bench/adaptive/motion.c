@@ -28,13 +28,20 @@ void adaptive_end(adaptive_motion *r)
     tvi_system_free(r->system);
 }
 
-double adaptive_end_of(const adaptive_line *l) { return l->of->scene.t_end * fmax(l->lengths, 1); }
-
 tvi_status adaptive_go(adaptive_motion *r, const adaptive_line *l, double t_end, tvi_observer *observer, void *ctx)
 {
     if (l->g == ADAPTIVE_TOLERANCE)
         return tvi_integrate_tolerance(r->integrator, l->h, t_end, &r->t, r->q, r->p, observer, ctx);
     return tvi_integrate_to(r->integrator, l->h, t_end, &r->t, r->q, r->p, observer, ctx);
+}
+
+double adaptive_energy_error(const adaptive_motion *r, const scene *s)
+{
+    double H0, H, later;
+    experiment_insist(tvi_energy(r->system, 0, s->q, s->p, &H0), s->name);
+    experiment_insist(tvi_energy(r->system, 1, s->q, s->p, &later), s->name);
+    experiment_insist(tvi_energy(r->system, r->t, r->q, r->p, &H), s->name);
+    return later == H0 ? fabs(H - H0) / s->energy_scale : NAN;
 }
 
 double adaptive_time_of(const adaptive_line *l, int repetitions)
@@ -43,7 +50,7 @@ double adaptive_time_of(const adaptive_line *l, int repetitions)
     for (int i = 0; i < repetitions; i++) {
         adaptive_motion r = adaptive_begin(l);
         const double before = run_clock();
-        experiment_insist(adaptive_go(&r, l, adaptive_end_of(l), NULL, NULL), l->method);
+        experiment_insist(adaptive_go(&r, l, l->of->scene.t_end, NULL, NULL), l->method);
         fastest = fmin(fastest, run_clock() - before);
         adaptive_end(&r);
     }

@@ -28,7 +28,7 @@ static double error_of(const adaptive_line *l)
 {
     const scene *s = &l->of->scene;
     adaptive_motion r = adaptive_begin(l);
-    const tvi_status status = adaptive_go(&r, l, adaptive_end_of(l), NULL, NULL);
+    const tvi_status status = adaptive_go(&r, l, l->of->scene.t_end, NULL, NULL);
     const double of_q = relative(s->n, r.q, s->reference), of_p = relative(s->n, r.p, s->reference + s->n);
     adaptive_end(&r);
     return status == TVI_OK ? fmax(of_q, of_p) : INFINITY;
