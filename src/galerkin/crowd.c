@@ -62,8 +62,8 @@ static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_
     nodes->unknowns = system->inputs;
     nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, numbers); /* and copies */
     nodes->start = tvi_arena_doubles(arena, of_unknowns);
-    nodes->base = tvi_arena_doubles(arena, numbers);
-    nodes->sum = tvi_arena_doubles(arena, numbers);
+    nodes->high = tvi_arena_doubles(arena, numbers);
+    nodes->low = tvi_arena_doubles(arena, numbers);
     nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
     nodes->is_moving = tvi_arena_take(arena, (size_t)width * sizeof *nodes->is_moving);
     nodes->in_lanes = tvi_arena_take(arena, (size_t)width * sizeof *nodes->in_lanes);
@@ -169,8 +169,10 @@ static void rest(const crowd *w, int m)
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
     nodes->is_moving[m] = 0;
-    for (int at = m; at < nodes->unknowns * nodes->points * nodes->width; at += nodes->width)
-        nodes->impulse[at] = nodes->base[at] = nodes->sum[at] = 0;
+    for (int at = m; at < nodes->unknowns * nodes->points * nodes->width; at += nodes->width) {
+        nodes->impulse[at] = nodes->low[at] = 0;
+        nodes->high[at] = nodes->start[at / (nodes->points * nodes->width) * nodes->width + m];
+    }
 }
 
 static void set_start(crowd *w, const tvi_crowd_origin *origin)

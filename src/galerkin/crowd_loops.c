@@ -66,21 +66,21 @@
     for (int j = 0; j < pairs; j++)                                                                                    \
         for (int i = 0; i < pairs; i++) sum[i] += halves->matrix[j * MOST_PAIRS + i] * part[j];
 
-/* What is added becomes smaller with each pass. So it is added to the sums: what an unknown, which is larger, loses of
- * it is always on the same side. */
+/* What is added becomes smaller with each pass. So it is added to the low part: what an unknown, which is larger, loses
+ * of it is always on the same side. */
 #define MOVE_NODE(V, node, more, squares)                                                                              \
     {                                                                                                                  \
-        const V sum = is_first ? (more) : NODE_OF(V, sums, node) + (more),                                             \
-                place = start + (NODE_OF(V, base, node) + scale * sum), change = place - NODE_OF(V, x, node);          \
+        const V sum = NODE_OF(V, low, node) + scale * (more), place = NODE_OF(V, high, node) + sum,                    \
+                change = place - NODE_OF(V, x, node);                                                                  \
         squares += change * change;                                                                                    \
-        NODE_AT(V, sums, node) = sum;                                                                                  \
+        NODE_AT(V, low, node) = sum;                                                                                   \
         NODE_AT(V, x, node) = place;                                                                                   \
     }
 
 #define MOVE_UNKNOWN(V)                                                                                                \
     {                                                                                                                  \
         const double scale = nodes->scale[u], *drive = drives + (size_t)(slot[u] * points) * width + here;             \
-        const V start = ROW_OF(V, nodes->start, u), inverse_size = ROW_OF(V, nodes->inverse_size, u);                  \
+        const V inverse_size = ROW_OF(V, nodes->inverse_size, u);                                                      \
         V first[MOST_PAIRS], second[MOST_PAIRS], even[MOST_PAIRS] = {0}, odd[MOST_PAIRS] = {0};                        \
         V total = {0}, shift = {0}, squares[2] = {0};                                                                  \
         for (int j = 0; j < pairs; j++) FOLD(V, j)                                                                     \
@@ -100,12 +100,12 @@
     {                                                                                                                  \
         const size_t of_unknown = (size_t)points * width;                                                              \
         const WHICH(V) moving = WHICH_OF(V, nodes->is_moving);                                                         \
-        const double *base = nodes->base + here;                                                                       \
-        double *x = nodes->x + here, *impulse = nodes->impulse + here, *sums = nodes->sum + here;                      \
+        const double *high = nodes->high + here;                                                                       \
+        double *x = nodes->x + here, *impulse = nodes->impulse + here, *low = nodes->low + here;                       \
         V size = {0};                                                                                                  \
         if (ARE_ALL(V, NOT(V, moving))) continue;                                                                      \
         for (int u = 0; u < unknowns;                                                                                  \
-             u++, base += of_unknown, x += of_unknown, impulse += of_unknown, sums += of_unknown)                      \
+             u++, high += of_unknown, x += of_unknown, impulse += of_unknown, low += of_unknown)                       \
             MOVE_UNKNOWN(V)                                                                                            \
         ROW_AT(V, moved, 0) = size;                                                                                    \
     }
@@ -141,13 +141,12 @@ BY_SIZE(move,
         ADD_PRODUCT(V, count, sum, of_before, before)                                                                  \
         for (int i = 0; i < (count); i++) {                                                                            \
             const int row = u * points + first + i;                                                                    \
-            ROW_AT(V, x, row) = start + (ROW_OF(V, base, row) + scale[u] * sum[i]);                                    \
+            ROW_AT(V, x, row) = ROW_OF(V, high, row) + (ROW_OF(V, low, row) + scale[u] * sum[i]);                      \
         }                                                                                                              \
     }
 
 #define PREDICT(V, S)                                                                                                  \
     for (int u = 0; u < unknowns; u++) {                                                                               \
-        const V start = ROW_OF(V, nodes->start, u);                                                                    \
         IN_NODES(PREDICT_NODES, V)                                                                                     \
     }
 
@@ -155,7 +154,7 @@ JET_INLINE void predict_sized(const galerkin_crowd_nodes *nodes, const double *m
                               const double *before, int points, int stride, size_t width)
 {
     const int unknowns = nodes->unknowns;
-    const double *base = nodes->base, *scale = nodes->scale, *of_before = matrix + stride * stride;
+    const double *high = nodes->high, *low = nodes->low, *scale = nodes->scale, *of_before = matrix + stride * stride;
     double *x = nodes->x;
     JET_EIGHTS((int)width, PREDICT, )
 }
@@ -255,11 +254,15 @@ static void start(const galerkin_crowd_nodes *nodes, int first, int count, const
 {
     const size_t width = (size_t)nodes->width, points = (size_t)nodes->points;
     double *restrict to = nodes->start + (size_t)first * width;
-    double *restrict base = nodes->base + (size_t)first * points * width;
+    double *restrict high = nodes->high + (size_t)first * points * width;
+    double *restrict low = nodes->low + (size_t)first * points * width;
     for (size_t k = 0; k < (size_t)count * width; k++) to[k] = q[k];
-    for (int i = 0; i < count; i++, q_low += width)
-        for (size_t j = 0; j < points; j++, base += width)
-            for (size_t m = 0; m < width; m++) base[m] = q_low[m];
+    for (int i = 0; i < count; i++, q += width, q_low += width)
+        for (size_t j = 0; j < points; j++, high += width, low += width)
+            for (size_t m = 0; m < width; m++) {
+                high[m] = q[m];
+                low[m] = q_low[m];
+            }
 }
 
 /* Products with the size of the step are exact, as in loops.c. */
@@ -272,11 +275,21 @@ JET_INLINE void set_drift(size_t width, double scale, const double *restrict p, 
     }
 }
 
+/* As that of loops.c. */
+#define DRIFT(V, j)                                                                                                    \
+    {                                                                                                                  \
+        const V sum = start + c[j] * drifted, added = sum - start;                                                     \
+        const V lost = (start - (sum - added)) + (c[j] * drifted - added);                                             \
+        ROW_AT(V, nodes->high, u *points + (j)) = sum;                                                                 \
+        ROW_AT(V, nodes->low, u *points + (j)) = (q_low + c[j] * drifted_low) + lost;                                  \
+    }
+
 #define START_DRIFTING(V, S)                                                                                           \
     {                                                                                                                  \
-        const V q_low = ROW_OF(V, origin->q_low, u), low = ROW_OF(V, drift->low, u), high = ROW_OF(V, drift->high, u); \
-        ROW_AT(V, nodes->start, u) = ROW_OF(V, origin->q, u);                                                          \
-        for (int j = 0; j < points; j++) ROW_AT(V, nodes->base, u *points + j) = (q_low + c[j] * low) + c[j] * high;   \
+        const V start = ROW_OF(V, origin->q, u), q_low = ROW_OF(V, origin->q_low, u);                                  \
+        const V drifted = ROW_OF(V, drift->high, u), drifted_low = ROW_OF(V, drift->low, u);                           \
+        ROW_AT(V, nodes->start, u) = start;                                                                            \
+        for (int j = 0; j < points; j++) DRIFT(V, j)                                                                   \
     }
 
 JET_INLINE void start_drifting_sized(const galerkin_crowd_nodes *nodes, const double c[],

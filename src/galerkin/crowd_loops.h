@@ -11,10 +11,11 @@
  * `stride` numbers apart. The rest as in galerkin_nodes. */
 typedef struct {
     int width, points, unknowns, stride;
-    bool is_first; /* the pass: before it, impulses and sums are none */
+    bool is_first; /* the pass: before it, impulses are none */
     double *x;
     double *start;        /* [unknowns][width] */
-    double *base, *sum;   /* [unknowns][points][width]; sum: what scale multiplies, by the impulses */
+    double *high, *low;   /* [unknowns][points][width]; x = high + low: where they would be without F, in two parts,
+                           * of which passes add to low */
     double *weight;       /* [points] */
     double *impulse;      /* [unknowns][points][width] */
     double *scale;        /* [unknowns] */

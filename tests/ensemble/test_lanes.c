@@ -150,6 +150,59 @@ START_TEST(halves_are_the_matrix)
 }
 END_TEST
 
+/* ---- Starts ------------------------------------------------------------------------------------------------------ */
+
+enum { POINTS = 8, UNKNOWNS = 3, EIGHT_LANES = 3 };
+
+static const galerkin_loops *const loops_of_one[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_galerkin_loops_base[EIGHT_LANES],
+#ifdef __x86_64__
+    [jet_isa_avx2] = &tvi_galerkin_loops_avx2[EIGHT_LANES],
+    [jet_isa_avx512] = &tvi_galerkin_loops_avx512[EIGHT_LANES],
+#endif
+};
+
+/* Before any force, in two parts, to the last bit: what one part lacks makes Kepler's energy drift. */
+START_TEST(nodes_start_as_those_of_one_member)
+{
+    const jet_isa isa = (jet_isa)_i;
+    if (isa > jet_sweeps_choose()->isa) return;
+    double state[4][UNKNOWNS][WIDTH], start[UNKNOWNS * WIDTH], high[UNKNOWNS][POINTS][WIDTH],
+        low[UNKNOWNS][POINTS][WIDTH];
+    double c[POINTS], scale[UNKNOWNS] = {0.1, 0.25, 3}, drifted[UNKNOWNS * WIDTH], drifted_low[UNKNOWNS * WIDTH];
+    uint64_t bits = 1;
+    for (int j = 0; j < POINTS; j++) c[j] = number_of(&bits);
+    for (int u = 0; u < 4 * UNKNOWNS; u++)
+        for (int m = 0; m < WIDTH; m++) state[u % 4][u / 4][m] = number_of(&bits) * (u % 2 == 0 ? 1 : 0x1p-54);
+    const galerkin_crowd_nodes nodes = {.width = WIDTH,
+                                        .points = POINTS,
+                                        .unknowns = UNKNOWNS,
+                                        .stride = POINTS,
+                                        .start = start,
+                                        .high = high[0][0],
+                                        .low = low[0][0],
+                                        .scale = scale};
+    const tvi_crowd_origin origin = {.q = state[0][0], .q_low = state[1][0], .p = state[2][0], .p_low = state[3][0]};
+    const galerkin_crowd_drift drift = {drifted, drifted_low};
+    loops_of[isa]->start_drifting(&nodes, c, &origin, &drift);
+    for (int m = 0; m < WIDTH; m++) {
+        double of[4][UNKNOWNS], from[UNKNOWNS], both[2][UNKNOWNS][POINTS], its_drift[2][UNKNOWNS];
+        for (int u = 0; u < 4 * UNKNOWNS; u++) of[u % 4][u / 4] = state[u % 4][u / 4][m];
+        const galerkin_nodes one = {.lanes = POINTS,
+                                    .unknowns = UNKNOWNS,
+                                    .start = from,
+                                    .high = both[0][0],
+                                    .base = both[1][0],
+                                    .scale = scale};
+        const tvi_origin its = {.q = of[0], .q_low = of[1], .p = of[2], .p_low = of[3]};
+        loops_of_one[isa]->start_drifting(&one, c, &its, its_drift[0], its_drift[1]);
+        for (int u = 0; u < UNKNOWNS; u++)
+            for (int j = 0; j < POINTS; j++)
+                ck_assert(high[u][j][m] == both[0][u][j] && low[u][j][m] == both[1][u][j] && low[u][j][m] != 0);
+    }
+}
+END_TEST
+
 /* ---- Long runs --------------------------------------------------------------------------------------------------- */
 
 enum { LONG = 50000, QUANTITIES = 2 };
@@ -298,6 +351,7 @@ Suite *suite_lanes(void)
     TCase *tests = tcase_create("lanes");
     tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, lanes_judge_as_one_member_does, 0, 3 * JET_ISA_COUNT);
+    tcase_add_loop_test(tests, nodes_start_as_those_of_one_member, 0, JET_ISA_COUNT);
     tcase_add_loop_test(tests, energies_and_momenta_do_not_drift, 0, DRIFTS);
     tcase_add_loop_test(tests, small_motions_go_by_themselves, 0, BY_THEMSELVES);
     tcase_add_loop_test(tests, halves_are_the_matrix, 0, 2 * LANES);
