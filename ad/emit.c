@@ -2,6 +2,8 @@
 #include "emit.h"
 #include "rule.h"
 
+#include <stdlib.h>
+
 /* Tapes of so many operations have their sums apart, and their orders unrolled if there are so many times the orders of
  * them: what more would gain takes seconds to compile. */
 enum { APART_MOST = 256, UNROLLED_MOST = 800 };
@@ -112,24 +114,40 @@ static bool begins_angles(const jet_tape *tape, const jet_run *run)
     return run >= tape->run && run + 1 < tape->run + tape->runs && jet_have_same_angles(run, run + 1);
 }
 
-/* The run's lines, the first of which has this index; the first of two with the same angles stands for both. */
+/* One product each, of neighbours, of which none is the other's result, with the same factor. */
+static bool are_twins(const jet_tape *tape, const jet_run *run, const jet_run *next)
+{
+    const int a = tape->term_slot[run->term], b = tape->term_slot[next->term];
+    const bool are_products = run->op == OP_PRODUCTS && next->op == OP_PRODUCTS;
+    return are_products && run->count * run->terms == 1 && next->count * next->terms == 1 && abs(a - b) == 1 &&
+           b != run->z && tape->term_second[run->term] == tape->term_second[next->term] &&
+           tape->term_coefficient[run->term] == tape->term_coefficient[next->term];
+}
+
+/* Of several in a row each two are one line. */
+static bool begins_twins(const jet_tape *tape, const jet_run *run)
+{
+    return run >= tape->run && run + 1 < tape->run + tape->runs && are_twins(tape, run, run + 1) &&
+           !begins_twins(tape, run - 1);
+}
+
+/* The run's lines, the first of which has this index; the first of two with the same angles, or of twins, stands for
+ * both. */
 static void emit_lines(const emission *e, const jet_run *run, int first)
 {
-    if (begins_angles(e->tape, run - 1)) return;
-    if (begins_angles(e->tape, run)) {
-        jet_text_add(e->text, " \\\n    ANGLES(%s, %d, %d)", e->wanted->name, first, first + 1);
-        return;
-    }
-    for (int piece = 0; piece < pieces_of(e, run); piece++) emit_line(e, run, first + piece);
+    if (begins_angles(e->tape, run - 1) || begins_twins(e->tape, run - 1)) return;
+    const char *both = begins_angles(e->tape, run) ? "ANGLES" : begins_twins(e->tape, run) ? "TWINS" : NULL;
+    if (both) jet_text_add(e->text, " \\\n    %s(%s, %d, %d)", both, e->wanted->name, first, first + 1);
+    for (int piece = 0; piece < pieces_of(e, run) && !both; piece++) emit_line(e, run, first + piece);
 }
 
 static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
     int pieces = 0;
-    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, LINEAR)", e->wanted->name);
+    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, LINEAR)", e->wanted->name);
     for (const jet_run *run = begin; run < end; pieces += pieces_of(e, run++)) emit_lines(e, run, pieces);
-    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, LINEAR)", e->wanted->name);
+    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, LINEAR)", e->wanted->name);
     for (const jet_run *run = end; run-- > begin;) emit_lines(e, run, pieces -= pieces_of(e, run));
     jet_text_add(e->text, "\nJET_EMITTED_SWEEPS(%s)\n", e->wanted->name);
 }

@@ -1,7 +1,7 @@
 /* emitted.h - the sweeps of generated code (emit.h), which is the only one to read this, after the text of the rules: T
  * is the tape's name, T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name),
- * PRODUCTS(T, i, squares, terms), LINEAR(T, i, terms) or ANGLES(T, i, next), sines and the cosines of the same angles,
- * and T_RUNS_BACK in the other order. */
+ * PRODUCTS(T, i, squares, terms), LINEAR(T, i, terms), ANGLES(T, i, next), sines and the cosines of the same angles, or
+ * TWINS(T, i, next), products of neighbours with the same factor, and T_RUNS_BACK in the other order. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -12,6 +12,7 @@
                            x + T##_run[i].z * lanes);
 #define VALUES_ANGLES(T, i, next)             jet_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
 #define VALUES_PRODUCTS(T, i, squares, terms) values_of(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_TWINS(T, i, next)              VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     linear_order_of(&T, &T##_run[i], x, lanes, terms);                                                                 \
     add_numbers(&T, &T##_run[i], x, lanes);
@@ -21,17 +22,20 @@
 #define SERIES_RULE(T, i, name)               name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
 #define SERIES_ANGLES(T, i, next)             SERIES_RULE(T, i, sin) SERIES_RULE(T, next, cos)
 #define SERIES_PRODUCTS(T, i, squares, terms) series_of(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
+#define SERIES_TWINS(T, i, next)              twin_series_of(&T, &T##_run[i], &T##_run[next], x, k);
 #define SERIES_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, x, terms)
 
 #define TANGENTS_RULE(T, i, name)   name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
 #define TANGENTS_ANGLES(T, i, next) TANGENTS_RULE(T, i, sin) TANGENTS_RULE(T, next, cos)
 #define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
     tangents_of(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
+#define TANGENTS_TWINS(T, i, next)   TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
+#define ADJOINTS_TWINS(T, i, next)              ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)
 #define ADJOINTS_LINEAR(T, i, terms)            adjoints_of_one(&T, &T##_run[i], bar + k * T.slots, terms);
 
 /* The instruction set that the code is compiled for. */
@@ -48,21 +52,21 @@
     JET_INLINE bool T##_values_of(double *x, int lanes)                                                                \
     {                                                                                                                  \
         bool inside = true;                                                                                            \
-        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_LINEAR) return inside;                            \
+        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_TWINS, VALUES_LINEAR) return inside;              \
     }                                                                                                                  \
     JET_INLINE bool T##_series_of(double *x, int k, int lanes)                                                         \
     {                                                                                                                  \
         if (k == 0) return T##_values_of(x, lanes);                                                                    \
-        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, SERIES_LINEAR) return true;                              \
+        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, SERIES_TWINS, SERIES_LINEAR) return true;                \
     }                                                                                                                  \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, TANGENTS_LINEAR) return true;                      \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, TANGENTS_TWINS, TANGENTS_LINEAR) return true;      \
     }                                                                                                                  \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)top;                                                                                                     \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, ADJOINTS_LINEAR)                              \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, ADJOINTS_TWINS, ADJOINTS_LINEAR)              \
     }
 
 #endif

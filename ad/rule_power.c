@@ -219,8 +219,9 @@ bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
 #define POW_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 1, k, ((c + 1) * j - k) * S(V, a, j) * S(V, z, k - j));                                        \
-        JET_AT(V, z, k) = sum / ((double)k * S(V, a, 0));                                                              \
+        const V inverse = 1 / ((double)k * S(V, a, 0));                                                                \
+        JET_SUM(V, sum, 1, k, ((c + 1) * j - k) * S(V, z, k - j) * S(V, a, j));                                        \
+        JET_AT(V, z, k) = sum * inverse;                                                                               \
     }
 
 /* k a_0 dz_k = sum_{j=1}^{k} (c j - (k-j)) (a_j dz_{k-j} + z_{k-j} da_j) - k z_k da_0;   dz_0 = c z_0 / a_0 da_0. */

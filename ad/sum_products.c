@@ -99,23 +99,26 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* ---- Series ------------------------------------------------------------------------------------------------------ */
 
 /* z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
+#define PRODUCTS_ORDER(V, A, B)                                                                                        \
+    V sum[JET_TERMS_MAX] = {0};                                                                                        \
+    SUMS(V, sum, 0, k, A(V, p.a[t], k - j) * B(V, p.b[t], j))                                                          \
+    V total = p.c[0] * sum[0];                                                                                         \
+    for (int t = 1; t < terms; t++) total += p.c[t] * sum[t];
 #define PRODUCTS_SERIES(V, S)                                                                                          \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
-        SUMS(V, sum, 0, k, S(V, p.a[t], j) * S(V, p.b[t], k - j))                                                      \
-        for (int t = 0; t < terms; t++) total += p.c[t] * sum[t];                                                      \
+        PRODUCTS_ORDER(V, S, S)                                                                                        \
         JET_AT(V, z, k) = total;                                                                                       \
     }
 
 /* z_k = sum_t c_t (2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k)). */
+#define SQUARE(V, S, t)                                                                                                \
+    (p.c[t] * (2.0 * sum[t] + (k % 2 == 0 ? 1.0 : 0.0) * (S(V, p.a[t], k / 2) * S(V, p.a[t], k / 2))))
 #define SQUARES_SERIES(V, S)                                                                                           \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
+        V sum[JET_TERMS_MAX] = {0};                                                                                    \
         SUMS(V, sum, 0, (k - 1) / 2, S(V, p.a[t], j) * S(V, p.a[t], k - j))                                            \
-        for (int t = 0; t < terms; t++) {                                                                              \
-            const V half = S(V, p.a[t], k / 2);                                                                        \
-            total += p.c[t] * (2.0 * sum[t] + (k % 2 == 0 ? 1.0 : 0.0) * (half * half));                               \
-        }                                                                                                              \
+        V total = SQUARE(V, S, 0);                                                                                     \
+        for (int t = 1; t < terms; t++) total += SQUARE(V, S, t);                                                      \
         JET_AT(V, z, k) = total;                                                                                       \
     }
 
@@ -129,6 +132,21 @@ JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, i
     if (squares) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
     else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
 }
+
+#ifdef JET_EMITTED
+/* Of two runs with a common factor, b, whose other factors are neighbours (emit.c), in one vector. */
+JET_INLINE void twin_series_of(const jet_tape *tape, const jet_run *run, const jet_run *twin, double *x, int k)
+{
+    const bool is_first = tape->term_slot[run->term] < tape->term_slot[twin->term];
+    const products p = terms_of(tape, is_first ? run : twin, x, 1, 1);
+    const size_t stride = (size_t)tape->slots, here = 0;
+    const int terms = 1;
+    double *z = x + (size_t)k * stride;
+    PRODUCTS_ORDER(jet_v2, JET_OF, JET_ONE_OF)
+    z[run->z] = total[is_first ? 0 : 1];
+    z[twin->z] = total[is_first ? 1 : 0];
+}
+#endif
 
 TABLE(series_one, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k), tape, run, x, k, 1)
 TABLE(series_any, series_of, (const jet_tape *tape, const jet_run *run, double *x, int k, int lanes), tape, run, x, k,

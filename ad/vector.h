@@ -80,7 +80,8 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
 #endif
 
 /* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. Where the compiler
- * knows the orders, from the middle outwards: the factors of a recurrence that are known last are those of the ends. */
+ * knows the orders, from the middle outwards: the factors of a recurrence that are known last are those of the ends,
+ * and most of all of `to`, which is added alone. */
 #define JET_SUM(V, sum, from, to, term)                                                                                \
     do {                                                                                                               \
         V odd = {0};                                                                                                   \
@@ -91,7 +92,9 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
                 const int j = below--;                                                                                 \
                 odd += term;                                                                                           \
             }                                                                                                          \
-            for (; above <= most; below--, above++) JET_TWO_TERMS(sum, odd, below, above, term)                        \
+            for (; above < most; below--, above++) JET_TWO_TERMS(sum, odd, below, above, term)                         \
+            sum += odd;                                                                                                \
+            if (above == most) JET_TWO_TERMS(sum, sum, below, above, term)                                             \
         } else {                                                                                                       \
             int next = least;                                                                                          \
             for (; next < most; next += 2) JET_TWO_TERMS(sum, odd, next, next + 1, term)                               \
@@ -99,8 +102,8 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
                 const int j = next;                                                                                    \
                 sum += term;                                                                                           \
             }                                                                                                          \
+            sum += odd;                                                                                                \
         }                                                                                                              \
-        sum += odd;                                                                                                    \
     } while (0)
 #define JET_TWO_TERMS(sum, odd, one, other, term)                                                                      \
     {                                                                                                                  \
