@@ -96,6 +96,13 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
     for (int i = first * lanes; i < kept * lanes; i++) own[i] = block[i];
 }
 
+/* gcc leaves less of a long field in memory where it orders instructions by the registers that they take. */
+#if defined(__GNUC__) && !defined(__clang__)
+#define STEADY_ORDER __attribute__((optimize("schedule-insns", "sched-pressure")))
+#else
+#define STEADY_ORDER
+#endif
+
 /* KEPT rows of x are not of the tape's operations. Outputs that are inputs are copied behind the tape's slots, as by
  * galerkin_evaluate. */
 #define GALERKIN_EMITTED_STEADY(NAME, VALUES, UNKNOWNS, KEPT, SLOTS, LANES)                                            \
@@ -107,7 +114,8 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
                 x[((SLOTS) + i) * lanes + lane] = x[NAME##_copied[i] * lanes + lane];                                  \
         return inside;                                                                                                 \
     }                                                                                                                  \
-    static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
+    STEADY_ORDER static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin,                      \
+                                           galerkin_outcome *to)                                                       \
     {                                                                                                                  \
         enum { ROWS = (SLOTS) + NAME##_copies, IS_SMALL = ROWS * (LANES) <= STEADY_MOST };                             \
         _Alignas(64) double x[IS_SMALL ? ROWS * (LANES) : 1];                                                          \
