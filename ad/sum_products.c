@@ -101,7 +101,7 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
 #define PRODUCTS_ORDER(V, A, B)                                                                                        \
     V sum[JET_TERMS_MAX] = {0};                                                                                        \
-    SUMS(V, sum, 0, k, A(V, p.a[t], k - j) * B(V, p.b[t], j))                                                          \
+    SUMS(V, sum, 0, k, A(V, p.a[t], j) * B(V, p.b[t], k - j))                                                          \
     V total = p.c[0] * sum[0];                                                                                         \
     for (int t = 1; t < terms; t++) total += p.c[t] * sum[t];
 #define PRODUCTS_SERIES(V, S)                                                                                          \
