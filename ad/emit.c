@@ -111,7 +111,7 @@ static void emit_line(const emission *e, const jet_run *run, int index)
 
 static bool begins_angles(const jet_tape *tape, const jet_run *run)
 {
-    return run >= tape->run && run + 1 < tape->run + tape->runs && jet_have_same_angles(run, run + 1);
+    return run >= tape->run && run->op == OP_SIN && run->together > 1;
 }
 
 /* One product each, of neighbours, of which none is the other's result, with the same factor. */

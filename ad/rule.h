@@ -63,28 +63,10 @@ typedef struct {
 #define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 
-/* Whether these are sines and the cosines of the same operands: */
-static inline bool jet_have_same_angles(const jet_run *run, const jet_run *next)
-{
-    return run->op == OP_SIN && next->op == OP_COS && next->a == run->a && next->count == run->count;
-}
-/* their values, which cost little more than those of one of them. */
+/* The values of two runs together (jet_run.together), which cost little more than those of one of them, */
 #define jet_sine_cosine JET_FOR_ISA(jet_sine_cosine)
 void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes);
-
-/* How many runs from here are the powers -7/2, -5/2, -3/2, -1/2 of the same operands, or the last few of them, whose
- * numbers are adjacent, run by run; 1 where they are none: */
-static inline int jet_count_inverse_roots(const jet_run *run, const jet_run *end)
-{
-    int powers = 1;
-    for (; run[powers - 1].c < -0.5 && run + powers < end; powers++) {
-        const jet_run *last = run + powers - 1, *next = run + powers;
-        const bool goes_on = next->op == OP_POW && next->c == last->c + 1;
-        if (!goes_on || next->a != run->a || next->count != run->count || next->z != last->z + run->count) return 1;
-    }
-    return run[powers - 1].c == -0.5 && powers <= 4 ? powers : 1;
-}
-/* their values, the same as of each alone. */
+/* and of up to four powers, the same as of each alone. */
 #define jet_inverse_roots JET_FOR_ISA(jet_inverse_roots)
 bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes);
 

@@ -6,19 +6,22 @@ static double *slot_of(double *x, int index, int lanes) { return x + (size_t)ind
 
 static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS || run->op == OP_SQUARES; }
 
+static bool values_together(const jet_run *run, double *x, int lanes)
+{
+    if (run->op == OP_POW) return jet_inverse_roots(run, run->together, x, lanes);
+    jet_sine_cosine(run, run + 1, x, lanes);
+    return true;
+}
+
 JET_INLINE bool values_of(const jet_tape *tape, double *x, int lanes)
 {
     bool inside = true;
-    int together;
     for (const jet_run *run = tape->run, *const end = run + tape->runs; run < end; run++) {
         if (is_product(run)) jet_product_values(tape, run, x, lanes);
         else if (run->op == OP_LINEAR) jet_linear_values(tape, run, x, lanes);
-        else if (run + 1 < end && jet_have_same_angles(run, run + 1)) {
-            jet_sine_cosine(run, run + 1, x, lanes);
-            run++;
-        } else if (run->op == OP_POW && (together = jet_count_inverse_roots(run, end)) > 1) {
-            inside &= jet_inverse_roots(run, together, x, lanes);
-            run += together - 1;
+        else if (run->together > 1) {
+            inside &= values_together(run, x, lanes);
+            run += run->together - 1;
         } else
             inside &= jet_rules[run->op]->value(run->c, run->count * lanes, slot(x, run->a, lanes),
                                                 slot(x, run->b, lanes), slot_of(x, run->z, lanes));

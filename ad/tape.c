@@ -138,10 +138,28 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
            tape->term_coefficient && tape->output && tape->recorded;
 }
 
+/* Sines and the cosines of the same operands; or the powers -7/2, -5/2, -3/2, -1/2 of the same operands, or the last
+ * few of them, whose numbers are adjacent, run by run. */
+static int count_together(const jet_run *run, const jet_run *end)
+{
+    int count = 1;
+    const jet_run *next = run + 1;
+    if (next < end && run->op == OP_SIN && next->op == OP_COS && next->a == run->a && next->count == run->count)
+        return 2;
+    if (run->op != OP_POW || run->c < -3.5) return 1;
+    for (; next < end && next->op == OP_POW && next->c == next[-1].c + 1 && next->c <= -0.5; next++) {
+        if (next->a != run->a || next->count != run->count || next->z != next[-1].z + run->count) return 1;
+        count++;
+    }
+    return next[-1].c == -0.5 ? count : 1;
+}
+
 static void lower(lowering *low, jet_tape *tape, int inputs, int outputs, const jet output[])
 {
     jet_place_nodes(low, inputs, outputs, output);
     lay_out(low, tape);
+    const jet_run *const end = tape->run + tape->runs;
+    for (jet_run *run = tape->run; run < end; run++) run->together = count_together(run, end);
     tape->slots = low->slots;
     tape->outputs = outputs;
     for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(low, output[i].node);

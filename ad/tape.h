@@ -29,6 +29,7 @@ typedef struct {
     bool has_numbers; /* LINEAR: not all numbers are 0 */
     int first, terms, term;
     bool is_scattered;
+    int together; /* the values of so many runs from here on share what they begin with; else 1 */
 } jet_run;
 
 /* A constant that may be replaced: number `which` of the values. */

@@ -89,7 +89,8 @@ uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
     ROW(first)                                                                                                         \
     ROW(terms)                                                                                                         \
     ROW(term)                                                                                                          \
-    ROW(is_scattered)
+    ROW(is_scattered)                                                                                                  \
+    ROW(together)
 #define VALUE(field) run->field,
 #define HASH(field)  so_far = jet_hash(so_far, &copy.field, sizeof copy.field);
 

@@ -81,7 +81,8 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;
     nodes->half = system->n;
-    nodes->moving = system->n - cyclic_at_end(system);
+    const int cyclic = cyclic_at_end(system);
+    nodes->moving = cyclic > 0 ? system->n - cyclic : nodes->unknowns;
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
     nodes->high = tvi_arena_doubles(arena, unknowns * lanes);
     nodes->base = tvi_arena_doubles(arena, unknowns * lanes);

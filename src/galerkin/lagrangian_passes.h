@@ -46,6 +46,7 @@ static inline galerkin_nodes lagrangian_half(const galerkin_nodes *of, int first
     galerkin_nodes nodes = *of;
     const int offset = first * nodes.lanes;
     nodes.unknowns /= 2;
+    nodes.moving = nodes.unknowns;
     nodes.x += offset;
     nodes.high += offset;
     nodes.base += offset;

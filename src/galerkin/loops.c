@@ -80,8 +80,9 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
     {                                                                                                                  \
         V squares = {0};                                                                                               \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
-        FOLLOW_ROWS(V, blocks, is_split ? moving : unknowns)                                                           \
-        if (is_split) {                                                                                                \
+        FOLLOW_ROWS(V, blocks, moving)                                                                                 \
+        if (moving < nodes->unknowns) {                                                                                \
+            const int half = nodes->half, gap = (half - moving) * lanes;                                               \
             x += gap, high += gap, base += gap, impulse += gap, scale += half, inverse_size += half;                   \
             low = low ? low + half * lanes : NULL;                                                                     \
             FOLLOW_ROWS(V, blocks, moving)                                                                             \
@@ -93,8 +94,7 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
 JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, double *low, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
-    const int unknowns = nodes->unknowns, half = nodes->half, moving = nodes->moving, gap = (half - moving) * lanes;
-    const bool is_split = gap > 0;
+    const int moving = nodes->moving;
     double *x = nodes->x, *impulse = nodes->impulse, moved = 0;
     LEAVE_REGISTERS(impulse);
     ALL_LANES(lanes, FOLLOW)

@@ -61,7 +61,7 @@ static inline tvi_tail_part galerkin_tail_part(const galerkin_motion *of, bool h
  * was rounded. */
 typedef struct {
     int lanes, unknowns;
-    int half, moving; /* movements are of the first `moving` unknowns of each half of them */
+    int half, moving; /* movements are of all unknowns: moving = unknowns; or of so many of each half */
     double *x;
     double *start;        /* [unknowns] the unknowns at the start of the step */
     double *high, *base;  /* [unknowns][lanes] where they would be without F, in two parts */
@@ -75,7 +75,7 @@ typedef struct {
 static inline galerkin_nodes galerkin_all_moving(const galerkin_nodes *nodes)
 {
     galerkin_nodes all = *nodes;
-    all.moving = all.half;
+    all.moving = all.unknowns;
     return all;
 }
 
