@@ -76,7 +76,8 @@ uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
     return so_far;
 }
 
-/* The fields of a run in their order; a run has gaps between them. One that is left out is a missing initialiser. */
+/* The fields of a run in their order; a run has gaps between them. One that is left out is a missing initialiser.
+ * `together` follows from them. */
 #define RUN_FIELDS(ROW)                                                                                                \
     ROW(op)                                                                                                            \
     ROW(count)                                                                                                         \
@@ -89,14 +90,13 @@ uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
     ROW(first)                                                                                                         \
     ROW(terms)                                                                                                         \
     ROW(term)                                                                                                          \
-    ROW(is_scattered)                                                                                                  \
-    ROW(together)
+    ROW(is_scattered)
 #define VALUE(field) run->field,
 #define HASH(field)  so_far = jet_hash(so_far, &copy.field, sizeof copy.field);
 
 static uint64_t hash_run(uint64_t so_far, const jet_run *run)
 {
-    const jet_run copy = {RUN_FIELDS(VALUE)};
+    const jet_run copy = {RUN_FIELDS(VALUE) run->together};
     RUN_FIELDS(HASH)
     return so_far;
 }
