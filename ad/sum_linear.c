@@ -36,7 +36,7 @@ TABLE(sums_one, sums_of_one, (const jet_tape *tape, const jet_run *run, double *
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
-/* Two sums, each of which would wait for its additions alone. */
+/* Two sums without numbers, each of which would wait for its additions alone. */
 #define LINEAR_PAIR(V, S)                                                                                              \
     {                                                                                                                  \
         V sum = coefficient[0] * S(V, x, from[0]), next = coefficient[terms] * S(V, x, from[terms]);                   \
@@ -56,7 +56,7 @@ JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x
     const int *from = tape->term_slot + run->term, kept = terms < OWN_MAX ? terms : OWN_MAX;
     const double *coefficient = tape->term_coefficient + run->term, *a[OWN_MAX];
     double *z = x + stride * (size_t)run->z, *const end = z + stride * (size_t)run->count, c[OWN_MAX];
-    if (lanes == 8 && terms > OWN_MAX)
+    if (lanes == 8 && !number && terms > OWN_MAX)
         for (; z + stride < end; z += 2 * stride, from += 2 * terms, coefficient += 2 * terms)
             JET_EIGHTS(lanes, LINEAR_PAIR, JET_OF)
     for (; z < end; z += stride, from += terms, coefficient += terms) {

@@ -16,7 +16,7 @@ do for [type in types] {
     set xrange [0:70]; set yrange [1e-7:10]
     set key at screen 0.27, 0.01 center bottom Left reverse samplen 2
     plot curve("steps", "pythagorean automatic 0.3") with lines lw 1 lc rgb midpoint_colour title "automatic g", \
-         curve("steps", "pythagorean own 0.9") with lines lw 1 lc rgb tvi_colour title "g of the closest pairs"
+         curve("steps", "pythagorean own 0.9") with lines lw 1 lc rgb tvi_colour title "own g, of the pairs"
     set title "Kepler: distance from the solution at pericentre"
     set xlabel "revolutions"
     set xrange [0:100]; set yrange [1e-15:1]

@@ -11,12 +11,21 @@ void tvi_galerkin_emit_ints(jet_text *text, const char *name, const char *what, 
     jet_text_add(text, "0};\n");
 }
 
+#define FIELD(name) #name, r->name
+
 static void emit_rule(jet_text *text, const tvi_passes_rule *r, const char *name)
 {
-    jet_text_add(text, "static const tvi_passes_rule %s_rule = {%d, %d, %a, %d, %d, %a, %a, %a, %a, ", name, r->most,
-                 r->exactly, r->goal, r->memory, r->is_quadratic, r->contraction, r->far, r->noise, r->first_noise);
-    jet_text_add(text, "%a, %a, %a, %a, %d, %d, %a};\n", r->most_slack, r->slack_above, r->confirmed, r->stuck,
-                 r->turns, r->patience, r->roundoff);
+    const struct {
+        const char *name;
+        double value; /* of integers, too */
+    } field[] = {{FIELD(most)},         {FIELD(exactly)},     {FIELD(goal)},        {FIELD(memory)},
+                 {FIELD(is_quadratic)}, {FIELD(contraction)}, {FIELD(far)},         {FIELD(noise)},
+                 {FIELD(first_noise)},  {FIELD(most_slack)},  {FIELD(slack_above)}, {FIELD(confirmed)},
+                 {FIELD(stuck)},        {FIELD(turns)},       {FIELD(patience)},    {FIELD(roundoff)}};
+    jet_text_add(text, "static const tvi_passes_rule %s_rule = {", name);
+    for (size_t i = 0; i < sizeof field / sizeof *field; i++)
+        jet_text_add(text, ".%s = %a, ", field[i].name, field[i].value);
+    jet_text_add(text, "};\n");
 }
 
 void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name)
