@@ -7,13 +7,13 @@
 set -u
 export TVI_ISA=base CK_TIMEOUT_MULTIPLIER=100
 build=$1
-few='runs 150 9999 generating orders
-runs 120 9999 generating geometry
-runs 200 9999 generating tangent map
+few='runs 240 9999 generating orders
+runs 150 9999 generating geometry
+runs 240 9999 generating tangent map
 runs 20 9999 generating states
-fails 300 9999 generating orders'
-all='runs 4 9999 generating orders
-runs 4 400 generating geometry
+fails 240 9999 generating orders'
+all='runs 5 9999 generating orders
+runs 5 400 generating geometry
 runs 5 9999 generating tangent map
 runs 1 12 generating states
 runs 1 9999 rescaled orders
@@ -26,7 +26,7 @@ fails 20 9999 generating geometry
 fails 100 9999 generating tangent map
 fails 7 9999 generating states
 fails 5 9999 rescaled orders
-fails 12 9999 rescaled structure
+fails 5 9999 rescaled structure
 fails 12 9999 rescaled tangent
 fails 1 9999 rescaled times
 fails 1 1 fuzz 1 20'

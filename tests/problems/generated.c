@@ -1,8 +1,8 @@
 /* generated.c - a test program that is linked with --wrap=tvi_integrator_create and --wrap=tvi_integrator_free runs
- * generated code (tests/generated.sh). TVI_GENERATED="rows others" chooses by the fingerprints of system and options,
- * the same in each run: of the tests, which are processes of their own, one of `rows` by its first integrator (the
- * others end there); in a test all integrators that are made like the first one, and one of `others` of what else it
- * makes. A test that makes steps but none by generated code fails. What each did is added to the file
+ * generated code (tests/generated.sh). TVI_GENERATED="rows others" chooses: of the tests, which are processes of their
+ * own, the first and every `rows`th after it (the others end where they make an integrator); in a test all integrators
+ * that are made like the first one, and one of `others` of what else it makes, by the fingerprints of system and
+ * options. A test that makes steps but none by generated code fails. What each did is added to the file
  * TVI_GENERATED_COUNTS. */
 #define _XOPEN_SOURCE 700
 #include "compiled/code.h"
@@ -11,6 +11,7 @@
 #include "tvi.h"
 
 #include <inttypes.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -24,9 +25,12 @@ void __wrap_tvi_integrator_free(tvi_integrator *integrator);
 /* Of this process; index 1: with generated code. */
 static struct {
     pid_t process, program;
-    uint64_t first, rows, others;
+    uint64_t first, others;
+    long forks, rows;
     long integrators[2], steps[2];
 } done;
+
+static void count_fork(void) { done.forks++; }
 
 static void prove(void)
 {
@@ -44,9 +48,10 @@ static void prove(void)
 __attribute__((constructor)) static void begin(void)
 {
     const char *chosen = getenv("TVI_GENERATED");
-    done.program = getpid(), done.rows = done.others = 1;
-    if (chosen && sscanf(chosen, "%" SCNu64 " %" SCNu64, &done.rows, &done.others) != 2) abort();
+    done.program = getpid(), done.rows = 1, done.others = 1;
+    if (chosen && sscanf(chosen, "%ld %" SCNu64, &done.rows, &done.others) != 2) abort();
     atexit(prove);
+    pthread_atfork(count_fork, NULL, NULL);
 }
 
 static bool is_chosen(const tvi_system *system, const tvi_options *options)
@@ -55,9 +60,10 @@ static bool is_chosen(const tvi_system *system, const tvi_options *options)
     if (done.process != getpid()) {
         memset(done.integrators, 0, sizeof done.integrators);
         memset(done.steps, 0, sizeof done.steps);
-        done.process = getpid(), done.first = kind;
-        if (done.process != done.program && kind % done.rows != 0) _exit(EXIT_SUCCESS);
+        done.process = getpid(), done.first = 0;
+        if (done.process != done.program && (done.forks - 1) % done.rows != 0) _exit(EXIT_SUCCESS);
     }
+    if (!done.first) done.first = kind;
     return kind == done.first || kind % done.others == 0;
 }
 
@@ -92,5 +98,6 @@ void __wrap_tvi_integrator_free(tvi_integrator *integrator)
 {
     const tvi_stats *stats = tvi_integrator_stats(integrator);
     if (stats) done.steps[stats->is_compiled] += stats->steps;
+    if (done.steps[0] + done.steps[1] == 0) done.first = 0; /* was made for its options alone */
     __real_tvi_integrator_free(integrator);
 }
