@@ -301,6 +301,8 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     increments(w, dq, dp);
     memcpy(w->dq, dq, bytes);
     memcpy(w->dp, dp, bytes);
+    tvi_curve_measure(&w->a.curve);
+    tvi_curve_measure(&w->b.curve);
     stats->tail = fmax(tvi_curve_tail(&w->a.curve), tvi_curve_tail(&w->b.curve));
     return TVI_OK;
 }

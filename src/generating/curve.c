@@ -154,12 +154,18 @@ static tvi_status expand_lagrangian(tvi_curve *curve)
     return TVI_OK;
 }
 
+/* What is infinite or no number makes a sum that is so. */
 static bool is_finite(const tvi_curve *curve)
 {
-    double zero = 0;
-    for (int k = 0; k <= curve->top; k++)
-        for (int i = 0; i < curve->system->inputs; i++) zero += 0 * tvi_curve_input(curve, k)[i];
-    return zero == 0;
+    const size_t stride = tvi_curve_slots(curve);
+    bool finite = true;
+    for (int i = 0; i < curve->system->inputs; i++) {
+        const double *x = curve->x + i;
+        double sum = 0;
+        for (int k = 0; k <= curve->top; k++, x += stride) sum += *x;
+        finite &= isfinite(sum);
+    }
+    return finite;
 }
 
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
@@ -241,13 +247,17 @@ static tvi_tail_part tail_part(const tvi_curve *curve, int i)
                            .per_movement = 1 / movement};
 }
 
+void tvi_curve_measure(const tvi_curve *curve)
+{
+    sum_by(tvi_add_sizes, curve, &curve->q_sizes, curve->movement);
+    sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
+}
+
 double tvi_curve_tail(const tvi_curve *curve)
 {
     const bool has_masses = curve->system->form == TVI_SEPARABLE;
     tvi_tail_survey survey = {0, 0, 0};
     if (curve->p_degree < 2) return 0;
-    sum_by(tvi_add_sizes, curve, &curve->q_sizes, curve->movement);
-    sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
     for (int i = 0; i < curve->n; i++) {
         const tvi_tail_part part = tail_part(curve, i);
         tvi_tail_look(&survey, &part, has_masses);

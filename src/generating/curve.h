@@ -137,8 +137,10 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
  * not read for a separable system, whose U_k = (k+1) Q_{k+1}. */
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
-/* Once: Q and P are summed to these degrees. Then tvi_stats.tail, see tail.h; 0 where p' has one term only. */
+/* Once: Q and P are summed to these degrees. Then, of each curve, the sizes of movement and momentum, and of these
+ * tvi_stats.tail, see tail.h; 0 where p' has one term only. */
 void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree);
+void tvi_curve_measure(const tvi_curve *curve);
 double tvi_curve_tail(const tvi_curve *curve);
 
 /* More than the terms left out change the energy by, after the tail, of a step that is the curve; INFINITY where they
@@ -150,7 +152,8 @@ double tvi_curve_change(const tvi_curve *curve);
 /* The largest s at which the curve, of Q and P to these degrees, serves a tolerance; INFINITY where it is exact. */
 double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, double tolerance);
 
-/* The same curve in s / factor: tau and its coefficients, of q and p. */
-void tvi_curve_rescale(tvi_curve *curve, double factor);
+/* The same curve in s / factor: tau and its coefficients, of q and p; and in the same sweep its rise from 0 to 1, of q
+ * and kappa p, [n], and what tvi_curve_measure measures. */
+void tvi_curve_end_at(tvi_curve *curve, double factor, double q[], double u[]);
 
 #endif

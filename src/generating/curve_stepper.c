@@ -284,6 +284,7 @@ static void finish(const attempt *a, double dq[], double dp[])
 {
     work *w = a->work;
     increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
+    tvi_curve_measure(&w->closure.curve);
     a->stats->tail = tvi_curve_tail(&w->closure.curve);
 }
 
@@ -332,6 +333,7 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
                               double dp[], double dq_low[], double dp_low[], tvi_stats *stats)
 {
     work *w = taken;
+    tvi_curve *curve = &w->closure.curve;
     attempt a = {w, origin, 0, stats};
     double reach;
     const tvi_status status = expand_within(&a, tolerance, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
@@ -341,10 +343,11 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
         *w->chosen = reach;
         if (origin->t + *h == origin->t) return TVI_ENOCONV;
     }
-    tvi_curve_rescale(&w->closure.curve, *h / a.tau);
-    finish(&a, dq, dp);
+    tvi_curve_end_at(curve, *h / a.tau, dq, dp);
+    for (int i = 0; i < curve->n; i++) dp[i] /= curve->kappa[i];
+    stats->tail = tvi_curve_tail(curve);
     if (tvi_refines(w->closure.system, tolerance))
-        tvi_refine(&w->refinement, &w->closure.curve, *h, origin, dq, dp, dq_low, dp_low);
+        tvi_refine(&w->refinement, curve, *h, origin, dq, dp, dq_low, dp_low);
     return TVI_OK;
 }
 

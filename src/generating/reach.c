@@ -7,6 +7,7 @@
  * or at 0. */
 #include "generating/curve.h"
 #include "algebra/sizes.h"
+#include "generating/taylor_loops.h"
 
 #include <math.h>
 
@@ -32,31 +33,34 @@ static double size_of(const series *x, int k)
     return size;
 }
 
-/* The first coefficients that are not 0: the size of x along the curve is that of the largest of their terms. */
+/* The first coefficients that are not 0: the size of x along the curve is that of the largest of their terms. Those
+ * that there are not have log |x_k| = -INFINITY. */
 typedef struct {
-    int count, k[SIZED_BY];
+    int k[SIZED_BY];
     double log[SIZED_BY]; /* |x_k| */
 } start;
 
 static start start_of(const series *x, int degree)
 {
-    start first = {.count = 0};
-    for (int k = 0; k < degree && first.count < SIZED_BY; k++) {
+    start first = {{0, 0}, {-INFINITY, -INFINITY}};
+    for (int k = 0, count = 0; k < degree && count < SIZED_BY; k++) {
         const double at_k = size_of(x, k);
         if (at_k == 0) continue;
-        first.k[first.count] = k;
-        first.log[first.count++] = log(at_k);
+        first.k[count] = k;
+        first.log[count++] = log(at_k);
     }
     return first;
 }
 
-/* log of the largest s with s^k |x_k| <= part max |x_j| s^j. */
+/* log of the largest s with s^k |x_k| <= part max |x_j| s^j. No branches: which of two is the larger changes from step
+ * to step. */
 static double reach_of_term(const start *first, int k, double log_k, double log_part)
 {
-    double reach = -INFINITY;
-    for (int i = 0; i < first->count && first->k[i] < k; i++)
-        reach = tvi_larger((log_part + first->log[i] - log_k) / (k - first->k[i]), reach);
-    return isfinite(reach) ? reach : INFINITY;
+    double reach[SIZED_BY];
+    for (int i = 0; i < SIZED_BY; i++)
+        reach[i] = first->k[i] < k ? (log_part + first->log[i] - log_k) / (k - first->k[i]) : -INFINITY;
+    const double farthest = tvi_larger(reach[0], reach[1]);
+    return isfinite(farthest) ? farthest : INFINITY;
 }
 
 /* log of the least reach of the last coefficients that are not 0. */
@@ -80,19 +84,49 @@ double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, doubl
     return exp(tvi_smaller(reach_of(&q, q_degree, log_part), reach_of(&p, p_degree, log_part)));
 }
 
-void tvi_curve_rescale(tvi_curve *curve, double factor)
+/* The rows of x, scaled, and their sums, to this degree; x_k above it are scaled too. */
+static void sweep_rows(const tvi_curve *curve, int components, int degree, const double power[], double *x,
+                       double *rise, double *size)
 {
-    const int n = curve->n;
-    const tvi_form form = curve->system->form;
-    const int *momentum = curve->system->field_series->output + n;
-    double power = 1;
-    curve->tau *= factor;
-    for (int i = 0; i < n && form == TVI_SEPARABLE; i++) curve->kappa[i] *= factor;
-    for (int k = 1; k <= curve->top; k++) {
-        double *x = tvi_curve_input(curve, k);
-        power *= factor;
-        for (int i = 0; i < n; i++) x[i] *= power;
-        for (int i = 0; i < n && form == TVI_HAMILTONIAN; i++) x[n + i] *= power;
-        for (int i = 0; i < n && form == TVI_LAGRANGIAN; i++) x[momentum[i]] *= power;
+    const tvi_taylor_rows rows = {components, 1, degree, tvi_curve_slots(curve), false};
+    const tvi_taylor_sums sums = {rise, size, NULL, NULL};
+    for (int k = degree + 1; k <= curve->top; k++)
+        for (int i = 0; i < components; i++) x[(size_t)k * rows.stride + (size_t)i] *= power[k];
+    tvi_taylor_loops_of(curve->system)->sweep(&rows, power, x, &sums);
+}
+
+/* Of a separable system all sums are of Q, and U_0 = Q_1 is no part of what kappa p rises by. */
+static void sweep_separable(const tvi_curve *curve, const double power[], double q[], double u[])
+{
+    const tvi_taylor_rows rows = {curve->n, 2, curve->top, tvi_curve_slots(curve), true};
+    const tvi_taylor_sums sums = {q, curve->movement, u, curve->momentum};
+    double *x1 = tvi_curve_input(curve, 1);
+    tvi_taylor_loops_of(curve->system)->sweep(&rows, power, curve->x, &sums);
+    for (int i = 0; i < curve->n; i++) {
+        curve->kappa[i] *= power[1];
+        x1[i] *= power[1];
+        q[i] += x1[i];
+        curve->movement[i] += fabs(x1[i]);
+        curve->momentum[i] += fabs(x1[i]);
     }
+}
+
+void tvi_curve_end_at(tvi_curve *curve, double factor, double q[], double u[])
+{
+    const int n = curve->n, *momentum = curve->system->field_series->output + n;
+    const tvi_form form = curve->system->form;
+    double power[TVI_MAX_DEGREE + 2];
+    power[0] = 1;
+    power[1] = factor;
+    for (int k = 2; k <= curve->top; k++) power[k] = power[k / 2] * power[k - k / 2];
+    curve->tau *= factor;
+    if (form == TVI_SEPARABLE) {
+        sweep_separable(curve, power, q, u);
+        return;
+    }
+    sweep_rows(curve, n, curve->q_degree, power, curve->x, q, curve->movement);
+    if (form == TVI_HAMILTONIAN) sweep_rows(curve, n, curve->p_degree, power, curve->x + n, u, curve->momentum);
+    for (int i = 0; i < n && form == TVI_LAGRANGIAN; i++)
+        sweep_rows(curve, 1, curve->p_degree, power, curve->x + momentum[i], u + i, curve->momentum + i);
+    for (int i = 0; i < n; i++) curve->momentum[i] += fabs(tvi_curve_U(curve, 0, i));
 }

@@ -28,6 +28,11 @@ static const tvi_taylor_loops *const loops_of[JET_ISA_COUNT] = {
 #endif
 };
 
+const tvi_taylor_loops *tvi_taylor_loops_of(const tvi_system *system)
+{
+    return loops_of[system->field_series->sweeps->isa];
+}
+
 static int width_of(const tvi_system *system, const tvi_options *options)
 {
     const int bytes = system->field_series->slots * (options->degree + 1) * (int)sizeof(double);
@@ -42,7 +47,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     crowd *taken = tvi_arena_take(arena, sizeof *taken);
     const jet_tape *tape = system->field_series;
     const size_t n = (size_t)system->n;
-    crowd w = {.system = system, .loops = loops_of[tape->sweeps->isa], .degree = options->degree};
+    crowd w = {.system = system, .loops = tvi_taylor_loops_of(system), .degree = options->degree};
     tvi_single_take(&w.by_itself, arena, &tvi_stepper_taylor, system, options, width, 1);
     double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio, &w.tail};
     for (size_t i = 0; i < 5; i++) *of_n[i] = tvi_arena_doubles(arena, n * (size_t)width);

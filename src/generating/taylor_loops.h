@@ -3,7 +3,7 @@
 #ifndef TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 #define TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 
-#include "tape.h"
+#include "system/system.h"
 
 /* The block of the series: order k of row i of member m stands at x[k * stride + i * width + m]. */
 typedef struct {
@@ -16,6 +16,18 @@ typedef struct {
     bool has_masses; /* a separable system */
 } tvi_taylor_lanes;
 
+/* Rows x_k of one curve, k = least .. degree, [components], `stride` apart. */
+typedef struct {
+    int components, least, degree;
+    size_t stride;
+    bool has_slope;
+} tvi_taylor_rows;
+
+/* Their sums, [components]: of x_k and k |x_k|, and of rows with a slope those of k x_k and (k - 1) k |x_k|. */
+typedef struct {
+    double *rise, *size, *slope, *bend;
+} tvi_taylor_sums;
+
 typedef struct {
     /* The curve's coefficients that order k of the field gives (docs/method.md section 2). */
     void (*advance)(const tvi_taylor_lanes *curve, int k);
@@ -23,6 +35,8 @@ typedef struct {
     void (*rise)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *dq, double *dp);
     /* tvi_stats.tail of each member, for P and Q to these degrees; share, ratio [n][width]: scratch. */
     void (*tail)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *share, double *ratio, double *tail);
+    /* x_k *= power[k], and their sums, the small terms first. */
+    void (*sweep)(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums);
 } tvi_taylor_loops;
 
 /* All orders from order 0; false where a value of the field is outside its domain. */
@@ -37,6 +51,7 @@ static inline bool tvi_taylor_expand(const tvi_taylor_loops *loops, const tvi_ta
     return inside;
 }
 
+const tvi_taylor_loops *tvi_taylor_loops_of(const tvi_system *system);
 extern const tvi_taylor_loops tvi_taylor_loops_base, tvi_taylor_loops_avx2, tvi_taylor_loops_avx512;
 
 #endif

@@ -185,7 +185,32 @@ START_TEST(sizes_of_steps)
 }
 END_TEST
 
-/* The same with a light mass, after or before a heavy body whose momentum is much larger and does not change. */
+/* Such a step is the one of that size, with its tail and its states between. */
+START_TEST(steps_of_the_same_size)
+{
+    static const scene *const forms[] = {&scene_kepler, &scene_solar, &scene_vortices, &scene_double_pendulum};
+    for (int order = 2; order < 9; order++) {
+        orbit chosen = open_scene(forms[_i], order), given = open_scene(forms[_i], order);
+        const int n = chosen.n;
+        double q[2][LARGEST_N], p[2][LARGEST_N];
+        ck_assert_int_eq(go(&chosen, 1e-3, forms[_i]->t_end, stop_at_once, NULL), TVI_ESTOPPED);
+        ck_assert_int_eq(tvi_step(given.integrator, chosen.t, &given.t, given.q, given.p), TVI_OK);
+        ck_assert_double_le(error_of(&chosen, given.q, given.p), 1e-15);
+        const double tail = tvi_integrator_stats(given.integrator)->tail;
+        ck_assert_msg(tail > 1e-6, "%g", tail);
+        ck_assert_double_eq_tol(tvi_integrator_stats(chosen.integrator)->tail, tail, 1e-12 * tail);
+        ck_assert_int_eq(tvi_dense(chosen.integrator, 0.5, q[0], p[0]), TVI_OK);
+        ck_assert_int_eq(tvi_dense(given.integrator, 0.5, q[1], p[1]), TVI_OK);
+        memcpy(chosen.q, q[0], (size_t)n * sizeof **q);
+        memcpy(chosen.p, p[0], (size_t)n * sizeof **p);
+        ck_assert_double_le(error_of(&chosen, q[1], p[1]), 1e-15);
+        close_orbit(&chosen);
+        close_orbit(&given);
+    }
+}
+END_TEST
+
+/* The pole with a light mass, after or before a heavy body whose momentum is much larger and does not change. */
 static const double LIGHT = 1e-12;
 
 static jet light_pole(const jet q[], jet t, void *ctx) { return jet_mul(LIGHT, pole(q + *(const int *)ctx, t, NULL)); }
@@ -277,6 +302,7 @@ Suite *suite_tolerance(void)
     tcase_add_test(error, energy_beyond_roundoff);
     tcase_add_loop_test(error, closed_forms_beyond_roundoff, 0, 4);
     tcase_add_test(size, sizes_of_steps);
+    tcase_add_loop_test(size, steps_of_the_same_size, 0, 4);
     tcase_add_loop_test(size, masses_do_not_show, 0, 2);
     tcase_add_test(size, units_do_not_show);
     tcase_add_test(size, coefficients_that_are_zero);
