@@ -41,7 +41,7 @@ extern "C" {
     ROW(TVI_ENOCONV, "the corrector did not converge: the step is too large")                                          \
     ROW(TVI_ESINGULAR, "a matrix of the step is singular")                                                             \
     ROW(TVI_ENONFINITE, "a value is not finite")                                                                       \
-    ROW(TVI_ESTOPPED, "stopped by the observer")                                                                       \
+    ROW(TVI_ESTOPPED, "stopped by an observer or a terminal event")                                                    \
     ROW(TVI_EUNSUPPORTED, "this system or method does not provide that")                                               \
     ROW(TVI_ETOOLARGE, "the step is too large for the orbit")                                                          \
     ROW(TVI_ECOMPILE, "the generated code could not be compiled or loaded")

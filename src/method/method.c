@@ -37,6 +37,12 @@ static int order_of(const tvi_descriptor *descriptor, const tvi_options *options
     return tvi_is_symmetric(descriptor) || options->compose_adjoint ? order + order % 2 : order;
 }
 
+static bool has_even_orders(const tvi_descriptor *descriptor, const tvi_options *options)
+{
+    const int least = descriptor->least_degree;
+    return (order_of(descriptor, options, least) | order_of(descriptor, options, least + 1)) % 2 == 0;
+}
+
 /* ---- From options to methods ------------------------------------------------------------------------------------- */
 
 static bool has_nodes(const tvi_descriptor *descriptor, tvi_nodes nodes)
@@ -110,8 +116,8 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
         options->degree = degree;
         return TVI_OK;
     }
-    const bool is_even = (order_of(descriptor, options, least) | order_of(descriptor, options, least + 1)) % 2 == 0;
-    if (is_even && options->order % 2 != 0) return refuse(TVI_EINVAL, "the orders of the method are even", why);
+    if (has_even_orders(descriptor, options) && options->order % 2 != 0)
+        return refuse(TVI_EINVAL, "the orders of the method are even", why);
     return refuse(TVI_EINVAL, "no degree gives the method this order", why);
 }
 
@@ -206,14 +212,25 @@ tvi_options tvi_method_adjoint(const tvi_options *options)
 
 /* ---- Options of the public interface ----------------------------------------------------------------------------- */
 
+static tvi_status refuse_order(const char *name, int least, int most, bool is_even, int order)
+{
+    if (least == most) return jet_refuse(TVI_EINVAL, "%s has order %d, not %d", name, least, order);
+    const char *const even = is_even ? "even " : "";
+    return jet_refuse(TVI_EINVAL, "%s has %sorders from %d to %d, not %d", name, even, least, most, order);
+}
+
 static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int order, tvi_options *options)
 {
     const tvi_options found = {
         .method = descriptor->method, .expansion = descriptor->expansion, .nodes = nodes, .order = order};
     tvi_options resolved = found;
-    const tvi_status status = tvi_method_resolve(&resolved, NULL, NULL);
-    if (status == TVI_OK) *options = found;
-    return status;
+    if (tvi_method_resolve(&resolved, NULL, NULL) == TVI_OK) {
+        *options = found;
+        return TVI_OK;
+    }
+    const int least = order_of(descriptor, &found, descriptor->least_degree);
+    const int most = order_of(descriptor, &found, descriptor->most_degree);
+    return refuse_order(descriptor->nodes[nodes].name, least, most, has_even_orders(descriptor, &found), order);
 }
 
 static bool is_called(const char *own, const char *name) { return own && strcmp(own, name) == 0; }
@@ -237,8 +254,8 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
             if (is_called((*d)->nodes[nodes].name, name)) return named(*d, (tvi_nodes)nodes, order, options);
     for (int i = 0; i < PRESETS; i++) {
         if (!is_called(presets[i]->name, name)) continue;
-        if (order != presets[i]->options.order)
-            return jet_refuse(TVI_EINVAL, "%s has order %d, not %d", name, presets[i]->options.order, order);
+        const int own = presets[i]->options.order;
+        if (order != own) return refuse_order(name, own, own, true, order);
         *options = presets[i]->options;
         return TVI_OK;
     }

@@ -30,9 +30,14 @@ tvi_status tvi_search_state(tvi_search *s, double theta, double x[])
     return tvi_state_at(s->it, theta, &x[2 * n], x, x + n);
 }
 
+static tvi_status of_event(int which, tvi_status status)
+{
+    return status == TVI_OK ? status : jet_refuse(status, "events[%d]: %s", which, jet_refusal());
+}
+
 tvi_status tvi_search_value(tvi_search *s, int which, const double x[], double *g)
 {
-    return tvi_event_value(s->of[which].event, s->of[which].block, x, g);
+    return of_event(which, tvi_event_value(s->of[which].event, s->of[which].block, x, g));
 }
 
 static tvi_status on_curve(tvi_search *s, int which, double theta, double *g)
@@ -200,7 +205,7 @@ static tvi_status search_event(tvi_search *s, int which)
     double at[1 + TVI_SAMPLES] = {0}, *g = s->of[which].g;
     tvi_status status = TVI_OK;
     if (is_quiet(g)) return TVI_OK;
-    if (!tvi_all_finite(TVI_SAMPLES, g + 1)) return tvi_refuse_as("event function", TVI_ENONFINITE);
+    if (!tvi_all_finite(TVI_SAMPLES, g + 1)) return of_event(which, tvi_refuse_as("event function", TVI_ENONFINITE));
     memcpy(at + 1, tvi_sample_place, sizeof tvi_sample_place);
     if (g[0] == 0) status = on_curve(s, which, at[0] = EDGE, &g[0]);
     else if (falls_first(g, 1)) status = look_at_end(s, which, false);
@@ -226,6 +231,16 @@ static tvi_status leave_start(tvi_search *s, int which)
     return status;
 }
 
+/* The tape of all events has failed at a sample: which of them, and at which operation of its own recording. */
+static tvi_status refuse_samples(tvi_search *s)
+{
+    double g;
+    for (int which = 0; which < s->count; which++)
+        for (int j = 0; j < TVI_SAMPLES; j++)
+            if (on_curve(s, which, tvi_sample_place[j], &g) == TVI_EDOMAIN) return TVI_EDOMAIN;
+    return tvi_refuse_as("event function", TVI_EDOMAIN);
+}
+
 /* g of all events at the samples; where the step leads on from the last one searched, the end of that is the start of
  * this one. */
 static tvi_status sample_events(tvi_search *s)
@@ -234,7 +249,7 @@ static tvi_status sample_events(tvi_search *s)
     const bool continues = s->step > 0 && *s->it->continued && step == s->step + 1;
     tvi_sample(s->it, s->of_state, s->samples);
     const bool inside = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES);
-    tvi_status status = inside ? TVI_OK : tvi_refuse_as("event function", TVI_EDOMAIN);
+    tvi_status status = inside ? TVI_OK : refuse_samples(s);
     for (int which = 0; which < s->count && status == TVI_OK; which++) {
         double *g = s->of[which].g;
         g[0] = g[TVI_SAMPLES];

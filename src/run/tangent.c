@@ -237,7 +237,7 @@ static tvi_status move_column(const tvi_integrator *it, double h, const double D
         out[(size_t)(n + row) * stride] = dp[row];
     }
     if (status != TVI_OK || (tvi_all_finite(n, dq) && tvi_all_finite(n, dp))) return status;
-    return jet_refuse(TVI_ENONFINITE, "a column of D overflows");
+    return jet_refuse(TVI_ENONFINITE, "it overflows");
 }
 
 tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
@@ -253,8 +253,10 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
             return jet_refuse(TVI_ENONFINITE, "row %d of D is not finite", row);
     tvi_status status = tvi_integrator_provide_tangent(it, columns);
     if (status == TVI_OK) status = tvi_integrator_begin(it, *t, q, p);
-    for (int i = 0; i < columns && status == TVI_OK; i++)
+    for (int i = 0; i < columns && status == TVI_OK; i++) {
         status = move_column(it, h, D + i, columns, it->tangent->D + i);
+        if (status != TVI_OK) status = jet_refuse(status, "column %d of D: %s", i, jet_refusal());
+    }
     if (status == TVI_OK) status = tvi_step(it, h, t, q, p);
     if (status == TVI_OK) memcpy(D, it->tangent->D, 2 * (size_t)n * (size_t)columns * sizeof *D);
     return status;

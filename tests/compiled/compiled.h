@@ -3,6 +3,7 @@
 #ifndef TESTS_COMPILED_H
 #define TESTS_COMPILED_H
 
+#include "problems/refusals.h"
 #include "scene.h"
 
 #include <check.h>

@@ -74,7 +74,7 @@ START_TEST(failures_leave_all_as_it_was)
     x.q[0] = NAN;
     refused("q[0] = nan", tvi_step_tangent(r.integrator, m->h, &x.t, x.q, x.p, D, 2), TVI_ENONFINITE);
     x = at;
-    check_failure(&r, 0.5, &at, huge, 2, TVI_ENONFINITE, "a column of D overflows");
+    check_failure(&r, 0.5, &at, huge, 2, TVI_ENONFINITE, "column 0 of D: it overflows");
     for (int step = 0; step < 3; step++) {
         tangent_step(&r, m->h, &x, D, 2);
         go(undisturbed.integrator, m->h, 1, &y);

@@ -46,41 +46,41 @@ typedef struct {
 
 static const options_case options_cases[] = {
     {"sound", {MIDPOINT, .order = 4}, TVI_OK, ""},
-    {"all zero", {0}, TVI_EINVAL, "order = 0"},
-    {"order 0", {MIDPOINT}, TVI_EINVAL, "order = 0"},
+    {"all zero", {0}, TVI_EINVAL, "no degree gives"},
+    {"order 0", {MIDPOINT}, TVI_EINVAL, "no degree gives"},
     {"order negative", {MIDPOINT, .order = -2}, TVI_EINVAL, "order is negative"},
     {"order negative beside a degree", {MIDPOINT, .order = -2, .degree = 2}, TVI_EINVAL, "order is negative"},
-    {"order INT_MAX", {MIDPOINT, .order = INT_MAX}, TVI_EINVAL, "order = 2147483647"},
-    {"odd order at the midpoint", {MIDPOINT, .order = 5}, TVI_EINVAL, "order = 5"},
-    {"odd order at the start", {START, .order = 5}, TVI_EINVAL, "order = 5"},
+    {"order INT_MAX", {MIDPOINT, .order = INT_MAX}, TVI_EINVAL, "orders of the method are"},
+    {"odd order at the midpoint", {MIDPOINT, .order = 5}, TVI_EINVAL, "orders of the method are"},
+    {"odd order at the start", {START, .order = 5}, TVI_EINVAL, "orders of the method are"},
     {"odd order of the paper's form", {START, .nodes = TVI_NODES_TRUNCATED, .order = 5}, TVI_OK, ""},
     {"highest order at the start", {START, .order = 2 * TVI_MAX_DEGREE}, TVI_OK, ""},
-    {"order too high at the start", {START, .order = 2 * TVI_MAX_DEGREE + 2}, TVI_EINVAL, "order = 202"},
+    {"order too high at the start", {START, .order = 2 * TVI_MAX_DEGREE + 2}, TVI_EINVAL, "no degree gives"},
     {"order too high of the paper's form",
      {START, .nodes = TVI_NODES_TRUNCATED, .order = 101},
      TVI_EINVAL,
-     "order = 101"},
-    {"order too high of Taylor", {TAYLOR, .order = TVI_MAX_DEGREE}, TVI_EINVAL, "order = 100"},
+     "no degree gives"},
+    {"order too high of Taylor", {TAYLOR, .order = TVI_MAX_DEGREE}, TVI_EINVAL, "no degree gives"},
     {"highest order of Taylor", {TAYLOR, .order = TVI_MAX_DEGREE - 1}, TVI_OK, ""},
-    {"order 1 of Verlet", {VERLET, .order = 1}, TVI_EINVAL, "order = 1"},
-    {"order 4 of Verlet", {VERLET, .order = 4}, TVI_EINVAL, "order = 4"},
+    {"order 1 of Verlet", {VERLET, .order = 1}, TVI_EINVAL, "orders of the method are"},
+    {"order 4 of Verlet", {VERLET, .order = 4}, TVI_EINVAL, "no degree gives"},
     {"degree negative", {MIDPOINT, .order = 4, .degree = -1}, TVI_EINVAL, "degree is negative"},
     {"highest degree", {MIDPOINT, .degree = TVI_MAX_DEGREE}, TVI_OK, ""},
-    {"degree above the highest", {MIDPOINT, .degree = TVI_MAX_DEGREE + 1}, TVI_EINVAL, "degree = 101"},
-    {"degree INT_MAX", {START, .degree = INT_MAX}, TVI_EINVAL, "degree = 2147483647"},
-    {"degree 1 of Taylor", {TAYLOR, .degree = 1}, TVI_EINVAL, "degree = 1"},
-    {"degree 2 of Verlet", {VERLET, .degree = 2}, TVI_EINVAL, "degree = 2"},
-    {"points negative", {MIDPOINT, .order = 4, .quadrature_points = -1}, TVI_EINVAL, "quadrature_points"},
+    {"degree above the highest", {MIDPOINT, .degree = TVI_MAX_DEGREE + 1}, TVI_EINVAL, "no such degree"},
+    {"degree INT_MAX", {START, .degree = INT_MAX}, TVI_EINVAL, "no such degree"},
+    {"degree 1 of Taylor", {TAYLOR, .degree = 1}, TVI_EINVAL, "no such degree"},
+    {"degree 2 of Verlet", {VERLET, .degree = 2}, TVI_EINVAL, "no such degree"},
+    {"points negative", {MIDPOINT, .order = 4, .quadrature_points = -1}, TVI_EINVAL, "quadrature_points is"},
     {"most points", {MIDPOINT, .order = 4, .quadrature_points = TVI_MAX_DEGREE + 2}, TVI_OK, ""},
     {"points above the most",
      {MIDPOINT, .order = 4, .quadrature_points = TVI_MAX_DEGREE + 3},
      TVI_EINVAL,
-     "quadrature_points"},
-    {"points INT_MAX", {MIDPOINT, .order = 4, .quadrature_points = INT_MAX}, TVI_EINVAL, "quadrature_points"},
+     "quadrature_points is"},
+    {"points INT_MAX", {MIDPOINT, .order = 4, .quadrature_points = INT_MAX}, TVI_EINVAL, "quadrature_points is"},
     {"one point of Lobatto",
      {MIDPOINT, .degree = 1, .quadrature = TVI_LOBATTO, .quadrature_points = 1},
      TVI_EINVAL,
-     "points"},
+     "needs more points"},
     {"a trapezoid of 3",
      {MIDPOINT, .order = 2, .quadrature = TVI_TRAPEZOID, .quadrature_points = 3},
      TVI_EINVAL,
@@ -92,38 +92,38 @@ static const options_case options_cases[] = {
     {"Gauss of lower order",
      {MIDPOINT, .order = 4, .quadrature = TVI_GAUSS, .quadrature_points = 1},
      TVI_EINVAL,
-     "quadrature is of lower order"},
+     "is of lower order"},
     {"Gauss of the same order", {MIDPOINT, .order = 4, .quadrature = TVI_GAUSS, .quadrature_points = 2}, TVI_OK, ""},
     {"Lobatto of lower order",
      {MIDPOINT, .order = 6, .quadrature = TVI_LOBATTO, .quadrature_points = 3},
      TVI_EINVAL,
-     "quadrature is of lower order"},
-    {"trapezoid of lower order",
-     {MIDPOINT, .order = 4, .quadrature = TVI_TRAPEZOID},
-     TVI_EINVAL,
-     "quadrature is of lower order"},
+     "is of lower order"},
+    {"trapezoid of lower order", {MIDPOINT, .order = 4, .quadrature = TVI_TRAPEZOID}, TVI_EINVAL, "is of lower order"},
     {"rectangle of lower order",
      {START, .order = 2, .quadrature = TVI_RECTANGLE_START},
      TVI_EINVAL,
-     "quadrature is of lower order"},
-    {"no method", {.method = (tvi_method)(TVI_STORMER_VERLET + 100), .order = 4}, TVI_EINVAL, "method"},
-    {"method negative", {.method = (tvi_method)-1, .order = 4}, TVI_EINVAL, "method"},
-    {"no expansion", {.expansion = (tvi_expansion)(TVI_AT_NODES + 100), .order = 4}, TVI_EINVAL, "expansion"},
-    {"expansion negative", {.expansion = (tvi_expansion)-1, .order = 4}, TVI_EINVAL, "expansion"},
-    {"no node rule", {.nodes = (tvi_nodes)(TVI_NODES_TRUNCATED + 1), .order = 4}, TVI_EINVAL, "nodes"},
-    {"node rule negative", {.nodes = (tvi_nodes)-1, .order = 4}, TVI_EINVAL, "nodes"},
-    {"no quadrature", {.quadrature = (tvi_quadrature)(TVI_RECTANGLE_END + 1), .order = 4}, TVI_EINVAL, "quadrature"},
-    {"quadrature negative", {.quadrature = (tvi_quadrature)-1, .order = 4}, TVI_EINVAL, "quadrature"},
-    {"tolerance negative", {MIDPOINT, .order = 4, .tolerance = -1e-10}, TVI_EINVAL, "tolerance"},
-    {"tolerance NaN", {MIDPOINT, .order = 4, .tolerance = NAN}, TVI_EINVAL, "tolerance"},
-    {"tolerance infinite", {MIDPOINT, .order = 4, .tolerance = INFINITY}, TVI_EINVAL, "tolerance"},
+     "is of lower order"},
+    {"no method", {.method = (tvi_method)(TVI_STORMER_VERLET + 100), .order = 4}, TVI_EINVAL, "not a tvi_method"},
+    {"method negative", {.method = (tvi_method)-1, .order = 4}, TVI_EINVAL, "not a tvi_method"},
+    {"no expansion", {.expansion = (tvi_expansion)(TVI_AT_NODES + 100), .order = 4}, TVI_EINVAL, "not a tvi_expansion"},
+    {"expansion negative", {.expansion = (tvi_expansion)-1, .order = 4}, TVI_EINVAL, "not a tvi_expansion"},
+    {"no node rule", {.nodes = (tvi_nodes)(TVI_NODES_TRUNCATED + 1), .order = 4}, TVI_EINVAL, "not a tvi_nodes"},
+    {"node rule negative", {.nodes = (tvi_nodes)-1, .order = 4}, TVI_EINVAL, "not a tvi_nodes"},
+    {"no quadrature",
+     {.quadrature = (tvi_quadrature)(TVI_RECTANGLE_END + 1), .order = 4},
+     TVI_EINVAL,
+     "quadrature is not"},
+    {"quadrature negative", {.quadrature = (tvi_quadrature)-1, .order = 4}, TVI_EINVAL, "quadrature is not"},
+    {"tolerance negative", {MIDPOINT, .order = 4, .tolerance = -1e-10}, TVI_EINVAL, "tolerance is"},
+    {"tolerance NaN", {MIDPOINT, .order = 4, .tolerance = NAN}, TVI_EINVAL, "tolerance is"},
+    {"tolerance infinite", {MIDPOINT, .order = 4, .tolerance = INFINITY}, TVI_EINVAL, "tolerance is"},
     {"prediction only", {MIDPOINT, .order = 4, .passes = TVI_PREDICT_ONLY}, TVI_OK, ""},
-    {"passes below prediction only", {MIDPOINT, .order = 4, .passes = -2}, TVI_EINVAL, "passes"},
-    {"passes INT_MIN", {MIDPOINT, .order = 4, .passes = INT_MIN}, TVI_EINVAL, "passes"},
-    {"max_tail NaN", {MIDPOINT, .order = 4, .max_tail = NAN}, TVI_EINVAL, "max_tail"},
+    {"passes below prediction only", {MIDPOINT, .order = 4, .passes = -2}, TVI_EINVAL, "passes is below"},
+    {"passes INT_MIN", {MIDPOINT, .order = 4, .passes = INT_MIN}, TVI_EINVAL, "passes is below"},
+    {"max_tail NaN", {MIDPOINT, .order = 4, .max_tail = NAN}, TVI_EINVAL, "max_tail is"},
     {"max_tail infinite", {MIDPOINT, .order = 4, .max_tail = INFINITY}, TVI_OK, ""},
     {"max_tail negative", {MIDPOINT, .order = 4, .max_tail = -INFINITY}, TVI_OK, ""},
-    {"max_passes negative", {MIDPOINT, .order = 4, .max_passes = -1}, TVI_EINVAL, "max_passes"},
+    {"max_passes negative", {MIDPOINT, .order = 4, .max_passes = -1}, TVI_EINVAL, "max_passes is"},
     {"Taylor at the midpoint",
      {.method = TVI_TAYLOR, .expansion = TVI_AT_MIDPOINT, .order = 4},
      TVI_EUNSUPPORTED,
@@ -153,16 +153,16 @@ static const options_case options_cases[] = {
     {"odd order of a composition",
      {START, .nodes = TVI_NODES_TRUNCATED, .order = 5, .compose_adjoint = true},
      TVI_EINVAL,
-     "order = 5"},
+     "orders of the method are"},
     {"even order of a composition",
      {START, .nodes = TVI_NODES_TRUNCATED, .order = 4, .compose_adjoint = true},
      TVI_OK,
      ""},
     {"lowest order at the nodes", {NODES, .order = 2}, TVI_OK, ""},
     {"highest order at the nodes", {NODES, .order = 2 * TVI_MAX_NODES}, TVI_OK, ""},
-    {"order too high at the nodes", {NODES, .order = 2 * TVI_MAX_NODES + 2}, TVI_EINVAL, "order = 22"},
-    {"odd order at the nodes", {NODES, .order = 5}, TVI_EINVAL, "order = 5"},
-    {"degree too high at the nodes", {NODES, .degree = TVI_MAX_NODES + 1}, TVI_EINVAL, "degree = 11"},
+    {"order too high at the nodes", {NODES, .order = 2 * TVI_MAX_NODES + 2}, TVI_EINVAL, "no degree gives"},
+    {"odd order at the nodes", {NODES, .order = 5}, TVI_EINVAL, "orders of the method are"},
+    {"degree too high at the nodes", {NODES, .degree = TVI_MAX_NODES + 1}, TVI_EINVAL, "no such degree"},
     {"truncated at the nodes",
      {NODES, .nodes = TVI_NODES_TRUNCATED, .order = 4},
      TVI_EUNSUPPORTED,
@@ -206,7 +206,7 @@ static tvi_status check_options(const char *name, const tvi_system *system, cons
     const char *why = untouched;
     const tvi_status status = tvi_options_check(system, options, &why);
     ck_assert_msg((why == untouched) == (status == TVI_OK) && why && *why, "%s: why", name);
-    expect(name, tvi_options_check(system, options, NULL), status);
+    expect_refusal(name, tvi_options_check(system, options, NULL), status, why);
     tvi_integrator *integrator = (tvi_integrator *)&(char){0};
     expect(name, tvi_integrator_create(&integrator, system, options), status);
     ck_assert_msg((integrator != NULL) == (status == TVI_OK), "%s: out", name);
@@ -288,7 +288,7 @@ START_TEST(options_arguments)
     why = NULL;
     refused("options", tvi_options_check(system, NULL, &why), TVI_EINVAL);
     ck_assert_ptr_nonnull(why);
-    expect("both", tvi_options_check(NULL, NULL, NULL), TVI_EINVAL);
+    refused("system is NULL", tvi_options_check(NULL, NULL, NULL), TVI_EINVAL);
     tvi_integrator *integrator = (tvi_integrator *)&(char){0};
     refused("system", tvi_integrator_create(&integrator, NULL, &options), TVI_EINVAL);
     ck_assert_ptr_null(integrator);
@@ -356,7 +356,7 @@ static void check_named(const tvi_system *system, const char *name, int order, b
     tvi_options options, untouched;
     memset(&untouched, 0x5a, sizeof untouched);
     memcpy(&options, &untouched, sizeof options);
-    expect(name, tvi_options_named(name, order, &options), exists ? TVI_OK : TVI_EINVAL);
+    expect_refusal(name, tvi_options_named(name, order, &options), exists ? TVI_OK : TVI_EINVAL, name);
     if (exists) expect(name, check_options(name, system, &options), TVI_OK);
     else ck_assert_msg(memcmp(&options, &untouched, sizeof options) == 0, "%s %d: changed", name, order);
 }
@@ -373,12 +373,12 @@ START_TEST(options_named)
         check_named(system, named[i].name, named[i].to + named[i].by, false);
         check_named(system, named[i].name, INT_MAX, false);
         check_named(system, named[i].name, INT_MIN, false);
-        expect("options", tvi_options_named(named[i].name, named[i].from, NULL), TVI_EINVAL);
+        refused("options is NULL", tvi_options_named(named[i].name, named[i].from, NULL), TVI_EINVAL);
     }
     static const char *const unknown[] = {"", "Midpoint", "midpoint ", " tvi", "tv", "tvi2", "no such method"};
     for (size_t i = 0; i < sizeof unknown / sizeof *unknown; i++) check_named(system, unknown[i], 4, false);
     tvi_options options;
-    expect("name", tvi_options_named(NULL, 4, &options), TVI_EINVAL);
+    refused("name is NULL", tvi_options_named(NULL, 4, &options), TVI_EINVAL);
     tvi_system_free(system);
 }
 END_TEST

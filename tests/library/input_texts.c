@@ -12,10 +12,17 @@ static jet first(const jet q[], const jet p[], jet t, void *ctx)
     return ctx ? jet_log(q[0]) : q[0];
 }
 
-static void no_force(const jet q[], jet t, jet force[], void *ctx)
+static void constant(const jet q[], jet t, jet force[], void *ctx)
 {
-    (void)q, (void)t, (void)ctx;
-    force[0] = jet_const(0);
+    (void)q, (void)t;
+    force[0] = jet_const(ctx ? 1e308 : 0);
+}
+
+/* It leaves its domain, or overflows, as t goes on. */
+static jet of_time(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)p;
+    return ctx ? jet_exp(jet_mul(1e4, t)) : jet_sqrt(jet_sub(0.25, t));
 }
 
 static jet minus_one(const jet q[], const jet p[], jet t, void *ctx)
@@ -53,10 +60,13 @@ START_TEST(texts_of_names)
         refused(names[i], tvi_options_named("galerkn", 4, &options), TVI_EINVAL);
     refused("\"galerkn\"", tvi_options_named("galerkn", 4, &options), TVI_EINVAL);
     refused("svhd has order 2, not 4", tvi_options_named("svhd", 4, &options), TVI_EINVAL);
-    refused("order = 5", tvi_options_named("midpoint", 5, &options), TVI_EINVAL);
-    refused("orders of the method are even", tvi_options_named("galerkin", 7, &options), TVI_EINVAL);
-    refused("no degree gives the method this order", tvi_options_named("galerkin", 1000, &options), TVI_EINVAL);
+    refused("midpoint has even orders from 2 to 200, not 5", tvi_options_named("midpoint", 5, &options), TVI_EINVAL);
+    refused("galerkin has even orders from 2 to 20, not 1000", tvi_options_named("galerkin", 1000, &options),
+            TVI_EINVAL);
+    refused("taylor has orders from 1 to 99, not -1", tvi_options_named("taylor", -1, &options), TVI_EINVAL);
+    refused("stormer-verlet has order 2, not 4", tvi_options_named("stormer-verlet", 4, &options), TVI_EINVAL);
     refused("name is NULL", tvi_options_named(NULL, 4, &options), TVI_EINVAL);
+    refused("options is NULL", tvi_options_named("galerkin", 4, NULL), TVI_EINVAL);
 }
 END_TEST
 
@@ -80,7 +90,17 @@ START_TEST(texts_of_events)
     refused("count = -1", RUN(0.1, 3, events, -1), TVI_EINVAL);
     refused("steps is negative", RUN(0.1, -3, events, 1), TVI_EINVAL);
     s->q[0] = -0.25;
-    refused("event function: jet_log has no power series at -", RUN(0.1, 3, last, 1), TVI_EDOMAIN);
+    refused("events[0]: event function: jet_log has no power series at -", RUN(0.1, 3, last, 1), TVI_EDOMAIN);
+    s->q[0] = 0.25;
+    s->t = 0;
+    ck_assert_int_eq(tvi_event_create(&out, 2, TVI_EITHER, false, of_time, NULL), TVI_OK);
+    const tvi_event *both[] = {event, out};
+    refused("events[1]: event function: jet_sqrt has no power series at", RUN(0.1, 5, both, 2), TVI_EDOMAIN);
+    tvi_event_free(out);
+    ck_assert_int_eq(tvi_event_create(&out, 2, TVI_EITHER, false, of_time, &r), TVI_OK);
+    both[1] = out;
+    refused("events[1]: event function: a value is not finite", RUN(0.1, 5, both, 2), TVI_ENONFINITE);
+    tvi_event_free(out);
 #undef RUN
     tvi_event_free(event);
     tvi_event_free(other);
@@ -102,6 +122,8 @@ START_TEST(texts_of_times)
     refused("times is NULL", AT(NULL, 2), TVI_EINVAL);
     refused("count is negative", AT(times, -2), TVI_EINVAL);
     refused("t_end is not finite", TO(0.1, INFINITY), TVI_EINVAL);
+    refused("h is 0", TO(0, 1), TVI_EINVAL);
+    refused("h = nan is not finite", TO(NAN, 1), TVI_EINVAL);
     refused("h = 0.1 does not go from t = 0 to t_end = -1", TO(0.1, -1), TVI_EINVAL);
     refused("tolerance", WITHIN(taylor.it, 0, 1), TVI_EINVAL);
     refused("t_end", WITHIN(taylor.it, 1e-10, NAN), TVI_EINVAL);
@@ -116,6 +138,53 @@ START_TEST(texts_of_times)
 }
 END_TEST
 
+static const double late[] = {1};
+
+/* The runs, of one step, with these for their integrator, time, coordinates and momenta. */
+static tvi_status one_step(tvi_integrator *it, double *t, double *q, double *p) { return tvi_step(it, 0.1, t, q, p); }
+static tvi_status many_steps(tvi_integrator *it, double *t, double *q, double *p)
+{
+    return tvi_integrate(it, 0.1, 1, t, q, p, NULL, NULL);
+}
+static tvi_status with_events(tvi_integrator *it, double *t, double *q, double *p)
+{
+    return tvi_integrate_events(it, 0.1, 1, NULL, 0, t, q, p, NULL, NULL, NULL);
+}
+static tvi_status at_times(tvi_integrator *it, double *t, double *q, double *p)
+{
+    return tvi_integrate_at(it, 0.1, late, 1, t, q, p, NULL, NULL);
+}
+static tvi_status to_time(tvi_integrator *it, double *t, double *q, double *p)
+{
+    return tvi_integrate_to(it, 0.1, 1, t, q, p, NULL, NULL);
+}
+static tvi_status to_tolerance(tvi_integrator *it, double *t, double *q, double *p)
+{
+    return tvi_integrate_tolerance(it, 1e-10, 1, t, q, p, NULL, NULL);
+}
+static tvi_status with_column(tvi_integrator *it, double *t, double *q, double *p)
+{
+    double D[4] = {1};
+    return tvi_step_tangent(it, 0.1, t, q, p, D, 1);
+}
+static tvi_status last_of(tvi_integrator *it, double *t, double *q, double *p) { return tvi_state_last(it, t, q, p); }
+typedef tvi_status a_run(tvi_integrator *, double *, double *, double *);
+static a_run *const runs[] = {one_step, many_steps, with_events, at_times, to_time, to_tolerance, with_column, last_of};
+enum { RUNS = sizeof runs / sizeof *runs };
+
+START_TEST(texts_of_nulls)
+{
+    run r = open_run("taylor", 8);
+    state *s = &r.s;
+    ck_assert_int_eq(tvi_step(r.it, 0.1, &s->t, s->q, s->p), TVI_OK);
+    refused("integrator is NULL", runs[_i](NULL, &s->t, s->q, s->p), TVI_EINVAL);
+    refused("t is NULL", runs[_i](r.it, NULL, s->q, s->p), TVI_EINVAL);
+    refused("q is NULL", runs[_i](r.it, &s->t, NULL, s->p), TVI_EINVAL);
+    refused("p is NULL", runs[_i](r.it, &s->t, s->q, NULL), TVI_EINVAL);
+    close_run(&r);
+}
+END_TEST
+
 START_TEST(texts_of_tangents_and_dense)
 {
     run r = open_run("galerkin", 8);
@@ -125,9 +194,15 @@ START_TEST(texts_of_tangents_and_dense)
     refused("columns", tvi_step_tangent(r.it, 0.1, &s->t, s->q, s->p, D, 0), TVI_EINVAL);
     refused("D is NULL", tvi_step_tangent(r.it, 0.1, &s->t, s->q, s->p, NULL, 1), TVI_EINVAL);
     refused("h is 0", tvi_step_tangent(r.it, 0, &s->t, s->q, s->p, good, 1), TVI_EINVAL);
+    double large[4] = {1e308, 1e308, 1e308, 1e308};
+    refused("column 0 of D", tvi_step_tangent(r.it, 0.5, &s->t, s->q, s->p, large, 1), TVI_ENONFINITE);
     refused("no last step", tvi_dense(r.it, 0.5, s->q, s->p), TVI_EINVAL);
+    refused("integrator is NULL", tvi_dense(NULL, 0.5, s->q, s->p), TVI_EINVAL);
+    refused("q is NULL", tvi_dense(r.it, 0.5, NULL, s->p), TVI_EINVAL);
+    refused("p is NULL", tvi_dense(r.it, 0.5, s->q, NULL), TVI_EINVAL);
     ck_assert_int_eq(tvi_step(r.it, 0.1, &s->t, s->q, s->p), TVI_OK);
     refused("theta = 2", tvi_dense(r.it, 2, s->q, s->p), TVI_EINVAL);
+    refused("theta = nan", tvi_dense(r.it, NAN, s->q, s->p), TVI_EINVAL);
     close_run(&r);
 }
 END_TEST
@@ -149,6 +224,25 @@ START_TEST(texts_of_wrong_steps)
     refused("corrector did not converge", tvi_step(strict, 0.5, &s->t, s->q, s->p), TVI_ENOCONV);
     tvi_integrator_free(strict);
     close_run(&r);
+    r = open_run("taylor", 8);
+    refused("changes the energy", tvi_step(r.it, 2.5, &s->t, s->q, s->p), TVI_ETOOLARGE);
+    close_run(&r);
+}
+END_TEST
+
+START_TEST(texts_of_overflows)
+{
+    double t = 0, q[] = {1e308}, p[] = {1.5e308};
+    for (int pushed = 0; pushed < 2; pushed++) {
+        tvi_system *system;
+        ck_assert_int_eq(tvi_system_force(&system, 1, NULL, constant, pushed ? &t : NULL), TVI_OK);
+        tvi_integrator *it = create_integrator(system, &(method){"taylor", 4});
+        if (pushed) refused("p[0] overflows", tvi_step(it, 0.4, &t, q, p), TVI_ENONFINITE);
+        else refused("q[0] overflows", tvi_step(it, 1, &t, q, p), TVI_ENONFINITE);
+        q[0] = 0;
+        tvi_integrator_free(it);
+        tvi_system_free(system);
+    }
 }
 END_TEST
 
@@ -176,6 +270,19 @@ START_TEST(texts_of_states)
     refused("another dimension", tvi_state_load(of_small, bytes, size), TVI_EINVAL);
     refused("other options", tvi_state_load(other.it, bytes, size), TVI_EINVAL);
     refused("has made no step", tvi_state_last(r.it, &r.s.t, r.s.q, r.s.p), TVI_EINVAL);
+    refused("integrator is NULL", tvi_state_save(NULL, bytes, &size), TVI_EINVAL);
+    refused("size is NULL", tvi_state_save(r.it, bytes, NULL), TVI_EINVAL);
+    refused("integrator is NULL", tvi_state_load(NULL, bytes, size), TVI_EINVAL);
+    refused("buffer is NULL", tvi_state_load(r.it, NULL, size), TVI_EINVAL);
+    int n;
+    refused("buffer is NULL", tvi_state_peek(NULL, size, &n, NULL, NULL, NULL), TVI_EINVAL);
+    refused("n is NULL", tvi_state_peek(bytes, size, NULL, NULL, NULL, NULL), TVI_EINVAL);
+    refused("are no state", tvi_state_peek(damaged, size, &n, NULL, NULL, NULL), TVI_EINVAL);
+    damaged[0] ^= 1;
+    refused("another version", tvi_state_peek(damaged, size, &n, NULL, NULL, NULL), TVI_EINVAL);
+    damaged[8] ^= 1;
+    refused("damaged", tvi_state_peek(damaged, size, &n, NULL, NULL, NULL), TVI_EINVAL);
+    refused("before a step", tvi_state_peek(bytes, size, &n, &r.s.t, NULL, NULL), TVI_EINVAL);
     tvi_integrator_free(of_system);
     tvi_integrator_free(of_small);
     tvi_system_free(system);
@@ -185,12 +292,46 @@ START_TEST(texts_of_states)
 }
 END_TEST
 
+/* H = log q_0, and a scale that has a value where H has none. */
+static jet logarithm(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_log(q[0]);
+}
+
+static jet one(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_add(1, jet_sqr(q[0]));
+}
+
+/* Of values of an integrator's own, and of a state outside of the function's domain. */
+START_TEST(texts_of_energies)
+{
+    tvi_system *system = create_system(1, logarithm), *rescaled;
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, system, one, NULL), TVI_OK);
+    tvi_integrator *it = create_integrator(rescaled, &(method){"galerkin", 8});
+    double t = 0, q[] = {-1}, p[] = {0}, H;
+    refused("energy: jet_log has no power series at -1", tvi_step(it, 0.1, &t, q, p), TVI_EDOMAIN);
+    refused("energy: jet_log has no power series at -1", tvi_energy(system, t, q, p, &H), TVI_EDOMAIN);
+    refused("energy: jet_log has no power series at -1", tvi_integrator_energy(it, t, q, p, &H), TVI_EDOMAIN);
+    refused("integrator is NULL", tvi_integrator_energy(NULL, t, q, p, &H), TVI_EINVAL);
+    refused("integrator is NULL", tvi_integrator_momentum(NULL, t, q, p, &H), TVI_EINVAL);
+    refused("integrator is NULL", tvi_integrator_velocity(NULL, t, q, p, &H), TVI_EINVAL);
+    refused("integrator is NULL", tvi_integrator_set_parameters(NULL, q), TVI_EINVAL);
+    refused("value is NULL", tvi_integrator_set_parameters(it, NULL), TVI_EINVAL);
+    tvi_integrator_free(it);
+    tvi_system_free(rescaled);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* A time scale, and what has none. */
 START_TEST(texts_of_rescaled_systems)
 {
     tvi_system *force, *out;
     tvi_system *lagrangian, *system = create_system(2, harmonic);
-    ck_assert_int_eq(tvi_system_force(&force, 1, NULL, no_force, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_force(&force, 1, NULL, constant, NULL), TVI_OK);
     ck_assert_int_eq(tvi_system_lagrangian(&lagrangian, 2, mixed_lagrangian, NULL), TVI_OK);
     refused("force", tvi_system_rescaled(&out, force, NULL, NULL), TVI_EUNSUPPORTED);
     refused("Lagrangian", tvi_system_rescaled(&out, lagrangian, NULL, NULL), TVI_EUNSUPPORTED);
@@ -232,9 +373,12 @@ TCase *tcase_texts(void)
     tcase_add_test(tcase, texts_of_names);
     tcase_add_test(tcase, texts_of_events);
     tcase_add_test(tcase, texts_of_times);
+    tcase_add_loop_test(tcase, texts_of_nulls, 0, RUNS);
     tcase_add_test(tcase, texts_of_tangents_and_dense);
     tcase_add_test(tcase, texts_of_wrong_steps);
+    tcase_add_test(tcase, texts_of_overflows);
     tcase_add_test(tcase, texts_of_states);
+    tcase_add_test(tcase, texts_of_energies);
     tcase_add_test(tcase, texts_of_rescaled_systems);
     tcase_add_test(tcase, texts_of_threads);
     return tcase;
