@@ -1,5 +1,6 @@
 # make help       these lines
 # make            build/libtvi.a and build/libtvi.so
+# make libs       what a program with build/libtvi.a is linked with, before it is installed
 # make check      the tests (installs what they need from Debian, as root), less than six minutes of two cores
 # make check-long what takes longer: sanitizers, coverage, the base instruction set, warnings of gcc as it optimizes
 # make check-generated  generated code on every scene with every method, and the suites of other programs with it: some
@@ -80,7 +81,7 @@ OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
 
 .DELETE_ON_ERROR:
-.PHONY: help all check check-long bench choose references clean need-library need-check need-bench
+.PHONY: help libs all check check-long bench choose references clean need-library need-check need-bench
 
 all: need-library
 	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a $(BUILD)/libtvi.so
@@ -88,6 +89,10 @@ all: need-library
 # what there is to make: the lines at the head of this file
 help:
 	@sed -n '/^#/!q; s/^# //p' Makefile
+
+# what programs with $(BUILD)/libtvi.a are linked with
+libs:
+	@echo $(LIBS)
 
 # ---- What is needed from Debian: `package:test`, installed where the test fails ---------------------------------------
 

@@ -1,22 +1,36 @@
-# fragments.awk PAGE.md...: the fragments of C in pages for users, as a file to be compiled: what is above a line of dots
-# stands beside the program's functions, what is below it, or all of it, in one; its variables have the names of tvi.h.
-BEGIN {
-    print "#include <tvi.h>\n#include <stddef.h>\n"
-    print "static const double pi = 3.14159;"
-    print "tvi_potential_fn potential;"
-    print "void fragments(tvi_system *, tvi_system *, tvi_system *, tvi_integrator *, tvi_integrator *, tvi_options, tvi_observer *, void *);"
-}
-/^```c$/  { inside = 1; above = below = ""; next }
-/^```/    { if (inside) { if (below == "") { below = above; above = "" } functions = functions above; body = body "    {\n" below "    }\n"; count++ } inside = 0; next }
+# fragments.awk PAGE.md...: the fragments of C in pages for users, as a program that runs each of them. What is above a line
+# of dots stands beside the program's functions, what is below it, or all of it, in a function of its own; its variables have
+# the names of tvi.h. Every status in it must be TVI_OK, and the integrator that it leaves goes on.
+/^```c$/  { inside = 1; above = below = ""; where = FILENAME ":" FNR; next }
+/^```/    { if (inside) fragment(); inside = 0; next }
 inside && /^\.\.\.$/ { below = " "; next }
+inside    { find_calls($0) }
 inside && below      { below = below $0 "\n"; next }
 inside               { above = above $0 "\n" }
+
+# what returns a status
+function find_calls(s)
+{
+    while (match(s, /tvi_[a-z_]+\(/)) {
+        call = substr(s, RSTART, RLENGTH - 1)
+        if (call !~ /_(free|default|error)$/) calls[call] = 1
+        s = substr(s, RSTART + RLENGTH)
+    }
+}
+
+function fragment()
+{
+    if (below == "") { below = above; above = "" }
+    count++
+    body = body "\n" above "static bool fragment_" count "(void)\n{\n    START\n    {\n" below "    }\n"
+    body = body "    return ends_well(\"" where "\", integrator, t, q, p);\n}\n"
+}
+
 END {
-    print functions
-    print "void fragments(tvi_system *system, tvi_system *rescaled, tvi_system *driven,"
-    print "               tvi_integrator *integrator, tvi_integrator *other,"
-    print "               tvi_options options, tvi_observer *observer, void *buffer)\n{"
-    print "    double t = 0, t_end = 1, q[2] = {1, 0}, p[2] = {0, 1};"
-    printf "%s    (void)t_end, (void)rescaled, (void)driven, (void)other, (void)options, (void)observer, (void)buffer, (void)pi;\n}\n", body
+    while ((getline line <"tests/fragments.h") > 0) print line
+    for (call in calls) printf "#define %s(...) checked(\"%s\", %s(__VA_ARGS__))\n", call, call, call
+    print body "\nint main(void)\n{\n    bool well = true;"
+    for (i = 1; i <= count; i++) printf "    well = fragment_%d() && well;\n", i
+    print "    return !(well && all_checked);\n}"
     exit !count
 }

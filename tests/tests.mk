@@ -228,17 +228,22 @@ check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMak
 do-install: all
 	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
 
-# the program of the README, and with events: 1010 passages, and the steps that there are without; the fragments of pages
+# the program of the README, by its own command, and with events: 1010 passages, and the steps that there are without; the
+# fragments of pages
 check-readme: ; $(REPORT) "the programs of the README" $(LOG) $(DO)
 do-readme: $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	tests/readme.sh README.md $(BUILD)/check
-	awk -f tests/fragments.awk docs/adaptive.md docs/driven.md docs/ensembles.md docs/roundoff.md > $(BUILD)/check/fragments.c
-	$(CC) -std=c11 $(STRICT) -Wno-unused-result -Iinclude -fsyntax-only $(BUILD)/check/fragments.c
+	CC='$(CC)' STRICT='$(STRICT)' LIBRARY='$(abspath $(BUILD)/libtvi.a) $(LIBS)' \
+	    tests/fragments.sh $(abspath $(BUILD))/check/fragments $(filter-out docs/adding.md,$(wildcard docs/*.md))
+	awk '/^```/ { inside = !inside; next } inside' docs/adding.md > $(BUILD)/check/adding.c
+	$(CC) -std=c11 $(STRICT) -Iinclude -Iad -Isrc -DTVI_AT_THIRD=5 -Dtvi_type1_two_thirds=tvi_type1_start -fsyntax-only $(BUILD)/check/adding.c
 	$(MAKE) -s --no-print-directory help | grep -q '^make install '
 	for program in readme readme_step readme_events; do \
 	    $(CC) -std=c11 $(STRICT) -Iinclude -o $(BUILD)/check/readme $(BUILD)/check/$$program.c $(BUILD)/libtvi.a $(LIBS) && \
 	    $(BUILD)/check/readme > $(BUILD)/check/$$program.out || exit 1; done
+	sh -c "$$(sed -n 's/^    \(cc program.c -I.*\) && .*/\1/p' README.md | sed 's|program.c|-o $(BUILD)/check/readme $(BUILD)/check/readme.c|; s| build/| $(BUILD)/|')"
+	$(BUILD)/check/readme | cmp - $(BUILD)/check/readme.out
 	cat $(BUILD)/check/readme.out
 	grep -F "$$(sed -n 's/^    \(q = .*,\) error .*/\1/p' README.md)" $(BUILD)/check/readme.out $(BUILD)/check/readme_step.out
 	test "$$(grep -c closest $(BUILD)/check/readme_events.out)" = 1010
