@@ -43,7 +43,7 @@ do for [type in types] {
     eval open(type, "henon_heiles_work", 920, 370)
     set multiplot layout 1,3 margins 0.08, 0.81, 0.14, 0.91 spacing 0.065, 0.1
     set logscale xy; set format x powers; set format y powers
-    set xlabel "CPU time of the run (ms)"; set xtics 1e2; set ytics 1e2
+    set xlabel "CPU time of the run (ms)"; set xtics 10; set ytics 1e2
     set yrange [1e-14:10]
     unset key
     set ylabel "error"
