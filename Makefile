@@ -132,7 +132,7 @@ $(BUILD)/ad/%.o: ad/%.c
 	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
-EMBEDDED_RULES := $(addprefix ad/,vector.h graph.h tape.h rule.h sums.h elementary.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
+EMBEDDED_RULES := $(addprefix ad/,vector.h roots.h graph.h tape.h rule.h sums.h elementary.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
 $(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
 	@mkdir -p $(@D)
 	awk -v NAME=jet_embedded_rules -f ad/embed.awk ad/vector.h include/jet.h $(filter-out ad/vector.h,$(EMBEDDED_RULES)) >$@

@@ -1,13 +1,11 @@
 /* Powers with a constant exponent. */
 #include "elementary.h"
+#include "roots.h"
 #include "rule.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#if defined(__AVX512F__)
-#include <immintrin.h>
-#endif
 
 /* ---- z = sqrt a,  a_0 > 0 ---------------------------------------------------------------------------------------- */
 
@@ -90,78 +88,78 @@ static bool is_nonzero(int width, const double *a)
 
 /* a^(-k/2), k = 7, 5, 3, 1, or the last few of them: the potential of gravity and its derivatives. The compiler knows
  * k, and how many there are: each takes `width` numbers of z. */
-#if defined(__AVX512F__)
+#ifdef HAS_ROOTS
 typedef struct {
-    __m512d a, bounded, y, square, e;
+    roots a, bounded, y, square, e;
 } inverse_root;
 
 /* y near a^(-1/2), of so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12. */
-JET_INLINE inverse_root near_inverse_root(__m512d a)
+JET_INLINE inverse_root near_inverse_root(roots a)
 {
-    const __m512d bounded = _mm512_min_pd(_mm512_set1_pd(DBL_MAX), a); /* a NaN stays */
-    const __m512i few_bits = _mm512_set1_epi64(~((1LL << 36) - 1));
-    const __m512d y = _mm512_castsi512_pd(_mm512_and_epi64(_mm512_castpd_si512(_mm512_rsqrt14_pd(bounded)), few_bits));
-    const __m512d square = y * y, e = _mm512_fnmadd_pd(bounded, square, _mm512_set1_pd(1));
+    const roots bounded = OF_ROOTS(min_pd)(OF_ROOTS(set1_pd)(DBL_MAX), a); /* a NaN stays */
+    const roots y = ROOTS_BITS(roots_estimate(bounded), ~((1LL << 36) - 1));
+    const roots square = y * y, e = OF_ROOTS(fnmadd_pd)(bounded, square, OF_ROOTS(set1_pd)(1));
     return (inverse_root){a, bounded, y, square, e};
 }
 
 /* With e,
  *   a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...),
  * which is rounded once for k = 1, 3, where a root, a product and a quotient round three times and take twice as long.
- * Where y^2 is infinite, or a is, so is y^k or it is 0; but for k = 1, which divides by the root there. */
-JET_INLINE __m512d inverse_of_roots(int k, inverse_root of)
+ * Where y^2 is infinite, or a is, so is y^k or it is 0; but for k = 1, which divides by the root there, and where y is
+ * not near. */
+JET_INLINE roots inverse_of_roots(int k, inverse_root of)
 {
     const double c1 = k / 2.0, c2 = c1 * (k + 2) / 4, c3 = c2 * (k + 4) / 6, c4 = c3 * (k + 6) / 8;
-    const __m512d e = of.e, series = (c1 + e * c2) + (e * e) * (c3 + e * c4);
-    __m512d power = of.y;
+    const roots e = of.e, squared = e * e, series = (c1 + e * c2) + squared * (c3 + e * c4);
+    roots power = of.y;
     for (int i = 1; i < k; i += 2) power *= of.square;
-    const __mmask8 finite = _mm512_cmp_pd_mask(power, _mm512_set1_pd(INFINITY), _CMP_NEQ_UQ);
-    const __m512d rounded = _mm512_mask3_fmadd_pd(power * e, series, power, finite);
+    const roots_mask finite = ROOTS_WHERE(power, _CMP_NEQ_UQ, OF_ROOTS(set1_pd)(INFINITY));
+    const roots rounded = ROOTS_CHOOSE(finite, OF_ROOTS(fmadd_pd)(power * e, series, power), power);
     if (k > 1) return rounded;
-    const __mmask8 usual = _mm512_cmp_pd_mask(of.square, _mm512_set1_pd(INFINITY), _CMP_LT_OQ) &
-                           _mm512_cmp_pd_mask(of.a, of.bounded, _CMP_EQ_OQ);
-    return usual == 0xff ? rounded : _mm512_mask_blend_pd(usual, 1 / _mm512_sqrt_pd(of.a), rounded);
+    const roots near = ROOTS_CHOOSE(ROOTS_WHERE(of.a, _CMP_EQ_OQ, of.bounded), squared, OF_ROOTS(set1_pd)(1));
+    const roots_mask usual = ROOTS_WHERE(near, _CMP_LT_OQ, OF_ROOTS(set1_pd)(0x1p-20));
+    if (ROOTS_ARE(usual) == (1 << ROOTS) - 1) return rounded;
+    return ROOTS_CHOOSE(usual, rounded, 1 / OF_ROOTS(sqrt_pd)(of.a));
 }
 
 /* `power` from the first one on, of a block. */
 enum { INVERSE_ROOTS = 4 };
-typedef void powers_of_block(int k, int powers, __m512d a, __m512d power[]);
+typedef void powers_of_block(int k, int powers, roots a, roots power[]);
 
-JET_INLINE void inverse_roots(int k, int powers, __m512d a, __m512d power[])
+JET_INLINE void inverse_roots(int k, int powers, roots a, roots power[])
 {
     const inverse_root root = near_inverse_root(a);
     for (int i = 0; i < powers; i++) power[i] = inverse_of_roots(k - 2 * i, root);
 }
 
 /* a^(quarters/4) for 3, -1, -3 and -5 of them: with r = a^(-1/2), whose root is a^(-1/4), a^i r^j a^(-1/4). */
-JET_INLINE void odd_quarters(int quarters, int powers, __m512d a, __m512d power[])
+JET_INLINE void odd_quarters(int quarters, int powers, roots a, roots power[])
 {
     const int ups = (quarters + 3) / 4;
-    const __m512d bounded = ups > 0 ? _mm512_min_pd(_mm512_set1_pd(DBL_MAX), a) : a;
-    const __m512d r = inverse_of_roots(1, near_inverse_root(bounded));
+    const roots bounded = ups > 0 ? OF_ROOTS(min_pd)(OF_ROOTS(set1_pd)(DBL_MAX), a) : a;
+    const roots r = inverse_of_roots(1, near_inverse_root(bounded));
     (void)powers;
-    *power = _mm512_sqrt_pd(r);
+    *power = OF_ROOTS(sqrt_pd)(r);
     for (int i = quarters; i < -1; i += 2) *power *= r;
     for (int i = 0; i < ups; i++) *power *= a;
 }
 
 JET_INLINE bool in_blocks(powers_of_block *of_block, int k, int powers, int width, const double *a, double *restrict z)
 {
-    __m512d power[INVERSE_ROOTS];
-    __mmask8 outside = 0;
-    int w = 0;
-    for (; w + 8 <= width; w += 8) {
-        const __m512d block = _mm512_loadu_pd(a + w);
-        outside |= _mm512_cmp_pd_mask(block, _mm512_setzero_pd(), _CMP_LE_OQ);
+    roots power[INVERSE_ROOTS];
+    int outside = 0, w = 0;
+    for (; w + ROOTS <= width; w += ROOTS) {
+        const roots block = OF_ROOTS(loadu_pd)(a + w);
+        outside |= ROOTS_ARE(ROOTS_WHERE(block, _CMP_LE_OQ, OF_ROOTS(setzero_pd)()));
         of_block(k, powers, block, power);
-        for (int i = 0; i < powers; i++) _mm512_storeu_pd(z + i * width + w, power[i]);
+        for (int i = 0; i < powers; i++) OF_ROOTS(storeu_pd)(z + i * width + w, power[i]);
     }
     if (w < width) {
-        const __mmask8 rest = (__mmask8)((1 << (width - w)) - 1);
-        const __m512d block = _mm512_maskz_loadu_pd(rest, a + w);
-        outside |= _mm512_mask_cmp_pd_mask(rest, block, _mm512_setzero_pd(), _CMP_LE_OQ);
+        const roots_mask rest = ROOTS_FIRST(width - w);
+        const roots block = ROOTS_CHOOSE(rest, ROOTS_LOAD(rest, a + w), OF_ROOTS(set1_pd)(1));
+        outside |= ROOTS_ARE(ROOTS_WHERE(block, _CMP_LE_OQ, OF_ROOTS(setzero_pd)()));
         of_block(k, powers, block, power);
-        for (int i = 0; i < powers; i++) _mm512_mask_storeu_pd(z + i * width + w, rest, power[i]);
+        for (int i = 0; i < powers; i++) ROOTS_STORE(rest, z + i * width + w, power[i]);
     }
     return !outside;
 }
@@ -186,7 +184,7 @@ JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *r
 /* Apart, so that gravity does not pay for the registers of all the others. */
 static __attribute__((noinline)) bool other_power(double c, int width, const double *a, double *restrict z)
 {
-#if defined(__AVX512F__)
+#ifdef HAS_ROOTS
     if (c == 0.75 || c == -0.25 || c == -0.75 || c == -1.25)
         return in_blocks(odd_quarters, (int)(4 * c), 1, width, a, z);
 #endif
