@@ -33,6 +33,7 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
 
 #define SET_PRODUCT(V, blocks, row, matrix, impulse)                                                                   \
     V sum[CHAINS][MOST_BLOCKS];                                                                                        \
+    if ((blocks) > 1) LEAVE_REGISTERS(matrix);                                                                         \
     for (int j = 0; j < CHAINS_OF(blocks); j++)                                                                        \
         for (int k = 0; k < (blocks); k++) sum[j][k] = ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[j];            \
     ADD_PRODUCT(V, blocks, row, matrix, impulse, CHAINS_OF(blocks))
@@ -158,6 +159,7 @@ BY_LANES(double, return, move_both,
         KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
         for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes) { \
             SET_PRODUCT(V, blocks, row, matrix, last)                                                                  \
+            if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                              \
             if (steps > 1) ADD_PRODUCT(V, blocks, row_before, of_before, before, 0)                                    \
             ADD_CHAINS(blocks)                                                                                         \
             for (int k = 0; k < (blocks); k++)                                                                         \
