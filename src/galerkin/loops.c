@@ -22,7 +22,10 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
 }
 
 /* sum[0][] + ... = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
-#define CHAINS_OF(blocks) (lanes == 1 ? 1 : lanes == 2 || (blocks) > 2 ? 2 : CHAINS)
+#define CHAINS_OF(blocks) (lanes == 1 ? 1 : lanes == 2 || (blocks) > 1 ? 2 : CHAINS)
+/* Where a row is two blocks, two unknowns share what is read of it. */
+enum { MOST_UNITS = 2 };
+#define UNITS_OF(blocks) ((blocks) == 2 ? MOST_UNITS : 1)
 
 /* Where a row is one block it stays in its register, in `row`, for all unknowns; gcc keeps plain copies in memory, sums
  * with 0 in registers. */
@@ -31,22 +34,27 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
     for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = BLOCK_OF(V, (matrix) + j * lanes, 0) + (V){0};
 #define ROW_OF(V, blocks, row, matrix, j, k) ((blocks) == 1 ? row[j] : BLOCK_OF(V, (matrix) + (j)*lanes, k))
 
-#define SET_PRODUCT(V, blocks, row, matrix, impulse)                                                                   \
-    V sum[CHAINS][MOST_BLOCKS];                                                                                        \
+/* Of `units` unknowns at a time, impulse [units][lanes]. */
+#define SET_PRODUCT(V, blocks, units, row, matrix, impulse)                                                            \
+    V sum[MOST_UNITS][CHAINS][MOST_BLOCKS];                                                                            \
     if ((blocks) > 1) LEAVE_REGISTERS(matrix);                                                                         \
     for (int j = 0; j < CHAINS_OF(blocks); j++)                                                                        \
-        for (int k = 0; k < (blocks); k++) sum[j][k] = ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[j];            \
-    ADD_PRODUCT(V, blocks, row, matrix, impulse, CHAINS_OF(blocks))
+        for (int k = 0; k < (blocks); k++)                                                                             \
+            for (int i = 0; i < (units); i++)                                                                          \
+                sum[i][j][k] = ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[i * lanes + j];                        \
+    ADD_PRODUCT(V, blocks, units, row, matrix, impulse, CHAINS_OF(blocks))
 
-#define ADD_PRODUCT(V, blocks, row, matrix, impulse, from)                                                             \
+#define ADD_PRODUCT(V, blocks, units, row, matrix, impulse, from)                                                      \
     for (int j = (from); j < lanes; j++)                                                                               \
         for (int k = 0; k < (blocks); k++)                                                                             \
-            sum[j % CHAINS_OF(blocks)][k] += ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[j];
+            for (int i = 0; i < (units); i++)                                                                          \
+                sum[i][j % CHAINS_OF(blocks)][k] += ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[i * lanes + j];
 
-#define ADD_CHAINS(blocks)                                                                                             \
+#define ADD_CHAINS(blocks, units)                                                                                      \
     for (int others = CHAINS_OF(blocks) / 2; others > 0; others /= 2)                                                  \
         for (int j = 0; j < others; j++)                                                                               \
-            for (int k = 0; k < (blocks); k++) sum[j][k] += sum[j + others][k];
+            for (int k = 0; k < (blocks); k++)                                                                         \
+                for (int i = 0; i < (units); i++) sum[i][j][k] += sum[i][j + others][k];
 
 #define WEIGH(V, blocks)                                                                                               \
     for (int u = 0; u < unknowns; u++) {                                                                               \
@@ -63,18 +71,26 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
     ALL_LANES(lanes, WEIGH)
 }
 
-#define FOLLOW_ROWS(V, blocks, count)                                                                                  \
-    for (int u = 0; u < (count); u++, x += lanes, high += lanes, base += lanes, impulse += lanes) {                    \
-        SET_PRODUCT(V, blocks, row, matrix, impulse)                                                                   \
-        ADD_CHAINS(blocks)                                                                                             \
-        for (int k = 0; k < (blocks); k++) {                                                                           \
-            const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[0][k];                    \
-            const V place = from + way, added = place - from;                                                          \
-            const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                            \
-            squares += change * change;                                                                                \
-            BLOCK_AT(V, x, k) = place;                                                                                 \
-            if (low) BLOCK_AT(V, low + u * lanes, k) = (from - (place - added)) + (way - added);                       \
+#define FOLLOW_UNITS(V, blocks, units)                                                                                 \
+    {                                                                                                                  \
+        SET_PRODUCT(V, blocks, units, row, matrix, impulse)                                                            \
+        ADD_CHAINS(blocks, units)                                                                                      \
+        for (int i = 0; i < (units); i++, u++, x += lanes, high += lanes, base += lanes, impulse += lanes) {           \
+            for (int k = 0; k < (blocks); k++) {                                                                       \
+                const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[i][0][k];             \
+                const V place = from + way, added = place - from;                                                      \
+                const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
+                squares += change * change;                                                                            \
+                BLOCK_AT(V, x, k) = place;                                                                             \
+                if (low) BLOCK_AT(V, low + u * lanes, k) = (from - (place - added)) + (way - added);                   \
+            }                                                                                                          \
         }                                                                                                              \
+    }
+#define FOLLOW_ROWS(V, blocks, count)                                                                                  \
+    {                                                                                                                  \
+        int u = 0;                                                                                                     \
+        while (UNITS_OF(blocks) > 1 && u + UNITS_OF(blocks) <= (count)) FOLLOW_UNITS(V, blocks, UNITS_OF(blocks))      \
+        while (u < (count)) FOLLOW_UNITS(V, blocks, 1)                                                                 \
     }
 
 #define FOLLOW(V, blocks)                                                                                              \
@@ -158,12 +174,12 @@ BY_LANES(double, return, move_both,
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
         for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes) { \
-            SET_PRODUCT(V, blocks, row, matrix, last)                                                                  \
+            SET_PRODUCT(V, blocks, 1, row, matrix, last)                                                               \
             if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                              \
-            if (steps > 1) ADD_PRODUCT(V, blocks, row_before, of_before, before, 0)                                    \
-            ADD_CHAINS(blocks)                                                                                         \
+            if (steps > 1) ADD_PRODUCT(V, blocks, 1, row_before, of_before, before, 0)                                 \
+            ADD_CHAINS(blocks, 1)                                                                                      \
             for (int k = 0; k < (blocks); k++)                                                                         \
-                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (BLOCK_OF(V, base, k) + scale[u] * sum[0][k]);              \
+                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (BLOCK_OF(V, base, k) + scale[u] * sum[0][0][k]);           \
         }                                                                                                              \
     }
 
