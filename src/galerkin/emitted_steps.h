@@ -54,8 +54,10 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
                               tvi_passes *shown, int lanes)
 {
     const bool few = nodes->unknowns <= STEADY_FEW;
-    tvi_passes passes = *shown;
+    tvi_passes passes;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
+    tvi_passes_begin(&passes);
+    passes.slowest = shown->slowest;
     if (few && !steady_begin(nodes, form, lanes)) return false;
     while (verdict == TVI_PASSES_GO_ON && passes.count < form->rule->most) {
         double moved;
@@ -64,7 +66,9 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         verdict = tvi_passes_judge(&passes, form->rule, moved);
         if (few && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
     }
-    *shown = passes;
+    shown->count = passes.count;
+    shown->size = passes.size;
+    shown->slowest = passes.slowest;
     return verdict == TVI_PASSES_MAY_END;
 }
 

@@ -120,8 +120,3 @@ void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients
         field->form->predict(field, 1, field->ahead, led);
     }
 }
-
-void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest)
-{
-    *w->last = (galerkin_history){h, w->last->h, t, slowest, (w->last->turn + 1) % GALERKIN_TURNS};
-}

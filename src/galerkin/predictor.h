@@ -49,6 +49,10 @@ static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int aft
     return w->impulses[turn < 0 ? turn + GALERKIN_TURNS : turn < GALERKIN_TURNS ? turn : turn - GALERKIN_TURNS];
 }
 /* What the step of size h from t leaves to the next ones beside its impulses: that, and how its passes contracted. */
-void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest);
+static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest)
+{
+    const int next = w->last->turn + 1;
+    *w->last = (galerkin_history){h, w->last->h, t, slowest, next < GALERKIN_TURNS ? next : 0};
+}
 
 #endif

@@ -6,7 +6,7 @@ bool tvi_galerkin_make_steadily(galerkin *w, const tvi_origin *origin, galerkin_
     const galerkin_predictor *before = &w->predictor;
     w->field.nodes.impulse = tvi_galerkin_impulses(before, 1);
     for (int i = 0; i < 2; i++) to->impulses[i] = tvi_galerkin_impulses(before, -i);
-    tvi_passes_begin(&to->passes);
+    to->passes.count = 0;
     to->passes.slowest = before->last->slowest;
     to->factors = 0;
     return w->field.loops->steady(&w->frame, origin, to);
@@ -14,9 +14,9 @@ bool tvi_galerkin_make_steadily(galerkin *w, const tvi_origin *origin, galerkin_
 
 static bool all_finite(int count, const double *x, const double *dx)
 {
-    bool finite = true;
-    for (int i = 0; i < count; i++) finite &= isfinite(x[i] + dx[i]);
-    return finite;
+    double none = 0; /* an infinity times 0 is a NaN */
+    for (int i = 0; i < count; i++) none += 0 * (x[i] + dx[i]);
+    return none == 0;
 }
 
 /* One by one where they are few, as they were just stored: a vector of them would wait for that. */
