@@ -39,6 +39,9 @@ void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n)
     factor->row_scale = tvi_arena_doubles(arena, (size_t)n);
     factor->column_scale = tvi_arena_doubles(arena, (size_t)n);
     factor->pivot = tvi_arena_take(arena, (size_t)n * sizeof(int));
+    factor->matrix = tvi_arena_doubles(arena, (size_t)n * (size_t)n);
+    factor->given = tvi_arena_doubles(arena, (size_t)n);
+    factor->lack = tvi_arena_doubles(arena, (size_t)n);
 }
 
 /* The power of two next to 1/size, so that scaling rounds nothing; 1 for 0. */
@@ -55,10 +58,14 @@ static double inverse_power(double size)
     return power;
 }
 
+/* A row that is scaled so many times as much as another has another unit. */
+#define OTHER_UNIT 8
+
 /* A <- R A C with columns, then rows, of size about 1. The rows of the ends' Jacobians (closure.h) are coordinates, so
  * that the columns, first, take the units out: the pivots do not depend on them. */
 JET_INLINE void equilibrate(int n, tvi_factor *factor)
 {
+    double least = INFINITY, largest = 0;
     for (int j = 0; j < n; j++) {
         double size = 0;
         for (int i = 0; i < n; i++) {
@@ -74,7 +81,11 @@ JET_INLINE void equilibrate(int n, tvi_factor *factor)
             if (fabs(row[j]) > size) size = fabs(row[j]);
         factor->row_scale[i] = inverse_power(size);
         for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
+        least = tvi_smaller(factor->row_scale[i], least);
+        largest = tvi_larger(factor->row_scale[i], largest);
     }
+    factor->is_refined = largest >= OTHER_UNIT * least;
+    if (factor->is_refined) memcpy(factor->matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
 }
 
 JET_INLINE bool small_factor(int n, tvi_factor *factor)
@@ -83,6 +94,13 @@ JET_INLINE bool small_factor(int n, tvi_factor *factor)
     equilibrate(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
     return true;
+}
+
+static bool is_exchanged(const tvi_factor *factor)
+{
+    for (int i = 0; i < factor->n; i++)
+        if (factor->pivot[i] != i + 1) return true;
+    return false;
 }
 
 tvi_status tvi_factor_compute(tvi_factor *factor)
@@ -100,6 +118,7 @@ tvi_status tvi_factor_compute(tvi_factor *factor)
 #undef CALL
     }
     if (!is_finite) return TVI_ENONFINITE;
+    factor->is_refined = factor->is_refined && is_exchanged(factor);
     return info == 0 && tvi_factor_least_pivot(factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 
@@ -136,17 +155,35 @@ static void solve_transposed(const tvi_factor *factor, double x[])
     else dgetrs_("N", &factor->n, &one, factor->lu, &factor->n, factor->pivot, x, &factor->n, &info, 1);
 }
 
+/* One step of iterative refinement of (R A C)^-1 given: where the pivots mix unknowns of different units, it takes from
+ * the small ones the roundoff of the large (Skeel, Math. Comp. 35, 1980). */
+static void refine(const tvi_factor *factor, bool transposed, double x[])
+{
+    const size_t n = (size_t)factor->n, of_row = transposed ? 1 : n, of_column = transposed ? n : 1;
+    for (size_t i = 0; i < n; i++) {
+        double lack = factor->given[i];
+        for (size_t j = 0; j < n; j++) lack -= factor->matrix[i * of_row + j * of_column] * x[j];
+        factor->lack[i] = lack;
+    }
+    (transposed ? solve_transposed : solve)(factor, factor->lack);
+    for (size_t i = 0; i < n; i++) x[i] += factor->lack[i];
+}
+
 /* A^-1 = C (R A C)^-1 R. */
 void tvi_factor_solve(const tvi_factor *factor, double x[])
 {
     rescale(factor->n, factor->row_scale, x);
+    if (factor->is_refined) memcpy(factor->given, x, (size_t)factor->n * sizeof *x);
     solve(factor, x);
+    if (factor->is_refined) refine(factor, false, x);
     rescale(factor->n, factor->column_scale, x);
 }
 
 void tvi_factor_solve_transposed(const tvi_factor *factor, double x[])
 {
     rescale(factor->n, factor->column_scale, x);
+    if (factor->is_refined) memcpy(factor->given, x, (size_t)factor->n * sizeof *x);
     solve_transposed(factor, x);
+    if (factor->is_refined) refine(factor, true, x);
     rescale(factor->n, factor->row_scale, x);
 }

@@ -5,9 +5,13 @@
 #include "algebra/arena.h"
 #include "tvi.h"
 
+#include <stdbool.h>
+
 typedef struct {
     int n;
-    double *lu;                       /* [n][n]: fill it, then factor; the factor replaces it */
+    double *lu;                    /* [n][n]: fill it, then factor; the factor replaces it */
+    double *matrix, *given, *lack; /* of solutions that are refined (linear.c): [n][n] and [n] */
+    bool is_refined;
     double *row_scale, *column_scale; /* [n] powers of two */
     int *pivot;
 } tvi_factor;
@@ -20,7 +24,8 @@ TVI_NODISCARD tvi_status tvi_factor_compute(tvi_factor *factor);
 /* The smallest pivot of the factor, relative to rows and columns of size 1. */
 double tvi_factor_least_pivot(const tvi_factor *factor);
 
-/* x <- A^-1 x or, transposed, x <- A^-T x. */
+/* x <- A^-1 x or, transposed, x <- A^-T x. Pivots on the diagonal are the same ones in all units, and no unknown has
+ * the roundoff of another; where others were taken, and rows have different units, the solution is refined. */
 void tvi_factor_solve(const tvi_factor *factor, double x[]);
 void tvi_factor_solve_transposed(const tvi_factor *factor, double x[]);
 

@@ -85,6 +85,14 @@ static jet turning(const setting *s, const jet x[], const jet p[], jet t)
     return jet_add(jet_sub(jet_mul(x[0], p[1]), jet_mul(x[1], p[0])), bend);
 }
 
+/* A wheel whose inertia depends on a spring: x_0^2/2 + p_0^2/2 + (1 + x_0/4) p_1^2/2, which does not have x_1. */
+static jet wheel_and_spring(const setting *s, const jet x[], const jet p[], jet t)
+{
+    (void)s, (void)t;
+    const jet spring = jet_mul(0.5, jet_add(jet_sqr(x[0]), jet_sqr(p[0])));
+    return jet_add(spring, jet_mul(jet_add(0.5, jet_mul(0.125, x[0])), jet_sqr(p[1])));
+}
+
 /* |p - A|^2/2 + |x|^2/8, A = (1 + x0/4) (-x1, x0)/2. */
 static jet magnetic(const setting *s, const jet x[], const jet p[], jet t)
 {
@@ -170,6 +178,7 @@ const motion motions[MOTIONS] = {
     {.name = "uneven H", .hamiltonian = uneven_hamiltonian, .n = 1, .most = 1, .h = 0.2},
     {.name = "uneven L", .lagrangian = uneven_lagrangian, .n = 1, .most = 1, .h = 0.2},
     {.name = "turning", .hamiltonian = turning, .n = 2, .most = 1, .h = 0.2},
+    {.name = "wheel and spring", .hamiltonian = wheel_and_spring, .n = 2, .most = 1, .h = 0.2},
     {.name = "magnetic", .hamiltonian = magnetic, .n = 2, .most = 1, .h = 0.2},
     {.name = "double pendulum", .lagrangian = double_pendulum, .n = 2, .most = 0.5, .h = 0.1},
     {.name = "fourth point", .hamiltonian = fourth_point, .n = 2, .most = 0.0625, .cancels = 1, .h = 0.125},

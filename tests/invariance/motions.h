@@ -41,7 +41,7 @@ struct motion {
     bool raw; /* the function is given q and t as they are, and states its own constants in the units of the frame */
 };
 
-enum { MOTIONS = 12 };
+enum { MOTIONS = 13 };
 extern const motion motions[MOTIONS];
 const motion *motion_named(const char *name);
 

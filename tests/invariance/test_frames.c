@@ -24,6 +24,8 @@ static const struct {
     {{"moved by 1e6", 1e6, 1, 1, 1, false}, ROUNDOFF, 0},
     {{"unit of length 2^40", 0, 0x1p40, 1, 1, false}, BIT_FOR_BIT, 0x1p-15},
     {{"unit of time 2^-30", 0, 1, 0x1p-30, 1, false}, BIT_FOR_BIT, 0x1p-15},
+    {{"unit of mass 2^-24", 0, 1, 1, 0x1p-24, false}, BIT_FOR_BIT, 0x1p-15},
+    {{"unit of mass 2^24", 0, 1, 1, 0x1p24, false}, BIT_FOR_BIT, 0x1p-15},
     {{"unit of mass 2^-50", 0, 1, 1, 0x1p-50, false}, BIT_FOR_BIT, 0x1p-15},
     {{"units of 2^-21, 2^30, 2^60", 0, 0x1p-21, 0x1p30, 0x1p60, false}, BIT_FOR_BIT, 0x1p-15},
     {{"units of 3, 0.7, 11", 0, 3, 0.7, 11, false}, ROUNDED, 0x1p-15},

@@ -157,6 +157,29 @@ START_TEST(units_of_columns_show_nowhere)
 }
 END_TEST
 
+/* A large entry beside the diagonal is that of another unit: an unknown that no other enters is its right-hand side,
+ * without the roundoff of those that are larger. The last one, or of a transposed matrix the first. */
+START_TEST(small_unknowns_have_their_own_roundoff)
+{
+    const int n = _i;
+    open_factor f = open_of_size(n);
+    for (int transposed = 0; transposed < 2; transposed++)
+        for (int coupling = 32; coupling < 1 << 20; coupling *= 7) {
+            double x[MOST];
+            const int alone = transposed ? 0 : n - 1;
+            for (int i = 0; i < n; i++)
+                for (int j = 0; j < n; j++)
+                    f.factor.lu[i * n + j] = i == j ? 1 : i == 0 && j == n - 1 ? coupling / 1.5 : 0;
+            ck_assert_int_eq(tvi_factor_compute(&f.factor), TVI_OK);
+            for (int i = 0; i < n; i++) x[i] = cos(1 + i) * (i == alone ? 0x1p-30 : 1);
+            const double small = x[alone];
+            (transposed ? tvi_factor_solve_transposed : tvi_factor_solve)(&f.factor, x);
+            ck_assert_double_eq_tol(x[alone], small, 4 * DBL_EPSILON * fabs(small));
+        }
+    free(f.memory);
+}
+END_TEST
+
 /* ---- One matrix in each lane ------------------------------------------------------------------------------------- */
 
 enum { LANES = TVI_GALERKIN_MAX_LANES };
@@ -260,6 +283,7 @@ Suite *suite_linear(void)
     tcase_add_loop_test(linear, singular_matrices_are_refused, 1, MOST + 1);
     tcase_add_loop_test(linear, lone_entries_are_scaled, 1, MOST + 1);
     tcase_add_loop_test(linear, units_of_columns_show_nowhere, 2, MOST + 1);
+    tcase_add_loop_test(linear, small_unknowns_have_their_own_roundoff, 2, MOST + 1);
     tcase_add_loop_test(linear, lanes_are_solved_alone, 0, MOST * LANE_COUNTS);
     tcase_add_loop_test(linear, singular_lanes_are_seen, 0, MOST * LANE_COUNTS);
     suite_add_tcase(suite, linear);
