@@ -147,8 +147,10 @@ EMBEDDED_GALERKIN := src/method/origin.h $(addprefix src/algebra/,sizes.h passes
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
-# a curve's recurrence
-EMBEDDED_CURVE := $(addprefix src/generating/,advance.h emitted_curve.h)
+# a curve, and the action of it
+EMBEDDED_CURVE := include/tvi.h $(addprefix src/,$(addprefix algebra/,arena.h block.h linear.h sizes.h tail.h weigh.h) \
+                      system/system.h system/roundoff.h \
+                      $(addprefix generating/,series.h advance.h tangents.h seeds.h emitted_curve.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE)
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@

@@ -36,4 +36,18 @@ void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double 
     static void name##_3 parameters { body(__VA_ARGS__, 3); }                                                          \
     static void name##_4 parameters { body(__VA_ARGS__, 4); }
 
+#define JET_COMBINE(V, S)                                                                                              \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        JET_SUM_UPWARDS(V, sum, 0, count - 1, c[(size_t)(count - 1 - j) * of_c] * S(V, table, count - 1 - j));         \
+        JET_AT(V, out, 0) = sum;                                                                                       \
+    }
+
+/* What the sweep of this name does (tape.h). */
+JET_INLINE void jet_combine(int count, const double *c, size_t of_c, int width, const double *table, double *out)
+{
+    const size_t stride = (size_t)width;
+    JET_BLOCKS(width, JET_COMBINE, JET_OF);
+}
+
 #endif

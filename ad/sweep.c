@@ -97,17 +97,9 @@ static void adjoints(const jet_tape *tape, const double *x, double *bar, int k, 
     }
 }
 
-#define COMBINE(V, S)                                                                                                  \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 0, count - 1, c[(size_t)(count - 1 - j) * of_c] * S(V, table, count - 1 - j));                 \
-        JET_AT(V, out, 0) = sum;                                                                                       \
-    }
-
 static void combine(int count, const double *c, size_t of_c, int width, const double *table, double *out)
 {
-    const size_t stride = (size_t)width;
-    JET_BLOCKS(width, COMBINE, JET_OF);
+    jet_combine(count, c, of_c, width, table, out);
 }
 
 const jet_sweeps JET_FOR_ISA(jet_sweeps) = {JET_FOR_ISA(jet_isa), values,   series, tangents,

@@ -95,15 +95,19 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
             for (; above < most; below--, above++) JET_TWO_TERMS(sum, odd, below, above, term)                         \
             sum += odd;                                                                                                \
             if (above == most) JET_TWO_TERMS(sum, sum, below, above, term)                                             \
-        } else {                                                                                                       \
-            int next = least;                                                                                          \
-            for (; next < most; next += 2) JET_TWO_TERMS(sum, odd, next, next + 1, term)                               \
-            if (next == most) {                                                                                        \
-                const int j = next;                                                                                    \
-                sum += term;                                                                                           \
-            }                                                                                                          \
-            sum += odd;                                                                                                \
+        } else JET_SUM_UPWARDS(V, sum, least, most, term);                                                             \
+    } while (0)
+/* The same, always from `from` on, in two chains. */
+#define JET_SUM_UPWARDS(V, sum, from, to, term)                                                                        \
+    do {                                                                                                               \
+        V second = {0};                                                                                                \
+        int next = (from);                                                                                             \
+        for (; next < (to); next += 2) JET_TWO_TERMS(sum, second, next, next + 1, term)                                \
+        if (next == (to)) {                                                                                            \
+            const int j = next;                                                                                        \
+            sum += term;                                                                                               \
         }                                                                                                              \
+        sum += second;                                                                                                 \
     } while (0)
 #define JET_TWO_TERMS(sum, odd, one, other, term)                                                                      \
     {                                                                                                                  \

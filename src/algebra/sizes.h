@@ -6,6 +6,18 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* Whether all rows [n] are finite, without branches: what is infinite or no number makes a sum that is so. */
+static inline bool tvi_rows_are_finite(int rows, size_t stride, int n, const double x[])
+{
+    bool finite = true;
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int r = 0; r < rows; r++) sum += x[(size_t)r * stride + (size_t)i];
+        finite &= isfinite(sum);
+    }
+    return finite;
+}
+
 static inline bool tvi_all_finite(int n, const double x[])
 {
     for (int i = 0; i < n; i++)

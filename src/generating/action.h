@@ -5,31 +5,12 @@
 #define TVI_SRC_GENERATING_ACTION_H
 
 #include "generating/curve.h"
+#include "generating/seeds.h"
 #include "method/descriptor.h"
-#include "system/roundoff.h"
 
-typedef struct {
-    tvi_action_kind kind;
-    bool truncated;
-    const jet_sweeps *sweeps;
-    bool has_velocity_defect;               /* L_v - p is not 0 by construction */
-    bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
-    int q_degree, p_degree, points, orders; /* orders: top + 1 */
-    double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
-    double *power, *slope;                  /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
-    double *node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
-    double *weighted_power, *weighted_slope; /* [points][top + 1]: times the weight, for sums over the nodes */
-    double *row;                             /* [top + 1] */
-    double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
-    double *x;        /* block of the field's values at the nodes, a lane each */
-    double *bend;     /* truncated Hamiltonian: block of the bend's values */
-    double *P;        /* [p_degree + 1][n] */
-    double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
-    double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
-    double *correction;         /* [n] */
-    tvi_roundoff roundoff;      /* of the field at the nodes */
-} tvi_action;
-
+/* Its sizes alone: what generated code knows of it. */
+tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
+                            int p_degree, int top);
 /* Degrees of the curve that the action uses; everything in the options is resolved. */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                      tvi_action_kind kind, int q_degree, int p_degree, int top);

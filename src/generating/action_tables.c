@@ -10,25 +10,31 @@ static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *o
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
 }
 
+tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
+                            int p_degree, int top)
+{
+    const bool is_hamilton = kind == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
+    return (tvi_action){.is_hamilton = is_hamilton,
+                        .truncated = options->nodes == TVI_NODES_TRUNCATED,
+                        .has_velocity_defect = !is_hamilton && !is_separable,
+                        .has_momentum_defect = is_hamilton && (!is_separable || p_degree >= q_degree),
+                        .q_degree = q_degree,
+                        .p_degree = p_degree,
+                        .points = options->quadrature_points,
+                        .orders = top + 1};
+}
+
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                      tvi_action_kind kind, int q_degree, int p_degree, int top)
 {
     const size_t orders = (size_t)top + 1, points = (size_t)options->quadrature_points, n = (size_t)system->n;
-    memset(action, 0, sizeof *action);
-    action->kind = kind;
+    *action = tvi_action_shape(system, options, kind, q_degree, p_degree, top);
     action->sweeps = system->field_values->sweeps;
-    action->orders = top + 1;
-    action->truncated = options->nodes == TVI_NODES_TRUNCATED;
-    action->q_degree = q_degree;
-    action->p_degree = p_degree;
-    action->points = options->quadrature_points;
-    action->has_velocity_defect = kind == TVI_ACTION_LAGRANGE && system->form != TVI_SEPARABLE;
-    action->has_momentum_defect =
-        kind == TVI_ACTION_HAMILTON && (system->form != TVI_SEPARABLE || p_degree >= q_degree);
     action->s = tvi_arena_doubles(arena, points);
     action->weight = tvi_arena_doubles(arena, points);
     action->power = tvi_arena_doubles(arena, orders * points);
     action->slope = tvi_arena_doubles(arena, orders * points);
+    action->second_slope = tvi_arena_doubles(arena, orders * points);
     action->node_power = tvi_arena_doubles(arena, orders * points);
     action->weighted_power = tvi_arena_doubles(arena, orders * points);
     action->weighted_slope = tvi_arena_doubles(arena, orders * points);
@@ -56,6 +62,8 @@ static double quadrature_error(int order, int points, const long double s[], con
 
 static void fill_powers(tvi_action *action, int node, long double s, bool at_end)
 {
+    for (int k = 2; k < action->orders; k++)
+        action->second_slope[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
         const int place = k * action->points + node;
         const bool left_out = action->truncated && k == action->q_degree && !at_end;

@@ -59,12 +59,4 @@ static inline void tvi_tangents_hamiltonian(const tvi_recurrence *of, int k, int
     }
 }
 
-/* What generated code has of the curves of its system: the whole series to this degree from the centre data, false
- * where the field is outside its domain; and its tangents in so many directions. */
-typedef struct tvi_curve_code {
-    int top, lanes;
-    bool (*expand)(double *x, const double *kappa, double tau);
-    void (*differentiate)(const double *x, double *dx, const double *kappa, double tau);
-} tvi_curve_code;
-
 #endif

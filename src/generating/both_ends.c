@@ -83,6 +83,7 @@ static void prepare(void *taken)
     tvi_both_ends *w = taken;
     const bool hamiltonian = w->system->form == TVI_HAMILTONIAN;
     double ones[TVI_MAX_DEGREE + 1], slopes[TVI_MAX_DEGREE + 1];
+    tvi_newton_prepare(&w->newton, w->options, true);
     prepare_side(w, &w->a, (tvi_span){0, 1, 1});
     prepare_side(w, &w->b, (tvi_span){-1, 0, 1});
     for (int k = 0; k <= w->degree; k++) {
@@ -288,12 +289,8 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     tvi_both_ends *w = taken;
     const size_t bytes = (size_t)w->n * sizeof *dq;
     attempt a = {w, origin, h, stats};
-    const tvi_equations equations = {.self = &a,
-                                     .residual = residual,
-                                     .scale = set_scale,
-                                     .jacobian = jacobian,
-                                     .roundoff = residual_roundoff,
-                                     .is_rough = true};
+    const tvi_equations equations = {
+        .self = &a, .residual = residual, .scale = set_scale, .jacobian = jacobian, .roundoff = residual_roundoff};
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, w->options, stats);
     if (status != TVI_OK) return status;

@@ -51,8 +51,8 @@ static void place_nodes(tvi_both_ends *w)
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
     double *const panels[] = {w->y, w->v, w->pi, w->pi_rate};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) memset(panels[i], 0, panel);
-    tvi_curve_momenta(&w->a.curve, w->degree - 1, w->a.P);
-    tvi_curve_momenta(&w->b.curve, w->degree - 1, w->b.P);
+    curve_momenta(&w->a.curve, w->degree - 1, w->a.P);
+    curve_momenta(&w->b.curve, w->degree - 1, w->b.P);
     for (int i = 0; i < w->n; i++) {
         add_side_at_nodes(w, &w->a, i);
         add_side_at_nodes(w, &w->b, i);

@@ -9,17 +9,24 @@
  *
  * each with the field evaluated as a power series along the curve, one order after the other. */
 #include "generating/curve.h"
-#include "algebra/tail.h"
-#include "algebra/weigh.h"
+#include "generating/seeds.h"
 
 #include <math.h>
 #include <string.h>
+
+/* What has all its orders. */
+static const tvi_curve_code *code_of(const tvi_system *system, int top)
+{
+    const tvi_curve_code *code = system->code ? system->code->curve : NULL;
+    return code && code->top == top ? code : NULL;
+}
 
 void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians)
 {
     const size_t orders = (size_t)top + 1, n = (size_t)system->n, jacobian = orders * n * 2 * n;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
+    curve->code = code_of(system, top);
     curve->jacobians = jacobians;
     curve->n = system->n;
     curve->top = top;
@@ -106,13 +113,11 @@ static tvi_status expand_by_orders(tvi_curve *curve)
     return TVI_OK;
 }
 
-/* All orders at once, where there is generated code. */
-static tvi_status expand_at_once(tvi_curve *curve)
+static tvi_status expand_by_code(tvi_curve *curve)
 {
-    const tvi_curve_code *code = tvi_curve_code_of(curve);
-    if (!code) return expand_by_orders(curve);
-    const bool inside = code->expand(curve->x, curve->kappa, curve->tau);
-    return inside || jet_refuse_sweep(curve->system->field_series, curve->x, 1) ? TVI_OK : TVI_EDOMAIN;
+    const tvi_status status = curve->code->expand(curve);
+    if (status == TVI_EDOMAIN) (void)jet_refuse_sweep(curve->system->field_series, curve->x, 1);
+    return status;
 }
 
 /* By tangents of order 0 along the second input. */
@@ -154,20 +159,6 @@ static tvi_status expand_lagrangian(tvi_curve *curve)
     return TVI_OK;
 }
 
-/* What is infinite or no number makes a sum that is so. */
-static bool is_finite(const tvi_curve *curve)
-{
-    const size_t stride = tvi_curve_slots(curve);
-    bool finite = true;
-    for (int i = 0; i < curve->system->inputs; i++) {
-        const double *x = curve->x + i;
-        double sum = 0;
-        for (int k = 0; k <= curve->top; k++, x += stride) sum += *x;
-        finite &= isfinite(sum);
-    }
-    return finite;
-}
-
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
     const tvi_system *system = curve->system;
@@ -176,40 +167,26 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
         curve->x[system->inputs] = centre;
         if (curve->top > 0) tvi_curve_input(curve, 1)[system->inputs] = curve->tau;
     }
-    const tvi_status status = system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve) : expand_at_once(curve);
-    if (status != TVI_OK) return status;
-    return is_finite(curve) ? TVI_OK : TVI_ENONFINITE;
+    const bool has_code = curve->code && curve->code->expand;
+    const tvi_status status = has_code                         ? expand_by_code(curve)
+                              : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
+                                                               : expand_by_orders(curve);
+    if (has_code || status != TVI_OK) return status;
+    return curve_is_finite(curve) ? TVI_OK : TVI_ENONFINITE;
 }
 
 /* ---- Sums over the coefficients ---------------------------------------------------------------------------------- */
 
-void tvi_curve_momenta(const tvi_curve *curve, int degree, double out[])
+void tvi_curve_sizes(const tvi_curve *curve, double size[])
 {
-    const int n = curve->n;
-    const bool is_separable = curve->system->form == TVI_SEPARABLE;
-    for (int k = 0; k <= degree; k++, out += n) {
-        const bool is_next = is_separable && k < curve->top;
-        const double *next = is_next ? tvi_curve_input(curve, k + 1) : NULL;
-        for (int i = 0; i < n; i++) out[i] = is_next ? (k + 1) * next[i] / curve->kappa[i] : tvi_curve_U(curve, k, i);
-    }
-}
-
-typedef void adder(size_t, const double[], size_t, size_t, const double[], double[]);
-
-static inline void sum_by(adder *add, const tvi_curve *curve, const tvi_combination *combination, double out[])
-{
-    const int n = curve->n;
-    const int *slot = curve->system->field_series->output + n;
-    memset(out, 0, (size_t)n * sizeof *out);
-    const size_t orders = (size_t)curve->top + 1, stride = tvi_curve_slots(curve);
-    if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN)
-        for (int i = 0; i < n; i++) add(orders, combination->weight, stride, 1, curve->x + slot[i], out + i);
-    else add(orders, combination->weight, stride, (size_t)n, curve->x + (combination->of_momentum ? n : 0), out);
+    if (curve->code) curve->code->sizes(curve, size);
+    else curve_sizes(curve, size);
 }
 
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    sum_by(tvi_add_rows, curve, combination, out);
+    if (curve->code) curve->code->sum(curve, combination, out);
+    else curve_sum(curve, combination, out);
 }
 
 void tvi_curve_sum_sizes(const tvi_curve *curve, bool of_momentum, const double weight[], double out[])
@@ -217,7 +194,7 @@ void tvi_curve_sum_sizes(const tvi_curve *curve, bool of_momentum, const double 
     double of_rows[TVI_MAX_DEGREE + 2];
     tvi_combination sizes = {.weight = of_rows};
     tvi_combination_set(&sizes, curve, of_momentum, weight);
-    sum_by(tvi_add_sizes, curve, &sizes, out);
+    curve_sum_by(tvi_add_sizes, curve, &sizes, out);
 }
 
 void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
@@ -232,44 +209,9 @@ void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
     tvi_combination_set(&curve->u_sizes, curve, true, weight);
 }
 
-/* p = |U_0| + sum k |U_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
-static tvi_tail_part tail_part(const tvi_curve *curve, int i)
-{
-    const int q_degree = curve->q_degree, p_degree = curve->p_degree;
-    const bool has_masses = curve->system->form == TVI_SEPARABLE;
-    const double momentum = curve->momentum[i], movement = curve->movement[i];
-    return (tvi_tail_part){.momentum = momentum,
-                           .movement = movement,
-                           .last_p = p_degree * fabs(tvi_curve_U(curve, p_degree, i)),
-                           .last_q = has_masses ? 0 : q_degree * fabs(tvi_curve_Q(curve, q_degree)[i]),
-                           .place = fabs(tvi_curve_Q(curve, 0)[i]),
-                           .per_momentum = 1 / momentum,
-                           .per_movement = 1 / movement};
-}
+void tvi_curve_measure(const tvi_curve *curve) { curve->code ? curve->code->measure(curve) : curve_measure(curve); }
 
-void tvi_curve_measure(const tvi_curve *curve)
-{
-    sum_by(tvi_add_sizes, curve, &curve->q_sizes, curve->movement);
-    sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
-}
-
-double tvi_curve_tail(const tvi_curve *curve)
-{
-    const bool has_masses = curve->system->form == TVI_SEPARABLE;
-    tvi_tail_survey survey = {0, 0, 0};
-    if (curve->p_degree < 2) return 0;
-    for (int i = 0; i < curve->n; i++) {
-        const tvi_tail_part part = tail_part(curve, i);
-        tvi_tail_look(&survey, &part, has_masses);
-    }
-    if (tvi_tail_is_known(&survey)) return survey.ratio;
-    double tail = 0;
-    for (int i = 0; i < curve->n; i++) {
-        const tvi_tail_part part = tail_part(curve, i);
-        tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
-    }
-    return tail;
-}
+double tvi_curve_tail(const tvi_curve *curve) { return curve->code ? curve->code->tail(curve) : curve_tail(curve); }
 
 /* |q'| |dp| + |p'| |dq| with what the last two terms are, of which one may happen to be small: terms of which each is
  * three quarters of the one before it add up to three times the last. */

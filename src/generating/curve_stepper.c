@@ -114,7 +114,10 @@ static void prepare(void *taken)
     tvi_combination_set_powers(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre(w);
     if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
-    if (w->corrects) tvi_action_prepare(&w->action, w->options, c->span, c->curve.top);
+    if (!w->corrects) return;
+    tvi_action_prepare(&w->action, w->options, c->span, c->curve.top);
+    /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */
+    tvi_newton_prepare(&w->newton, w->options, w->is_rough || w->q_degree == 0);
 }
 
 /* ---- The predictor ----------------------------------------------------------------------------------------------- */
@@ -148,23 +151,14 @@ static double centre(const attempt *a)
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-/* The natural sizes of the unknowns: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. All that a curve
- * of degree 0 or 1 knows of a body that starts at rest is the corrections, which are momenta: in the unit of the
- * unknown but for a Lagrangian. */
+/* The natural sizes of the unknowns. All that a curve of degree 0 or 1 knows of a body that starts at rest is the
+ * corrections, which are momenta: in the unit of the unknown but for a Lagrangian. */
 static void set_scale(void *self, double scale[])
 {
     const tvi_closure *c = &((const attempt *)self)->work->closure;
     const tvi_curve *curve = &c->curve;
     const int n = c->n;
-    const bool hamiltonian = c->system->form == TVI_HAMILTONIAN;
-    memset(scale, 0, 2 * (size_t)n * sizeof *scale);
-    for (int k = curve->top; k >= 0; k--) {
-        const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + n : Q;
-        for (int i = 0; i < n; i++) {
-            scale[i] += fabs(Q[i]);
-            if (k > 0 || hamiltonian) scale[n + i] += fabs(second[i]);
-        }
-    }
+    tvi_curve_sizes(curve, scale);
     if (curve->top > 1 || c->system->form == TVI_LAGRANGIAN) return;
     for (int i = 0; i < n; i++) {
         scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
@@ -237,16 +231,13 @@ static tvi_status correct(attempt *a)
     const size_t unknowns = 2 * (size_t)w->closure.n;
     /* at the start q- and kappa p- are z itself, but for a Lagrangian, whose p is not v */
     const bool is_identity = w->closure.span.from == 0 && w->closure.system->form != TVI_LAGRANGIAN;
-    /* degree 0, which leaves all to the corrections, moves q and p in turns, each as little as the other was wrong */
-    const bool is_rough = w->is_rough || w->q_degree == 0;
     const tvi_solver *solver = w->closure.solver;
     const tvi_equations equations = {.self = a,
                                      .residual = residual,
                                      .scale = set_scale,
                                      .jacobian = is_identity || !solver->jacobian ? NULL : jacobian,
                                      .solve = is_identity || !solver->correct ? NULL : apply_inverse,
-                                     .roundoff = residual_roundoff,
-                                     .is_rough = is_rough};
+                                     .roundoff = residual_roundoff};
     solver->begin(&w->closure);
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
     const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, a->stats);

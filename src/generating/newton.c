@@ -141,6 +141,12 @@ tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_mat
     return rules;
 }
 
+void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_rough)
+{
+    newton->is_rough = is_rough;
+    newton->rules = tvi_newton_rules_asked(options, newton->has_matrix, is_rough);
+}
+
 void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options, bool is_rough)
 {
     const bool is_due = history->solves++ % CHECK_EVERY == 0;
@@ -197,20 +203,19 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
                             tvi_stats *stats)
 {
-    const bool is_rough = equations->is_rough;
-    const tvi_newton_rules rules = tvi_newton_rules_asked(options, newton->has_matrix, is_rough);
+    const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes at;
-    tvi_newton_begin(&at, newton->history, options, is_rough);
+    tvi_newton_begin(&at, newton->history, options, newton->is_rough);
     int refreshes = 0;
     bool refresh = false;
-    for (int count = 1; count <= rules.of_each.most; count++) {
+    for (int count = 1; count <= rules->of_each.most; count++) {
         refreshes += refresh;
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
         const tvi_newton_size size = measure(newton, newton->scale);
         stats->residual = size.relative;
-        tvi_passes_verdict verdict = tvi_newton_judge(&at, &rules, size);
+        tvi_passes_verdict verdict = tvi_newton_judge(&at, rules, size);
         if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at.of_each)) verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
             newton->history->slack = fmax(newton->history->slack, at.of_each.slack);

@@ -25,8 +25,6 @@ typedef struct {
      * from| times a unit of roundoff, which the size of the unknowns need not tell. Asked where passes no longer
      * contract. */
     void (*roundoff)(void *self, double r[]);
-    /* The first contraction tells little of the later ones: one more pass than seems needed, always. */
-    bool is_rough;
 } tvi_equations;
 
 /* What earlier solutions taught; in the arena's history. */
@@ -56,7 +54,9 @@ void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, co
 tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules, tvi_newton_size size);
 
 typedef struct {
-    bool has_matrix, is_fresh;      /* is_fresh: the matrix is one by differences */
+    bool has_matrix, is_fresh; /* is_fresh: the matrix is one by differences */
+    bool is_rough;
+    tvi_newton_rules rules;
     int size, group;                /* unknowns come in groups that share a unit */
     double *x, *correction, *scale; /* [size] */
     double *reach;              /* [size] the scale, and more where the roundoff of the corrections is that of more */
@@ -67,6 +67,9 @@ typedef struct {
 
 /* has_matrix: whether there is room for a Jacobian, which equations that bring `solve` do without. */
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix);
+
+/* Once. is_rough: the first contraction tells little of the later ones: one more pass than seems needed, always. */
+void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_rough);
 
 /* From the predictor in newton->x. On success newton->x is the point of the last residual and newton->correction what
  * the last pass found to be missing from it: the caller applies it to first order, which leaves an error of

@@ -1,0 +1,289 @@
+/* seeds.h - the discrete action at its nodes, and the seeds of its gradient: part of the text of generated code
+ * (emit.c), where every size is a constant.
+ *
+ * With p the curve's momentum series, w_i the weights in scaled time, and a dot for d/ds,
+ *   Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]
+ *   Hamilton   D_z = sum_i w_i [ dp_i^T (g. - tau H_p) - dg_i^T (p. + tau H_q) ]                             on-curve
+ *              D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated,
+ * q'_i = H_p and in both, with e_r the error of the quadrature for s^r,
+ *            + sum_{j,k} (j+k) e_{j+k-1} (dQ_k/dz)^T P_j,
+ * what summation by parts of (p^T dg). leaves when the quadrature is not exact to its degree: with it every quadrature
+ * serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 where p has degree q_degree - 1. */
+#ifndef TVI_SRC_GENERATING_SEEDS_H
+#define TVI_SRC_GENERATING_SEEDS_H
+
+#include "algebra/sizes.h"
+#include "generating/series.h"
+#include "system/roundoff.h"
+
+#ifdef JET_EMITTED
+#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), tvi_values_values_of(x, lanes))
+#else
+#define SEEDS_VALUES(tape, x, lanes) jet_sweep_values(tape, x, lanes)
+#endif
+
+typedef struct tvi_action {
+    bool is_hamilton; /* TVI_ACTION_HAMILTON */
+    bool truncated;
+    const jet_sweeps *sweeps;
+    bool has_velocity_defect;               /* L_v - p is not 0 by construction */
+    bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
+    int q_degree, p_degree, points, orders; /* orders: top + 1 */
+    double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
+    double *power, *slope;                  /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
+    double *second_slope;                   /* the second one, of all orders */
+    double *node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
+    double *weighted_power, *weighted_slope; /* [points][top + 1]: times the weight, for sums over the nodes */
+    double *row;                             /* [top + 1] */
+    double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
+    double *x;        /* block of the field's values at the nodes, a lane each */
+    double *bend;     /* truncated Hamiltonian: block of the bend's values */
+    double *P;        /* [p_degree + 1][n] */
+    double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
+    double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
+    double *correction;         /* [n] */
+    tvi_roundoff roundoff;      /* of the field at the nodes */
+} tvi_action;
+
+/* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
+
+/* row[node] = sum_{k <= degree} coefficient_k table[k][node], coefficient_k at first + k * stride. */
+static inline void seeds_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
+                                  const double *table, double row[])
+{
+    CURVE_COMBINE(action, degree + 1, first, stride, action->points, table, row);
+}
+
+static inline void seeds_place_times(const tvi_action *action, const tvi_curve *curve, double *x)
+{
+    double *t = x + curve->system->inputs * action->points;
+    if (!curve->system->uses_time) return;
+    for (int node = 0; node < action->points; node++) t[node] = curve->centre + curve->tau * action->s[node];
+}
+
+/* q at the nodes into the inputs of a block; the time too. */
+static inline void seeds_place_positions(const tvi_action *action, const tvi_curve *curve, double *x)
+{
+    const tvi_system *system = curve->system;
+    const size_t stride = (size_t)system->field_series->slots;
+    for (int i = 0; i < curve->n; i++)
+        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, action->node_power,
+                       x + i * action->points);
+    seeds_place_times(action, curve, x);
+}
+
+/* v = g./tau at the nodes into the second input. */
+static inline void seeds_place_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
+{
+    const int points = action->points;
+    const size_t stride = (size_t)curve->system->field_series->slots;
+    for (int i = 0; i < curve->n; i++) {
+        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, action->slope, v + i * points);
+        for (int node = 0; node < points; node++) v[i * points + node] /= curve->tau;
+    }
+}
+
+/* The momentum of the curve, where it is needed. */
+static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *curve)
+{
+    const int n = curve->n, points = action->points, degree = action->p_degree;
+    const bool has_momenta = action->is_hamilton || action->has_velocity_defect;
+    if (!has_momenta && !action->by_parts && curve->system->form == TVI_SEPARABLE) return;
+    curve_momenta(curve, degree, action->P);
+    for (int i = 0; i < n && has_momenta; i++)
+        seeds_at_nodes(action, degree, action->P + i, (size_t)n, action->power, action->momentum + i * points);
+}
+
+/* Its derivative, which is M q'' / tau of a separable system. */
+static inline void seeds_forces_at_nodes(tvi_action *action, const tvi_curve *curve)
+{
+    const int n = curve->n, points = action->points, degree = action->p_degree;
+    const size_t stride = (size_t)curve->system->field_series->slots;
+    double *force = action->force;
+    for (int i = 0; i < n; i++, force += points)
+        if (curve->system->form == TVI_SEPARABLE) {
+            seeds_at_nodes(action, degree + 1, tvi_curve_Q(curve, 0) + i, stride, action->second_slope, force);
+            for (int node = 0; node < points; node++) force[node] /= curve->kappa[i];
+        } else {
+            seeds_at_nodes(action, degree, action->P + i, (size_t)n, action->slope, force);
+        }
+}
+
+static inline const double *seeds_output_row(const tvi_action *action, const jet_tape *tape, const double *x, int i)
+{
+    return x + (size_t)tape->output[i] * (size_t)action->points;
+}
+
+/* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
+
+static inline tvi_status seeds_run_field(const tvi_action *action, const tvi_curve *curve)
+{
+    return SEEDS_VALUES(curve->system->field_values, action->x, action->points) ? TVI_OK : TVI_EDOMAIN;
+}
+
+/* panel = factor * outputs first .. first + n - 1 of the field. */
+static inline void seeds_copy_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
+                                      double *panel)
+{
+    for (int i = 0; i < curve->n; i++) {
+        const double *row = seeds_output_row(action, curve->system->field_values, action->x, first + i);
+        for (int node = 0; node < action->points; node++) panel[i * action->points + node] = factor * row[node];
+    }
+}
+
+/* panel -= other. */
+static inline void seeds_subtract(const tvi_action *action, int n, const double *other, double *panel)
+{
+    for (int i = 0; i < n * action->points; i++) panel[i] -= other[i];
+}
+
+/* Separable: on_q = tau F; L_v = p on the curve. */
+static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *curve)
+{
+    const tvi_status status = seeds_run_field(action, curve);
+    seeds_copy_outputs(action, curve, 0, curve->tau, action->on_q);
+    return status;
+}
+
+/* On-curve: on_q = -tau H_q, on_p = g. - tau H_p. */
+static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curve *curve)
+{
+    const int n = curve->n, points = action->points;
+    const bool separable = curve->system->form == TVI_SEPARABLE;
+    if (!separable) memcpy(action->x + n * points, action->momentum, (size_t)(n * points) * sizeof(double));
+    const tvi_status status = seeds_run_field(action, curve);
+    if (status != TVI_OK) return status;
+    seeds_copy_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->on_q);
+    if (!action->has_momentum_defect) return TVI_OK;
+    seeds_place_velocities(action, curve, action->on_p);
+    for (int i = 0; i < n; i++) {
+        const double *H_p = separable ? NULL : seeds_output_row(action, curve->system->field_values, action->x, n + i);
+        for (int node = 0; node < points; node++) {
+            const int place = i * points + node;
+            const double rate = separable ? action->momentum[place] / curve->system->mass[i] : H_p[node];
+            action->on_p[place] = curve->tau * (action->on_p[place] - rate);
+        }
+    }
+    return status;
+}
+
+/* ---- The seeds --------------------------------------------------------------------------------------------------- */
+
+/* row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
+static inline const double *seeds_over_nodes(const tvi_action *action, const double *weighted_table, const double *x)
+{
+    CURVE_COMBINE(action, action->points, x, 1, action->orders, weighted_table, action->row);
+    return action->row;
+}
+
+/* dq_i^T on_q - dg_i^T p. as one defect, less what a truncated node leaves out of dq_i. */
+static inline void seeds_positions(tvi_action *action, int n, double seed[])
+{
+    const int points = action->points, N = action->q_degree;
+    seeds_subtract(action, n, action->force, action->on_q); /* the defect */
+    for (int i = 0; i < n; i++) {
+        const double *defect = action->on_q + i * points, *force = action->force + i * points;
+        const double *row = seeds_over_nodes(action, action->weighted_power, defect);
+        for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
+        if (!action->truncated) continue;
+        for (int node = 0; node < points; node++)
+            seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) *
+                               (action->power[N * points + node] - action->node_power[N * points + node]);
+    }
+}
+
+static inline void seeds_velocities(const tvi_action *action, int n, double seed[])
+{
+    for (int i = 0; i < n; i++) {
+        const double *row = seeds_over_nodes(action, action->weighted_slope, action->on_v + i * action->points);
+        for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
+    }
+}
+
+/* dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
+static inline void seeds_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+{
+    const int n = curve->n;
+    for (int i = 0; i < n; i++) {
+        const double *row = seeds_over_nodes(action, action->weighted_power, action->on_p + i * action->points);
+        for (int k = 0; k <= action->p_degree; k++) {
+            const double seed = row[k] / curve->kappa[i];
+            if (curve->system->form != TVI_SEPARABLE) seed_U[k * n + i] = seed;
+            else if (k < curve->top) seed_Q[(k + 1) * n + i] += (k + 1) * seed;
+        }
+    }
+}
+
+static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *curve, double seed[])
+{
+    const int n = curve->n;
+    for (int k = 0; k <= action->q_degree; k++)
+        for (int j = 0; j <= action->p_degree; j++) {
+            const double error = action->by_parts[k * (curve->top + 1) + j];
+            if (error == 0) continue;
+            for (int i = 0; i < n; i++) seed[k * n + i] += error * action->P[j * n + i];
+        }
+}
+
+/* ---- All of them ------------------------------------------------------------------------------------------------- */
+
+/* The curve at the nodes. Seeds that are not set are 0; those of U, which a separable system has not, are never set. */
+static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+{
+    for (int i = (action->q_degree + 1) * curve->n; i < (curve->top + 1) * curve->n; i++) seed_Q[i] = 0;
+    for (int i = 0; i < (curve->top + 1) * curve->n && curve->system->form != TVI_SEPARABLE; i++) seed_U[i] = 0;
+    seeds_momenta_at_nodes(action, curve);
+    seeds_forces_at_nodes(action, curve);
+    seeds_place_positions(action, curve, action->x);
+}
+
+/* From the terms at the nodes. */
+static inline tvi_status seeds_end(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+{
+    const int n = curve->n, seeds = (curve->top + 1) * n;
+    const bool is_bent = action->is_hamilton && action->truncated;
+    seeds_positions(action, n, seed_Q);
+    if (is_bent || action->has_velocity_defect) seeds_velocities(action, n, seed_Q);
+    if (is_bent || action->has_momentum_defect) seeds_momenta(action, curve, seed_Q, seed_U);
+    if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
+    const bool has_U = curve->system->form != TVI_SEPARABLE;
+    const bool are_finite =
+        tvi_rows_are_finite(1, 0, seeds, seed_Q) && (!has_U || tvi_rows_are_finite(1, 0, seeds, seed_U));
+    return are_finite ? TVI_OK : TVI_ENONFINITE;
+}
+
+/* Of a field at nodes on the curve that has no velocity defect. */
+static inline bool seeds_are_plain(const tvi_action *action)
+{
+    return !action->has_velocity_defect && !(action->is_hamilton && action->truncated);
+}
+
+static inline tvi_status seeds_plainly(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+{
+    seeds_begin(action, curve, seed_Q, seed_U);
+    const tvi_status status =
+        action->is_hamilton ? seeds_hamilton_terms(action, curve) : seeds_force_terms(action, curve);
+    return status == TVI_OK ? seeds_end(action, curve, seed_Q, seed_U) : status;
+}
+
+/* ---- What generated code has ------------------------------------------------------------------------------------- */
+
+/* The functions of curve.h and action.h, for curves and actions of these sizes. */
+typedef struct tvi_curve_code {
+    int top, lanes;
+    /* The whole series from the centre data; NULL: order by order. */
+    tvi_status (*expand)(tvi_curve *curve);
+    /* Of the directions first, ..., so many as lanes. */
+    void (*differentiate)(tvi_curve *curve, int first);
+    void (*sizes)(const tvi_curve *curve, double size[]);
+    void (*sum)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+    void (*measure)(const tvi_curve *curve);
+    double (*tail)(const tvi_curve *curve);
+    void (*sum_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+    void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
+    void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+    /* Of plain seeds; NULL: the library's own. */
+    tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+} tvi_curve_code;
+
+#endif

@@ -1,0 +1,184 @@
+/* series.h - the coefficients of a curve, and what is summed of them: part of the text of generated code (emit.c),
+ * where every size is a constant. All others call the functions of curve.h. */
+#ifndef TVI_SRC_GENERATING_SERIES_H
+#define TVI_SRC_GENERATING_SERIES_H
+
+#include "algebra/linear.h"
+#include "algebra/sizes.h"
+#include "algebra/tail.h"
+#include "algebra/weigh.h"
+#include "system/system.h"
+
+/* out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride]: by the vectors of the tape. */
+#ifdef JET_EMITTED
+#define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
+#else
+#define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
+#endif
+
+/* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
+ * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is.
+ */
+typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
+
+/* A combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. Made once for a method. */
+typedef struct {
+    bool of_momentum;
+    double *weight; /* [top + 1] */
+} tvi_combination;
+
+struct tvi_curve_code;
+
+typedef struct {
+    const tvi_system *system;
+    const struct tvi_curve_code *code; /* NULL: the library's own functions */
+    tvi_jacobians jacobians;
+    int n, top; /* the highest order of Q that is computed */
+    double centre, tau;
+    double *kappa;          /* [n] */
+    double *x;              /* block of the field's series, orders 0 .. top */
+    double *dx;             /* the same for CURVE_LANES directions; products: for one */
+    double *bar;            /* products: the same for adjoints */
+    double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
+    double *dz;             /* [2n] the direction of pushes */
+    double *by_U;           /* [2n] a pull's part by dU */
+    int q_degree, p_degree; /* of the tail, */
+    tvi_combination q_sizes, u_sizes;
+    double *movement, *momentum; /* [n] and what these sums are */
+    tvi_factor slope;            /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
+    double *columns;             /* scratch of the slope: its directions, and right sides */
+} tvi_curve;
+
+static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
+
+/* ---- The block of the series ------------------------------------------------------------------------------------- */
+
+enum { TVI_CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
+
+static inline size_t tvi_curve_slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
+
+static inline int tvi_curve_lanes_of(const tvi_system *system)
+{
+    return 2 * system->n < TVI_CURVE_LANES ? 2 * system->n : TVI_CURVE_LANES;
+}
+
+static inline size_t tvi_curve_lanes(const tvi_curve *curve) { return (size_t)tvi_curve_lanes_of(curve->system); }
+
+/* Order k: q, then velocity or momentum of a Lagrangian or a Hamiltonian. */
+static inline double *tvi_curve_input(const tvi_curve *curve, int k)
+{
+    return curve->x + (size_t)k * tvi_curve_slots(curve);
+}
+
+/* Output i of the field at order k. */
+static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
+{
+    return tvi_curve_input(curve, k)[curve->system->field_series->output[i]];
+}
+
+/* ---- Sums -------------------------------------------------------------------------------------------------------- */
+
+/* U_k = kappa P_k of component i. */
+static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
+{
+    switch (curve->system->form) {
+    case TVI_SEPARABLE: return k < curve->top ? (k + 1) * tvi_curve_input(curve, k + 1)[i] : 0;
+    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve->n + i);
+    default: return (tvi_curve_input(curve, k) + curve->n)[i];
+    }
+}
+
+/* Q_k where it stands. */
+static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return tvi_curve_input(curve, k); }
+
+static inline bool curve_is_finite(const tvi_curve *curve)
+{
+    return tvi_rows_are_finite(curve->top + 1, tvi_curve_slots(curve), curve->system->inputs, curve->x);
+}
+
+/* The natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
+static inline void curve_sizes(const tvi_curve *curve, double size[])
+{
+    const int n = curve->n;
+    const bool hamiltonian = curve->system->form == TVI_HAMILTONIAN;
+    memset(size, 0, 2 * (size_t)n * sizeof *size);
+    for (int k = curve->top; k >= 0; k--) {
+        const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + n : Q;
+        for (int i = 0; i < n; i++) {
+            size[i] += fabs(Q[i]);
+            if (k > 0 || hamiltonian) size[n + i] += fabs(second[i]);
+        }
+    }
+}
+
+/* P_k of all orders k, [degree + 1][n]. */
+static inline void curve_momenta(const tvi_curve *curve, int degree, double out[])
+{
+    const int n = curve->n;
+    const bool is_separable = curve->system->form == TVI_SEPARABLE;
+    for (int k = 0; k <= degree; k++, out += n) {
+        const bool is_next = is_separable && k < curve->top;
+        const double *next = is_next ? tvi_curve_input(curve, k + 1) : NULL;
+        for (int i = 0; i < n; i++) out[i] = is_next ? (k + 1) * next[i] / curve->kappa[i] : tvi_curve_U(curve, k, i);
+    }
+}
+
+typedef void curve_adder(size_t, const double[], size_t, size_t, const double[], double[]);
+
+static inline void curve_sum_by(curve_adder *add, const tvi_curve *curve, const tvi_combination *combination,
+                                double out[])
+{
+    const int n = curve->n;
+    const int *slot = curve->system->field_series->output + n;
+    memset(out, 0, (size_t)n * sizeof *out);
+    const size_t orders = (size_t)curve->top + 1, stride = tvi_curve_slots(curve);
+    if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN)
+        for (int i = 0; i < n; i++) add(orders, combination->weight, stride, 1, curve->x + slot[i], out + i);
+    else add(orders, combination->weight, stride, (size_t)n, curve->x + (combination->of_momentum ? n : 0), out);
+}
+
+static inline void curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
+{
+    curve_sum_by(tvi_add_rows, curve, combination, out);
+}
+
+/* p = |U_0| + sum k |U_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
+static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
+{
+    const int q_degree = curve->q_degree, p_degree = curve->p_degree;
+    const bool has_masses = curve->system->form == TVI_SEPARABLE;
+    const double momentum = curve->momentum[i], movement = curve->movement[i];
+    return (tvi_tail_part){.momentum = momentum,
+                           .movement = movement,
+                           .last_p = p_degree * fabs(tvi_curve_U(curve, p_degree, i)),
+                           .last_q = has_masses ? 0 : q_degree * fabs(tvi_curve_Q(curve, q_degree)[i]),
+                           .place = fabs(tvi_curve_Q(curve, 0)[i]),
+                           .per_momentum = 1 / momentum,
+                           .per_movement = 1 / movement};
+}
+
+static inline void curve_measure(const tvi_curve *curve)
+{
+    curve_sum_by(tvi_add_sizes, curve, &curve->q_sizes, curve->movement);
+    curve_sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
+}
+
+static inline double curve_tail(const tvi_curve *curve)
+{
+    const bool has_masses = curve->system->form == TVI_SEPARABLE;
+    tvi_tail_survey survey = {0, 0, 0};
+    if (curve->p_degree < 2) return 0;
+    for (int i = 0; i < curve->n; i++) {
+        const tvi_tail_part part = curve_tail_part(curve, i);
+        tvi_tail_look(&survey, &part, has_masses);
+    }
+    if (tvi_tail_is_known(&survey)) return survey.ratio;
+    double tail = 0;
+    for (int i = 0; i < curve->n; i++) {
+        const tvi_tail_part part = curve_tail_part(curve, i);
+        tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
+    }
+    return tail;
+}
+
+#endif

@@ -1,0 +1,107 @@
+/* tangents.h - the Jacobian matrices of a curve, by blocks of tangents, and what is made of them: part of the text of
+ * generated code (emit.c), where every size is a constant. All others call the functions of curve.h. */
+#ifndef TVI_SRC_GENERATING_TANGENTS_H
+#define TVI_SRC_GENERATING_TANGENTS_H
+
+#include "generating/series.h"
+
+/* A block of directions: tangents of order k of slot i are at dx + k * order + i * lanes. */
+typedef struct {
+    size_t lanes, order;
+    int first;
+} curve_block;
+
+static inline double *curve_tangent(const tvi_curve *curve, const curve_block *b, int k, int slot)
+{
+    return curve->dx + (size_t)k * b->order + (size_t)slot * b->lanes;
+}
+
+/* out = factor * in, over the lanes. */
+static inline void curve_scale_lanes(size_t lanes, double factor, const double *in, double *out)
+{
+    for (size_t lane = 0; lane < lanes; lane++) out[lane] = factor * in[lane];
+}
+
+/* dz = unit vectors: where the components of z stand among the inputs. */
+static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
+{
+    const tvi_form form = curve->system->form;
+    const int n = curve->n;
+    for (size_t lane = 0; lane < b->lanes; lane++) {
+        const int direction = b->first + (int)lane;
+        if (direction < n) curve_tangent(curve, b, 0, direction)[lane] = 1;
+        else if (form == TVI_SEPARABLE) curve_tangent(curve, b, 1, direction - n)[lane] = 1;
+        else curve_tangent(curve, b, 0, direction)[lane] = form == TVI_LAGRANGIAN ? 1 / curve->tau : 1;
+    }
+}
+
+/* Inputs and constants are 0, but for the direction. */
+static inline void curve_begin_block(tvi_curve *curve, const curve_block *b)
+{
+    const jet_tape *tape = curve->system->field_series;
+    /* the layout depends on the number of lanes, so that constants too must be cleared */
+    const size_t fixed = (size_t)(tape->inputs + tape->constants) * b->lanes;
+    for (int k = 0; k <= curve->top; k++) memset(curve_tangent(curve, b, k, 0), 0, fixed * sizeof(double));
+    curve_seed_directions(curve, b);
+}
+
+/* Copies the tangents of a slot for each coefficient and component into columns first .. of a Jacobian. */
+static inline void curve_store(const tvi_curve *curve, const curve_block *b, const int slot_of_component[],
+                               int first_slot, double *jacobian)
+{
+    const size_t n = (size_t)curve->n;
+    for (int k = 0; k <= curve->top; k++)
+        for (size_t i = 0; i < n; i++) {
+            const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
+            curve_scale_lanes(b->lanes, 1, curve_tangent(curve, b, k, slot),
+                              jacobian + ((size_t)k * n + i) * 2 * n + b->first);
+        }
+}
+
+static inline void curve_end_block(tvi_curve *curve, const curve_block *b)
+{
+    const tvi_form form = curve->system->form;
+    const int n = curve->n;
+    if (form == TVI_LAGRANGIAN) curve_store(curve, b, curve->system->field_series->output + n, 0, curve->dU);
+    if (form == TVI_HAMILTONIAN) curve_store(curve, b, NULL, n, curve->dU);
+    curve_store(curve, b, NULL, 0, curve->dQ);
+}
+
+static inline const double *curve_jacobians(const tvi_curve *curve, const tvi_combination *combination)
+{
+    return combination->of_momentum ? curve->dU : curve->dQ;
+}
+
+static inline void curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
+{
+    CURVE_COMBINE(curve->system->field_series, curve->top + 1, combination->weight, 1, 2 * curve->n * curve->n,
+                  curve_jacobians(curve, combination), matrix);
+}
+
+static inline void curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
+{
+    const size_t n = (size_t)curve->n, directions = 2 * n;
+    memset(out, 0, n * sizeof *out);
+    for (int k = curve->top; k >= 0; k--) {
+        const double weight = combination->weight[k];
+        if (weight == 0) continue;
+        const double *dC = curve_jacobians(curve, combination) + (size_t)k * n * directions;
+        for (size_t i = 0; i < n; i++) {
+            double sum = 0;
+            for (size_t d = 0; d < directions; d++) sum += dC[i * directions + d] * curve->dz[d];
+            out[i] += weight * sum;
+        }
+    }
+}
+
+static inline void curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
+{
+    const jet_tape *tape = curve->system->field_series;
+    const int directions = 2 * curve->n, rows = (curve->top + 1) * curve->n;
+    CURVE_COMBINE(tape, rows, seed_Q, 1, directions, curve->dQ, out);
+    if (!curve->dU || !seed_U) return;
+    CURVE_COMBINE(tape, rows, seed_U, 1, directions, curve->dU, curve->by_U);
+    for (int d = 0; d < directions; d++) out[d] += curve->by_U[d];
+}
+
+#endif
