@@ -49,4 +49,11 @@ JET_INLINE roots roots_estimate(roots a)
 }
 #endif
 
+/* In a tape no fewer: roots and quotients of two short vectors are as fast. */
+#if defined(JET_EMITTED) || defined(__AVX512F__)
+enum { FEW_ROOTS = 0 };
+#else
+enum { FEW_ROOTS = 8 };
+#endif
+
 #endif
