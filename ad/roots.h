@@ -1,4 +1,5 @@
-/* roots.h - vectors whose inverse roots are had from an estimate (rule_power.c), where multiply-adds are fused. */
+/* roots.h - vectors whose inverse roots are had from an estimate (rule_power.c), where multiply-adds are fused: with
+ * AVX2 in generated code alone, where gcc makes of roots and quotients no vectors; in a tape they are as fast. */
 #ifndef TVI_AD_ROOTS_H
 #define TVI_AD_ROOTS_H
 
@@ -22,7 +23,7 @@ enum { ROOTS = 8 };
 /* Near a^(-1/2). */
 JET_INLINE roots roots_estimate(roots a) { return _mm512_rsqrt14_pd(a); }
 
-#elif defined(__AVX2__) && defined(__FMA__)
+#elif defined(__AVX2__) && defined(__FMA__) && defined(JET_EMITTED)
 #include <immintrin.h>
 #define HAS_ROOTS
 typedef __m256d roots;
@@ -47,13 +48,6 @@ JET_INLINE roots roots_estimate(roots a)
     const roots e = _mm256_fnmadd_pd(a, y * y, _mm256_set1_pd(1));
     return y * 0.99999924 + (y * e) * (0.5011063 + e * 0.37629);
 }
-#endif
-
-/* In a tape no fewer: roots and quotients of two short vectors are as fast. */
-#if defined(JET_EMITTED) || defined(__AVX512F__)
-enum { FEW_ROOTS = 0 };
-#else
-enum { FEW_ROOTS = 8 };
 #endif
 
 #endif

@@ -169,8 +169,8 @@ JET_INLINE bool in_blocks(powers_of_block *of_block, int k, int powers, int widt
 JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *restrict z)
 {
 #ifdef HAS_ROOTS
-    if (width > FEW_ROOTS) return in_blocks(inverse_roots, k, powers, width, a, z);
-#endif
+    return in_blocks(inverse_roots, k, powers, width, a, z);
+#else
     for (int p = 0; p < powers; p++, k -= 2, z += width)
         for (int w = 0; w < width; w++) {
             double power = sqrt(a[w]);
@@ -178,6 +178,7 @@ JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *r
             z[w] = 1 / power;
         }
     return is_positive(width, a);
+#endif
 }
 
 /* Apart, so that gravity does not pay for the registers of all the others. */
