@@ -127,7 +127,7 @@ do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz)
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
-	$(IN_ONE_GO) 'failing,states,refused,lanes,runs/following' $(BUILD)/check/ensemble
+	$(IN_ONE_GO) 'failing,states,refused,lanes/lanes,runs/following' $(BUILD)/check/ensemble
 	$(BUILD)/check/fuzz
 
 check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)

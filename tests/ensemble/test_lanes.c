@@ -348,13 +348,15 @@ END_TEST
 Suite *suite_lanes(void)
 {
     Suite *suite = suite_create("lanes");
-    TCase *tests = tcase_create("lanes");
+    TCase *tests = tcase_create("lanes"), *drift = tcase_create("drift");
     tcase_set_timeout(tests, 60);
+    tcase_set_timeout(drift, 60);
     tcase_add_loop_test(tests, lanes_judge_as_one_member_does, 0, 3 * JET_ISA_COUNT);
     tcase_add_loop_test(tests, nodes_start_as_those_of_one_member, 0, JET_ISA_COUNT);
-    tcase_add_loop_test(tests, energies_and_momenta_do_not_drift, 0, DRIFTS);
+    tcase_add_loop_test(drift, energies_and_momenta_do_not_drift, 0, DRIFTS);
     tcase_add_loop_test(tests, small_motions_go_by_themselves, 0, BY_THEMSELVES);
     tcase_add_loop_test(tests, halves_are_the_matrix, 0, 2 * LANES);
     suite_add_tcase(suite, tests);
+    suite_add_tcase(suite, drift);
     return suite;
 }
