@@ -12,11 +12,11 @@ bool tvi_galerkin_make_steadily(galerkin *w, const tvi_origin *origin, galerkin_
     return w->field.loops->steady(&w->frame, origin, to);
 }
 
-static bool all_finite(int count, const double *x, const double *dx)
+static bool sums_are_finite(int count, const double *x, const double *dx)
 {
-    double none = 0; /* an infinity times 0 is a NaN */
-    for (int i = 0; i < count; i++) none += 0 * (x[i] + dx[i]);
-    return none == 0;
+    uint64_t any = 0;
+    for (int i = 0; i < count; i++) any |= tvi_infinite_bit(x[i] + dx[i]);
+    return !(any >> 63);
 }
 
 /* One by one where they are few, as they were just stored: a vector of them would wait for that. */
@@ -57,7 +57,7 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
     for (; made < row->steps; made++) {
         const tvi_origin origin = {now->q[n], now->q_low[n], now->q, now->q_low, now->p, now->p_low};
         if (!tvi_galerkin_make_steadily(w, &origin, &to) || !is_sure(&to, &row->sure)) break;
-        if (!all_finite(n + 1, now->q, row->dq) || !all_finite(n, now->p, row->dp)) break;
+        if (!sums_are_finite(n + 1, now->q, row->dq) || !sums_are_finite(n, now->p, row->dp)) break;
         add(n + 1, now->q, now->q_low, row->dq);
         add(n, now->p, now->p_low, row->dp);
         tvi_galerkin_remember(&w->predictor, row->h, origin.t, to.passes.slowest);

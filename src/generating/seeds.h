@@ -247,8 +247,7 @@ static inline tvi_status seeds_end(tvi_action *action, const tvi_curve *curve, d
     if (is_bent || action->has_momentum_defect) seeds_momenta(action, curve, seed_Q, seed_U);
     if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
     const bool has_U = curve->system->form != TVI_SEPARABLE;
-    const bool are_finite =
-        tvi_rows_are_finite(1, 0, seeds, seed_Q) && (!has_U || tvi_rows_are_finite(1, 0, seeds, seed_U));
+    const bool are_finite = tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U));
     return are_finite ? TVI_OK : TVI_ENONFINITE;
 }
 

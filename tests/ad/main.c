@@ -2,8 +2,8 @@
 #include "suites.h"
 #include "problems/run_suites.h"
 
-static Suite *(*const suites[])(void) = {record_suite,     domain_suite,   tape_suite,    series_suite,
-                                         identity_suite,   tangent_suite,  adjoint_suite, isa_suite,
-                                         elementary_suite, gradient_suite, hash_suite,    emit_suite};
+static Suite *(*const suites[])(void) = {record_suite,   domain_suite,  tape_suite, series_suite, identity_suite,
+                                         tangent_suite,  adjoint_suite, isa_suite,  roots_suite,  elementary_suite,
+                                         gradient_suite, hash_suite,    emit_suite};
 
 int main(void) { return RUN_SUITES(suites); }

@@ -15,6 +15,7 @@ Suite *identity_suite(void);
 Suite *tangent_suite(void);
 Suite *adjoint_suite(void);
 Suite *isa_suite(void);
+Suite *roots_suite(void);
 Suite *elementary_suite(void);
 Suite *gradient_suite(void);
 Suite *hash_suite(void);

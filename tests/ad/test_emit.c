@@ -1,8 +1,8 @@
 /* test_emit.c - generated code gives what the tape gives: every operation, every sweep, with orders unrolled and
  * in loops, bit for bit where nothing is fused; but adjoints of sums, which are added in another order. All functions
  * are one shared library, made once. */
-#define _XOPEN_SOURCE 700
 #include "emit.h"
+#include "library.h"
 #include "record.h"
 #include "suites.h"
 
@@ -12,17 +12,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The elementary functions of the library. */
-#ifdef JET_SLEEF
-#define ELEMENTARY "-DJET_SLEEF -lsleef"
-#else
-#define ELEMENTARY ""
-#endif
-
 enum { DEGREE = 3, SHORT = DEGREE + 1, LANES = 8, DIRECTIONS = 3, MANY_ORDERS = 1000000 };
 
-static void *library;
-static char directory[64];
+static library code;
 
 /* Each operation once, odd ones with loops, and the last compositions. */
 static bool is_tested(int i)
@@ -66,35 +58,14 @@ static void write_all(jet_text *text)
 static void make_library(void)
 {
     jet_text text = {0};
-    char command[300];
     setenv("TVI_ISA", "base", 1);
-    strcpy(directory, "/tmp/tvi-emit-XXXXXX");
-    ck_assert_ptr_nonnull(mkdtemp(directory));
     write_all(&text);
-    ck_assert(!text.failed);
-    snprintf(command, sizeof command, "%s/emit.c", directory);
-    FILE *file = fopen(command, "w");
-    ck_assert_ptr_nonnull(file);
-    ck_assert_uint_eq(fwrite(text.data, 1, text.size, file), text.size);
-    ck_assert_int_eq(fclose(file), 0);
-    free(text.data);
-    snprintf(
-        command, sizeof command,
-        "cc -w -O1 -DJET_UPWARDS -ffp-contract=off -fno-math-errno -shared -fPIC -o %s/emit.so %s/emit.c " ELEMENTARY
-        " -lm",
-        directory, directory);
-    ck_assert_int_eq(system(command), 0);
-    snprintf(command, sizeof command, "%s/emit.so", directory);
-    library = dlopen(command, RTLD_NOW);
-    ck_assert_msg(library != NULL, "%s", dlerror());
+    code = library_make(&text, "-O1 -DJET_UPWARDS -ffp-contract=off");
 }
 
 static void remove_library(void)
 {
-    char command[100];
-    dlclose(library);
-    snprintf(command, sizeof command, "rm -r %s", directory);
-    ck_assert_int_eq(system(command), 0);
+    library_remove(&code);
     unsetenv("TVI_ISA");
 }
 
@@ -138,19 +109,19 @@ static void run(const function *f, const jet_sweeps *of_series, const jet_sweeps
     recording_free(&values);
 }
 
-static const jet_sweeps *const (*all(void))[2] { return dlsym(library, "sweeps"); }
+static const jet_sweeps *const (*all(void))[2] { return dlsym(code.handle, "sweeps"); }
 
 START_TEST(code_is_the_tape)
 {
-    static results tape, code;
+    static results tape, own;
     for (int i = 0; i < operation_count + composition_count; i++) {
         const function *f = any_function(i);
         if (!is_tested(i)) continue;
         run(f, NULL, NULL, &tape);
-        run(f, all()[i][0], all()[i][1], &code);
-        ck_assert_msg(memcmp(&tape, &code, offsetof(results, adjoints)) == 0, "%s", f->name);
+        run(f, all()[i][0], all()[i][1], &own);
+        ck_assert_msg(memcmp(&tape, &own, offsetof(results, adjoints)) == 0, "%s", f->name);
         for (int k = 0; k < f->inputs; k++)
-            check_series(f->name, DEGREE, code.adjoints + k * SHORT, tape.adjoints + k * SHORT, 1e-14);
+            check_series(f->name, DEGREE, own.adjoints + k * SHORT, tape.adjoints + k * SHORT, 1e-14);
     }
 }
 END_TEST

@@ -3,7 +3,6 @@
 #include "record.h"
 #include "suites.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,65 +76,6 @@ static bool has_avx512(void)
 #endif
 }
 
-/* a^(-3/2), the force of gravity, is rounded once where there is AVX-512, else three times: in any width, and without a
- * bias that would show in a sum of many. */
-START_TEST(gravity_is_rounded_well)
-{
-    enum { WIDTH = 11, ROUNDS = 2000 };
-    const double most = strcmp(sets[_i], "avx512") == 0 && has_avx512() ? 0.502 : 2.4;
-    double a[WIDTH], z[WIDTH], bias = 0, worst = 0;
-    ck_assert_int_eq(setenv("TVI_ISA", sets[_i], 1), 0);
-    recording r = record_outputs(&(function){"pow", operation_named("pow"), 1, 1, -1.5, {1}, 0}, JET_TAPE_VALUES);
-    unsetenv("TVI_ISA");
-    unsigned random = 1;
-    for (int round = 0; round < ROUNDS; round++) {
-        const int width = 1 + round % WIDTH;
-        for (int i = 0; i < width; i++) {
-            random = random * 1664525u + 1013904223u;
-            a[i] = ldexp(1 + (random >> 8) * 0x1p-24, (int)(random % 600) - 300);
-        }
-        ck_assert(run_values(&r, width, a, z));
-        for (int i = 0; i < width; i++) {
-            const long double exact = 1 / (a[i] * sqrtl(a[i]));
-            const double error = (double)(z[i] / exact - 1) / DBL_EPSILON;
-            worst = fmax(worst, fabs(error));
-            bias += error / (ROUNDS * (WIDTH + 1) / 2);
-        }
-    }
-    ck_assert_double_le(worst, most);
-    ck_assert_double_ge(worst, 0.45 * most); /* so far it goes */
-    ck_assert_double_le(fabs(bias), 0.02);
-    const double outside[] = {1, 0, -1, -INFINITY}, inside[] = {INFINITY, 1e300, NAN};
-    for (int i = 1; i < 4; i++) ck_assert(!run_values(&r, 1, outside + i, z));
-    ck_assert(!run_values(&r, 4, outside, z));
-    ck_assert(run_values(&r, 3, inside, z));
-    ck_assert(z[0] == 0 && z[1] == 0 && isnan(z[2]));
-    recording_free(&r);
-}
-END_TEST
-
-/* Over all numbers: subnormal ones, and those whose powers overflow or vanish. */
-START_TEST(inverse_roots_have_all_sizes)
-{
-    static const double a[] = {4.9e-324, 1e-310, DBL_MIN, 1e-200, 1e-80, 1e80, 1e200, DBL_MAX, INFINITY};
-    enum { WIDTH = sizeof a / sizeof *a };
-    ck_assert_int_eq(setenv("TVI_ISA", sets[_i], 1), 0);
-    for (int k = 1; k <= 7; k += 2) {
-        double z[WIDTH];
-        recording r =
-            record_outputs(&(function){"pow", operation_named("pow"), 1, 1, -k / 2.0, {1}, 0}, JET_TAPE_VALUES);
-        ck_assert(run_values(&r, WIDTH, a, z));
-        for (int i = 0; i < WIDTH; i++) {
-            const double want = (double)powl(a[i], -k / 2.0L);
-            if (isinf(want) || want == 0) ck_assert_double_eq(z[i], want);
-            else ck_assert_double_eq_tol(z[i], want, 8 * DBL_EPSILON * want);
-        }
-        recording_free(&r);
-    }
-    unsetenv("TVI_ISA");
-}
-END_TEST
-
 /* Base is another set than what a machine with wider vectors takes by itself; less than asked for is taken, never
  * more. */
 START_TEST(environment_chooses)
@@ -159,8 +99,6 @@ Suite *isa_suite(void)
     Suite *suite = suite_create("isa");
     TCase *tests = add_case(suite, "instruction sets");
     tcase_add_loop_test(tests, instruction_sets_agree, 0, operation_count + composition_count);
-    tcase_add_loop_test(tests, gravity_is_rounded_well, 0, SETS);
-    tcase_add_loop_test(tests, inverse_roots_have_all_sizes, 0, SETS);
     tcase_add_test(tests, environment_chooses);
     return suite;
 }

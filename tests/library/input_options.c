@@ -4,6 +4,7 @@
 
 #include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* ---- Systems of every form --------------------------------------------------------------------------------------- */
@@ -198,15 +199,17 @@ static bool same_options(const tvi_options *a, const tvi_options *b)
            a->max_passes == b->max_passes;
 }
 
-/* tvi_options_check and tvi_integrator_create agree, and give the reason. The status. */
+/* tvi_options_check and tvi_integrator_create agree, and give the reason and what was asked for. The status. */
 static tvi_status check_options(const char *name, const tvi_system *system, const tvi_options *options)
 {
-    static const char untouched[] = "untouched";
     const tvi_options asked = *options;
-    const char *why = untouched;
+    const char *const untouched = "untouched", *why = untouched;
     const tvi_status status = tvi_options_check(system, options, &why);
     ck_assert_msg((why == untouched) == (status == TVI_OK) && why && *why, "%s: why", name);
     expect_refusal(name, tvi_options_check(system, options, NULL), status, why);
+    char given[64] = "";
+    if (status != TVI_OK) snprintf(given, sizeof given, "order = %d, degree = %d", options->order, options->degree);
+    expect_refusal(name, tvi_options_check(system, options, NULL), status, given);
     tvi_integrator *integrator = (tvi_integrator *)&(char){0};
     expect(name, tvi_integrator_create(&integrator, system, options), status);
     ck_assert_msg((integrator != NULL) == (status == TVI_OK), "%s: out", name);

@@ -1,0 +1,159 @@
+/* test_roots.c - a^(-k/2), in the tape and in generated code, with each instruction set that the machine has. */
+#include "emit.h"
+#include "library.h"
+#include "record.h"
+#include "suites.h"
+
+#include <dlfcn.h>
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { POWERS = 4, MOST_LANES = 11, SIZES = 9 };
+
+static const int lanes[] = {MOST_LANES, SIZES, 3}; /* of generated code */
+
+static bool has(const char *set)
+{
+#if defined(__x86_64__)
+    if (strcmp(set, "avx2") == 0) return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    if (strcmp(set, "avx512") == 0)
+        return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+               __builtin_cpu_supports("avx512vl");
+#endif
+    return strcmp(set, "base") == 0;
+}
+
+static const struct {
+    const char *set, *flags; /* NULL: the tape */
+    double most; /* units in the last place by which the force of gravity is wrong: rounded once or thrice */
+} codes[] = {
+    {"base", NULL, 2.4},
+    {"avx2", NULL, 2.4},
+    {"avx512", NULL, 0.502},
+    {"base", "-O2", 2.4},
+    {"avx2", "-O2 -mavx2 -mfma", 0.502},
+    {"avx512", "-O2 -mavx2 -mfma -mavx512f -mavx512dq -mavx512vl", 0.502},
+};
+enum { CODES = sizeof codes / sizeof *codes };
+
+/* a^(-1/2), a^(-3/2), a^(-5/2), a^(-7/2). */
+static recording powers[POWERS];
+static jet_sweeps own[POWERS];
+static library code;
+
+static void emit(jet_text *text)
+{
+    jet_emit_rules(text);
+    for (int i = 0; i < POWERS; i++) {
+        char name[16];
+        snprintf(name, sizeof name, "V%d", i);
+        const jet_emission wanted = {.name = name, .lanes = {lanes[0], lanes[1], lanes[2]}};
+        jet_emit_tape(text, powers[i].tape, &wanted);
+    }
+    jet_text_add(text, "extern const jet_sweeps *const sweeps[];\n"
+                       "const jet_sweeps *const sweeps[] = {&V0_sweeps, &V1_sweeps, &V2_sweeps, &V3_sweeps};\n");
+}
+
+static bool begin(int i)
+{
+    jet_text text = {0};
+    if (!has(codes[i].set)) return false;
+    ck_assert_int_eq(setenv("TVI_ISA", codes[i].set, 1), 0);
+    for (int k = 0; k < POWERS; k++)
+        powers[k] = record_outputs(&(function){"pow", operation_named("pow"), 1, 1, -k - 0.5, {1}, 0}, JET_TAPE_VALUES);
+    if (!codes[i].flags) return true;
+    emit(&text);
+    code = library_make(&text, codes[i].flags);
+    const jet_sweeps *const *sweeps = dlsym(code.handle, "sweeps");
+    for (int k = 0; k < POWERS; k++)
+        powers[k].tape->sweeps = jet_sweeps_merge(&own[k], powers[k].tape->interpreted, sweeps[k]);
+    return true;
+}
+
+static void end(int i)
+{
+    for (int k = 0; k < POWERS; k++) recording_free(&powers[k]);
+    if (codes[i].flags) library_remove(&code);
+    unsetenv("TVI_ISA");
+}
+
+/* The force of gravity in any width, and without a bias that would show in a sum of many. */
+START_TEST(gravity_is_rounded_well)
+{
+    enum { ROUNDS = 2000 };
+    const double most = codes[_i].most;
+    double a[MOST_LANES], z[MOST_LANES], sum = 0, worst = 0;
+    if (!begin(_i)) return;
+    unsigned random = 1;
+    int count = 0;
+    for (int round = 0; round < ROUNDS; round++) {
+        const int width = codes[_i].flags ? lanes[round % 3] : 1 + round % MOST_LANES;
+        for (int i = 0; i < width; i++) {
+            random = random * 1664525u + 1013904223u;
+            a[i] = ldexp(1 + (random >> 8) * 0x1p-24, (int)(random % 600) - 300);
+        }
+        ck_assert(run_values(&powers[1], width, a, z));
+        for (int i = 0; i < width; i++, count++) {
+            const long double exact = 1 / (a[i] * sqrtl(a[i]));
+            const double error = (double)(z[i] / exact - 1) / DBL_EPSILON;
+            worst = fmax(worst, fabs(error));
+            sum += error;
+        }
+    }
+    ck_assert_double_le(worst, most);
+    ck_assert_double_ge(worst, 0.45 * most); /* so far it goes */
+    ck_assert_double_le(fabs(sum / count), 0.02);
+    end(_i);
+}
+END_TEST
+
+START_TEST(outside_is_refused)
+{
+    static const double outside[] = {0, -1, -INFINITY}, inside[] = {INFINITY, 1e300, NAN};
+    double z[4];
+    if (!begin(_i)) return;
+    for (int k = 0; k < POWERS; k++) {
+        for (int i = 0; i < 3; i++)
+            for (int at = 0; at < 4; at++) {
+                double a[] = {1, 2, 3, 4};
+                a[at] = outside[i];
+                for (int width = 1; width <= 4; width++)
+                    ck_assert(run_values(&powers[k], width, a, z) == (at >= width));
+            }
+        ck_assert(run_values(&powers[k], 3, inside, z));
+        ck_assert(z[0] == 0 && isnan(z[2]) && (z[1] == 0) == (k > 0));
+    }
+    end(_i);
+}
+END_TEST
+
+/* Over all numbers: subnormal ones, and those whose powers overflow or vanish. */
+START_TEST(inverse_roots_have_all_sizes)
+{
+    static const double a[SIZES] = {4.9e-324, 1e-310, DBL_MIN, 1e-200, 1e-80, 1e80, 1e200, DBL_MAX, INFINITY};
+    double z[SIZES];
+    if (!begin(_i)) return;
+    for (int k = 0; k < POWERS; k++) {
+        ck_assert(run_values(&powers[k], SIZES, a, z));
+        for (int i = 0; i < SIZES; i++) {
+            const double want = (double)powl(a[i], -k - 0.5L);
+            if (isinf(want) || want == 0) ck_assert_double_eq(z[i], want);
+            else ck_assert_double_eq_tol(z[i], want, 8 * DBL_EPSILON * want);
+        }
+    }
+    end(_i);
+}
+END_TEST
+
+Suite *roots_suite(void)
+{
+    Suite *suite = suite_create("roots");
+    TCase *tests = add_case(suite, "inverse roots");
+    tcase_add_loop_test(tests, gravity_is_rounded_well, 0, CODES);
+    tcase_add_loop_test(tests, outside_is_refused, 0, CODES);
+    tcase_add_loop_test(tests, inverse_roots_have_all_sizes, 0, CODES);
+    return suite;
+}
