@@ -18,6 +18,7 @@ typedef struct {
     /* They end where the next correction is expected to be at most the goal: this one times the part that passes leave,
      * the slower of the last `memory` ones. A part that is not below `contraction` is none: as large as this one. */
     double goal;
+    double early;      /* the goal of the first of many iterations that follow each other, where that is more */
     int memory;        /* 1 or 2 */
     bool is_quadratic; /* the part that a pass leaves is the square of what the one before it left; memory is 1 */
     double contraction;
@@ -44,6 +45,7 @@ typedef struct {
     double next;                  /* what the next one should be */
     double slack, seen;           /* how much slower passes are: believed, and by the last correction */
     double roundoff;              /* a correction of at most this is roundoff, as measured; 0: not measured */
+    double early;                 /* the goal, where that is more: of the rule, or part of it */
     bool checks;                  /* a pass more than seems needed, until one confirms what was expected of it */
 } tvi_passes;
 
@@ -60,7 +62,7 @@ static inline void tvi_passes_begin(tvi_passes *passes)
 {
     passes->count = 0;
     passes->size = passes->before = passes->earlier = INFINITY;
-    passes->part = passes->slowest = passes->shown = passes->next = passes->seen = passes->roundoff = 0;
+    passes->part = passes->slowest = passes->shown = passes->next = passes->seen = passes->roundoff = passes->early = 0;
     passes->slack = 1;
     passes->checks = false;
 }
@@ -126,7 +128,8 @@ static inline bool tvi_passes_is_cycle(const tvi_passes *passes)
 /* Adds a pass, whose correction is so large. */
 static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size)
 {
-    const bool is_confirmed = passes->next <= rule->goal && size <= rule->confirmed;
+    const double goal = tvi_larger(rule->goal, passes->early);
+    const bool is_confirmed = passes->next <= goal && size <= rule->confirmed;
     passes->earlier = passes->before;
     passes->before = passes->size;
     passes->size = size;
@@ -135,7 +138,7 @@ static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_
     if (size == 0 && !passes->checks) return TVI_PASSES_MAY_END;
     if (rule->most_slack > 0 && passes->count > 1) tvi_passes_learn_slack(passes, rule);
     tvi_passes_expect(passes, rule);
-    const bool is_enough = passes->next <= rule->goal && (is_confirmed || !passes->checks);
+    const bool is_enough = passes->next <= goal && (is_confirmed || !passes->checks);
     if (is_enough || size <= passes->roundoff) return TVI_PASSES_MAY_END;
     if (!tvi_passes_is_stuck(passes, rule)) return TVI_PASSES_GO_ON;
     if (size > rule->roundoff) return TVI_PASSES_STUCK;

@@ -84,12 +84,12 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, n);
     w.moved = tvi_arena_doubles(arena, count);
     galerkin_crowd_passes *passes = &w.passes;
-    double **const of_passes[] = {&passes->size,    &passes->before, &passes->part,
-                                  &passes->slowest, &passes->shown,  &passes->count};
-    for (size_t i = 0; i < 6; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
+    double **const of_passes[] = {&passes->size,  &passes->before, &passes->part,  &passes->slowest,
+                                  &passes->shown, &passes->early,  &passes->count, &passes->steps};
+    for (size_t i = 0; i < 8; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
     passes->is_stuck = tvi_arena_take(arena, count * sizeof *passes->is_stuck);
-    double **const of_last[] = {&w.last.h, &w.last.h_before, &w.last.t, &w.last.slowest};
-    for (size_t i = 0; i < 4; i++) *of_last[i] = tvi_arena_history(arena, count * sizeof(double));
+    double **const of_last[] = {&w.last.h, &w.last.h_before, &w.last.t, &w.last.slowest, &w.last.steps};
+    for (size_t i = 0; i < 5; i++) *of_last[i] = tvi_arena_history(arena, count * sizeof(double));
     w.turn = tvi_arena_history(arena, sizeof *w.turn);
     for (int i = 0; i < GALERKIN_TURNS; i++)
         w.impulses[i] = tvi_arena_history(arena, unknowns * (size_t)options->degree * sizeof(double));
@@ -137,29 +137,38 @@ static void scatter_impulses(const crowd *w, const double *from, int m, double *
 }
 
 /* The history of a lane, as the single stepper has it. */
-static void hand_over(const crowd *w, int m)
+static void get(const void *work, int lane, void *one)
 {
-    const galerkin_predictor *predictor = &w->single->predictor;
-    *predictor->last = (galerkin_history){w->last.h[m], w->last.h_before[m], w->last.t[m], w->last.slowest[m], 0};
-    for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), m, tvi_galerkin_impulses(predictor, -i));
+    const crowd *w = work;
+    const galerkin_predictor *predictor = &((galerkin *)one)->predictor;
+    const galerkin_crowd_history *last = &w->last;
+    *predictor->last = (galerkin_history){.h = last->h[lane],
+                                          .h_before = last->h_before[lane],
+                                          .t = last->t[lane],
+                                          .slowest = last->slowest[lane],
+                                          .steps = last->steps[lane]};
+    for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
 }
 
-static void take_over(const crowd *w, int m)
+static void put(void *work, int lane, const void *one)
 {
-    const galerkin_predictor *predictor = &w->single->predictor;
-    w->last.h[m] = predictor->last->h;
-    w->last.h_before[m] = predictor->last->h_before;
-    w->last.t[m] = predictor->last->t;
-    w->last.slowest[m] = predictor->last->slowest;
-    for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), m, impulses(w, -i));
+    const crowd *w = work;
+    const galerkin_predictor *predictor = &((const galerkin *)one)->predictor;
+    w->last.h[lane] = predictor->last->h;
+    w->last.h_before[lane] = predictor->last->h_before;
+    w->last.t[lane] = predictor->last->t;
+    w->last.slowest[lane] = predictor->last->slowest;
+    w->last.steps[lane] = predictor->last->steps;
+    for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), lane, impulses(w, -i));
 }
 
 static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
                            tvi_stats *stats)
 {
     const jet_tape *tape = w->single->field.system->field_values;
-    hand_over(w, m);
-    if (tvi_single_step(&w->by_itself, tape, w->nodes.x, w->nodes.points, h, origin, end, m, stats)) take_over(w, m);
+    get(w, m, w->single);
+    if (tvi_single_step(&w->by_itself, tape, w->nodes.x, w->nodes.points, h, origin, end, m, stats))
+        put(w, m, w->single);
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -289,6 +298,7 @@ static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end
     w->loops->choose(nodes, 1, w->moved, end->tail);
     w->loops->choose(nodes, 1, origin->t, w->last.t);
     w->loops->choose(nodes, 1, w->passes.slowest, w->last.slowest);
+    w->loops->choose(nodes, 1, w->passes.steps, w->last.steps);
     for (int m = 0; m < nodes->width; m++)
         end->passes[m] = nodes->in_lanes[m] ? (int)w->passes.count[m] : end->passes[m];
 }
@@ -298,7 +308,7 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
     crowd *w = work;
     tvi_galerkin_set_size(w->single, h);
     w->nodes.impulse = impulses(w, 1);
-    const int count = w->loops->begin(&w->nodes, &w->last, h, origin->t, end->status, &w->passes);
+    const int count = w->loops->begin(&w->nodes, &w->last, &w->rule, h, origin->t, end->status, &w->passes);
     w->are_all_in_lanes = count == w->nodes.width;
     if (count > 0) {
         predict(w, h, origin);
@@ -309,13 +319,5 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
         if (end->status[m] == TVI_OK && !w->nodes.in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
 }
 
-static void forget(void *work, int lane)
-{
-    const crowd *w = work;
-    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = w->last.slowest[lane] = 0;
-    for (int row = 0; row < w->nodes.unknowns * w->nodes.points; row++)
-        for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i][row * w->nodes.width + lane] = 0;
-}
-
 const tvi_crowd_stepper tvi_galerkin_crowd = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .forget = forget};
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put};

@@ -37,15 +37,18 @@ static numbers numbers_of(const tvi_passes_rule *rule, int count)
         ROW_AT(V, of.slowest, 0) = ROW_OF(V, last->slowest, 0);                                                        \
         ROW_AT(V, of.size, 0) = ROW_AT(V, of.before, 0) = ALL_OF(V, INFINITY);                                         \
         ROW_AT(V, of.part, 0) = ROW_AT(V, of.shown, 0) = ROW_AT(V, of.count, 0) = ALL_OF(V, 0);                        \
+        ROW_AT(V, of.steps, 0) = ROW_OF(V, last->steps, 0) + 1;                                                        \
+        ROW_AT(V, of.early, 0) = early / (ROW_OF(V, of.steps, 0) * ROW_OF(V, of.steps, 0));                            \
         SET_WHICH(V, of.is_stuck, (WHICH(V)){0});                                                                      \
     }
 
-int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
-                             const double t[], const tvi_status status[], const galerkin_crowd_passes *passes)
+int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last,
+                             const tvi_passes_rule *rule, double h, const double t[], const tvi_status status[],
+                             const galerkin_crowd_passes *passes)
 {
     const size_t width = (size_t)nodes->width;
     const galerkin_crowd_passes of = *passes;
-    const double quarter = 0.25 * fabs(h);
+    const double quarter = 0.25 * fabs(h), early = rule->exactly > 0 ? -1 : rule->early;
     int count = 0;
     for (size_t m = 0; m < width; m++) nodes->in_lanes[m] = status[m] == TVI_OK ? -1 : 0;
     JET_EIGHTS((int)width, BEGIN, )
@@ -54,8 +57,8 @@ int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_c
 
 /* Where sizes are far from all that ends passes, they show nothing but themselves. */
 #define IS_FAR(V, size, before)                                                                                        \
-    (IS_ABOVE(V, size, ALL_OF(V, by.far)) & IS_ABOVE(V, size, ALL_OF(V, by.goal)) &                                    \
-     IS_ABOVE(V, ALL_OF(V, INFINITY), size) & IS_AT_MOST(V, size, by.stuck * before))
+    (IS_ABOVE(V, size, ALL_OF(V, by.far)) & IS_ABOVE(V, size, goal) & IS_ABOVE(V, ALL_OF(V, INFINITY), size) &         \
+     IS_AT_MOST(V, size, by.stuck * before))
 
 /* In the words of algebra/passes.h. */
 #define JUDGE(V, S)                                                                                                    \
@@ -63,7 +66,8 @@ int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_c
         const WHICH(V) moving = WHICH_OF(V, is_moving);                                                                \
         const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, of.size, 0),            \
                 earlier = ROW_OF(V, of.before, 0), part_before = ROW_OF(V, of.part, 0),                                \
-                slowest_before = ROW_OF(V, of.slowest, 0);                                                             \
+                slowest_before = ROW_OF(V, of.slowest, 0), early = ROW_OF(V, of.early, 0),                             \
+                goal = CHOOSE(V, IS_ABOVE(V, ALL_OF(V, by.goal), early), ALL_OF(V, by.goal), early);                   \
         const WHICH(V) is_far = IS_ABOVE(V, size, ALL_OF(V, by.far));                                                  \
         ROW_AT(V, of.size, 0) = CHOOSE(V, moving, size, before);                                                       \
         ROW_AT(V, of.count, 0) += CHOOSE(V, moving, one, none);                                                        \
@@ -85,7 +89,7 @@ int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_c
         const WHICH(V) is_large = IS_ABOVE(V, size, ALL_OF(V, by.roundoff));                                           \
         const WHICH(V) is_cycle = IS_SAME(V, size, before) & IS_SAME(V, size, earlier);                                \
         const WHICH(V) is_roundoff = is_stuck & NOT(V, is_large) & (NOT(V, is_known) | is_cycle);                      \
-        const WHICH(V) ends = IS_AT_MOST(V, next, ALL_OF(V, by.goal)) | is_roundoff;                                   \
+        const WHICH(V) ends = IS_AT_MOST(V, next, goal) | is_roundoff;                                                 \
         const WHICH(V) is_finite = IS_ABOVE(V, ALL_OF(V, INFINITY), size);                                             \
         const WHICH(V) fails = (is_stuck & is_large & NOT(V, ends)) | NOT(V, is_finite);                               \
         ROW_AT(V, of.slowest, 0) = CHOOSE(V, moving, slowest, slowest_before);                                         \

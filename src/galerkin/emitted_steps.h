@@ -58,6 +58,7 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
     tvi_passes_begin(&passes);
     passes.slowest = shown->slowest;
+    passes.early = shown->early;
     if (few && !steady_begin(nodes, form, lanes)) return false;
     while (verdict == TVI_PASSES_GO_ON && passes.count < form->rule->most) {
         double moved;

@@ -187,7 +187,7 @@ static void set_start(galerkin *w, const tvi_origin *origin)
 }
 
 /* From the steps before, beginning after `part` of the last one; NULL: the field at the start is that at all nodes. */
-static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, double *slowest, tvi_stats *stats)
+static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, tvi_passes *shown, tvi_stats *stats)
 {
     galerkin_field *field = &w->field;
     if (part) {
@@ -202,7 +202,7 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
     }
     set_times(w, origin, field->h);
     galerkin_set_sizes(&field->nodes, w->n);
-    return tvi_galerkin_iterate(field, &w->probe, &w->rule, origin, slowest, stats);
+    return tvi_galerkin_iterate(field, &w->probe, &w->rule, origin, shown, stats);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
@@ -248,20 +248,21 @@ static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], do
 static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     galerkin *w = work;
-    const galerkin_history *last = w->predictor.last;
     tvi_galerkin_set_size(w, h);
-    double part, slowest = h == last->h ? last->slowest : 0;
+    double part;
+    tvi_passes shown;
     const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY &&
                               tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
     const bool is_steady = extrapolates && tvi_galerkin_is_steady(&w->predictor, &w->field, part);
     if (is_steady && w->field.loops->steady && step_steadily(w, origin, dq, dp, stats)) return TVI_OK;
     w->field.nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
     set_start(w, origin);
-    tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &slowest, stats);
-    if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &slowest, stats);
+    galerkin_begin_passes(w, &shown);
+    tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &shown, stats);
+    if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &shown, stats);
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
-    tvi_galerkin_remember(&w->predictor, h, origin->t, slowest);
+    tvi_galerkin_remember(&w->predictor, h, origin->t, shown.slowest);
     set_increments(w, dq, dp);
     stats->tail = tail(w, origin, dp);
     return TVI_OK;

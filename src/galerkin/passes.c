@@ -8,7 +8,8 @@
 /* Sizes are squares, summed over all unknowns and lanes, relative to the sizes of the unknowns; here of one of them.
  * What a step leaves out has the same sign in the next one, where roundoff changes its sign: it stays below the
  * roundoff of N steps if it is that of one step / sqrt(N), with 2^-80 for more than 10^9 of them. A Newton method,
- * whose passes cost more, does so for 2^16 times fewer. Passes of a small step soon do no more than roundoff, which
+ * whose passes cost more, does so for 2^16 times fewer. The N-th step of a run leaves 2^-66 / N where that is more: all
+ * of them together 2^-62, less than the roundoff of one. Passes of a small step soon do no more than roundoff, which
  * does not show how far they contract: then they do as those of an earlier step did. */
 #define SQUARE(x)      ((x) * (x))
 #define FAR            SQUARE(1e-9)
@@ -18,6 +19,7 @@
 /* In the equations of a Hamiltonian the passes of Q may contract as little as those of P contract much, in turns. */
 const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
                                                   .goal = SQUARE(0x1p-80),
+                                                  .early = SQUARE(0x1p-66),
                                                   .memory = 2,
                                                   .contraction = 0.25,
                                                   .far = FAR,
@@ -28,26 +30,27 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
                                                   .patience = 2,
                                                   .roundoff = MAYBE_ROUNDOFF};
 #define NEWTON                                                                                                         \
-    .most = 100, .goal = SQUARE(0x1p-72), .memory = 1, .contraction = 0.25, .far = FAR, .noise = NOISE,                \
-    .stuck = TVI_PASSES_ALL, .turns = 2, .patience = 2, .roundoff = MAYBE_ROUNDOFF
+    .most = 100, .goal = SQUARE(0x1p-72), .early = SQUARE(0x1p-66), .memory = 1, .contraction = 0.25, .far = FAR,      \
+    .noise = NOISE, .stuck = TVI_PASSES_ALL, .turns = 2, .patience = 2, .roundoff = MAYBE_ROUNDOFF
 const tvi_passes_rule tvi_galerkin_quasi_newton = {NEWTON};
 const tvi_passes_rule tvi_galerkin_newton = {NEWTON, .is_quadratic = true};
 
 tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *o)
 {
     tvi_passes_rule rule = *of_one;
-    double *const sizes[] = {&rule.goal, &rule.far, &rule.noise, &rule.first_noise, &rule.roundoff};
+    double *const sizes[] = {&rule.goal, &rule.early, &rule.far, &rule.noise, &rule.first_noise, &rule.roundoff};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *sizes[i] *= numbers;
     return tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
 }
 
 tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
-                                const tvi_origin *origin, double *slowest, tvi_stats *stats)
+                                const tvi_origin *origin, tvi_passes *shown, tvi_stats *stats)
 {
     tvi_passes passes;
     bool is_stuck = false;
     tvi_passes_begin(&passes);
-    passes.slowest = *slowest;
+    passes.slowest = shown->slowest;
+    passes.early = shown->early;
     for (int count = 1; count <= rule->most; count++) {
         double moved;
         const bool suspects =
@@ -60,7 +63,7 @@ tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, co
         is_stuck |= verdict == TVI_PASSES_STUCK;
         if (verdict == TVI_PASSES_MAY_END) {
             stats->residual = sqrt(moved);
-            *slowest = passes.slowest;
+            shown->slowest = passes.slowest;
             return TVI_OK;
         }
     }

@@ -10,6 +10,7 @@ typedef struct {
     double h, h_before; /* 0: none */
     double t;           /* where the last one began */
     double slowest;     /* contraction of its passes, or of those before it; 0: not known */
+    double steps;       /* so many were made */
     int turn;           /* where its impulses are */
 } galerkin_history;
 
@@ -52,7 +53,7 @@ static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int aft
 static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest)
 {
     const int next = w->last->turn + 1;
-    *w->last = (galerkin_history){h, w->last->h, t, slowest, next < GALERKIN_TURNS ? next : 0};
+    *w->last = (galerkin_history){h, w->last->h, t, slowest, w->last->steps + 1, next < GALERKIN_TURNS ? next : 0};
 }
 
 #endif

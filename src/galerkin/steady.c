@@ -7,7 +7,7 @@ bool tvi_galerkin_make_steadily(galerkin *w, const tvi_origin *origin, galerkin_
     w->field.nodes.impulse = tvi_galerkin_impulses(before, 1);
     for (int i = 0; i < 2; i++) to->impulses[i] = tvi_galerkin_impulses(before, -i);
     to->passes.count = 0;
-    to->passes.slowest = before->last->slowest;
+    galerkin_begin_passes(w, &to->passes);
     to->factors = 0;
     return w->field.loops->steady(&w->frame, origin, to);
 }

@@ -23,7 +23,7 @@ typedef struct galerkin_frame {
 typedef struct galerkin_outcome {
     const double *impulses[2];
     double *dq, *dp;
-    tvi_passes passes; /* their count, the last size, and the slowest, which comes from the last step */
+    tvi_passes passes; /* their count, the last size, and the slowest; of the steps before: that, and `early` */
     double tail;
     int factors; /* of second derivatives at the nodes, so often were they taken */
 } galerkin_outcome;

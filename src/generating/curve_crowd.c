@@ -276,14 +276,23 @@ static void finish(crowd *w, const tvi_crowd_end *end, tvi_stats *stats)
     }
 }
 
+static void get(const void *work, int lane, void *one)
+{
+    *((tvi_curve_work *)one)->newton.history = ((const crowd *)work)->history[lane];
+}
+
+static void put(void *work, int lane, const void *one)
+{
+    ((crowd *)work)->history[lane] = *((const tvi_curve_work *)one)->newton.history;
+}
+
 static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
                            tvi_stats *stats)
 {
-    tvi_newton_history *history = w->single->newton.history;
     w->history[m].solves--; /* which is counted once more */
-    *history = w->history[m];
+    get(w, m, w->single);
     if (tvi_single_step(&w->by_itself, w->system->field_series, w->curve.x, 1, h, origin, end, m, stats))
-        w->history[m] = *history;
+        put(w, m, w->single);
 }
 
 static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
@@ -297,7 +306,5 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
         if (w->now[m] == TVI_BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
 }
 
-static void forget(void *work, int lane) { ((crowd *)work)->history[lane] = (tvi_newton_history){0}; }
-
 const tvi_crowd_stepper tvi_curve_crowd = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .forget = forget};
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put};

@@ -124,7 +124,4 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
 }
 
 /* Of steps of a given size there is no history. */
-static void forget(void *work, int lane) { (void)work, (void)lane; }
-
-const tvi_crowd_stepper tvi_taylor_crowd = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .forget = forget};
+const tvi_crowd_stepper tvi_taylor_crowd = {.width = width_of, .take = take, .prepare = prepare, .step = step};

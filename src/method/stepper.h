@@ -69,8 +69,10 @@ typedef struct {
     /* Lanes that are left alone hold a state that is finite, in the domain as far as is known. The counts of the stats
      * are those of all lanes together. */
     void (*step)(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats);
-    /* What steps have left in the history of the lane is zeros again: its member starts anew. */
-    void (*forget)(void *work, int lane);
+    /* What steps have left to the next one: from the history of the lane to that of the stepper's own work `one`, which
+     * is all zeros, and the reverse. NULL: they leave nothing. */
+    void (*get)(const void *work, int lane, void *one);
+    void (*put)(void *work, int lane, const void *one);
     /* As that of the stepper, [width]; NULL: it has none. */
     void (*most_change)(const void *work, double change[]);
 } tvi_crowd_stepper;

@@ -98,8 +98,6 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
 }
 
 /* There is no history. */
-static void forget(void *work, int lane) { (void)work, (void)lane; }
-
 /* As in verlet.c. */
 static void most_change(const void *work, double change[])
 {
@@ -114,4 +112,4 @@ static void most_change(const void *work, double change[])
 }
 
 const tvi_crowd_stepper tvi_verlet_crowd = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .forget = forget, .most_change = most_change};
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .most_change = most_change};

@@ -99,6 +99,7 @@ void tvi_crowd_get(const tvi_crowd *crowd, int lane, tvi_integrator *it)
         for (int row = 0; row < rows[a]; row++) to[a][row] = from[a][row * crowd->width + lane];
     *it->kept = crowd->kept[lane];
     *it->continues = crowd->continues[lane];
+    if (crowd->stepper->get) crowd->stepper->get(crowd->work, lane, it->work);
     it->has_dense = false;
 }
 
@@ -112,7 +113,7 @@ void tvi_crowd_put(tvi_crowd *crowd, int lane, const tvi_integrator *it)
         for (int row = 0; row < rows[a]; row++) to[a][row * crowd->width + lane] = from[a][row];
     crowd->kept[lane] = *it->kept;
     crowd->continues[lane] = *it->continues;
-    crowd->stepper->forget(crowd->work, lane);
+    if (crowd->stepper->put) crowd->stepper->put(crowd->work, lane, it->work);
 }
 
 void tvi_crowd_repeat(tvi_crowd *crowd, int lane)

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { STATE_VERSION = 5 };
+enum { STATE_VERSION = 6 };
 
 static const char MAGIC[] = "tvistate";
 

@@ -22,6 +22,7 @@ Suite *suite_states(void);
 Suite *suite_fingerprints(void);
 Suite *suite_references(void); /* gcc only: __float128 */
 Suite *suite_galerkin(void);
+void add_galerkin_passes(Suite *suite); /* a case of it */
 Suite *suite_galerkin_lagrangian(void);
 Suite *suite_galerkin_quad(void); /* likewise */
 

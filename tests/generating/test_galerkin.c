@@ -130,152 +130,8 @@ START_TEST(hamiltonian_field_may_be_its_input)
 }
 END_TEST
 
-/* ---- The energy of long runs ------------------------------------------------------------------------------------- */
+/* ---- The tail ---------------------------------------------------------------------------------------------------- */
 
-/* H - H0 of Kepler after 100,000 steps, where the method's own error is far below roundoff. */
-static double energy_after(const tvi_options *options)
-{
-    tvi_system *system = model_system(&model_kepler);
-    tvi_integrator *it = integrator_of(system, options);
-    test_state x = model_start(&model_kepler);
-    const double start = state_energy(system, &x);
-    double sum = 0;
-    for (int i = 0; i < 100; i++) {
-        go(it, 0.125, 1000, &x);
-        if (i >= 90) sum += (state_energy(system, &x) - start) / 10;
-    }
-    tvi_integrator_free(it);
-    tvi_system_free(system);
-    return fabs(sum);
-}
-
-/* Roundoff alone: 1e-14 is 0.2 units in the last place for the square root of the steps. Weights or nodes of one double
- * each make 1e-13 to 3e-13, which grows like the steps; passes that end sooner bias the energy too. */
-START_TEST(energy_does_not_drift)
-{
-    tvi_options options = galerkin(6 + _i);
-    const double error = energy_after(&options);
-    ck_assert_msg(error < 3e-14, "%d nodes: %.1e", options.degree, error);
-    options.tolerance = 1e-10;
-    const double biased = energy_after(&options);
-    ck_assert_msg(biased > 1e-13, "%d nodes: %.1e with a tolerance", options.degree, biased);
-}
-END_TEST
-
-/* ---- The predictor and the passes ---------------------------------------------------------------------------------
- */
-
-/* Kepler from its apocentre, `steps` steps of h and h times ratio in turns. */
-static tvi_stats stats_after(const tvi_options *options, double h, double ratio, bool resets, int steps)
-{
-    tvi_system *system = model_system(&model_kepler);
-    tvi_integrator *it = integrator_of(system, options);
-    test_state x = model_start(&model_kepler);
-    for (int i = 0; i < steps; i++) {
-        if (resets) tvi_integrator_reset(it);
-        go(it, i % 2 ? ratio * h : h, 1, &x);
-    }
-    const tvi_stats stats = *tvi_integrator_stats(it);
-    tvi_integrator_free(it);
-    tvi_system_free(system);
-    return stats;
-}
-
-/* The steps before save 1.9 of the five passes, of whatever size they were, and the force at the start; two of the same
- * size save a third of a pass more. */
-START_TEST(steps_before_predict)
-{
-    static const double ratios[] = {1, 0.75, 1.25, -1, -0.5};
-    static const double least[] = {2.2, 1.9, 1.9, 2.8, 2.6};
-    enum { STEPS = 200 };
-    const tvi_options options = galerkin(8);
-    const tvi_stats stats = stats_after(&options, 0.0625, ratios[_i], false, STEPS);
-    const tvi_stats first = stats_after(&options, 0.0625, ratios[_i], true, STEPS);
-    const double saved = (double)(first.passes - stats.passes) / STEPS;
-    ck_assert_msg(saved > least[_i], "ratio %g: %.2f passes saved", ratios[_i], saved);
-    ck_assert_int_eq(stats.force_evaluations, 8 * stats.passes + 1);
-    ck_assert_int_eq(first.force_evaluations, 8 * first.passes + STEPS);
-}
-END_TEST
-
-/* A step that is much longer than the one before it, or goes back over more, begins anew. */
-START_TEST(other_steps_begin_anew)
-{
-    static const double ratios[] = {8, 1e-3, -8, -1e-3};
-    const tvi_options options = galerkin(8);
-    const double h = fabs(ratios[_i]) > 1 ? 0.015625 : 0.125;
-    const tvi_stats stats = stats_after(&options, h, ratios[_i], false, 20);
-    ck_assert_int_ge(stats.force_evaluations - 8 * stats.passes, 10);
-}
-END_TEST
-
-/* The halves of a composition do not continue each other: what one predicts would be for another time. */
-START_TEST(halves_begin_anew)
-{
-    enum { STEPS = 40 };
-    tvi_options options = galerkin(8);
-    options.compose_adjoint = true;
-    const tvi_stats stats = stats_after(&options, 0.125, 1, false, STEPS);
-    ck_assert_int_eq(stats.force_evaluations, 8 * stats.passes + 2 * STEPS);
-    ck_assert_int_lt(stats.passes, 2 * 6 * STEPS);
-}
-END_TEST
-
-START_TEST(number_of_passes_is_kept)
-{
-    tvi_options options = galerkin(4);
-    for (int k = 1; k <= 5; k++) {
-        options.passes = k;
-        const tvi_stats stats = stats_after(&options, 0.125, 1, false, 10);
-        ck_assert_int_eq(stats.passes, 10 * k);
-        ck_assert_int_eq(stats.force_evaluations, 10 * 4 * k + 1);
-        ck_assert_int_eq(stats.expansions + stats.factorisations, 0);
-    }
-}
-END_TEST
-
-START_TEST(tolerance_ends_the_passes)
-{
-    tvi_options options = galerkin(8);
-    const tvi_stats roundoff = stats_after(&options, 0.125, 1, false, 50);
-    options.tolerance = 1e-6;
-    const tvi_stats loose = stats_after(&options, 0.125, 1, false, 50);
-    ck_assert_int_lt(loose.passes, roundoff.passes - 50);
-    ck_assert_double_le(loose.residual, 1e-6);
-    ck_assert_double_gt(loose.residual, roundoff.residual);
-    ck_assert_double_lt(roundoff.residual, 1e-13);
-}
-END_TEST
-
-/* Without passes the force is that at the start: a parabola, whatever steps were before. */
-START_TEST(prediction_is_a_parabola)
-{
-    tvi_options options = galerkin(5);
-    options.passes = TVI_PREDICT_ONLY;
-    tvi_system *system = problem_system(&problem_chain);
-    tvi_integrator *it = integrator_of(system, &options);
-    test_state x = problem_start(&problem_chain);
-    for (int step = 0; step < 3; step++) {
-        const test_state start = x;
-        const double h = 0.03125 * (1 + step);
-        long double q[N_MAX], F[N_MAX];
-        for (int i = 0; i < 3; i++) q[i] = start.q[i];
-        problem_chain.plain(start.t, q, F);
-        go(it, h, 1, &x);
-        for (int i = 0; i < 3; i++) {
-            const double m = problem_mass(&problem_chain, i), force = (double)F[i];
-            ck_assert_double_eq_tol(x.p[i], start.p[i] + h * force, 1e-15);
-            ck_assert_double_eq_tol(x.q[i], start.q[i] + h / m * (start.p[i] + h / 2 * force), 1e-15);
-        }
-    }
-    ck_assert_int_eq(tvi_integrator_stats(it)->passes, 0);
-    ck_assert_int_eq(tvi_integrator_stats(it)->force_evaluations, 3);
-    tvi_integrator_free(it);
-    tvi_system_free(system);
-}
-END_TEST
-
-/* A fixed point that does not contract: bounded, and nothing is touched; the step after it is as if it had not been. */
 /* t^power. */
 static jet power_of(jet t, int power)
 {
@@ -326,31 +182,6 @@ START_TEST(tail_is_the_last_term)
 }
 END_TEST
 
-START_TEST(too_large_steps_fail)
-{
-    tvi_options options = galerkin(8);
-    const int bounds[] = {0, 7};
-    options.max_passes = bounds[_i];
-    tvi_system *system = model_system(&model_pendulum);
-    tvi_integrator *it = integrator_of(system, &options), *other = integrator_of(system, &options);
-    test_state x = model_start(&model_pendulum), y = x;
-    options.max_passes = 0;
-    go(it, 0.0625, 2, &x);
-    go(other, 0.0625, 2, &y);
-    const test_state before = x;
-    const long passes = tvi_integrator_stats(it)->passes;
-    ck_assert_int_eq(tvi_step(it, 16, &x.t, x.q, x.p), TVI_ENOCONV);
-    ck_assert_mem_eq(&x, &before, sizeof x);
-    ck_assert_int_eq(tvi_integrator_stats(it)->passes - passes, bounds[_i] ? bounds[_i] : 100);
-    go(it, 0.0625, 20, &x);
-    go(other, 0.0625, 20, &y);
-    ck_assert_mem_eq(&x, &y, sizeof x);
-    tvi_integrator_free(it);
-    tvi_integrator_free(other);
-    tvi_system_free(system);
-}
-END_TEST
-
 Suite *suite_galerkin(void)
 {
     Suite *suite = suite_create("galerkin");
@@ -359,15 +190,8 @@ Suite *suite_galerkin(void)
     tcase_add_loop_test(tcase, exchange_of_variables_changes_nothing, 0, EXCHANGE_CASES * TVI_MAX_NODES);
     tcase_add_test(tcase, field_may_be_its_input);
     tcase_add_test(tcase, hamiltonian_field_may_be_its_input);
-    tcase_add_loop_test(tcase, energy_does_not_drift, 0, 4);
-    tcase_add_loop_test(tcase, steps_before_predict, 0, 5);
-    tcase_add_loop_test(tcase, other_steps_begin_anew, 0, 4);
-    tcase_add_test(tcase, halves_begin_anew);
-    tcase_add_test(tcase, number_of_passes_is_kept);
-    tcase_add_test(tcase, tolerance_ends_the_passes);
-    tcase_add_test(tcase, prediction_is_a_parabola);
     tcase_add_loop_test(tcase, tail_is_the_last_term, 1, TVI_MAX_NODES + 1);
-    tcase_add_loop_test(tcase, too_large_steps_fail, 0, 2);
     suite_add_tcase(suite, tcase);
+    add_galerkin_passes(suite);
     return suite;
 }
