@@ -17,7 +17,7 @@ extern "C" {
 /* Both give states between steps. Such a state is that of a step of the method, of the part of h that leads there from
  * the start of the step at hand, in an integrator of its own: its invariants are as good as those of the steps, and the
  * steps are bit for bit those of tvi_integrate. A state at a given time costs one step. Events cost each step a search,
- * of which the states are shared, and each event that is found costs one or two steps (docs/performance.md). */
+ * of which the states are shared, and each event that is found costs one to three steps (docs/performance.md). */
 
 /* A function g of the state; an event is where it changes sign. It is written in jets, like a force. */
 typedef jet tvi_event_fn(const jet q[], const jet p[], jet t, void *ctx);

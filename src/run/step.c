@@ -127,7 +127,7 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     tvi_status status = tolerance > 0 ? increments_within(it, tolerance, &h, &origin)
                                       : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     it->dq[dimension] = h;
-    if (status != TVI_OK) status = tvi_refuse_as("corrector", status);
+    if (status != TVI_OK) status = tvi_refuse_as("its equations", status);
     if (status == TVI_OK) status = check_increments(it, h);
     if (status == TVI_OK) status = tvi_guard_step(it, &stats);
     if (status == TVI_OK) advance(it, h);
