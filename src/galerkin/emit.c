@@ -37,5 +37,6 @@ void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_pa
                  field->nodes.unknowns, lanes);
     emit_rule(text, rule, name);
     field->form->emit(text, field, name);
+    jet_text_add(text, "GALERKIN_EMITTED_ROW(%s)\n", name);
     jet_text_add(text, "static const galerkin_loops %s = {GALERKIN_EMITTED_TABLE(%s)};\n", name, name);
 }

@@ -48,57 +48,170 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
     return true;
 }
 
-/* A few unknowns stay in registers from the end of a pass to the beginning of the next one, which follows directly. */
-enum { STEADY_FEW = 8 };
+/* A few unknowns stay in registers from the end of a pass to the beginning of the next one, which follows directly: the
+ * first one has begun. */
 JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                              tvi_passes *shown, int lanes)
+                              galerkin_trial *shown, int lanes)
 {
-    const bool few = nodes->unknowns <= STEADY_FEW;
+    const bool few = nodes->unknowns <= GALERKIN_FEW;
     tvi_passes passes;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
     tvi_passes_begin(&passes);
     passes.slowest = shown->slowest;
     passes.early = shown->early;
-    if (few && !steady_begin(nodes, form, lanes)) return false;
     while (verdict == TVI_PASSES_GO_ON && passes.count < form->rule->most) {
         double moved;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
         if (!steady_end(frame, nodes, form, &moved, lanes) || !isfinite(moved)) return false;
         verdict = tvi_passes_judge(&passes, form->rule, moved);
+        shown->count = passes.count;
         if (few && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
     }
-    shown->count = passes.count;
     shown->size = passes.size;
     shown->slowest = passes.slowest;
     return verdict == TVI_PASSES_MAY_END;
 }
 
-JET_INLINE bool steady_lanes(const galerkin_frame *frame, const galerkin_nodes *nodes, galerkin_motion motion,
-                             const steady_form *form, const tvi_origin *origin, galerkin_outcome *to, int lanes)
+JET_INLINE void steady_start(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_motion *motion,
+                             const tvi_run_state *now, int lanes)
 {
-    const int n = motion.n;
-    if (motion.has_masses) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
-    else start_lanes(nodes, n, origin, lanes);
-    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, frame->extrapolation, to->impulses);
-    else if (form->hamiltonian)
-        hamiltonian_predict(form->hamiltonian, *frame->h, 2, frame->extrapolation, to->impulses);
-    else predict_lanes(nodes, 2, frame->extrapolation, to->impulses, lanes);
-    galerkin_set_sizes(nodes, n);
-    if (!steady_passes(frame, nodes, form, &to->passes, lanes)) return false;
+    const tvi_origin origin = {0, 0, now->q, now->q_low, now->p, now->p_low};
+    if (motion->has_masses) start_drifting_lanes(nodes, frame->c, &origin, frame->drift, frame->drift_low, lanes);
+    else start_lanes(nodes, motion->n, &origin, lanes);
+}
+
+JET_INLINE void steady_predict(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                               const double *const impulses[], int lanes)
+{
+    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, frame->extrapolation, impulses);
+    else if (form->hamiltonian) hamiltonian_predict(form->hamiltonian, *frame->h, 2, frame->extrapolation, impulses);
+    else predict_lanes(nodes, 2, frame->extrapolation, impulses, lanes);
+}
+
+/* The increments of a step, and its tail. */
+JET_INLINE void steady_finish(const galerkin_frame *frame, const galerkin_nodes *nodes, galerkin_motion motion,
+                              const tvi_row *row, const tvi_run_state *now, double *of_tail, int lanes)
+{
     integrate_lanes(nodes, frame->weights, &motion.sums, lanes);
-    if (motion.has_masses) end_drifting(nodes, &motion.sums, frame->drift, frame->drift_low, to->dq, to->dp);
-    else galerkin_end(nodes, &motion.sums, n, to->dq, to->dp);
-    motion.q = origin->q;
-    motion.p = origin->p;
-    motion.dp = to->dp;
-    to->tail = lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
-    return true;
+    if (motion.has_masses) end_drifting(nodes, &motion.sums, frame->drift, frame->drift_low, row->dq, row->dp);
+    else galerkin_end(nodes, &motion.sums, motion.n, row->dq, row->dp);
+    motion.q = now->q;
+    motion.p = now->p;
+    motion.dp = row->dp;
+    *of_tail = lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
+}
+
+#define COPY(V, blocks)                                                                                                \
+    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, to, k) = BLOCK_OF(V, from, k);
+JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
+{
+    for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
+}
+
+/* Few unknowns of the next step are predicted, and its first pass begins, before the increments of this one are known:
+ * they are waited for where that pass ends. Steps of more are made one by one. */
+JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
+                             const steady_form *form, const tvi_row *row, const tvi_run_state *now,
+                             galerkin_outcome *to, int lanes)
+{
+    const bool leads = form->run && nodes->unknowns <= GALERKIN_FEW;
+    const int numbers = nodes->unknowns * lanes;
+    double *before = to->impulses[0], *last = to->impulses[1], *next = to->impulses[2];
+    const double *const impulses[] = {last, before};
+    galerkin_trial tried = {.slowest = to->last.slowest};
+    long made = 0;
+    if (!leads) nodes->impulse = next;
+    steady_start(frame, nodes, motion, now, lanes);
+    if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
+    else steady_predict(frame, nodes, form, impulses, lanes);
+    bool begins = !leads || steady_begin(nodes, form, lanes);
+    while (begins) {
+        const double number = to->steps + (double)(made + 1);
+        tried.early = form->rule->early / (number * number);
+        galerkin_set_sizes(nodes, motion->n);
+        const bool ends = steady_passes(frame, nodes, form, &tried, lanes);
+        tried.factors = form->lagrangian ? form->lagrangian->factors : 0;
+        if (!ends) break;
+        galerkin_nodes ended = *nodes;
+        ended.impulse = next;
+        if (leads) {
+            const double *const following[] = {next, last};
+            copy_lanes(next, nodes->impulse, nodes->unknowns, lanes);
+            predict_steps(nodes, 2, frame->following, following, motion->has_masses ? frame->drift : NULL, lanes);
+            copy_lanes(next + numbers, nodes->x, nodes->unknowns, lanes);
+            begins = made + 1 < row->steps && steady_begin(nodes, form, lanes);
+        }
+        steady_finish(frame, &ended, *motion, row, now, &tried.tail, lanes);
+        const double t = now->q[motion->n];
+        if (!galerkin_advance(motion->n, row, now, &tried)) break;
+        made++;
+        to->t = t;
+        to->last = tried;
+        to->count += tried.count;
+        to->factors += tried.factors;
+        to->largest_tail = tvi_larger(tried.tail, to->largest_tail);
+        double *const free = before;
+        before = last, last = next, next = free;
+        if (!leads) break;
+        steady_start(frame, nodes, motion, now, lanes);
+    }
+    to->impulses[0] = before;
+    to->impulses[1] = last;
+    to->impulses[2] = next;
+    to->leads = leads && (made > 0 || to->leads);
+    to->tried = tried;
+    return made;
 }
 
 /* The rows of a block between its first ones, which are set anew, and `kept`. */
 JET_INLINE void keep_rows(double *own, const double *block, int first, int kept, int lanes)
 {
     for (int i = first * lanes; i < kept * lanes; i++) own[i] = block[i];
+}
+
+/* All that changes is the function's own, where the compiler keeps it in registers. */
+JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, galerkin_motion motion,
+                           const steady_form *form, const tvi_row *row, const tvi_run_state *now, galerkin_outcome *to,
+                           int lanes)
+{
+    enum { BLOCK = GALERKIN_FEW * TVI_GALERKIN_MAX_LANES, MATRIX = TVI_GALERKIN_MAX_LANES * TVI_GALERKIN_MAX_LANES };
+    _Alignas(64) double high[BLOCK], base[BLOCK], impulse[BLOCK], matrix[MATRIX];
+    double start[GALERKIN_FEW], inverse_size[GALERKIN_FEW], drift[GALERKIN_FEW], drift_low[GALERKIN_FEW];
+    double once[GALERKIN_FEW], twice[GALERKIN_FEW], last[GALERKIN_FEW], reach[GALERKIN_FEW];
+    double share[GALERKIN_FEW], ratio[GALERKIN_FEW];
+    double q[GALERKIN_FEW + 1], q_low[GALERKIN_FEW + 1], p[GALERKIN_FEW], p_low[GALERKIN_FEW];
+    double dq[GALERKIN_FEW + 1], dp[GALERKIN_FEW];
+    const int n = motion.n;
+    const tvi_run_state own = {q, q_low, p, p_low};
+    const tvi_row own_row = {row->h, row->steps, row->sure, dq, dp};
+    galerkin_frame frame = *of;
+    keep_rows(matrix, of->matrix, 0, lanes, lanes);
+    keep_rows(q, now->q, 0, n + 1, 1);
+    keep_rows(q_low, now->q_low, 0, n + 1, 1);
+    keep_rows(p, now->p, 0, n, 1);
+    keep_rows(p_low, now->p_low, 0, n, 1);
+    dq[n] = row->h;
+    nodes->high = high;
+    nodes->base = base;
+    nodes->impulse = impulse;
+    nodes->start = start;
+    nodes->inverse_size = inverse_size;
+    motion.sums = (galerkin_sums){once, twice, last, reach};
+    frame.matrix = matrix;
+    frame.drift = drift;
+    frame.drift_low = drift_low;
+    frame.share = share;
+    frame.ratio = ratio;
+    const long made = steady_lanes(&frame, nodes, &motion, form, &own_row, &own, to, lanes);
+    keep_rows(now->q, q, 0, n + 1, 1);
+    keep_rows(now->q_low, q_low, 0, n + 1, 1);
+    keep_rows(now->p, p, 0, n, 1);
+    keep_rows(now->p_low, p_low, 0, n, 1);
+    keep_rows(row->dq, dq, 0, made > 0 ? n : 0, 1);
+    keep_rows(row->dp, dp, 0, made > 0 ? n : 0, 1);
+    keep_rows(of->drift, drift, 0, motion.has_masses ? n : 0, 1);
+    keep_rows(of->drift_low, drift_low, 0, motion.has_masses ? n : 0, 1);
+    return made;
 }
 
 /* gcc leaves less of a long field in memory where it orders instructions by the registers that they take. */
@@ -119,19 +232,23 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
                 x[((SLOTS) + i) * lanes + lane] = x[NAME##_copied[i] * lanes + lane];                                  \
         return inside;                                                                                                 \
     }                                                                                                                  \
-    STEADY_ORDER static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin,                      \
-                                           galerkin_outcome *to)                                                       \
+    STEADY_ORDER static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,      \
+                                       galerkin_outcome *to)                                                           \
     {                                                                                                                  \
         enum { ROWS = (SLOTS) + NAME##_copies, IS_SMALL = ROWS * (LANES) <= STEADY_MOST };                             \
         _Alignas(64) double x[IS_SMALL ? ROWS * (LANES) : 1];                                                          \
+        const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
-        const steady_form form = {                                                                                     \
-            .rule = (UNKNOWNS) <= STEADY_FEW ? &NAME##_rule : frame->rule, .run = NAME##_values, .slot = NAME##_slot}; \
+        const steady_form form = {.rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
+                                  .run = NAME##_values,                                                                \
+                                  .slot = NAME##_slot};                                                                \
         if (IS_SMALL) {                                                                                                \
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
             nodes.x = x;                                                                                               \
         }                                                                                                              \
-        return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));                  \
+        if ((UNKNOWNS) <= GALERKIN_FEW && row->steps > 1)                                                              \
+            return steady_few(frame, &nodes, motion, &form, row, now, to, (LANES));                                    \
+        return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
     }
 
 /* The blocks of the tapes of passes that know second derivatives, of which KEPT rows are not of their operations; small
@@ -165,7 +282,8 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
     }
 
 #define GALERKIN_EMITTED_LAGRANGIAN(NAME, N, LANES)                                                                    \
-    static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
+    static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,                   \
+                          galerkin_outcome *to)                                                                        \
     {                                                                                                                  \
         NAME##_room own;                                                                                               \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
@@ -184,15 +302,15 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
         w.model.end = NAME##_end;                                                                                      \
         w.factors = 0;                                                                                                 \
         const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .lagrangian = &w};                       \
-        const bool is_made = steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));    \
-        to->factors = w.factors;                                                                                       \
-        return is_made;                                                                                                \
+        const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
+        return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
     }
 
 /* The rounds have so many columns, rows that move, and rows. */
 #define GALERKIN_EMITTED_HAMILTONIAN(NAME, UNKNOWNS, COUNT, MOVING, ROWS, LANES)                                       \
     enum { NAME##_is_packed = (ROWS) * (COUNT) * (LANES) <= 2 * STEADY_MOST };                                         \
-    static bool NAME##_steady(const galerkin_frame *frame, const tvi_origin *origin, galerkin_outcome *to)             \
+    static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,                   \
+                          galerkin_outcome *to)                                                                        \
     {                                                                                                                  \
         enum { ALL = NAME##_is_packed ? (ROWS) * (LANES) : 1 };                                                        \
         NAME##_room own;                                                                                               \
@@ -224,7 +342,18 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
             w.rounds.all = all;                                                                                        \
         }                                                                                                              \
         const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .hamiltonian = &w};                      \
-        return steady_lanes(frame, &nodes, NAME##_motion(frame->motion), &form, origin, to, (LANES));                  \
+        const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
+        return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
+    }
+
+/* All steps of a row; those of many unknowns are made one by one. */
+#define GALERKIN_EMITTED_ROW(NAME)                                                                                     \
+    static long NAME##_steady(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,               \
+                              galerkin_outcome *to)                                                                    \
+    {                                                                                                                  \
+        long made = 0, more = 1;                                                                                       \
+        while (more > 0 && made < row->steps) made += more = NAME##_go(frame, row, now, to);                           \
+        return made;                                                                                                   \
     }
 
 #endif

@@ -8,6 +8,7 @@
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -120,6 +121,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.share = tvi_arena_doubles(arena, (size_t)w.n);
     w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
+    double **const states[] = {&w.moved.q, &w.moved.q_low, &w.moved.p, &w.moved.p_low};
+    for (size_t i = 0; i < 4; i++) *states[i] = tvi_arena_doubles(arena, (size_t)w.n + 1);
     take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
     tvi_galerkin_probe_take(&w.probe, arena, &w.field);
@@ -141,6 +144,7 @@ static void prepare(void *work)
                                 .rule = &w->rule,
                                 .matrix = w->field.matrix,
                                 .extrapolation = w->predictor.from_two,
+                                .following = w->predictor.following,
                                 .c = w->coefficients.c,
                                 .drift = w->drift,
                                 .drift_low = w->drift_low,
@@ -230,18 +234,23 @@ static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
 /* By generated code; false where it is to be made in another way. */
 static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
+    const size_t bytes = (size_t)w->n * sizeof *dq;
+    const tvi_row row = {w->field.h, 1, {INFINITY, INT_MAX}, dq, dp};
+    const tvi_run_state *moved = &w->moved;
     galerkin_outcome to;
-    to.dq = dq;
-    to.dp = dp;
+    memcpy(moved->q, origin->q, bytes);
+    memcpy(moved->q_low, origin->q_low, bytes);
+    memcpy(moved->p, origin->p, bytes);
+    memcpy(moved->p_low, origin->p_low, bytes);
+    moved->q[w->n] = origin->t;
+    moved->q_low[w->n] = origin->t_low;
+    dq[w->n] = w->field.h;
     set_times(w, origin, w->field.h);
-    const bool is_made = tvi_galerkin_make_steadily(w, origin, &to);
-    stats->passes += to.passes.count;
-    stats->force_evaluations += to.passes.count * w->field.points;
-    stats->factorisations += to.factors * w->field.points;
+    const bool is_made = tvi_galerkin_make_steadily(w, &row, moved, &to) > 0;
+    tvi_galerkin_count(w, &to, stats);
     if (!is_made) return false;
-    stats->residual = sqrt(to.passes.size);
-    stats->tail = to.tail;
-    tvi_galerkin_remember(&w->predictor, w->field.h, origin->t, to.passes.slowest);
+    stats->residual = sqrt(to.last.size);
+    stats->tail = to.last.tail;
     return true;
 }
 

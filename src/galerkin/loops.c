@@ -178,13 +178,17 @@ BY_LANES(double, return, move_both,
             if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                              \
             if (steps > 1) ADD_PRODUCT(V, blocks, 1, row_before, of_before, before, 0)                                 \
             ADD_CHAINS(blocks, 1)                                                                                      \
-            for (int k = 0; k < (blocks); k++)                                                                         \
-                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (BLOCK_OF(V, base, k) + scale[u] * sum[0][0][k]);           \
+            for (int k = 0; k < (blocks); k++) {                                                                       \
+                V from = BLOCK_OF(V, base, k);                                                                         \
+                if (drift) from = (V){0} + drift[u];                                                                   \
+                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (from + scale[u] * sum[0][0][k]);                           \
+            }                                                                                                          \
         }                                                                                                              \
     }
 
+/* drift: what the step before added beside its impulses, where the nodes are those of that step; else NULL. */
 JET_INLINE void predict_steps(const galerkin_nodes *nodes, int steps, const double *matrix,
-                              const double *const impulses[], int lanes)
+                              const double *const impulses[], const double *drift, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale;
     const double *last = impulses[0], *before = impulses[steps - 1], *of_before = matrix + (steps - 1) * lanes * lanes;
@@ -196,8 +200,8 @@ JET_INLINE void predict_steps(const galerkin_nodes *nodes, int steps, const doub
 JET_INLINE void predict_lanes(const galerkin_nodes *nodes, int steps, const double *matrix,
                               const double *const impulses[], int lanes)
 {
-    if (steps == 2) predict_steps(nodes, 2, matrix, impulses, lanes);
-    else predict_steps(nodes, 1, matrix, impulses, lanes);
+    if (steps == 2) predict_steps(nodes, 2, matrix, impulses, NULL, lanes);
+    else predict_steps(nodes, 1, matrix, impulses, NULL, lanes);
 }
 
 BY_LANES(void, , predict,
@@ -270,7 +274,7 @@ JET_INLINE void tails_of(galerkin_motion of, double *restrict share, double *res
         const tvi_tail_part part = galerkin_tail_part(&of, has_masses, of.scale[i], of.per_scale[i], i, i + momenta);
         share[i] = tvi_tail_share(&part, has_masses);
         ratio[i] = tvi_tail_ratio(&part);
-        if (JET_KNOWS(n) && n < 8) __asm__("" : : : "memory");
+        if (JET_KNOWS(n) && n < 8) __asm__("" : "+m"(share[i]));
     }
 }
 

@@ -13,6 +13,9 @@
 
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
+/* The steps whose impulses are kept: the last two, and the one that is made; and where steps of few unknowns leave how
+ * the next one begins, behind these. */
+enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
 
 /* What multiplies the impulses in their sums over the nodes: 1 and 1 - c_j, and these for a second unknown beside the
  * first; and that of the curve's last term. */
@@ -119,9 +122,11 @@ typedef struct galerkin_loops {
     /* share, ratio [n]: scratch. */
     double (*tail)(const galerkin_motion *of, double *share, double *ratio);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
-    /* A step in one function: steady.h. False where its passes do not end at the goal, or the field has no value; the
-     * nodes and the outcome are undefined then. NULL but in generated code. */
-    bool (*steady)(const struct galerkin_frame *frame, const tvi_origin *origin, struct galerkin_outcome *to);
+    /* Steps in one function: steady.h. How many were made, and added to `now`: less than those of the row where the
+     * passes of the next one do not end at the goal, the field has no value, or it is not sure or not finite. NULL but
+     * in generated code. */
+    long (*steady)(const struct galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,
+                   struct galerkin_outcome *to);
 } galerkin_loops;
 
 /* For each number of lanes. */

@@ -9,8 +9,10 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
 {
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     w->last = tvi_arena_history(arena, sizeof *w->last);
-    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, count * width * sizeof(double));
+    const size_t kept = (unknowns <= GALERKIN_FEW ? 2 : 1) * count * width;
+    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
     w->from_two = tvi_arena_doubles(arena, 2 * width * width);
+    w->following = tvi_arena_doubles(arena, 2 * width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
@@ -65,9 +67,19 @@ static void set_from_two(galerkin_predictor *w, const galerkin_coefficients *a, 
         }
 }
 
+/* The same from the start of the last step: its impulses have moved what the next one begins with, too. */
+static void set_following(galerkin_predictor *w, const galerkin_coefficients *a, bool is_second_order)
+{
+    const int m = a->points, lanes = a->lanes;
+    for (int k = 0; k < 2 * lanes * lanes; k++) w->following[k] = w->from_two[k];
+    for (int j = 0; j < m; j++)
+        for (int i = 0; i < lanes; i++) w->following[j * lanes + i] += is_second_order ? 1 - a->c[j] + a->c[i] : 1;
+}
+
 void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
 {
     set_from_two(w, a, field->ahead);
+    set_following(w, a, galerkin_is_second_order(field));
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
 }
 

@@ -12,14 +12,15 @@ typedef struct {
     double slowest;     /* contraction of its passes, or of those before it; 0: not known */
     double steps;       /* so many were made */
     int turn;           /* where its impulses are */
+    int leads;          /* the unknowns that the next step begins with, if it is steady, are behind these */
 } galerkin_history;
-
-enum { GALERKIN_TURNS = 3 };
 
 typedef struct {
     galerkin_history *last;
-    double *impulses[GALERKIN_TURNS]; /* in the history, filled in turns: [unknowns][lanes] of a step */
+    double *impulses[GALERKIN_TURNS]; /* in the history, filled in turns: [unknowns][lanes] of a step, and
+                                         as many unknowns where it leads */
     double *from_two;                 /* [2][j][i] extrapolation from the two steps before, all of one size */
+    double *following;                /* the same, beginning where the last one did */
     double *from_one;   /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
     double ratio, part; /* ratio 0: none yet */
     double *led;        /* [unknowns][lanes] what it leads to */
@@ -53,7 +54,7 @@ static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int aft
 static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest)
 {
     const int next = w->last->turn + 1;
-    *w->last = (galerkin_history){h, w->last->h, t, slowest, w->last->steps + 1, next < GALERKIN_TURNS ? next : 0};
+    *w->last = (galerkin_history){h, w->last->h, t, slowest, w->last->steps + 1, next < GALERKIN_TURNS ? next : 0, 0};
 }
 
 #endif

@@ -1,5 +1,5 @@
-/* steady.h - a step in one function, with every size a constant, which generated code has (emitted_loops.h): one that
- * begins where the last two ended, all of one size, and whose passes end at the goal. All others are galerkin.c's. */
+/* steady.h - steps in one function, with every size a constant, which generated code has (emitted_loops.h): those that
+ * begin where the last two ended, all of one size, and whose passes end at the goal. All others are galerkin.c's. */
 #ifndef TVI_SRC_GALERKIN_STEADY_H
 #define TVI_SRC_GALERKIN_STEADY_H
 
@@ -13,19 +13,28 @@ typedef struct galerkin_frame {
     const galerkin_weights *weights;
     const tvi_passes_rule *rule;
     const double *matrix, *extrapolation, *c;
+    const double *following; /* `extrapolation` from the start of the last step, and not from its end */
     double *drift, *drift_low, *share, *ratio;
     const double *h;
     void *own; /* of the form of the field: lagrangian_passes of a Lagrangian */
 } galerkin_frame;
 
-/* One step: the impulses of the last one and of the one before; what it does, but for its impulses, which are in the
- * nodes. */
+/* The last step: the size of its last movement, and how slowly its passes contract. */
+typedef struct {
+    int count;   /* of passes */
+    int factors; /* so often were second derivatives at the nodes taken */
+    double size, slowest, early, tail;
+} galerkin_trial;
+
+/* What steps made, but for what they added to the state. */
 typedef struct galerkin_outcome {
-    const double *impulses[2];
-    double *dq, *dp;
-    tvi_passes passes; /* their count, the last size, and the slowest; of the steps before: that, and `early` */
-    double tail;
-    int factors; /* of second derivatives at the nodes, so often were they taken */
+    double *impulses[GALERKIN_TURNS]; /* of the step before the last, of the last one and of the next, in turns */
+    bool leads;                       /* behind those of the last one is what the next one begins with */
+    double t;                         /* where the last one began */
+    double steps;                     /* that were made before these */
+    galerkin_trial last, tried;       /* the last one, and the one after it where that was not made */
+    long count, factors;              /* of all steps */
+    double largest_tail;
 } galerkin_outcome;
 
 /* 1 / (|start| + |predicted end - start|). No branches: which is the larger changes from step to step. */
@@ -51,6 +60,34 @@ static inline void galerkin_end(const galerkin_nodes *nodes, const galerkin_sums
         dq[i] = nodes->scale[i] * sums->once[i];
         dp[i] = nodes->scale[n + i] * sums->once[n + i];
     }
+}
+
+static inline bool galerkin_sums_are_finite(int count, const double *x, const double *dx)
+{
+    uint64_t any = 0;
+    for (int i = 0; i < count; i++) any |= tvi_infinite_bit(x[i] + dx[i]);
+    return !(any >> 63);
+}
+
+/* One by one where they are few, as they were just stored: a vector of them would wait for that. */
+static inline void galerkin_add(int count, double *restrict x, double *restrict low, const double *restrict dx)
+{
+    const bool few = count < 8;
+    for (int i = 0; i < count; i++) {
+        x[i] = tvi_add_compensated(x[i], &low[i], dx[i]);
+        if (few) __asm__("" : "+m"(x[i]));
+    }
+}
+
+/* Adds the step to the state; false where it is not sure, or not finite. */
+static inline bool galerkin_advance(int n, const tvi_row *row, const tvi_run_state *now, const galerkin_trial *tried)
+{
+    if (!(tried->tail <= row->sure.tail && tried->count <= row->sure.passes)) return false;
+    if (!galerkin_sums_are_finite(n + 1, now->q, row->dq)) return false;
+    if (!galerkin_sums_are_finite(n, now->p, row->dp)) return false;
+    galerkin_add(n + 1, now->q, now->q_low, row->dq);
+    galerkin_add(n, now->p, now->p_low, row->dp);
+    return true;
 }
 
 #endif

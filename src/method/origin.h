@@ -1,4 +1,4 @@
-/* origin.h - where a step starts, and the places where a search looks at it. */
+/* origin.h - where a step starts, and how it is added; the places where a search looks at it. */
 #ifndef TVI_SRC_METHOD_ORIGIN_H
 #define TVI_SRC_METHOD_ORIGIN_H
 
@@ -16,6 +16,36 @@ typedef struct {
     double *q, *q_low; /* [N + 1] */
     double *p, *p_low; /* [N] */
 } tvi_run_state;
+
+/* Steps without series are to be returned, whatever their energies, up to this tail and so many passes. */
+typedef struct {
+    double tail;
+    int passes;
+} tvi_sure;
+/* Steps in a row: at most so many of size h, each of them sure; dq [n + 1] and dp [n] are theirs. */
+typedef struct {
+    double h;
+    long steps;
+    tvi_sure sure;
+    double *dq, *dp;
+} tvi_row;
+
+/* a + b = sum + *rest, exactly (two-sum). */
+static inline double tvi_two_sum(double a, double b, double *rest)
+{
+    const double sum = a + b, part = sum - a;
+    *rest = (a - (sum - part)) + (b - part);
+    return sum;
+}
+
+/* (x, low) <- x + low + d: what is lost is of the size of low's roundoff. */
+static inline double tvi_add_compensated(double x, double *low, double d)
+{
+    double rest;
+    const double small = tvi_two_sum(*low, d, &rest), sum = tvi_two_sum(x, small, low);
+    *low += rest;
+    return sum;
+}
 
 /* The starts of the steps of several members of an ensemble, each in a lane of its own: [components][width], the member
  * fastest; t and t_low [width]. */

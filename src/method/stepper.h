@@ -6,23 +6,6 @@
 #include "method/origin.h"
 #include "system/system.h"
 
-/* a + b = sum + *rest, exactly (two-sum). */
-static inline double tvi_two_sum(double a, double b, double *rest)
-{
-    const double sum = a + b, part = sum - a;
-    *rest = (a - (sum - part)) + (b - part);
-    return sum;
-}
-
-/* (x, low) <- x + low + d: what is lost is of the size of low's roundoff. */
-static inline double tvi_add_compensated(double x, double *low, double d)
-{
-    double rest;
-    const double small = tvi_two_sum(*low, d, &rest), sum = tvi_two_sum(x, small, low);
-    *low += rest;
-    return sum;
-}
-
 /* Components first .. end - 1 of a vector. */
 typedef struct {
     int first, end;
@@ -36,19 +19,6 @@ typedef struct {
     const char *member;
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 } tvi_uses;
-
-/* Steps without series are to be returned, whatever their energies, up to this tail and so many passes. */
-typedef struct {
-    double tail;
-    int passes;
-} tvi_sure;
-/* Steps in a row: at most so many of size h, each of them sure; dq [n + 1] and dp [n] are theirs. */
-typedef struct {
-    double h;
-    long steps;
-    tvi_sure sure;
-    double *dq, *dp;
-} tvi_row;
 
 /* What a step made of the members: all that the stepper writes, but its own work. */
 typedef struct {
