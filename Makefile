@@ -148,9 +148,11 @@ $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
 # a curve, and the action of it
-EMBEDDED_CURVE := include/tvi.h $(addprefix src/,$(addprefix algebra/,arena.h block.h linear.h sizes.h tail.h weigh.h) \
-                      system/system.h system/roundoff.h \
-                      $(addprefix generating/,series.h advance.h tangents.h seeds.h emitted_curve.h))
+EMBEDDED_CURVE := include/tvi.h $(addprefix src/,method/origin.h method/closing.h \
+                      $(addprefix algebra/,arena.h block.h sizes.h linear.h linear_small.h passes.h tail.h weigh.h) \
+                      $(addprefix system/,system.h roundoff.h legendre.h) \
+                      $(addprefix generating/,series.h advance.h tangents.h seeds.h closure.h newton.h refine.h matrices.h \
+                          curve_stepper.h curve_step.h emitted_curve.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE)
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@

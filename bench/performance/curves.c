@@ -22,7 +22,7 @@ static void lay_out(open_curve *c, tvi_arena *arena, const tvi_system *system, c
     const int N = options->degree;
     const size_t n = (size_t)system->n, seeds = ((size_t)N + 1) * n;
     tvi_curve_take(&c->curve, arena, system, N, TVI_JACOBIAN_PRODUCTS);
-    tvi_action_take(&c->action, arena, system, options, TVI_ACTION_LAGRANGE, N, N - 1, N);
+    tvi_action_take(&c->action, arena, system, options, TVI_ACTION_LAGRANGE, N, N - 1, N, true);
     c->seed_Q = tvi_arena_doubles(arena, seeds);
     c->seed_U = tvi_arena_doubles(arena, seeds);
     c->D = tvi_arena_doubles(arena, 2 * n);

@@ -1,11 +1,17 @@
-/* linear_small.h - factor and solve of systems so small that a call of LAPACK costs more than its arithmetic: what
- * dgetf2 and dgetrs do, on the same data. Matrices are column-major, pivots count from 1. */
+/* linear_small.h - what is made of a factor, and factor and solve of systems so small that a call of LAPACK costs more
+ * than its arithmetic: what dgetf2 and dgetrs do, on the same data. Matrices are column-major, pivots count from 1.
+ * Part of the text of generated code, where the sizes are constants. */
 #ifndef TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 #define TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 
+#include "algebra/linear.h"
+#include "algebra/sizes.h"
 #include "vector.h"
 
+#include <float.h>
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
 
 /* The n up to which whole steps are faster with this: 1.2 to 1.5 times on pendulum, Kepler, Henon-Heiles and double
  * pendulum, 1.2 times on FPU, whose matrices have 12 rows, than with the reference LAPACK. Few curves have larger ones:
@@ -77,5 +83,197 @@ JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const in
         for (int j = i + 1; j < n; j++) x[i] -= lu[j + i * n] * x[j];
     for (int i = n - 1; i >= 0; i--) linear_swap(&x[i], &x[pivot[i] - 1]);
 }
+
+/* ---- Factors of all sizes ---------------------------------------------------------------------------------------- */
+
+/* The power of two next to 1/size, so that scaling rounds nothing; 1 for 0. */
+JET_INLINE double linear_inverse_power(double size)
+{
+    uint64_t bits;
+    if (size == 0 || !isfinite(size)) return 1;
+    memcpy(&bits, &size, sizeof bits);
+    const uint64_t exponent = bits >> 52; /* size = 1.f 2^(exponent - 1023), or subnormal */
+    if (exponent < 23 || exponent > 2040) return exponent < 23 ? 0x1p1000 : 0x1p-1018;
+    bits = (2045 - exponent) << 52;
+    double power;
+    memcpy(&power, &bits, sizeof power);
+    return power;
+}
+
+/* A row that is scaled so many times as much as another has another unit. */
+enum { LINEAR_OTHER_UNIT = 8 };
+
+/* A <- R A C with columns, then rows, of size about 1. The rows of the ends' Jacobians (closure.h) are coordinates, so
+ * that the columns, first, take the units out: the pivots do not depend on them. */
+JET_INLINE void linear_equilibrate(int n, tvi_factor *factor)
+{
+    double least = INFINITY, largest = 0;
+    for (int j = 0; j < n; j++) {
+        double size = 0;
+        for (int i = 0; i < n; i++) {
+            const double entry = fabs(factor->lu[(size_t)i * (size_t)n + (size_t)j]);
+            if (entry > size) size = entry;
+        }
+        factor->column_scale[j] = linear_inverse_power(size);
+        for (int i = 0; i < n; i++) factor->lu[(size_t)i * (size_t)n + (size_t)j] *= factor->column_scale[j];
+    }
+    for (int i = 0; i < n; i++) {
+        double *row = factor->lu + (size_t)i * (size_t)n, size = 0;
+        for (int j = 0; j < n; j++)
+            if (fabs(row[j]) > size) size = fabs(row[j]);
+        factor->row_scale[i] = linear_inverse_power(size);
+        for (int j = 0; j < n; j++) row[j] *= factor->row_scale[i];
+        least = tvi_smaller(factor->row_scale[i], least);
+        largest = tvi_larger(factor->row_scale[i], largest);
+    }
+    factor->is_refined = largest >= LINEAR_OTHER_UNIT * least;
+    if (factor->is_refined) memcpy(factor->matrix, factor->lu, (size_t)n * (size_t)n * sizeof *factor->lu);
+}
+
+JET_INLINE bool linear_is_exchanged(int n, const tvi_factor *factor)
+{
+    for (int i = 0; i < n; i++)
+        if (factor->pivot[i] != i + 1) return true;
+    return false;
+}
+
+JET_INLINE double linear_least_pivot(int n, const tvi_factor *factor)
+{
+    double least = INFINITY;
+    for (int i = 0; i < n; i++) {
+        const double pivot = fabs(factor->lu[i * n + i]);
+        least = pivot < least ? pivot : least;
+    }
+    return least;
+}
+
+/* Of the factor of what was made of size 1. */
+JET_INLINE tvi_status linear_verdict(int n, bool is_factored, tvi_factor *factor)
+{
+    factor->is_refined = factor->is_refined && linear_is_exchanged(n, factor);
+    return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
+}
+
+/* x <- scale x, component by component. */
+JET_INLINE void linear_rescale(int n, const double scale[], double x[])
+{
+    for (int i = 0; i < n; i++) x[i] *= scale[i];
+}
+
+/* One step of iterative refinement of (R A C)^-1 given: where the pivots mix unknowns of different units, it takes from
+ * the small ones the roundoff of the large (Skeel, Math. Comp. 35, 1980). What is solved for in between: */
+JET_INLINE void linear_find_lack(int n, const tvi_factor *factor, bool transposed, const double x[])
+{
+    const int of_row = transposed ? 1 : n, of_column = transposed ? n : 1;
+    for (int i = 0; i < n; i++) {
+        double lack = factor->given[i];
+        for (int j = 0; j < n; j++) lack -= factor->matrix[i * of_row + j * of_column] * x[j];
+        factor->lack[i] = lack;
+    }
+}
+
+JET_INLINE void linear_refine(int n, const tvi_factor *factor, double x[])
+{
+    for (int i = 0; i < n; i++) x[i] += factor->lack[i];
+}
+
+typedef void linear_apply(int n, const tvi_factor *factor, bool transposed, double x[]);
+
+/* x <- A^-1 x or A^-T x, A^-1 = C (R A C)^-1 R. */
+JET_INLINE void linear_solve_scaled(int n, const tvi_factor *factor, bool transposed, linear_apply *apply, double x[])
+{
+    linear_rescale(n, transposed ? factor->column_scale : factor->row_scale, x);
+    if (factor->is_refined) memcpy(factor->given, x, (size_t)n * sizeof *x);
+    apply(n, factor, transposed, x);
+    if (factor->is_refined) {
+        linear_find_lack(n, factor, transposed, x);
+        apply(n, factor, transposed, factor->lack);
+        linear_refine(n, factor, x);
+    }
+    linear_rescale(n, transposed ? factor->row_scale : factor->column_scale, x);
+}
+
+/* ---- Factors of small sizes -------------------------------------------------------------------------------------- */
+
+JET_INLINE tvi_status linear_small_compute(int n, tvi_factor *factor)
+{
+    if (!tvi_rows_are_finite(1, 0, n * n, factor->lu)) return TVI_ENONFINITE;
+    linear_equilibrate(n, factor);
+    linear_small_factor(n, factor->lu, factor->pivot);
+    return linear_verdict(n, true, factor);
+}
+
+/* A row-major matrix is the transpose of a column-major one. */
+JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transposed, double x[])
+{
+    if (transposed) linear_small_solve(n, factor->lu, factor->pivot, x);
+    else linear_small_solve_transposed(n, factor->lu, factor->pivot, x);
+}
+
+/* ---- Factors without exchanges of rows, of matrices that are I + O(h) in some units ------------------------------ */
+
+/* Smaller pivots are left to those that exchange rows. */
+static const double LINEAR_LEAST_PIVOT = 1.0 / 16;
+
+/* Whole loops, so that the unknowns stay in registers. */
+#define LINEAR_UNROLLED _Pragma("GCC unroll 16")
+
+#define LINEAR_ELIMINATE(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
+
+/* A = L U, row-major: U in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
+ * factor->row_scale, so that no row is written to but as a whole. false: a pivot is small, or no number. */
+JET_INLINE bool linear_plain_factor(int n, tvi_factor *factor)
+{
+    const size_t stride = (size_t)n;
+    bool is_large = true;
+    LINEAR_UNROLLED
+    for (int j = 0; j < n; j++) {
+        const double *row = factor->lu + j * n, pivot = row[j], inverse = 1 / pivot;
+        is_large &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
+        factor->row_scale[j] = inverse;
+        LINEAR_UNROLLED
+        for (int i = j + 1; i < n; i++) {
+            double *other = factor->lu + i * n;
+            const double part = other[j] * inverse;
+            factor->matrix[i * n + j] = part;
+            if (n > 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
+            LINEAR_UNROLLED
+            for (int k = j + 1; n <= 4 && k < n; k++) other[k] -= part * row[k];
+        }
+    }
+    return is_large;
+}
+
+/* x <- A^-1 x; what is known last is subtracted last. */
+JET_INLINE void linear_plain_solve(int n, const tvi_factor *factor, double x[])
+{
+    const double *l = factor->matrix, *u = factor->lu;
+    LINEAR_UNROLLED
+    for (int i = 0; i < n; i++) LINEAR_UNROLLED
+    for (int j = 0; j < i; j++) x[i] -= l[i * n + j] * x[j];
+    LINEAR_UNROLLED
+    for (int i = n - 1; i >= 0; i--) {
+        LINEAR_UNROLLED
+        for (int j = n - 1; j > i; j--) x[i] -= u[i * n + j] * x[j];
+        x[i] *= factor->row_scale[i];
+    }
+}
+
+/* x <- A^-T x. */
+JET_INLINE void linear_plain_solve_transposed(int n, const tvi_factor *factor, double x[])
+{
+    const double *l = factor->matrix, *u = factor->lu;
+    LINEAR_UNROLLED
+    for (int i = 0; i < n; i++) {
+        LINEAR_UNROLLED
+        for (int j = 0; j < i; j++) x[i] -= u[j * n + i] * x[j];
+        x[i] *= factor->row_scale[i];
+    }
+    LINEAR_UNROLLED
+    for (int i = n - 1; i >= 0; i--) LINEAR_UNROLLED
+    for (int j = n - 1; j > i; j--) x[i] -= l[j * n + i] * x[j];
+}
+
+#undef LINEAR_UNROLLED
 
 #endif

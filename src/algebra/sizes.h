@@ -8,21 +8,22 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Its highest bit is set for an infinity and what is no number, whose exponents are all ones, and for no other x. */
-static inline uint64_t tvi_infinite_bit(double x)
+/* 0 for a finite x, whose x - x is 0, and only for such a one: bits are gathered in any order. */
+static inline uint64_t tvi_bits_of_infinite(double x)
 {
+    const double zero = x - x;
     uint64_t bits;
-    memcpy(&bits, &x, sizeof bits);
-    return (bits & ~(UINT64_C(1) << 63)) + (UINT64_C(1) << 52);
+    memcpy(&bits, &zero, sizeof bits);
+    return bits;
 }
 
-/* Whether all rows [n] are finite, without branches. */
+/* Whether all rows [n] are finite. */
 static inline bool tvi_rows_are_finite(int rows, size_t stride, int n, const double x[])
 {
     uint64_t any = 0;
     for (int r = 0; r < rows; r++)
-        for (int i = 0; i < n; i++) any |= tvi_infinite_bit(x[(size_t)r * stride + (size_t)i]);
-    return !(any >> 63);
+        for (int i = 0; i < n; i++) any |= tvi_bits_of_infinite(x[(size_t)r * stride + (size_t)i]);
+    return any == 0;
 }
 
 static inline bool tvi_all_finite(int n, const double x[]) { return tvi_rows_are_finite(1, 0, n, x); }

@@ -65,8 +65,8 @@ static inline void galerkin_end(const galerkin_nodes *nodes, const galerkin_sums
 static inline bool galerkin_sums_are_finite(int count, const double *x, const double *dx)
 {
     uint64_t any = 0;
-    for (int i = 0; i < count; i++) any |= tvi_infinite_bit(x[i] + dx[i]);
-    return !(any >> 63);
+    for (int i = 0; i < count; i++) any |= tvi_bits_of_infinite(x[i] + dx[i]);
+    return any == 0;
 }
 
 /* One by one where they are few, as they were just stored: a vector of them would wait for that. */

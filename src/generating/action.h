@@ -8,12 +8,12 @@
 #include "generating/seeds.h"
 #include "method/descriptor.h"
 
-/* Its sizes alone: what generated code knows of it. */
-tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
-                            int p_degree, int top);
-/* Degrees of the curve that the action uses; everything in the options is resolved. */
+/* Its sizes alone: those of the step of one curve, which generated code knows. */
+tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options);
+/* Degrees of the curve that the action uses; everything in the options is resolved. mirrors: the span is
+ * symmetric, and nodes may be there twice (seeds.h). */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                     tvi_action_kind kind, int q_degree, int p_degree, int top);
+                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors);
 void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top);
 
 /* seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. TVI_EDOMAIN,

@@ -1,6 +1,7 @@
 /* action_tables.c - the memory of an action, and the tables that its quadrature and its span decide. */
 #include "generating/action.h"
 #include "algebra/quadrature.h"
+#include "method/method.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,34 +11,56 @@ static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *o
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
 }
 
-tvi_action tvi_action_shape(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
-                            int p_degree, int top)
+static tvi_action shape_of(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
+                           int p_degree, int top, bool mirrors)
 {
+    const int points = options->quadrature_points;
     const bool is_hamilton = kind == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
-    return (tvi_action){.is_hamilton = is_hamilton,
+    tvi_action shape = {.is_hamilton = is_hamilton,
                         .truncated = options->nodes == TVI_NODES_TRUNCATED,
                         .has_velocity_defect = !is_hamilton && !is_separable,
                         .has_momentum_defect = is_hamilton && (!is_separable || p_degree >= q_degree),
                         .q_degree = q_degree,
                         .p_degree = p_degree,
-                        .points = options->quadrature_points,
+                        .points = points,
                         .orders = top + 1};
+    if (mirrors && seeds_are_plain(&shape) && tvi_quadrature_mirrored(options->quadrature) == options->quadrature) {
+        shape.half = seeds_width((points + 1) / 2);
+        shape.points = 2 * shape.half;
+    }
+    return shape;
+}
+
+tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options)
+{
+    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const int degree = options->degree, p_degree = expanded->has_top_momentum ? degree : degree - 1;
+    const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE;
+    return shape_of(system, options, expanded->action, degree, p_degree, degree + one_more,
+                    expanded->span.from == -expanded->span.to);
+}
+
+static void take_table(tvi_node_table *table, tvi_arena *arena, size_t rows, size_t columns, size_t half_rows, int half)
+{
+    const size_t halves = half_rows * (size_t)seeds_width(half);
+    table->full = tvi_arena_doubles(arena, rows * columns);
+    table->even = tvi_arena_doubles(arena, halves);
+    table->odd = tvi_arena_doubles(arena, halves);
 }
 
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                     tvi_action_kind kind, int q_degree, int p_degree, int top)
+                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors)
 {
-    const size_t orders = (size_t)top + 1, points = (size_t)options->quadrature_points, n = (size_t)system->n;
-    *action = tvi_action_shape(system, options, kind, q_degree, p_degree, top);
+    const size_t orders = (size_t)top + 1, n = (size_t)system->n;
+    *action = shape_of(system, options, kind, q_degree, p_degree, top, mirrors);
+    const size_t points = (size_t)action->points;
     action->sweeps = system->field_values->sweeps;
     action->s = tvi_arena_doubles(arena, points);
     action->weight = tvi_arena_doubles(arena, points);
-    action->power = tvi_arena_doubles(arena, orders * points);
-    action->slope = tvi_arena_doubles(arena, orders * points);
-    action->second_slope = tvi_arena_doubles(arena, orders * points);
-    action->node_power = tvi_arena_doubles(arena, orders * points);
-    action->weighted_power = tvi_arena_doubles(arena, orders * points);
-    action->weighted_slope = tvi_arena_doubles(arena, orders * points);
+    tvi_node_table *const at_nodes[] = {&action->power, &action->slope, &action->second_slope, &action->node_power};
+    for (int i = 0; i < 4; i++) take_table(at_nodes[i], arena, orders, points, (orders + 1) / 2, action->half);
+    take_table(&action->weighted_power, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
+    take_table(&action->weighted_slope, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
     action->row = tvi_arena_doubles(arena, orders);
     if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
     action->x = tvi_arena_block(arena, system->field_values, 1, action->points, 0);
@@ -63,34 +86,69 @@ static double quadrature_error(int order, int points, const long double s[], con
 static void fill_powers(tvi_action *action, int node, long double s, bool at_end)
 {
     for (int k = 2; k < action->orders; k++)
-        action->second_slope[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
+        action->second_slope.full[k * action->points + node] = (double)(k * (k - 1) * powl(s, k - 2));
     for (int k = 0; k <= action->q_degree; k++) {
-        const int place = k * action->points + node;
+        const int place = k * action->points + node, weighted = node * action->orders + k;
         const bool left_out = action->truncated && k == action->q_degree && !at_end;
-        action->power[place] = (double)powl(s, k);
-        action->slope[place] = k == 0 ? 0 : k * (double)powl(s, k - 1);
-        action->node_power[place] = left_out ? 0 : action->power[place];
-        action->weighted_power[node * action->orders + k] = action->weight[node] * action->power[place];
-        action->weighted_slope[node * action->orders + k] = action->weight[node] * action->slope[place];
+        const double power = (double)powl(s, k), slope = k == 0 ? 0 : k * (double)powl(s, k - 1);
+        action->power.full[place] = power;
+        action->slope.full[place] = slope;
+        action->node_power.full[place] = left_out ? 0 : power;
+        action->weighted_power.full[weighted] = action->weight[node] * power;
+        action->weighted_slope.full[weighted] = action->weight[node] * slope;
     }
+}
+
+/* The even and the odd orders at the first half of the nodes. */
+/* The even and the odd orders at the first half of the nodes. */
+static void fill_halves(const tvi_action *action, tvi_node_table *table, bool is_weighted, double mirrored)
+{
+    const int half = action->half, orders = action->orders, width = seeds_width((orders + 1) / 2);
+    table->mirrored = mirrored;
+    for (int k = 0; k < orders; k++)
+        for (int node = 0; node < half; node++) {
+            double *rows = k % 2 == 0 ? table->even : table->odd;
+            if (is_weighted) rows[node * width + k / 2] = table->full[node * orders + k];
+            else rows[k / 2 * half + node] = table->full[k * action->points + node];
+        }
+}
+
+/* The node of the rule that a point is, and the part of its weight. */
+static int node_of(const tvi_action *action, int count, int point, double *part)
+{
+    const int half = action->half, at = half > 0 ? point % half : point,
+              node = at < (count + 1) / 2 || half == 0 ? at : 0;
+    *part = node != at ? 0 : half > 0 && 2 * at + 1 == count ? 0.5 : 1;
+    return half > 0 && point >= half ? count - 1 - node : node;
 }
 
 void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top)
 {
-    const int points = action->points, order = tvi_quadrature_order(options->quadrature, points);
+    const int count = options->quadrature_points, order = tvi_quadrature_order(options->quadrature, count);
     long double s[TVI_MAX_POINTS], weight[TVI_MAX_POINTS];
-    tvi_quadrature_nodes(options->quadrature, points, s, weight);
-    for (int i = 0; i < points; i++) { /* from [-1, 1] to the span */
+    tvi_quadrature_nodes(options->quadrature, count, s, weight);
+    for (int point = 0; point < action->points; point++) {
+        double part;
+        const int i = node_of(action, count, point, &part);
         const bool at_end = s[i] == -1 || s[i] == 1;
+        const long double place = span.from + (span.to - span.from) * (1 + s[i]) / 2; /* from [-1, 1] to the span */
+        action->s[point] = (double)place;
+        action->weight[point] = part * (double)(weight[i] * (span.to - span.from) / 2);
+        fill_powers(action, point, place, at_end);
+    }
+    for (int i = 0; i < count; i++) {
         s[i] = span.from + (span.to - span.from) * (1 + s[i]) / 2;
         weight[i] *= (span.to - span.from) / 2;
-        action->s[i] = (double)s[i];
-        action->weight[i] = (double)weight[i];
-        fill_powers(action, i, s[i], at_end);
     }
+    fill_halves(action, &action->power, false, 1);
+    fill_halves(action, &action->slope, false, -1);
+    fill_halves(action, &action->second_slope, false, 1);
+    fill_halves(action, &action->node_power, false, 1);
+    fill_halves(action, &action->weighted_power, true, 1);
+    fill_halves(action, &action->weighted_slope, true, -1);
     if (!action->by_parts) return;
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++)
             action->by_parts[k * (top + 1) + j] =
-                j + k == 0 ? 0 : (j + k) * quadrature_error(order, points, s, weight, j + k - 1, span);
+                j + k == 0 ? 0 : (j + k) * quadrature_error(order, count, s, weight, j + k - 1, span);
 }

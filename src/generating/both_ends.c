@@ -24,7 +24,7 @@ static void take_side(tvi_side *x, tvi_arena *arena, const tvi_system *system, c
     const size_t n = (size_t)system->n;
     x->sign = x->end = sign;
     tvi_curve_take(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES);
-    tvi_action_take(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r);
+    tvi_action_take(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false);
     tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(&x->curve, arena);
@@ -329,7 +329,7 @@ static void dense(void *taken, double theta, double dq[], double dp[])
 
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
-    return tvi_curve_uses(system, options, options->degree, TVI_JACOBIAN_MATRICES);
+    return tvi_curve_uses(system, options, options->degree, options->quadrature_points, TVI_JACOBIAN_MATRICES);
 }
 
 static const tvi_stepper stepper = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};

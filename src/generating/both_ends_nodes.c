@@ -25,7 +25,7 @@ static void add_blended(tvi_both_ends *w, const tvi_side *x, int degree, const d
 static void add_difference(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
                            double apart, double out[])
 {
-    sum_at_nodes(w, 1, degree, first, stride, x->action.power);
+    sum_at_nodes(w, 1, degree, first, stride, x->action.power.full);
     for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
 }
 
@@ -34,7 +34,7 @@ static void add_side_at_nodes(tvi_both_ends *w, tvi_side *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
     const double *Q = tvi_curve_Q(&x->curve, 0) + i, *P = x->P + i;
-    const double *power = x->action.power, *slope = x->action.slope;
+    const double *power = x->action.power.full, *slope = x->action.slope.full;
     const double q_apart = tvi_curve_Q(&w->a.curve, 0)[i] - tvi_curve_Q(&w->b.curve, 0)[i];
     const double p_apart = w->a.P[i] - w->b.P[i];
     add_blended(w, x, w->degree, Q, stride, power, w->y + place);
@@ -65,7 +65,7 @@ static void seed_side(const tvi_both_ends *w, tvi_side *x)
 {
     for (int i = 0; i < w->n; i++)
         for (int k = 0; k <= w->degree; k++) {
-            const double *power = x->action.power + k * w->points, *slope = x->action.slope + k * w->points;
+            const double *power = x->action.power.full + k * w->points, *slope = x->action.slope.full + k * w->points;
             double sum = 0;
             for (int node = 0; node < w->points; node++) {
                 const int place = i * w->points + node;

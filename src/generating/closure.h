@@ -3,11 +3,13 @@
  * A step is the curve from one end to the other plus small corrections, which make it symplectic:
  *     q0 = q- + from_q,   p0 = p- + from_p,   q1 - q0 = (q+ - q-) + rise_q,   p1 - p0 = (p+ - p-) + rise_p.
  * A generating function closes the equations: it computes the corrections from D_z, the gradient of the discrete action
- * in defect form, and the Jacobians of the curve's ends. All else is common to all (curve_stepper.c). */
+ * in defect form, and the Jacobians of the curve's ends. All else is common to all (curve_stepper.c). Part of the text
+ * of generated code. */
 #ifndef TVI_SRC_GENERATING_CLOSURE_H
 #define TVI_SRC_GENERATING_CLOSURE_H
 
-#include "generating/action.h"
+#include "generating/seeds.h"
+#include "method/closing.h"
 
 /* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
@@ -43,6 +45,7 @@ typedef struct tvi_closure {
         q_mean; /* q-, q+, q+ - q-, and (to q- - from q+)/(to - from), which has no Q_1
                                                      in it: at the midpoint the mean of the ends */
     tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
+    tvi_combination p_sizes;                      /* of p_size */
     int p_degree;                                 /* of the momentum */
     double *p_size;                               /* [n] sum_k |P_k| */
     tvi_close_fn *close;                          /* the generating function's, */
@@ -65,8 +68,25 @@ TVI_NODISCARD tvi_status tvi_close_full(tvi_closure *closure, const tvi_combinat
 /* The same with the mean of the ends, J1, and makes the corrections of it that closure->mean says. */
 tvi_close_fn tvi_close_mean;
 
+/* The corrections from the solution in D, as closure->mean says. */
+static inline void closure_correct_ends(const tvi_closure *c)
+{
+    const tvi_mean_closing *of = c->mean;
+    for (int i = 0; i < curve_n(&c->curve); i++) {
+        const double x = c->D[i], y = c->D[curve_n(&c->curve) + i], of_q = c->curve.kappa[i] * y;
+        c->from_q[i] = of->from_q * of_q;
+        c->rise_q[i] = of->rise_q * of_q;
+        c->from_p[i] = of->from_p[0] * x + of->from_p[1] * y;
+        c->rise_p[i] = of->rise_p[0] * x + of->rise_p[1] * y;
+    }
+}
+
 /* Sets p_size. */
-void tvi_close_measure(tvi_closure *closure);
+static inline void closure_measure(const tvi_closure *c)
+{
+    curve_sum_by(tvi_add_sizes, &c->curve, &c->p_sizes, c->p_size);
+    for (int i = 0; i < curve_n(&c->curve); i++) c->p_size[i] /= fabs(c->curve.kappa[i]);
+}
 
 /* Type I, expanded at the start or the end of the step. */
 tvi_close_fn tvi_close_type1_end;

@@ -45,6 +45,7 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
         curve->dz = tvi_arena_doubles(arena, 2 * n);
         curve->dQ = tvi_arena_doubles(arena, jacobian);
         curve->by_U = tvi_arena_doubles(arena, 2 * n);
+        curve->pushed = tvi_arena_doubles(arena, n * 2 * n);
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
@@ -85,19 +86,8 @@ void tvi_combination_set_powers(tvi_combination *combination, const tvi_curve *c
 
 void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
 {
-    const int n = curve->n;
-    curve->tau = tau;
-    memcpy(tvi_curve_input(curve, 0), z, (size_t)n * sizeof *z);
-    switch (curve->system->form) {
-    case TVI_SEPARABLE:
-        memcpy(tvi_curve_input(curve, 1), z + n, (size_t)n * sizeof *z);
-        for (int i = 0; i < n; i++) curve->kappa[i] = tau / curve->system->mass[i];
-        break;
-    case TVI_LAGRANGIAN:
-        for (int i = 0; i < n; i++) (tvi_curve_input(curve, 0) + curve->n)[i] = z[n + i] / tau;
-        break;
-    case TVI_HAMILTONIAN: memcpy((tvi_curve_input(curve, 0) + curve->n), z + n, (size_t)n * sizeof *z); break;
-    }
+    curve_set_step(curve, tau);
+    curve_place(curve, z);
 }
 
 static tvi_status expand_by_orders(tvi_curve *curve)
@@ -163,10 +153,7 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
     const tvi_system *system = curve->system;
     curve->centre = centre;
-    if (system->uses_time) {
-        curve->x[system->inputs] = centre;
-        if (curve->top > 0) tvi_curve_input(curve, 1)[system->inputs] = curve->tau;
-    }
+    curve_place_time(curve);
     const bool has_code = curve->code && curve->code->expand;
     const tvi_status status = has_code                         ? expand_by_code(curve)
                               : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
@@ -187,14 +174,6 @@ void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, d
 {
     if (curve->code) curve->code->sum(curve, combination, out);
     else curve_sum(curve, combination, out);
-}
-
-void tvi_curve_sum_sizes(const tvi_curve *curve, bool of_momentum, const double weight[], double out[])
-{
-    double of_rows[TVI_MAX_DEGREE + 2];
-    tvi_combination sizes = {.weight = of_rows};
-    tvi_combination_set(&sizes, curve, of_momentum, weight);
-    curve_sum_by(tvi_add_sizes, curve, &sizes, out);
 }
 
 void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)

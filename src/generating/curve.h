@@ -37,8 +37,9 @@ TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 /* The Jacobian matrices of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
-/* What a stepper runs whose curves have such Jacobians. */
-tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, tvi_jacobians jacobians);
+/* What a stepper runs whose curves have such Jacobians, and whose action has so many points. */
+tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
+                        tvi_jacobians jacobians);
 
 /* tvi_uses.emit_loops: tvi_curve_code (seeds.h), without and with tangents. */
 void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
@@ -48,8 +49,6 @@ void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi
 void tvi_curve_sizes(const tvi_curve *curve, double size[]);
 /* out[n], or matrix[n][2n], of a combination and of its Jacobian; the small terms first. */
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-/* out[n] = sum_k weight_k |Q_k| or weight_k |U_k|; weight [top + 1]. */
-void tvi_curve_sum_sizes(const tvi_curve *curve, bool of_momentum, const double weight[], double out[]);
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
 /* Sets the direction dz of the pushes that follow; then out[n] = Jacobian of the combination times dz. */
 void tvi_curve_aim(tvi_curve *curve, const double dz[]);

@@ -124,7 +124,10 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     crowd w = {.system = system, .series = series_of[isa], .loops = loops_of[isa]};
     tvi_single_take(&w.by_itself, arena, &tvi_stepper_curve, system, options, width, options->quadrature_points);
     w.single = w.by_itself.work;
-    w.closing = &tvi_method_of(options)->curve.mean;
+    const tvi_expanded *expanded = &tvi_method_of(options)->curve;
+    const int p_degree = expanded->has_top_momentum ? options->degree : options->degree - 1;
+    tvi_action_take(&w.action, arena, system, options, expanded->action, options->degree, p_degree, top, false);
+    w.closing = &expanded->mean;
     take_members(&w.members, arena, n, width);
     take_nodes(&w, arena, options, top + 1, width);
     double *const x = tvi_arena_block(arena, system->field_series, top + 1, width, 0);
@@ -152,7 +155,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 static void set_node_sums(crowd *w, int which, bool of_momentum, const double *power, int degree)
 {
     const tvi_curve *curve = &w->single->closure.curve;
-    const tvi_action *action = &w->single->action;
+    const tvi_action *action = &w->action;
     tvi_weights *weights = &w->node_sums[which].weights;
     for (int node = 0; node < action->points; node++) {
         double weight[TVI_MAX_DEGREE + 2] = {0};
@@ -166,12 +169,12 @@ static void set_node_sums(crowd *w, int which, bool of_momentum, const double *p
 /* dp_i of a separable system are of Q, U_k = (k+1) Q_{k+1}. */
 static void set_seeds(crowd *w)
 {
-    const tvi_action *action = &w->single->action;
+    const tvi_action *action = &w->action;
     const int points = action->points;
     double *const of_q = w->seeds_q.weight, *const of_p = w->seeds_p.weight;
     for (int node = 0; node < points; node++)
         for (int k = 0; k < action->orders; k++) {
-            const double weight = action->weighted_power[node * action->orders + k];
+            const double weight = action->weighted_power.full[node * action->orders + k];
             of_q[k * w->seeds_q.rows + node] = k <= action->q_degree ? weight : 0;
             of_p[k * w->seeds_p.rows + node] = k <= action->p_degree ? weight : 0;
             if (w->seeds_q.rows > points && k <= action->p_degree && k + 1 < action->orders)
@@ -184,11 +187,12 @@ static void prepare(void *work)
     crowd *w = work;
     tvi_single_prepare(&w->by_itself);
     const tvi_curve_work *single = w->single;
-    const tvi_action *action = &single->action;
-    set_node_sums(w, TVI_SUM_Q, false, action->power, action->q_degree);
-    set_node_sums(w, TVI_SUM_U, true, action->power, action->p_degree);
-    set_node_sums(w, TVI_SUM_Q_SLOPE, false, action->slope, action->q_degree);
-    set_node_sums(w, TVI_SUM_U_SLOPE, true, action->slope, action->p_degree);
+    const tvi_action *action = &w->action;
+    tvi_action_prepare(&w->action, single->options, single->closure.span, w->curve.top);
+    set_node_sums(w, TVI_SUM_Q, false, action->power.full, action->q_degree);
+    set_node_sums(w, TVI_SUM_U, true, action->power.full, action->p_degree);
+    set_node_sums(w, TVI_SUM_Q_SLOPE, false, action->slope.full, action->q_degree);
+    set_node_sums(w, TVI_SUM_U_SLOPE, true, action->slope.full, action->p_degree);
     set_seeds(w);
     for (int k = 0; k < action->orders; k++) {
         w->q_sizes[k] = 1;
@@ -250,7 +254,7 @@ static void iterate(crowd *w, const tvi_crowd_origin *origin, int count, tvi_sta
         stats->passes += count;
         stats->expansions += count;
         stats->factorisations += 2 * count;
-        stats->force_evaluations += count * w->single->action.points;
+        stats->force_evaluations += count * w->action.points;
         count = judge(w);
         if (count > 0) w->loops->move(&w->members, w->is_moving);
     }

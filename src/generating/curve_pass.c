@@ -112,7 +112,7 @@ static void join_jacobians(const crowd *w, const tvi_combination *first, const t
 static void run_field(crowd *w, const tvi_crowd_origin *origin, double later)
 {
     const jet_tape *tape = w->system->field_values;
-    const tvi_action *action = &w->single->action;
+    const tvi_action *action = &w->action;
     const int n = w->curve.n, width = w->curve.width, lanes = action->points * width;
     double *t = w->x + w->system->inputs * lanes;
     for (int i = 0; i < n; i++) sum_at_nodes(w, TVI_SUM_Q, i, w->x + i * lanes);
@@ -127,13 +127,13 @@ static void run_field(crowd *w, const tvi_crowd_origin *origin, double later)
 static void find_defects(const crowd *w, int i)
 {
     const bool is_separable = w->curve.has_masses;
-    const int n = w->curve.n, lanes = w->single->action.points * w->curve.width;
+    const int n = w->curve.n, lanes = w->action.points * w->curve.width;
     const int *output = w->system->field_values->output;
     const double tau = w->curve.tau, inverse = 1 / w->curve.kappa[i];
     sum_at_nodes(w, TVI_SUM_U_SLOPE, i, w->at_nodes[TVI_SUM_U_SLOPE]);
     w->loops->subtract(lanes, is_separable ? tau : -tau, w->x + output[i] * lanes, inverse,
                        w->at_nodes[TVI_SUM_U_SLOPE], w->defect);
-    if (!w->single->action.has_momentum_defect) return;
+    if (!w->action.has_momentum_defect) return;
     const double *rate = is_separable ? w->at_nodes[TVI_SUM_U] : w->x + output[n + i] * lanes;
     sum_at_nodes(w, TVI_SUM_Q_SLOPE, i, w->at_nodes[TVI_SUM_Q_SLOPE]);
     if (is_separable) sum_at_nodes(w, TVI_SUM_U, i, w->at_nodes[TVI_SUM_U]);
@@ -143,7 +143,7 @@ static void find_defects(const crowd *w, int i)
 
 static void find_seeds(const crowd *w)
 {
-    const int n = w->curve.n, width = w->curve.width, lanes = w->single->action.points * width;
+    const int n = w->curve.n, width = w->curve.width, lanes = w->action.points * width;
     const size_t stride = stride_of_change(w), row = (size_t)width;
     for (int i = 0; i < n; i++) {
         find_defects(w, i);

@@ -21,7 +21,8 @@ enum { TVI_SUM_Q, TVI_SUM_U, TVI_SUM_Q_SLOPE, TVI_SUM_U_SLOPE, TVI_SUMS };
 
 typedef struct {
     tvi_single by_itself;
-    tvi_curve_work *single; /* its work, which has all tables */
+    tvi_curve_work *single; /* its work, which has the tables of the curve */
+    tvi_action action;      /* the tables of the nodes, each of them there once */
     const tvi_system *system;
     const tvi_mean_closing *closing;
     const tvi_taylor_loops *series;

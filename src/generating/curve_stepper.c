@@ -1,7 +1,7 @@
 /* curve_stepper.c - the step of every method that expands one curve: predictor, residual of the passes, increments. The
  * generating function is data: where the curve is expanded, and how its equations are closed (method/descriptor.h).
  * Without passes the corrections are left out; at the start that is the plain Taylor method. */
-#include "generating/curve_stepper.h"
+#include "generating/curve_step.h"
 #include "generating/products.h"
 #include "method/method.h"
 
@@ -32,8 +32,8 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->mean = &expanded->mean;
     c->solver = jacobians == TVI_JACOBIAN_PRODUCTS ? &tvi_by_products : &tvi_by_matrices;
     tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians);
-    tvi_combination *const combinations[] = {&c->q_from, &c->q_to, &c->q_rise, &c->q_mean,
-                                             &c->u_from, &c->u_to, &c->u_rise, &c->u_mean};
+    tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise, &c->q_mean, &c->u_from,
+                                             &c->u_to,   &c->u_rise, &c->u_mean, &c->p_sizes};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(&c->curve, arena);
     double **const corrections[] = {&c->from_q, &c->from_p, &c->rise_q, &c->rise_p};
@@ -72,7 +72,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.z = tvi_arena_doubles(arena, 2 * n);
     w.dz = tvi_arena_doubles(arena, 2 * n);
     if (corrects) {
-        tvi_action_take(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top);
+        tvi_action_take(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
+                        expanded->span.from == -expanded->span.to);
         tvi_newton_take(&w.newton, arena, 2 * system->n, system->n, w.closure.solver->jacobian != NULL);
     }
     if (taken) *taken = w;
@@ -111,6 +112,7 @@ static void prepare(void *taken)
         tvi_combination_set_powers(ends[of_momentum][3], &c->curve, of_momentum, degree, -from / (to - from), to,
                                    to / (to - from), from);
     }
+    tvi_combination_set_powers(&c->p_sizes, &c->curve, true, c->p_degree, 1, 1, 0, 0);
     tvi_combination_set_powers(&w->q_back, &c->curve, false, w->q_degree, 1, from, -1, 0);
     set_centre(w);
     if (c->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&w->legendre);
@@ -139,49 +141,15 @@ static tvi_status predict(const attempt *a)
         tvi_legendre_start(&w->legendre, w->closure.system, a->tau, origin->t, origin->q, origin->p, w->velocity, w->z);
     if (status != TVI_OK || w->closure.span.from == 0) return status;
     status = expand(a, w->z, origin->t + origin->t_low);
-    tvi_curve_sum(&w->closure.curve, &w->q_centre, w->z);
-    tvi_curve_sum(&w->closure.curve, &w->z_centre, w->z + w->closure.n);
+    step_move_to_centre(w, w->z);
     return status;
 }
 
-static double centre(const attempt *a)
-{
-    return a->origin->t + (a->origin->t_low - a->work->closure.span.from * a->tau);
-}
+static double centre(const attempt *a) { return step_centre(a->work, a->origin, a->tau); }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-/* The natural sizes of the unknowns. All that a curve of degree 0 or 1 knows of a body that starts at rest is the
- * corrections, which are momenta: in the unit of the unknown but for a Lagrangian. */
-static void set_scale(void *self, double scale[])
-{
-    const tvi_closure *c = &((const attempt *)self)->work->closure;
-    const tvi_curve *curve = &c->curve;
-    const int n = c->n;
-    tvi_curve_sizes(curve, scale);
-    if (curve->top > 1 || c->system->form == TVI_LAGRANGIAN) return;
-    for (int i = 0; i < n; i++) {
-        scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
-        scale[n + i] += fabs(c->curve.kappa[i]) * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
-    }
-}
-
-/* r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
-static void form_residual(const attempt *a, double r[])
-{
-    const work *w = a->work;
-    const tvi_closure *c = &w->closure;
-    const tvi_origin *origin = a->origin;
-    const int n = c->n;
-    const double *Q0 = tvi_curve_Q(&c->curve, 0);
-    tvi_curve_sum(&c->curve, &w->q_back, r);
-    tvi_curve_sum(&c->curve, &c->u_from, r + n);
-    for (int i = 0; i < n; i++) {
-        const double kappa = c->curve.kappa[i];
-        r[i] += (Q0[i] - origin->q[i]) + (c->from_q[i] - origin->q_low[i]);
-        r[n + i] = (r[n + i] - kappa * origin->p[i]) + kappa * (c->from_p[i] - origin->p_low[i]);
-    }
-}
+static void set_scale(void *self, double scale[]) { step_set_scale(&((const attempt *)self)->work->closure, scale); }
 
 static tvi_status residual(void *self, const double z[], double r[])
 {
@@ -190,11 +158,11 @@ static tvi_status residual(void *self, const double z[], double r[])
     tvi_closure *c = &w->closure;
     tvi_status status = expand(a, z, centre(a));
     if (status != TVI_OK) return status;
-    a->stats->force_evaluations += w->action.points;
+    a->stats->force_evaluations += w->options->quadrature_points;
     status = tvi_action_seed(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
     status = c->solver->close(c, z, w->newton.scale, a->stats);
-    if (status == TVI_OK) form_residual(a, r);
+    if (status == TVI_OK) step_form_residual(w, a->origin, r);
     return status;
 }
 
@@ -246,47 +214,16 @@ static tvi_status correct(attempt *a)
     return status;
 }
 
-/* out = sum of the combination at z + dz, to first order in dz. */
-static void sum_and_push(work *w, const tvi_combination *combination, double out[])
-{
-    tvi_curve_sum(&w->closure.curve, combination, out);
-    if (!w->corrects) return;
-    tvi_curve_push(&w->closure.curve, combination, w->shift);
-    for (int i = 0; i < w->closure.n; i++) out[i] += w->shift[i];
-}
-
-/* dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
-static void increments(work *w, const tvi_combination *q_rise, const tvi_combination *u_rise, double part, double dq[],
-                       double dp[])
-{
-    const tvi_closure *c = &w->closure;
-    sum_and_push(w, q_rise, dq);
-    sum_and_push(w, u_rise, dp);
-    for (int i = 0; i < c->n; i++) {
-        dp[i] /= c->curve.kappa[i];
-        if (!w->corrects) continue;
-        dq[i] += part * c->rise_q[i];
-        dp[i] += part * c->rise_p[i];
-    }
-}
-
-/* From the curve to what the step returns. */
-static void finish(const attempt *a, double dq[], double dp[])
-{
-    work *w = a->work;
-    increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
-    tvi_curve_measure(&w->closure.curve);
-    a->stats->tail = tvi_curve_tail(&w->closure.curve);
-}
-
 static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     work *w = taken;
     attempt a = {w, origin, w->closure.span.tau * h, stats};
+    const tvi_curve_code *code = w->closure.curve.code;
+    if (w->corrects && code && code->step && code->step(w, a.tau, origin, dq, dp, stats)) return TVI_OK;
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
-    finish(&a, dq, dp);
+    stats->tail = step_finish(w, dq, dp);
     return TVI_OK;
 }
 
@@ -350,7 +287,7 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     const double at = c->span.from + theta * (c->span.to - c->span.from);
     tvi_combination_set_powers(&w->dense_q, &c->curve, false, w->q_degree, 1, at, -1, c->span.from);
     tvi_combination_set_powers(&w->dense_u, &c->curve, true, w->closure.p_degree, 1, at, -1, c->span.from);
-    increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
+    step_increments(w, &w->dense_q, &w->dense_u, theta, dq, dp);
 }
 
 static double most_change(const void *taken) { return tvi_curve_change(&((const work *)taken)->closure.curve); }
@@ -359,8 +296,9 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
-    const int top = options->degree + (expanded->has_top_momentum && system->form == TVI_SEPARABLE);
-    return tvi_curve_uses(system, options, top, corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
+    const tvi_action shape = tvi_action_of(system, options);
+    return tvi_curve_uses(system, options, shape.orders - 1, shape.points,
+                          corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
 }
 
 const tvi_stepper tvi_stepper_curve = {

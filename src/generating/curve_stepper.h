@@ -1,13 +1,14 @@
-/* curve_stepper.h - what the step of a method that expands one curve works with. */
+/* curve_stepper.h - what the step of a method that expands one curve works with: part of the text of generated code. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEPPER_H
 #define TVI_SRC_GENERATING_CURVE_STEPPER_H
 
+#include "generating/action.h"
 #include "generating/closure.h"
 #include "generating/newton.h"
 #include "generating/refine.h"
 #include "system/legendre.h"
 
-typedef struct {
+typedef struct tvi_curve_work {
     tvi_closure closure;
     bool corrects;
     bool is_rough;

@@ -62,11 +62,14 @@ static void differentiate_block(tvi_curve *curve, const curve_block *b)
 void tvi_curve_differentiate(tvi_curve *curve)
 {
     const size_t directions = 2 * (size_t)curve->n;
+    if (curve->code && curve->code->differentiate) {
+        curve->code->differentiate(curve);
+        return;
+    }
     for (size_t first = 0; first < directions; first += TVI_CURVE_LANES) {
         const size_t left = directions - first, lanes = left < TVI_CURVE_LANES ? left : TVI_CURVE_LANES;
         const curve_block b = {lanes, tvi_curve_slots(curve) * lanes, (int)first};
-        if (curve->code && curve->code->lanes == (int)lanes) curve->code->differentiate(curve, (int)first);
-        else differentiate_block(curve, &b);
+        differentiate_block(curve, &b);
     }
 }
 
@@ -77,7 +80,8 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
 }
 
 /* Matrices take their directions in blocks, the last one of what is left. */
-tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, tvi_jacobians jacobians)
+tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
+                        tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN;
@@ -87,13 +91,13 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
     if (used.series.has_adjoints) used.series.directions[0] = 1;
-    else if (is_whole) used.series.directions[0] = directions < TVI_CURVE_LANES ? 0 : left;
+    else if (is_whole) used.series.directions[0] = 0;
     else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;
     else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
     if (is_whole && !used.series.has_adjoints) used.emit_loops = tvi_curve_emit_matrices;
-    used.values = (jet_emission){.name = "tvi_values", .lanes = {options->quadrature_points}};
+    used.values = (jet_emission){.name = "tvi_values", .lanes = {points}};
     if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
-        used.bend = (jet_emission){.name = "tvi_bend", .lanes = {options->quadrature_points}};
+        used.bend = (jet_emission){.name = "tvi_bend", .lanes = {points}};
     return used;
 }
 

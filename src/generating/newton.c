@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { MAX_REFRESHES = 3, CHECK_EVERY = 16 };
+enum { MAX_REFRESHES = 3 };
 
 /* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns, or against what
  * the residual is computed from. */
@@ -48,23 +48,6 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, 
     newton->history = tvi_arena_history(arena, sizeof *newton->history);
 }
 
-/* unit: the scales of the unknowns, or their reach. */
-static tvi_newton_size measure(const tvi_newton *newton, const double unit[])
-{
-    tvi_newton_size size = {0, 0};
-    for (int first = 0; first < newton->size; first += newton->group) {
-        double largest = 0, scale = 0;
-        for (int i = first; i < first + newton->group; i++) {
-            const double correction = fabs(newton->correction[i]);
-            if (correction > 0) size.relative = tvi_larger(correction / unit[i], size.relative);
-            largest = tvi_larger(correction, largest);
-            scale = tvi_larger(unit[i], scale);
-        }
-        if (largest > 0) size.of_group = tvi_larger(largest / scale, size.of_group);
-    }
-    return size;
-}
-
 /* dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not contract.
  * correction holds -r(x). */
 static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *equations)
@@ -101,19 +84,6 @@ static void solve(const tvi_newton *newton, const tvi_equations *equations, doub
     else if (equations->solve) equations->solve(equations->self, vector);
 }
 
-/* An unknown without a size has the largest of its group, or 1; one that is much smaller than others, such as a body
- * that a wave has not reached, has no accuracy of its own. */
-static void fill_scale(tvi_newton *newton)
-{
-    for (int first = 0; first < newton->size; first += newton->group) {
-        double largest = 0;
-        for (int i = first; i < first + newton->group; i++) largest = tvi_larger(newton->scale[i], largest);
-        for (int i = first; i < first + newton->group; i++)
-            if (newton->scale[i] == 0) newton->scale[i] = largest > 0 ? largest : 1;
-            else newton->scale[i] = tvi_larger(TVI_LEAST_SHARE * largest, newton->scale[i]);
-    }
-}
-
 /* The reach of the unknowns: their scales, and that of which the roundoff of the residual is the part STAGNATION.
  * Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
 static void find_reach(tvi_newton *newton, const tvi_equations *equations)
@@ -147,33 +117,14 @@ void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_
     newton->rules = tvi_newton_rules_asked(options, newton->has_matrix, is_rough);
 }
 
-void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options, bool is_rough)
-{
-    const bool is_due = history->solves++ % CHECK_EVERY == 0;
-    tvi_passes_begin(&passes->of_each);
-    tvi_passes_begin(&passes->of_largest);
-    passes->of_each.slack = tvi_larger(history->slack, 1);
-    passes->of_each.checks = options->tolerance == 0 && (is_due || is_rough);
-}
-
 /* Whether corrections that no longer shrink are roundoff, by that of the residual. */
 static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_passes *passes)
 {
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
     find_reach(newton, equations);
-    if (measure(newton, newton->reach).of_group > STAGNATION) return false;
+    if (newton_measure(newton, newton->reach).of_group > STAGNATION) return false;
     passes->slack = passes->seen = 0; /* nothing that this step has shown is known to be no roundoff */
     return true;
-}
-
-tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules, tvi_newton_size size)
-{
-    const tvi_passes_verdict verdict = tvi_passes_judge(&passes->of_each, &rules->of_each, size.relative);
-    const tvi_passes_verdict settled = tvi_passes_judge(&passes->of_largest, &rules->of_largest, size.of_group);
-    if (verdict != TVI_PASSES_STUCK || settled != TVI_PASSES_STUCK)
-        return verdict == TVI_PASSES_STUCK ? settled : verdict;
-    const bool shows_nothing = passes->of_each.count <= rules->of_each.turns; /* small and large in turns */
-    return shows_nothing ? TVI_PASSES_GO_ON : TVI_PASSES_STUCK;
 }
 
 /* One pass: correction = -K^-1 r(x). */
@@ -184,7 +135,7 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
     if (status != TVI_OK) return status;
     if (is_first) {
         equations->scale(equations->self, newton->scale);
-        fill_scale(newton);
+        newton_fill_scale(newton);
     }
     for (int i = 0; i < newton->size; i++) newton->correction[i] = -newton->correction[i];
     if (refresh || (!newton->is_fresh && equations->jacobian)) {
@@ -213,7 +164,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
-        const tvi_newton_size size = measure(newton, newton->scale);
+        const tvi_newton_size size = newton_measure(newton, newton->scale);
         stats->residual = size.relative;
         tvi_passes_verdict verdict = tvi_newton_judge(&at, rules, size);
         if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at.of_each)) verdict = TVI_PASSES_MAY_END;

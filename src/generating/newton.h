@@ -1,9 +1,11 @@
-/* newton.h - the one corrector: preconditioned passes that end at roundoff (docs/method.md section 5). */
+/* newton.h - the one corrector: preconditioned passes that end at roundoff (docs/method.md section 5). Part of the text
+ * of generated code. */
 #ifndef TVI_SRC_GENERATING_NEWTON_H
 #define TVI_SRC_GENERATING_NEWTON_H
 
 #include "algebra/linear.h"
 #include "algebra/passes.h"
+#include "generating/series.h"
 
 /* What is smaller than this part of the largest of its kind is measured as if it had this size. */
 static const double TVI_LEAST_SHARE = 1e-20;
@@ -48,10 +50,30 @@ typedef struct {
 } tvi_newton_passes;
 
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough);
-void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options,
-                      bool is_rough);
+/* One step in so many makes a pass more than seems needed. */
+enum { TVI_NEWTON_CHECK_EVERY = 16 };
+
+static inline void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options,
+                                    bool is_rough)
+{
+    const bool is_due = history->solves++ % TVI_NEWTON_CHECK_EVERY == 0;
+    tvi_passes_begin(&passes->of_each);
+    tvi_passes_begin(&passes->of_largest);
+    passes->of_each.slack = tvi_larger(history->slack, 1);
+    passes->of_each.checks = options->tolerance == 0 && (is_due || is_rough);
+}
+
 /* Adds a pass with a correction of this size. TVI_PASSES_STUCK: the caller measures whether it is roundoff. */
-tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules, tvi_newton_size size);
+static inline tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules,
+                                                  tvi_newton_size size)
+{
+    const tvi_passes_verdict verdict = tvi_passes_judge(&passes->of_each, &rules->of_each, size.relative);
+    const tvi_passes_verdict settled = tvi_passes_judge(&passes->of_largest, &rules->of_largest, size.of_group);
+    if (verdict != TVI_PASSES_STUCK || settled != TVI_PASSES_STUCK)
+        return verdict == TVI_PASSES_STUCK ? settled : verdict;
+    const bool shows_nothing = passes->of_each.count <= rules->of_each.turns; /* small and large in turns */
+    return shows_nothing ? TVI_PASSES_GO_ON : TVI_PASSES_STUCK;
+}
 
 typedef struct {
     bool has_matrix, is_fresh; /* is_fresh: the matrix is one by differences */
@@ -64,6 +86,49 @@ typedef struct {
     tvi_factor factor;
     tvi_newton_history *history;
 } tvi_newton;
+
+/* Constants of generated code, as those of series.h. */
+static inline int newton_size(const tvi_newton *newton)
+{
+    (void)newton;
+    return CURVE_SIZE(2 * CURVE_N, newton->size);
+}
+
+static inline int newton_group(const tvi_newton *newton)
+{
+    (void)newton;
+    return CURVE_SIZE(CURVE_N, newton->group);
+}
+
+/* unit: the scales of the unknowns, or their reach. */
+static inline tvi_newton_size newton_measure(const tvi_newton *newton, const double unit[])
+{
+    tvi_newton_size size = {0, 0};
+    for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
+        double largest = 0, scale = 0;
+        for (int i = first; i < first + newton_group(newton); i++) {
+            const double correction = fabs(newton->correction[i]);
+            if (correction > 0) size.relative = tvi_larger(correction / unit[i], size.relative);
+            largest = tvi_larger(correction, largest);
+            scale = tvi_larger(unit[i], scale);
+        }
+        if (largest > 0) size.of_group = tvi_larger(largest / scale, size.of_group);
+    }
+    return size;
+}
+
+/* An unknown without a size has the largest of its group, or 1; one that is much smaller than others, such as a body
+ * that a wave has not reached, has no accuracy of its own. */
+static inline void newton_fill_scale(tvi_newton *newton)
+{
+    for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
+        double largest = 0;
+        for (int i = first; i < first + newton_group(newton); i++) largest = tvi_larger(newton->scale[i], largest);
+        for (int i = first; i < first + newton_group(newton); i++)
+            if (newton->scale[i] == 0) newton->scale[i] = largest > 0 ? largest : 1;
+            else newton->scale[i] = tvi_larger(TVI_LEAST_SHARE * largest, newton->scale[i]);
+    }
+}
 
 /* has_matrix: whether there is room for a Jacobian, which equations that bring `solve` do without. */
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix);

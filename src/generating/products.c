@@ -347,7 +347,7 @@ static tvi_status close_equations(tvi_closure *c, const double z[], const double
 {
     double largest = 0, *size = iteration_of(c)->size;
     (void)z, (void)scale, (void)stats;
-    tvi_close_measure(c);
+    closure_measure(c);
     for (int i = 0; i < c->n; i++) largest = fmax(largest, c->p_size[i]);
     if (largest == 0) largest = momentum_unit(c);
     for (int i = 0; i < c->n; i++) size[i] = c->p_size[i] > 0 ? fmax(c->p_size[i], TVI_LEAST_SHARE * largest) : largest;

@@ -4,6 +4,7 @@
 #ifndef TVI_SRC_GENERATING_PRODUCTS_H
 #define TVI_SRC_GENERATING_PRODUCTS_H
 
+#include "generating/action.h"
 #include "generating/closure.h"
 
 /* What suits the system: matrices where n is small. Products are for separable systems alone. */

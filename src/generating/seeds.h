@@ -14,6 +14,7 @@
 
 #include "algebra/sizes.h"
 #include "generating/series.h"
+#include "method/origin.h"
 #include "system/roundoff.h"
 
 #ifdef JET_EMITTED
@@ -21,6 +22,14 @@
 #else
 #define SEEDS_VALUES(tape, x, lanes) jet_sweep_values(tape, x, lanes)
 #endif
+
+/* What the orders are at the nodes, [top + 1][points]. Where nodes mirror each other, the even and the odd orders at
+ * the first half of them, [orders / 2][half]: at the other half these are the same but for a sign. Sums over the nodes
+ * have their tables the other way round, [points][top + 1] and [half][seeds_width(orders / 2)]. */
+typedef struct {
+    double *full, *even, *odd;
+    double mirrored; /* what even orders are multiplied by, 1 or -1 */
+} tvi_node_table;
 
 typedef struct tvi_action {
     bool is_hamilton; /* TVI_ACTION_HAMILTON */
@@ -30,11 +39,15 @@ typedef struct tvi_action {
     bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points, orders; /* orders: top + 1 */
     double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
-    double *power, *slope;                  /* [top + 1][points]: s_i^k and its derivative, 0 above q_degree */
-    double *second_slope;                   /* the second one, of all orders */
-    double *node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
-    double *weighted_power, *weighted_slope; /* [points][top + 1]: times the weight, for sums over the nodes */
-    double *row;                             /* [top + 1] */
+    /* Nodes mirror each other: points first .. half - 1, and the others from there on. Whole vectors: one at the centre
+     * is there twice, with half its weight each, and what is left of a half is the first node without weight. 0: they
+     * do not, or the action is not plain. */
+    int half;
+    tvi_node_table power, slope; /* s_i^k and its derivative, 0 above q_degree */
+    tvi_node_table second_slope; /* the second one, of all orders */
+    tvi_node_table node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
+    tvi_node_table weighted_power, weighted_slope; /* times the weight, for sums over the nodes */
+    double *row;                                   /* [top + 1] */
     double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
     double *x;        /* block of the field's values at the nodes, a lane each */
     double *bend;     /* truncated Hamiltonian: block of the bend's values */
@@ -47,17 +60,30 @@ typedef struct tvi_action {
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
-/* row[node] = sum_{k <= degree} coefficient_k table[k][node], coefficient_k at first + k * stride. */
+/* Whole vectors. */
+enum { SEEDS_MOST_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
+static inline int seeds_width(int count) { return (count + 3) / 4 * 4; }
+
+/* row[node] = sum_{k <= degree} coefficient_k table_k(node), coefficient_k at first + k * stride. */
 static inline void seeds_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
-                                  const double *table, double row[])
+                                  const tvi_node_table *table, double row[])
 {
-    CURVE_COMBINE(action, degree + 1, first, stride, action->points, table, row);
+    const int half = action->half;
+    double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
+    if (half == 0) {
+        CURVE_COMBINE(action, degree + 1, first, stride, action->points, table->full, row);
+        return;
+    }
+    CURVE_COMBINE(action, degree / 2 + 1, first, 2 * stride, half, table->even, even);
+    CURVE_COMBINE(action, (degree + 1) / 2, first + stride, 2 * stride, half, table->odd, odd);
+    for (int i = 0; i < half; i++) row[i] = even[i] + odd[i];
+    for (int i = 0; i < half; i++) row[half + i] = table->mirrored * (even[i] - odd[i]);
 }
 
 static inline void seeds_place_times(const tvi_action *action, const tvi_curve *curve, double *x)
 {
-    double *t = x + curve->system->inputs * action->points;
-    if (!curve->system->uses_time) return;
+    double *t = x + curve_inputs(curve) * action->points;
+    if (!curve_uses_time(curve)) return;
     for (int node = 0; node < action->points; node++) t[node] = curve->centre + curve->tau * action->s[node];
 }
 
@@ -66,8 +92,8 @@ static inline void seeds_place_positions(const tvi_action *action, const tvi_cur
 {
     const tvi_system *system = curve->system;
     const size_t stride = (size_t)system->field_series->slots;
-    for (int i = 0; i < curve->n; i++)
-        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, action->node_power,
+    for (int i = 0; i < curve_n(curve); i++)
+        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, &action->node_power,
                        x + i * action->points);
     seeds_place_times(action, curve, x);
 }
@@ -76,9 +102,9 @@ static inline void seeds_place_positions(const tvi_action *action, const tvi_cur
 static inline void seeds_place_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
     const int points = action->points;
-    const size_t stride = (size_t)curve->system->field_series->slots;
-    for (int i = 0; i < curve->n; i++) {
-        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, action->slope, v + i * points);
+    const size_t stride = tvi_curve_slots(curve);
+    for (int i = 0; i < curve_n(curve); i++) {
+        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, &action->slope, v + i * points);
         for (int node = 0; node < points; node++) v[i * points + node] /= curve->tau;
     }
 }
@@ -86,32 +112,33 @@ static inline void seeds_place_velocities(const tvi_action *action, const tvi_cu
 /* The momentum of the curve, where it is needed. */
 static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve->n, points = action->points, degree = action->p_degree;
+    const int n = curve_n(curve), points = action->points, degree = action->p_degree;
     const bool has_momenta = action->is_hamilton || action->has_velocity_defect;
-    if (!has_momenta && !action->by_parts && curve->system->form == TVI_SEPARABLE) return;
+    if (!has_momenta && !action->by_parts && curve_form(curve) == TVI_SEPARABLE) return;
     curve_momenta(curve, degree, action->P);
     for (int i = 0; i < n && has_momenta; i++)
-        seeds_at_nodes(action, degree, action->P + i, (size_t)n, action->power, action->momentum + i * points);
+        seeds_at_nodes(action, degree, action->P + i, (size_t)n, &action->power, action->momentum + i * points);
 }
 
 /* Its derivative, which is M q'' / tau of a separable system. */
 static inline void seeds_forces_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve->n, points = action->points, degree = action->p_degree;
-    const size_t stride = (size_t)curve->system->field_series->slots;
+    const int n = curve_n(curve), points = action->points, degree = action->p_degree;
+    const size_t stride = tvi_curve_slots(curve);
     double *force = action->force;
     for (int i = 0; i < n; i++, force += points)
-        if (curve->system->form == TVI_SEPARABLE) {
-            seeds_at_nodes(action, degree + 1, tvi_curve_Q(curve, 0) + i, stride, action->second_slope, force);
+        if (curve_form(curve) == TVI_SEPARABLE) {
+            seeds_at_nodes(action, degree + 1, tvi_curve_Q(curve, 0) + i, stride, &action->second_slope, force);
             for (int node = 0; node < points; node++) force[node] /= curve->kappa[i];
         } else {
-            seeds_at_nodes(action, degree, action->P + i, (size_t)n, action->slope, force);
+            seeds_at_nodes(action, degree, action->P + i, (size_t)n, &action->slope, force);
         }
 }
 
 static inline const double *seeds_output_row(const tvi_action *action, const jet_tape *tape, const double *x, int i)
 {
-    return x + (size_t)tape->output[i] * (size_t)action->points;
+    (void)tape;
+    return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output)[i] * (size_t)action->points;
 }
 
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
@@ -125,7 +152,7 @@ static inline tvi_status seeds_run_field(const tvi_action *action, const tvi_cur
 static inline void seeds_copy_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
                                       double *panel)
 {
-    for (int i = 0; i < curve->n; i++) {
+    for (int i = 0; i < curve_n(curve); i++) {
         const double *row = seeds_output_row(action, curve->system->field_values, action->x, first + i);
         for (int node = 0; node < action->points; node++) panel[i * action->points + node] = factor * row[node];
     }
@@ -148,8 +175,8 @@ static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *
 /* On-curve: on_q = -tau H_q, on_p = g. - tau H_p. */
 static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve->n, points = action->points;
-    const bool separable = curve->system->form == TVI_SEPARABLE;
+    const int n = curve_n(curve), points = action->points;
+    const bool separable = curve_form(curve) == TVI_SEPARABLE;
     if (!separable) memcpy(action->x + n * points, action->momentum, (size_t)(n * points) * sizeof(double));
     const tvi_status status = seeds_run_field(action, curve);
     if (status != TVI_OK) return status;
@@ -170,9 +197,22 @@ static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curv
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
 /* row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
-static inline const double *seeds_over_nodes(const tvi_action *action, const double *weighted_table, const double *x)
+static inline const double *seeds_over_nodes(const tvi_action *action, const tvi_node_table *weighted, const double *x)
 {
-    CURVE_COMBINE(action, action->points, x, 1, action->orders, weighted_table, action->row);
+    const int half = action->half, orders = action->orders, width = seeds_width((orders + 1) / 2);
+    double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
+    if (half == 0) {
+        CURVE_COMBINE(action, action->points, x, 1, orders, weighted->full, action->row);
+        return action->row;
+    }
+    for (int i = 0; i < half; i++) {
+        sum[i] = x[i] + x[half + i];
+        difference[i] = x[i] - x[half + i];
+    }
+    const bool keeps = weighted->mirrored > 0;
+    CURVE_COMBINE(action, half, keeps ? sum : difference, 1, width, weighted->even, even);
+    CURVE_COMBINE(action, half, keeps ? difference : sum, 1, width, weighted->odd, odd);
+    for (int k = 0; k < orders; k++) action->row[k] = k % 2 == 0 ? even[k / 2] : odd[k / 2];
     return action->row;
 }
 
@@ -183,19 +223,19 @@ static inline void seeds_positions(tvi_action *action, int n, double seed[])
     seeds_subtract(action, n, action->force, action->on_q); /* the defect */
     for (int i = 0; i < n; i++) {
         const double *defect = action->on_q + i * points, *force = action->force + i * points;
-        const double *row = seeds_over_nodes(action, action->weighted_power, defect);
+        const double *row = seeds_over_nodes(action, &action->weighted_power, defect);
         for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
         if (!action->truncated) continue;
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) *
-                               (action->power[N * points + node] - action->node_power[N * points + node]);
+                               (action->power.full[N * points + node] - action->node_power.full[N * points + node]);
     }
 }
 
 static inline void seeds_velocities(const tvi_action *action, int n, double seed[])
 {
     for (int i = 0; i < n; i++) {
-        const double *row = seeds_over_nodes(action, action->weighted_slope, action->on_v + i * action->points);
+        const double *row = seeds_over_nodes(action, &action->weighted_slope, action->on_v + i * action->points);
         for (int k = 1; k <= action->q_degree; k++) seed[k * n + i] += row[k];
     }
 }
@@ -203,23 +243,23 @@ static inline void seeds_velocities(const tvi_action *action, int n, double seed
 /* dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int n = curve->n;
+    const int n = curve_n(curve);
     for (int i = 0; i < n; i++) {
-        const double *row = seeds_over_nodes(action, action->weighted_power, action->on_p + i * action->points);
+        const double *row = seeds_over_nodes(action, &action->weighted_power, action->on_p + i * action->points);
         for (int k = 0; k <= action->p_degree; k++) {
             const double seed = row[k] / curve->kappa[i];
-            if (curve->system->form != TVI_SEPARABLE) seed_U[k * n + i] = seed;
-            else if (k < curve->top) seed_Q[(k + 1) * n + i] += (k + 1) * seed;
+            if (curve_form(curve) != TVI_SEPARABLE) seed_U[k * n + i] = seed;
+            else if (k < curve_top(curve)) seed_Q[(k + 1) * n + i] += (k + 1) * seed;
         }
     }
 }
 
 static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve->n;
+    const int n = curve_n(curve);
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
-            const double error = action->by_parts[k * (curve->top + 1) + j];
+            const double error = action->by_parts[k * (curve_top(curve) + 1) + j];
             if (error == 0) continue;
             for (int i = 0; i < n; i++) seed[k * n + i] += error * action->P[j * n + i];
         }
@@ -230,8 +270,10 @@ static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *cur
 /* The curve at the nodes. Seeds that are not set are 0; those of U, which a separable system has not, are never set. */
 static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    for (int i = (action->q_degree + 1) * curve->n; i < (curve->top + 1) * curve->n; i++) seed_Q[i] = 0;
-    for (int i = 0; i < (curve->top + 1) * curve->n && curve->system->form != TVI_SEPARABLE; i++) seed_U[i] = 0;
+    for (int i = (action->q_degree + 1) * curve_n(curve); i < (curve_top(curve) + 1) * curve_n(curve); i++)
+        seed_Q[i] = 0;
+    for (int i = 0; i < (curve_top(curve) + 1) * curve_n(curve) && curve_form(curve) != TVI_SEPARABLE; i++)
+        seed_U[i] = 0;
     seeds_momenta_at_nodes(action, curve);
     seeds_forces_at_nodes(action, curve);
     seeds_place_positions(action, curve, action->x);
@@ -240,13 +282,13 @@ static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, doubl
 /* From the terms at the nodes. */
 static inline tvi_status seeds_end(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int n = curve->n, seeds = (curve->top + 1) * n;
+    const int n = curve_n(curve), seeds = (curve_top(curve) + 1) * n;
     const bool is_bent = action->is_hamilton && action->truncated;
     seeds_positions(action, n, seed_Q);
     if (is_bent || action->has_velocity_defect) seeds_velocities(action, n, seed_Q);
     if (is_bent || action->has_momentum_defect) seeds_momenta(action, curve, seed_Q, seed_U);
     if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
-    const bool has_U = curve->system->form != TVI_SEPARABLE;
+    const bool has_U = curve_form(curve) != TVI_SEPARABLE;
     const bool are_finite = tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U));
     return are_finite ? TVI_OK : TVI_ENONFINITE;
 }
@@ -268,12 +310,12 @@ static inline tvi_status seeds_plainly(tvi_action *action, const tvi_curve *curv
 /* ---- What generated code has ------------------------------------------------------------------------------------- */
 
 /* The functions of curve.h and action.h, for curves and actions of these sizes. */
+struct tvi_curve_work;
 typedef struct tvi_curve_code {
-    int top, lanes;
+    int top;
     /* The whole series from the centre data; NULL: order by order. */
     tvi_status (*expand)(tvi_curve *curve);
-    /* Of the directions first, ..., so many as lanes. */
-    void (*differentiate)(tvi_curve *curve, int first);
+    void (*differentiate)(tvi_curve *curve);
     void (*sizes)(const tvi_curve *curve, double size[]);
     void (*sum)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*measure)(const tvi_curve *curve);
@@ -283,6 +325,9 @@ typedef struct tvi_curve_code {
     void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
     /* Of plain seeds; NULL: the library's own. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+    /* Of step_quickly (curve_step.h); NULL: there is none. */
+    bool (*step)(struct tvi_curve_work *work, double tau, const tvi_origin *origin, double dq[], double dp[],
+                 tvi_stats *stats);
 } tvi_curve_code;
 
 #endif

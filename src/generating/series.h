@@ -16,6 +16,13 @@
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
 #endif
 
+/* A function of curve.h. */
+#ifdef JET_EMITTED
+#define CURVE_CALL(function, ...) curve_##function(__VA_ARGS__)
+#else
+#define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
+#endif
+
 /* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
  * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is.
  */
@@ -42,6 +49,7 @@ typedef struct {
     double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
     double *dz;             /* [2n] the direction of pushes */
     double *by_U;           /* [2n] a pull's part by dU */
+    double *pushed;         /* [n][2n] the Jacobian of a push */
     int q_degree, p_degree; /* of the tail, */
     tvi_combination q_sizes, u_sizes;
     double *movement, *momentum; /* [n] and what these sums are */
@@ -51,15 +59,72 @@ typedef struct {
 
 static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
 
+/* ---- The sizes --------------------------------------------------------------------------------------------------- */
+
+/* Constants of generated code, which has them before this text; CURVE_SLOT: the slots of the field. */
+#ifdef JET_EMITTED
+#define CURVE_SIZE(constant, otherwise) (constant)
+#else
+#define CURVE_SIZE(constant, otherwise) (otherwise)
+#endif
+
+static inline int curve_n(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_N, curve->n);
+}
+
+static inline int curve_top(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_TOP, curve->top);
+}
+
+static inline int curve_inputs(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_INPUTS, curve->system->inputs);
+}
+
+static inline bool curve_uses_time(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_USES_TIME, curve->system->uses_time);
+}
+
+static inline tvi_form curve_form(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_FORM, curve->system->form);
+}
+
+/* Where output i of the field stands. */
+static inline int curve_slot(const tvi_curve *curve, int i)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output)[i];
+}
+
+/* Whether a combination is one of coefficients of its own: those of a separable system's momentum are of q. */
+static inline bool curve_is_of_momentum(const tvi_curve *curve, const tvi_combination *combination)
+{
+    return curve_form(curve) != TVI_SEPARABLE && combination->of_momentum;
+}
+
 /* ---- The block of the series ------------------------------------------------------------------------------------- */
 
 enum { TVI_CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
 
-static inline size_t tvi_curve_slots(const tvi_curve *curve) { return (size_t)curve->system->field_series->slots; }
+static inline size_t tvi_curve_slots(const tvi_curve *curve)
+{
+    (void)curve;
+    return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots);
+}
 
+/* The same of generated code, whose small systems have one sweep. */
 static inline int tvi_curve_lanes_of(const tvi_system *system)
 {
-    return 2 * system->n < TVI_CURVE_LANES ? 2 * system->n : TVI_CURVE_LANES;
+    return 2 * system->n <= 2 * TVI_CURVE_LANES ? 2 * system->n : TVI_CURVE_LANES;
 }
 
 static inline size_t tvi_curve_lanes(const tvi_curve *curve) { return (size_t)tvi_curve_lanes_of(curve->system); }
@@ -73,7 +138,37 @@ static inline double *tvi_curve_input(const tvi_curve *curve, int k)
 /* Output i of the field at order k. */
 static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
 {
-    return tvi_curve_input(curve, k)[curve->system->field_series->output[i]];
+    return tvi_curve_input(curve, k)[curve_slot(curve, i)];
+}
+
+/* ---- Where it starts --------------------------------------------------------------------------------------------- */
+
+/* tau, and what follows from it. */
+static inline void curve_set_step(tvi_curve *curve, double tau)
+{
+    curve->tau = tau;
+    for (int i = 0; i < curve_n(curve) && curve_form(curve) == TVI_SEPARABLE; i++)
+        curve->kappa[i] = tau / curve->system->mass[i];
+}
+
+/* z, of which the second half is tau v of a Lagrangian. */
+static inline void curve_place(const tvi_curve *curve, const double z[])
+{
+    const int n = curve_n(curve);
+    const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
+    double *q = tvi_curve_input(curve, 0), *second = is_separable ? tvi_curve_input(curve, 1) : q + n;
+    const double part = curve_form(curve) == TVI_LAGRANGIAN ? curve->tau : 1;
+    for (int i = 0; i < n; i++) {
+        q[i] = z[i];
+        second[i] = z[n + i] / part;
+    }
+}
+
+static inline void curve_place_time(const tvi_curve *curve)
+{
+    if (!curve_uses_time(curve)) return;
+    tvi_curve_input(curve, 0)[curve_inputs(curve)] = curve->centre;
+    if (curve_top(curve) > 0) tvi_curve_input(curve, 1)[curve_inputs(curve)] = curve->tau;
 }
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
@@ -81,10 +176,10 @@ static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
 /* U_k = kappa P_k of component i. */
 static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
 {
-    switch (curve->system->form) {
-    case TVI_SEPARABLE: return k < curve->top ? (k + 1) * tvi_curve_input(curve, k + 1)[i] : 0;
-    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve->n + i);
-    default: return (tvi_curve_input(curve, k) + curve->n)[i];
+    switch (curve_form(curve)) {
+    case TVI_SEPARABLE: return k < curve_top(curve) ? (k + 1) * tvi_curve_input(curve, k + 1)[i] : 0;
+    case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve_n(curve) + i);
+    default: return (tvi_curve_input(curve, k) + curve_n(curve))[i];
     }
 }
 
@@ -93,16 +188,16 @@ static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return 
 
 static inline bool curve_is_finite(const tvi_curve *curve)
 {
-    return tvi_rows_are_finite(curve->top + 1, tvi_curve_slots(curve), curve->system->inputs, curve->x);
+    return tvi_rows_are_finite(curve_top(curve) + 1, tvi_curve_slots(curve), curve_inputs(curve), curve->x);
 }
 
 /* The natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
 static inline void curve_sizes(const tvi_curve *curve, double size[])
 {
-    const int n = curve->n;
-    const bool hamiltonian = curve->system->form == TVI_HAMILTONIAN;
+    const int n = curve_n(curve);
+    const bool hamiltonian = curve_form(curve) == TVI_HAMILTONIAN;
     memset(size, 0, 2 * (size_t)n * sizeof *size);
-    for (int k = curve->top; k >= 0; k--) {
+    for (int k = curve_top(curve); k >= 0; k--) {
         const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + n : Q;
         for (int i = 0; i < n; i++) {
             size[i] += fabs(Q[i]);
@@ -114,10 +209,10 @@ static inline void curve_sizes(const tvi_curve *curve, double size[])
 /* P_k of all orders k, [degree + 1][n]. */
 static inline void curve_momenta(const tvi_curve *curve, int degree, double out[])
 {
-    const int n = curve->n;
-    const bool is_separable = curve->system->form == TVI_SEPARABLE;
+    const int n = curve_n(curve);
+    const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
     for (int k = 0; k <= degree; k++, out += n) {
-        const bool is_next = is_separable && k < curve->top;
+        const bool is_next = is_separable && k < curve_top(curve);
         const double *next = is_next ? tvi_curve_input(curve, k + 1) : NULL;
         for (int i = 0; i < n; i++) out[i] = is_next ? (k + 1) * next[i] / curve->kappa[i] : tvi_curve_U(curve, k, i);
     }
@@ -128,13 +223,15 @@ typedef void curve_adder(size_t, const double[], size_t, size_t, const double[],
 static inline void curve_sum_by(curve_adder *add, const tvi_curve *curve, const tvi_combination *combination,
                                 double out[])
 {
-    const int n = curve->n;
-    const int *slot = curve->system->field_series->output + n;
+    const int n = curve_n(curve);
     memset(out, 0, (size_t)n * sizeof *out);
-    const size_t orders = (size_t)curve->top + 1, stride = tvi_curve_slots(curve);
-    if (combination->of_momentum && curve->system->form == TVI_LAGRANGIAN)
-        for (int i = 0; i < n; i++) add(orders, combination->weight, stride, 1, curve->x + slot[i], out + i);
-    else add(orders, combination->weight, stride, (size_t)n, curve->x + (combination->of_momentum ? n : 0), out);
+    const size_t orders = (size_t)curve_top(curve) + 1, stride = tvi_curve_slots(curve);
+    if (curve_is_of_momentum(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
+        for (int i = 0; i < n; i++)
+            add(orders, combination->weight, stride, 1, curve->x + curve_slot(curve, n + i), out + i);
+    else
+        add(orders, combination->weight, stride, (size_t)n,
+            curve->x + (curve_is_of_momentum(curve, combination) ? n : 0), out);
 }
 
 static inline void curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
@@ -146,7 +243,7 @@ static inline void curve_sum(const tvi_curve *curve, const tvi_combination *comb
 static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
 {
     const int q_degree = curve->q_degree, p_degree = curve->p_degree;
-    const bool has_masses = curve->system->form == TVI_SEPARABLE;
+    const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
     const double momentum = curve->momentum[i], movement = curve->movement[i];
     return (tvi_tail_part){.momentum = momentum,
                            .movement = movement,
@@ -165,16 +262,16 @@ static inline void curve_measure(const tvi_curve *curve)
 
 static inline double curve_tail(const tvi_curve *curve)
 {
-    const bool has_masses = curve->system->form == TVI_SEPARABLE;
+    const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
     tvi_tail_survey survey = {0, 0, 0};
     if (curve->p_degree < 2) return 0;
-    for (int i = 0; i < curve->n; i++) {
+    for (int i = 0; i < curve_n(curve); i++) {
         const tvi_tail_part part = curve_tail_part(curve, i);
         tvi_tail_look(&survey, &part, has_masses);
     }
     if (tvi_tail_is_known(&survey)) return survey.ratio;
     double tail = 0;
-    for (int i = 0; i < curve->n; i++) {
+    for (int i = 0; i < curve_n(curve); i++) {
         const tvi_tail_part part = curve_tail_part(curve, i);
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }

@@ -25,8 +25,8 @@ static inline void curve_scale_lanes(size_t lanes, double factor, const double *
 /* dz = unit vectors: where the components of z stand among the inputs. */
 static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
 {
-    const tvi_form form = curve->system->form;
-    const int n = curve->n;
+    const tvi_form form = curve_form(curve);
+    const int n = curve_n(curve);
     for (size_t lane = 0; lane < b->lanes; lane++) {
         const int direction = b->first + (int)lane;
         if (direction < n) curve_tangent(curve, b, 0, direction)[lane] = 1;
@@ -38,10 +38,10 @@ static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
 /* Inputs and constants are 0, but for the direction. */
 static inline void curve_begin_block(tvi_curve *curve, const curve_block *b)
 {
-    const jet_tape *tape = curve->system->field_series;
+    const int constants = CURVE_SIZE(tvi_series.constants, curve->system->field_series->constants);
     /* the layout depends on the number of lanes, so that constants too must be cleared */
-    const size_t fixed = (size_t)(tape->inputs + tape->constants) * b->lanes;
-    for (int k = 0; k <= curve->top; k++) memset(curve_tangent(curve, b, k, 0), 0, fixed * sizeof(double));
+    const size_t fixed = (size_t)(curve_inputs(curve) + curve_uses_time(curve) + constants) * b->lanes;
+    for (int k = 0; k <= curve_top(curve); k++) memset(curve_tangent(curve, b, k, 0), 0, fixed * sizeof(double));
     curve_seed_directions(curve, b);
 }
 
@@ -49,8 +49,8 @@ static inline void curve_begin_block(tvi_curve *curve, const curve_block *b)
 static inline void curve_store(const tvi_curve *curve, const curve_block *b, const int slot_of_component[],
                                int first_slot, double *jacobian)
 {
-    const size_t n = (size_t)curve->n;
-    for (int k = 0; k <= curve->top; k++)
+    const size_t n = (size_t)curve_n(curve);
+    for (int k = 0; k <= curve_top(curve); k++)
         for (size_t i = 0; i < n; i++) {
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
             curve_scale_lanes(b->lanes, 1, curve_tangent(curve, b, k, slot),
@@ -60,46 +60,42 @@ static inline void curve_store(const tvi_curve *curve, const curve_block *b, con
 
 static inline void curve_end_block(tvi_curve *curve, const curve_block *b)
 {
-    const tvi_form form = curve->system->form;
-    const int n = curve->n;
-    if (form == TVI_LAGRANGIAN) curve_store(curve, b, curve->system->field_series->output + n, 0, curve->dU);
+    const tvi_form form = curve_form(curve);
+    const int n = curve_n(curve);
+    if (form == TVI_LAGRANGIAN)
+        curve_store(curve, b, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output) + n, 0, curve->dU);
     if (form == TVI_HAMILTONIAN) curve_store(curve, b, NULL, n, curve->dU);
     curve_store(curve, b, NULL, 0, curve->dQ);
 }
 
 static inline const double *curve_jacobians(const tvi_curve *curve, const tvi_combination *combination)
 {
-    return combination->of_momentum ? curve->dU : curve->dQ;
+    return curve_is_of_momentum(curve, combination) ? curve->dU : curve->dQ;
 }
 
 static inline void curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
 {
-    CURVE_COMBINE(curve->system->field_series, curve->top + 1, combination->weight, 1, 2 * curve->n * curve->n,
-                  curve_jacobians(curve, combination), matrix);
+    CURVE_COMBINE(curve->system->field_series, curve_top(curve) + 1, combination->weight, 1,
+                  2 * curve_n(curve) * curve_n(curve), curve_jacobians(curve, combination), matrix);
 }
 
 static inline void curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    const size_t n = (size_t)curve->n, directions = 2 * n;
-    memset(out, 0, n * sizeof *out);
-    for (int k = curve->top; k >= 0; k--) {
-        const double weight = combination->weight[k];
-        if (weight == 0) continue;
-        const double *dC = curve_jacobians(curve, combination) + (size_t)k * n * directions;
-        for (size_t i = 0; i < n; i++) {
-            double sum = 0;
-            for (size_t d = 0; d < directions; d++) sum += dC[i * directions + d] * curve->dz[d];
-            out[i] += weight * sum;
-        }
+    const int n = curve_n(curve), directions = 2 * n;
+    curve_sum_jacobian(curve, combination, curve->pushed);
+    for (int i = 0; i < n; i++) {
+        double sum = 0;
+        for (int d = 0; d < directions; d++) sum += curve->pushed[i * directions + d] * curve->dz[d];
+        out[i] = sum;
     }
 }
 
 static inline void curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
     const jet_tape *tape = curve->system->field_series;
-    const int directions = 2 * curve->n, rows = (curve->top + 1) * curve->n;
+    const int directions = 2 * curve_n(curve), rows = (curve_top(curve) + 1) * curve_n(curve);
     CURVE_COMBINE(tape, rows, seed_Q, 1, directions, curve->dQ, out);
-    if (!curve->dU || !seed_U) return;
+    if (curve_form(curve) == TVI_SEPARABLE || !seed_U) return;
     CURVE_COMBINE(tape, rows, seed_U, 1, directions, curve->dU, curve->by_U);
     for (int d = 0; d < directions; d++) out[d] += curve->by_U[d];
 }

@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_METHOD_DESCRIPTOR_H
 #define TVI_SRC_METHOD_DESCRIPTOR_H
 
+#include "method/closing.h"
 #include "method/stepper.h"
 
 /* The forms of systems that a method serves, and what it says to the others. */
@@ -34,28 +35,10 @@ typedef enum {
     TVI_GAUSS_OF_DEGREE /* the degree is the number of its nodes */
 } tvi_quadrature_use;
 
-/* Where the step's ends lie in the scaled time of a curve, and tau as a multiple of h. */
-typedef struct {
-    double from, to, tau;
-} tvi_span;
-
 typedef enum {
     TVI_ACTION_LAGRANGE, /* h sum b_i L(q_i, v_i, t_i)                 */
     TVI_ACTION_HAMILTON  /* h sum b_i [p_i . q'_i - H(q_i, p_i, t_i)]  */
 } tvi_action_kind;
-
-/* Solves a generating function's equations for the corrections of the curve's ends: generating/closure.h. */
-struct tvi_closure;
-typedef tvi_status tvi_close_fn(struct tvi_closure *closure);
-
-/* The corrections of both ends from the solution (x, y) of [J1; J2]^T (x, y) = D_z (generating/closure.h), J1 the
- * Jacobian of the mean of the ends' coordinates: the coordinates' are these parts of kappa y, the momenta's these of x
- * and y. */
-typedef struct {
-    bool has_momenta; /* J2 is that of the mean of the scaled momenta, else of the rise of the coordinates */
-    double from_q, rise_q;
-    double from_p[2], rise_p[2];
-} tvi_mean_closing;
 
 /* A Taylor curve, and what a generating function adds to it. */
 typedef struct {

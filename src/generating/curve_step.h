@@ -1,0 +1,204 @@
+/* curve_step.h - the parts of a step of a method that expands one curve: part of the text of generated code (emit.c),
+ * where every size is a constant. */
+#ifndef TVI_SRC_GENERATING_CURVE_STEP_H
+#define TVI_SRC_GENERATING_CURVE_STEP_H
+
+#include "algebra/linear_small.h"
+#include "generating/curve_stepper.h"
+#include "generating/matrices.h"
+
+/* The time about which the curve of the step is expanded. */
+static inline double step_centre(const tvi_curve_work *w, const tvi_origin *origin, double tau)
+{
+    return origin->t + (origin->t_low - w->closure.span.from * tau);
+}
+
+/* z at the centre, of the curve that starts at the start of the step. */
+static inline void step_move_to_centre(const tvi_curve_work *w, double z[])
+{
+    const tvi_closure *c = &w->closure;
+    CURVE_CALL(sum, &c->curve, &w->q_centre, z);
+    CURVE_CALL(sum, &c->curve, &w->z_centre, z + curve_n(&c->curve));
+}
+
+/* The natural sizes of the unknowns. All that a curve of degree 0 or 1 knows of a body that starts at rest is the
+ * corrections, which are momenta: in the unit of the unknown but for a Lagrangian. */
+static inline void step_set_scale(const tvi_closure *c, double scale[])
+{
+    const tvi_curve *curve = &c->curve;
+    const int n = curve_n(&c->curve);
+    CURVE_CALL(sizes, curve, scale);
+    if (curve_top(curve) > 1 || curve_form(&c->curve) == TVI_LAGRANGIAN) return;
+    for (int i = 0; i < n; i++) {
+        scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
+        scale[n + i] += fabs(c->curve.kappa[i]) * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
+    }
+}
+
+/* r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
+static inline void step_form_residual(const tvi_curve_work *w, const tvi_origin *origin, double r[])
+{
+    const tvi_closure *c = &w->closure;
+    const int n = curve_n(&c->curve);
+    const double *Q0 = tvi_curve_Q(&c->curve, 0);
+    CURVE_CALL(sum, &c->curve, &w->q_back, r);
+    CURVE_CALL(sum, &c->curve, &c->u_from, r + n);
+    for (int i = 0; i < n; i++) {
+        const double kappa = c->curve.kappa[i];
+        r[i] += (Q0[i] - origin->q[i]) + (c->from_q[i] - origin->q_low[i]);
+        r[n + i] = (r[n + i] - kappa * origin->p[i]) + kappa * (c->from_p[i] - origin->p_low[i]);
+    }
+}
+
+/* Whether there are corrections; generated code has no steps without. */
+static inline bool step_corrects(const tvi_curve_work *w)
+{
+    (void)w;
+    return CURVE_SIZE(true, w->corrects);
+}
+
+/* out = sum of the combination at z + dz, to first order in dz. */
+static inline void step_sum_and_push(const tvi_curve_work *w, const tvi_combination *combination, double out[])
+{
+    CURVE_CALL(sum, &w->closure.curve, combination, out);
+    if (!step_corrects(w)) return;
+    CURVE_CALL(push, &w->closure.curve, combination, w->shift);
+    for (int i = 0; i < curve_n(&w->closure.curve); i++) out[i] += w->shift[i];
+}
+
+/* dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
+static inline void step_increments(const tvi_curve_work *w, const tvi_combination *q_rise,
+                                   const tvi_combination *u_rise, double part, double dq[], double dp[])
+{
+    const tvi_closure *c = &w->closure;
+    step_sum_and_push(w, q_rise, dq);
+    step_sum_and_push(w, u_rise, dp);
+    for (int i = 0; i < curve_n(&c->curve); i++) {
+        dp[i] /= c->curve.kappa[i];
+        if (!step_corrects(w)) continue;
+        dq[i] += part * c->rise_q[i];
+        dp[i] += part * c->rise_p[i];
+    }
+}
+
+/* From the curve to what the step returns; and its tail. */
+static inline double step_finish(const tvi_curve_work *w, double dq[], double dp[])
+{
+    step_increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
+    CURVE_CALL(measure, &w->closure.curve);
+    return CURVE_CALL(tail, &w->closure.curve);
+}
+
+/* ---- A whole step ------------------------------------------------------------------------------------------------ */
+
+/* The functions of a curve's code that are not of one place: to expand it, with its Jacobians or without. */
+typedef struct {
+    tvi_status (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
+    tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+} step_makers;
+
+/* A step at hand. */
+typedef struct {
+    tvi_curve_work *work;
+    const step_makers *by;
+    int factorisations;
+} step_quick;
+
+/* The factors of new Jacobians. */
+static inline bool step_factor(step_quick *a, const double z[])
+{
+    const tvi_closure *c = &a->work->closure;
+    const int size = 2 * curve_n(&c->curve);
+    tvi_factor *full = &matrices_of(c)->full, *back = &a->work->newton.factor;
+    matrices_take(c, z);
+    matrices_join(c, &c->q_mean, c->mean->has_momenta ? &c->u_mean : &c->q_rise, full->lu);
+    const bool has_back = matrices_jacobian(c, back->lu), is_large = linear_plain_factor(size, full);
+    a->factorisations += 1 + has_back;
+    return is_large && (!has_back || linear_plain_factor(size, back));
+}
+
+/* The correction of a pass at x, and its size; false: it is not one that the quick step makes. */
+static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_first, tvi_newton_size *correction)
+{
+    tvi_curve_work *w = a->work;
+    tvi_closure *c = &w->closure;
+    tvi_newton *newton = &w->newton;
+    const int size = 2 * curve_n(&c->curve);
+    double *x = newton->x, *r = newton->correction;
+    const bool is_due = matrices_are_due(c, x, newton->scale);
+    curve_place(&c->curve, x);
+    if ((is_due ? a->by->expand_all : a->by->expand)(&c->curve) != TVI_OK) return false;
+    if (a->by->seed(&w->action, &c->curve, c->seed_Q, c->seed_U) != TVI_OK) return false;
+    if (is_due && !step_factor(a, x)) return false;
+    CURVE_CALL(pull, &c->curve, c->seed_Q, c->seed_U, c->D);
+    linear_plain_solve_transposed(size, &matrices_of(c)->full, c->D);
+    closure_correct_ends(c);
+    step_form_residual(w, origin, r);
+    if (is_first) {
+        step_set_scale(c, newton->scale);
+        newton_fill_scale(newton);
+    }
+    for (int i = 0; i < size; i++) r[i] = -r[i];
+    linear_plain_solve(size, &newton->factor, r);
+    *correction = newton_measure(newton, newton->scale);
+    return tvi_rows_are_finite(1, 0, size, r);
+}
+
+/* Passes of the corrector until they may end, so many at most; 0: they do not. */
+enum { STEP_QUICK_PASSES = 8 };
+static inline int step_passes(step_quick *a, const tvi_origin *origin, double *size)
+{
+    tvi_newton *newton = &a->work->newton;
+    const tvi_newton_history before = *newton->history;
+    tvi_newton_passes at;
+    tvi_newton_begin(&at, newton->history, a->work->options, newton->is_rough);
+    matrices_begin(matrices_of(&a->work->closure));
+    for (int count = 1; count <= STEP_QUICK_PASSES; count++) {
+        tvi_newton_size correction;
+        if (!step_pass(a, origin, count == 1, &correction)) break;
+        const tvi_passes_verdict verdict = tvi_newton_judge(&at, &newton->rules, correction);
+        if (verdict == TVI_PASSES_STUCK) break;
+        if (verdict == TVI_PASSES_MAY_END) {
+            newton->history->slack = tvi_larger(newton->history->slack, at.of_each.slack);
+            *size = correction.relative;
+            return count;
+        }
+        for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
+    }
+    *newton->history = before;
+    return 0;
+}
+
+/* A step whose passes converge as they mostly do, of the generating functions of tvi_close_mean; false: nothing is
+ * made, and the step is one of curve_stepper.c. */
+static inline bool step_quickly(tvi_curve_work *w, const step_makers *by, double tau, const tvi_origin *origin,
+                                double dq[], double dp[], tvi_stats *stats)
+{
+    tvi_curve *curve = &w->closure.curve;
+    const int n = curve_n(curve);
+    double *x = w->newton.x;
+    curve_set_step(curve, tau);
+    for (int i = 0; i < n; i++) {
+        x[i] = origin->q[i];
+        x[n + i] = curve->kappa[i] * origin->p[i];
+    }
+    curve->centre = origin->t + origin->t_low;
+    curve_place(curve, x);
+    curve_place_time(curve);
+    if (by->expand(curve) != TVI_OK) return false;
+    step_move_to_centre(w, x);
+    curve->centre = step_centre(w, origin, tau);
+    curve_place_time(curve);
+    step_quick at_hand = {w, by, 0};
+    const int passes = step_passes(&at_hand, origin, &stats->residual);
+    if (passes == 0) return false;
+    for (int i = 0; i < 2 * n; i++) curve->dz[i] = w->newton.correction[i];
+    stats->tail = step_finish(w, dq, dp);
+    stats->passes += passes;
+    stats->expansions += 1 + passes;
+    stats->factorisations += at_hand.factorisations;
+    stats->force_evaluations += passes * w->options->quadrature_points;
+    return true;
+}
+
+#endif

@@ -1,0 +1,108 @@
+/* matrices.h - equations with the transposed Jacobians of the curve's ends where these are matrices: part of the text
+ * of generated code (emit.c), where every size is a constant. */
+#ifndef TVI_SRC_GENERATING_MATRICES_H
+#define TVI_SRC_GENERATING_MATRICES_H
+
+#include "generating/closure.h"
+#include "generating/tangents.h"
+
+/* What reused Jacobians may do to the state, relative to it: well below the roundoff of a step. */
+static const double MATRICES_STALE = DBL_EPSILON / 16;
+
+/* The corrector's Jacobian serves passes that contract this well or nearly: those before it have gone farther. */
+static const double MATRICES_NEAR = 1e-4;
+
+/* The Jacobians of the curve, and what is made of them. They are counted as they are taken, from 0 in each step: what
+ * is of the last ones is valid. */
+typedef struct {
+    double *z;       /* [2n] where they were taken */
+    int taken;       /* how often, in this step */
+    int factored;    /* the factor is of these */
+    bool is_given;   /* the corrector has one, */
+    double moved;    /* from which z has moved so far, relative to its size, before the last ones were taken */
+    double *G;       /* [n][2n] scratch for Jacobians of the ends */
+    tvi_factor half; /* n x n, or */
+    tvi_factor full; /* 2n x 2n: a generating function has one of them */
+} tvi_matrices;
+
+static inline tvi_matrices *matrices_of(const tvi_closure *c) { return c->solving; }
+
+static inline void matrices_begin(tvi_matrices *m)
+{
+    m->taken = m->factored = 0;
+    m->is_given = false;
+}
+
+/* The Jacobians of the curve were taken at z. */
+static inline void matrices_take(const tvi_closure *c, const double z[])
+{
+    memcpy(matrices_of(c)->z, z, 2 * (size_t)curve_n(&c->curve) * sizeof *z);
+    matrices_of(c)->taken++;
+}
+
+/* Those of two combinations, one above the other: [2n][2n]. */
+static inline void matrices_join(const tvi_closure *c, const tvi_combination *first, const tvi_combination *second,
+                                 double matrix[])
+{
+    CURVE_CALL(sum_jacobian, &c->curve, first, matrix);
+    CURVE_CALL(sum_jacobian, &c->curve, second, matrix + 2 * curve_n(&c->curve) * curve_n(&c->curve));
+}
+
+/* For the corrector: J = d(q-, u-)/dz, or false where the last one still serves. */
+static inline bool matrices_jacobian(const tvi_closure *c, double matrix[])
+{
+    tvi_matrices *m = matrices_of(c);
+    if (m->is_given && m->moved <= MATRICES_NEAR) return false;
+    m->is_given = true;
+    m->moved = 0;
+    matrices_join(c, &c->q_from, &c->u_from, matrix);
+    return true;
+}
+
+/* sum_k |seed_k| of component i. */
+static inline double matrices_seed_size(const tvi_closure *c, const double seed[], int i)
+{
+    double size = 0;
+    for (int k = 0; k <= curve_top(&c->curve); k++) size += fabs(seed[k * curve_n(&c->curve) + i]);
+    return size;
+}
+
+/* How far z is from where the Jacobians were taken, relative to its size. */
+static inline double matrices_distance(const tvi_closure *c, const double z[], const double scale[])
+{
+    const double *z_taken = matrices_of(c)->z;
+    double distance = 0;
+    for (int i = 0; i < 2 * curve_n(&c->curve); i++)
+        distance = tvi_larger(tvi_ratio(fabs(z[i] - z_taken[i]), scale[i]), distance);
+    return distance;
+}
+
+/* Jacobians that were taken at another z are wrong by about the relative distance to it. They multiply the seeds, which
+ * need not be as small as the D_z that they add up to, and the corrections: this bounds what that does to the state,
+ * relative to the state. */
+static inline double matrices_staleness(const tvi_closure *c, double distance, const double scale[])
+{
+    double part = 0;
+    closure_measure(c);
+    for (int i = 0; i < curve_n(&c->curve); i++) {
+        const double of_q = fabs(c->curve.kappa[i]) * matrices_seed_size(c, c->seed_U, i),
+                     of_p = matrices_seed_size(c, c->seed_Q, i);
+        part = tvi_larger(tvi_ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]), part);
+        part = tvi_larger(tvi_ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, c->p_size[i]), part);
+    }
+    return distance * part;
+}
+
+/* Whether the Jacobians are to be taken at z: those of the first pass serve the later ones as long as that shows
+ * nowhere, by the corrections of the pass before. */
+static inline bool matrices_are_due(const tvi_closure *c, const double z[], const double scale[])
+{
+    tvi_matrices *m = matrices_of(c);
+    if (m->taken == 0) return true;
+    const double distance = matrices_distance(c, z, scale);
+    if (matrices_staleness(c, distance, scale) <= MATRICES_STALE) return false;
+    m->moved += distance;
+    return true;
+}
+
+#endif
