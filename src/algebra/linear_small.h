@@ -197,7 +197,7 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_factor *factor, bool transp
 
 JET_INLINE tvi_status linear_small_compute(int n, tvi_factor *factor)
 {
-    if (!tvi_rows_are_finite(1, 0, n * n, factor->lu)) return TVI_ENONFINITE;
+    if (!tvi_all_finite(n * n, factor->lu)) return TVI_ENONFINITE;
     linear_equilibrate(n, factor);
     linear_small_factor(n, factor->lu, factor->pivot);
     return linear_verdict(n, true, factor);

@@ -246,8 +246,7 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
             nodes.x = x;                                                                                               \
         }                                                                                                              \
-        if ((UNKNOWNS) <= GALERKIN_FEW && row->steps > 1)                                                              \
-            return steady_few(frame, &nodes, motion, &form, row, now, to, (LANES));                                    \
+        if ((UNKNOWNS) <= GALERKIN_FEW) return steady_few(frame, &nodes, motion, &form, row, now, to, (LANES));        \
         return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
     }
 

@@ -141,7 +141,7 @@ static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_fi
     for (int i = 0; i < size; i++) r[i] = -r[i];
     linear_plain_solve(size, &newton->factor, r);
     *correction = newton_measure(newton, newton->scale);
-    return tvi_rows_are_finite(1, 0, size, r);
+    return tvi_all_finite(size, r);
 }
 
 /* Passes of the corrector until they may end, so many at most; 0: they do not. */

@@ -82,9 +82,9 @@ void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[])
     const tvi_system *system = curve->system;
     const size_t n = (size_t)curve->n;
     for (int k = last - 2; k >= 0; k--) {
-        const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
+        const double part = curve->tau / ((k + 1) * (k + 2)), *above = adjoint_of_Q(curve, k + 2);
         double *bar = adjoint_of_Q(curve, k);
-        for (size_t i = 0; i < n; i++) bar[system->field_series->output[i]] += factor / system->mass[i] * above[i];
+        for (size_t i = 0; i < n; i++) bar[system->field_series->output[i]] += part * curve->kappa[i] * above[i];
         jet_sweep_adjoints(system->field_series, curve->x, curve->bar, k, last - 2);
     }
     memcpy(out, adjoint_of_Q(curve, 0), n * sizeof *out);
@@ -102,8 +102,7 @@ void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], doub
 {
     const jet_tape *tape = curve->system->field_series;
     clear_adjoints(curve, 1);
-    for (int i = 0; i < curve->n; i++)
-        curve->bar[tape->output[i]] += curve->tau * curve->tau / curve->system->mass[i] * x[i];
+    for (int i = 0; i < curve->n; i++) curve->bar[tape->output[i]] += curve->tau * curve->kappa[i] * x[i];
     jet_sweep_adjoints(tape, curve->x, curve->bar, 0, 0);
     for (int i = 0; i < curve->n; i++) out[i] += factor * curve->bar[i];
 }
@@ -126,7 +125,7 @@ typedef struct {
     double *s, *v;                  /* [MOST_ITERATIONS][2n] directions, and A^T times them */
     double square[MOST_ITERATIONS]; /* of v */
     double *scratch, *product;      /* [2n] */
-    double *size;                   /* [n] what the unknowns' errors are measured by */
+    double *unit;                   /* [2n] 1 / what the unknowns' errors are measured by */
     bool has_guess;
 } iteration;
 
@@ -143,7 +142,7 @@ static void take(tvi_closure *c, tvi_arena *arena)
         .v = tvi_arena_doubles(arena, MOST_ITERATIONS * both),
         .scratch = tvi_arena_doubles(arena, both),
         .product = tvi_arena_doubles(arena, both),
-        .size = tvi_arena_doubles(arena, (size_t)c->n),
+        .unit = tvi_arena_doubles(arena, both),
     };
     if (taken) *taken = it;
     c->solving = taken;
@@ -221,20 +220,20 @@ static const double STALLED = 1e-12;
 /* max_i |x_i| / size_i. */
 static double measure(const tvi_closure *c, const tvi_transposed *a, const double x[])
 {
+    const double *unit = iteration_of(c)->unit;
+    const int count = unknowns(c, a);
     double largest = 0;
-    for (int i = 0; i < unknowns(c, a); i++)
-        largest = fmax(largest, tvi_ratio(fabs(x[i]), iteration_of(c)->size[i % c->n]));
+    for (int i = 0; i < count; i++) largest = tvi_larger(fabs(x[i]) * unit[i], largest);
     return largest;
 }
 
 /* sum_i x_i y_i / size_i^2. */
 static double product(const tvi_closure *c, const tvi_transposed *a, const double x[], const double y[])
 {
+    const double *unit = iteration_of(c)->unit;
+    const int count = unknowns(c, a);
     double sum = 0;
-    for (int i = 0; i < unknowns(c, a); i++) {
-        const double size = iteration_of(c)->size[i % c->n];
-        if (size > 0) sum += x[i] / size * (y[i] / size);
-    }
+    for (int i = 0; i < count; i++) sum += x[i] * unit[i] * (y[i] * unit[i]);
     return sum;
 }
 
@@ -262,8 +261,8 @@ static void minimise(tvi_closure *c, int last, const tvi_transposed *a, int step
     add(both, -part, v, it->r);
 }
 
-/* The order of the curve to which products are made while they need be rough only. */
-static int rough_order(const tvi_closure *c) { return tvi_curve_order_below(&c->curve, ROUGH / 10); }
+/* The order of the curve to which products are made that need be right to this part only. */
+static int rough_order(const tvi_closure *c, double part) { return tvi_curve_order_below(&c->curve, part / 10); }
 
 /* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
  * corrections do not shrink. */
@@ -271,7 +270,7 @@ static tvi_status iterate(tvi_closure *c, const tvi_transposed *a)
 {
     iteration *it = iteration_of(c);
     const int count = unknowns(c, a);
-    const int last = rough_order(c);
+    int last = c->curve.top;
     double goal = ENOUGH;
     tvi_passes passes = TVI_NO_PASSES;
     form_remainder(c, a);
@@ -282,7 +281,10 @@ static tvi_status iterate(tvi_closure *c, const tvi_transposed *a)
         precondition(c, a, s);
         const double size = measure(c, a, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
-        if (step == 0) goal = fmax(ENOUGH, ROUGH * size);
+        if (step == 0) {
+            goal = fmax(ENOUGH, ROUGH * size);
+            last = rough_order(c, goal < size ? goal / size : 1);
+        }
         const tvi_passes_rule rule = {.goal = goal,
                                       .memory = 1,
                                       .contraction = 0.5,
@@ -313,7 +315,7 @@ static tvi_status solve(tvi_closure *c, const tvi_transposed *a)
  * J^-1 = W^-1 J^T W. */
 static void correct(tvi_closure *c, double correction[])
 {
-    const int n = c->n, last = rough_order(c);
+    const int n = c->n, last = rough_order(c, ROUGH);
     const double *kappa = c->curve.kappa;
     double *of_q = iteration_of(c)->scratch, *of_u = iteration_of(c)->scratch + n;
     for (int i = 0; i < n; i++) {
@@ -345,12 +347,16 @@ static double momentum_unit(const tvi_closure *c)
  * where none has any, as at rest with degree 1, by their positions. */
 static tvi_status close_equations(tvi_closure *c, const double z[], const double scale[], tvi_stats *stats)
 {
-    double largest = 0, *size = iteration_of(c)->size;
+    const int n = c->n;
+    double largest = 0, *unit = iteration_of(c)->unit;
     (void)z, (void)scale, (void)stats;
     closure_measure(c);
-    for (int i = 0; i < c->n; i++) largest = fmax(largest, c->p_size[i]);
+    for (int i = 0; i < n; i++) largest = tvi_larger(c->p_size[i], largest);
     if (largest == 0) largest = momentum_unit(c);
-    for (int i = 0; i < c->n; i++) size[i] = c->p_size[i] > 0 ? fmax(c->p_size[i], TVI_LEAST_SHARE * largest) : largest;
+    for (int i = 0; i < n; i++) {
+        const double size = c->p_size[i] > 0 ? tvi_larger(c->p_size[i], TVI_LEAST_SHARE * largest) : largest;
+        unit[i] = unit[n + i] = 1 / size;
+    }
     return c->close(c);
 }
 
