@@ -147,11 +147,11 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
         whose of;
         double max_tail;
         long least, most; /* steps */
-    } rows[] = {{{&scene_kepler, 0.25, false}, 0, STEPS, STEPS},
-                {{&scene_kepler, 0.25, false}, 1e-6, 4, 20},
-                {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS},
-                {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS},
-                {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS}};
+    } rows[] = {
+        {{&scene_kepler, 0.25, false}, 0, STEPS, STEPS}, {{&scene_kepler, 0.25, false}, 1e-6, 4, 20},
+        {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS}, {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS},
+        {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS}, {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS},
+        {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS}};
     const whose *of = &rows[_i].of;
     systems its;
     const tvi_system *system = open_systems(of, &its);
@@ -266,7 +266,7 @@ Suite *suite_same(void)
     tcase_set_timeout(control, 60);
     tcase_add_loop_test(same, compiled_steps_are_those_of_the_tape, 0, RUNS);
     tcase_add_loop_test(same, steps_fail_as_those_of_the_tape, 0, 3);
-    tcase_add_loop_test(same, steps_in_a_row_are_those_one_by_one, 0, 5);
+    tcase_add_loop_test(same, steps_in_a_row_are_those_one_by_one, 0, 7);
     tcase_add_test(same, steps_are_whole);
     tcase_add_test(control, another_code_moves_otherwise);
     suite_add_tcase(suite, same);
