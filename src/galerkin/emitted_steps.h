@@ -108,13 +108,14 @@ JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
     for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
 }
 
-/* Few unknowns of the next step are predicted, and its first pass begins, before the increments of this one are known:
- * they are waited for where that pass ends. Steps of more are made one by one. */
+/* Few unknowns whose nodes are one vector are predicted for the next step, and its first pass begins, before the
+ * increments of this one are known: they are waited for where that pass ends. Other steps are made one by one. */
+#define STEADY_LEADS(unknowns, lanes) ((unknowns) <= GALERKIN_FEW && (lanes) <= (int)WIDEST)
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
                              const steady_form *form, const tvi_row *row, const tvi_run_state *now,
                              galerkin_outcome *to, int lanes)
 {
-    const bool leads = form->run && nodes->unknowns <= GALERKIN_FEW;
+    const bool leads = form->run && STEADY_LEADS(nodes->unknowns, lanes);
     const int numbers = nodes->unknowns * lanes;
     double *before = to->impulses[0], *last = to->impulses[1], *next = to->impulses[2];
     const double *const impulses[] = {last, before};
@@ -124,7 +125,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     steady_start(frame, nodes, motion, now, lanes);
     if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
     else steady_predict(frame, nodes, form, impulses, lanes);
-    bool begins = !leads || steady_begin(nodes, form, lanes);
+    bool begins = nodes->unknowns > GALERKIN_FEW || steady_begin(nodes, form, lanes);
     while (begins) {
         const double number = to->steps + (double)(made + 1);
         tried.early = form->rule->early / (number * number);
@@ -159,7 +160,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     to->impulses[1] = last;
     to->impulses[2] = next;
     to->leads = leads && (made > 0 || to->leads);
-    to->tried = tried;
+    if (made == 0) to->tried = tried;
     return made;
 }
 
@@ -246,7 +247,7 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
             nodes.x = x;                                                                                               \
         }                                                                                                              \
-        if ((UNKNOWNS) <= GALERKIN_FEW) return steady_few(frame, &nodes, motion, &form, row, now, to, (LANES));        \
+        if (STEADY_LEADS(UNKNOWNS, LANES)) return steady_few(frame, &nodes, motion, &form, row, now, to, (LANES));     \
         return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
     }
 

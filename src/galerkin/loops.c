@@ -173,6 +173,7 @@ BY_LANES(double, return, move_both,
     {                                                                                                                  \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
+        if ((blocks) == 1) LEAVE_REGISTERS(last);                                                                      \
         for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes) { \
             SET_PRODUCT(V, blocks, 1, row, matrix, last)                                                               \
             if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                              \
