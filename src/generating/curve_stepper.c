@@ -214,12 +214,28 @@ static tvi_status correct(attempt *a)
     return status;
 }
 
+/* Whether generated code makes the step. After one that it does not, as where steps are large, some are not tried. */
+static bool step_by_code(const attempt *a, double dq[], double dp[])
+{
+    enum { NOT_TRIED = 15 };
+    work *w = a->work;
+    const tvi_curve_code *code = w->closure.curve.code;
+    int *by_library = &w->newton.history->by_library;
+    if (!code || !code->step) return false;
+    if (*by_library > 0) {
+        --*by_library;
+        return false;
+    }
+    if (code->step(w, a->tau, a->origin, dq, dp, a->stats)) return true;
+    *by_library = NOT_TRIED;
+    return false;
+}
+
 static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     work *w = taken;
     attempt a = {w, origin, w->closure.span.tau * h, stats};
-    const tvi_curve_code *code = w->closure.curve.code;
-    if (w->corrects && code && code->step && code->step(w, a.tau, origin, dq, dp, stats)) return TVI_OK;
+    if (w->corrects && step_by_code(&a, dq, dp)) return TVI_OK;
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;

@@ -32,7 +32,8 @@ typedef struct {
 /* What earlier solutions taught; in the arena's history. */
 typedef struct {
     long solves;
-    double slack; /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
+    double slack;   /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
+    int by_library; /* steps to come that are not tried by generated code, which left one of the last to the library */
 } tvi_newton_history;
 
 /* How large the corrections of a pass are: the largest relative to its unknown's scale; and the largest of a group
