@@ -19,6 +19,7 @@
  * of one spares it the registers of the others. `give` is return, or nothing where nothing is returned.
  * Generated code has one number of lanes. */
 #ifdef JET_EMITTED
+#define OWN static
 #define BY_LANES(result, give, name, parameters, ...)
 #else
 #define OWN static __attribute__((noinline))

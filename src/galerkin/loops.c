@@ -266,27 +266,36 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weig
 BY_LANES(void, , integrate, (const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
          nodes, weights, sums)
 
-/* A loop without comparisons that last from one component to the next is one of vectors, but for a few components, as
- * these would wait for what was just stored in parts. */
-JET_INLINE void tails_of(galerkin_motion of, double *restrict share, double *restrict ratio, bool has_masses)
+/* A loop without comparisons that last from one component to the next is one of vectors; a few are looked at one by
+ * one. */
+JET_INLINE tvi_tail_survey tails_of(galerkin_motion of, bool few, bool has_masses, double *restrict share,
+                                    double *restrict ratio)
 {
     const size_t n = (size_t)of.n, momenta = has_masses ? 0 : n;
+    tvi_tail_survey survey = {0, 0, 0};
     for (size_t i = 0; i < n; i++) {
         const tvi_tail_part part = galerkin_tail_part(&of, has_masses, of.scale[i], of.per_scale[i], i, i + momenta);
-        share[i] = tvi_tail_share(&part, has_masses);
-        ratio[i] = tvi_tail_ratio(&part);
-        if (JET_KNOWS(n) && n < 8) __asm__("" : "+m"(share[i]));
+        if (few) tvi_tail_look(&survey, &part, has_masses);
+        else share[i] = tvi_tail_share(&part, has_masses), ratio[i] = tvi_tail_ratio(&part);
     }
+    return survey;
+}
+
+OWN double tail_of_all(const galerkin_motion *of, double *share, double *ratio)
+{
+    double largest = 0, most = 0;
+    (void)(of->has_masses ? tails_of(*of, false, true, share, ratio) : tails_of(*of, false, false, share, ratio));
+    for (int i = 0; i < of->n; i++) largest = tvi_larger(share[i], largest);
+    for (int i = 0; i < of->n; i++) most = tvi_larger(tvi_tail_of(ratio[i], share[i], largest), most);
+    return most;
 }
 
 static double tail(const galerkin_motion *of, double *share, double *ratio)
 {
-    double largest = 0, most = 0;
-    if (of->has_masses) tails_of(*of, share, ratio, true);
-    else tails_of(*of, share, ratio, false);
-    for (int i = 0; i < of->n; i++) largest = tvi_larger(share[i], largest);
-    for (int i = 0; i < of->n; i++) most = tvi_larger(tvi_tail_of(ratio[i], share[i], largest), most);
-    return most;
+    if (of->n >= 8) return tail_of_all(of, share, ratio);
+    const tvi_tail_survey survey =
+        of->has_masses ? tails_of(*of, true, true, share, ratio) : tails_of(*of, true, false, share, ratio);
+    return tvi_tail_is_known(&survey) ? survey.ratio : tail_of_all(of, share, ratio);
 }
 
 #define SET_ALL(V, blocks)                                                                                             \
