@@ -17,8 +17,8 @@
 
 /* What one step leaves to the next stands apart, in one region of its own: the history. All zeros are the history of no
  * step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. At its end
- * stand pieces that steps fill in turns, and the rest of the history knows which: a step writes into one that nobody
- * reads, so that these pieces are not marked, and to undo the last step does not touch them. */
+ * stand pieces that are not marked, and that undoing the last step does not touch: what is set where a run begins, and
+ * those that steps fill in turns. The rest of the history knows which: a step writes into one that nobody reads. */
 typedef struct tvi_block tvi_block;
 typedef struct {
     char *base, *history, *turns;
@@ -88,7 +88,7 @@ static inline void *tvi_arena_history(tvi_arena *arena, size_t bytes)
     return tvi_arena_cut(arena->history, &arena->marked, bytes, ARENA_MARKED_ALIGNMENT);
 }
 
-/* One of the pieces that steps fill in turns. */
+/* One of the pieces that steps fill in turns, or leave alone. */
 static inline void *tvi_arena_turn(tvi_arena *arena, size_t bytes)
 {
     return tvi_arena_cut(arena->turns, &arena->in_turns, bytes, ARENA_ALIGNMENT);

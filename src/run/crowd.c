@@ -25,6 +25,7 @@ static tvi_crowd *lay_out(tvi_arena *arena, tvi_integrator *one, int width)
     const size_t row = (size_t)width * sizeof(double), rows = (size_t)laid.dimension;
     double **const history[] = {&laid.now.p, &laid.now.q, &laid.now.p_low, &laid.now.q_low};
     for (size_t i = 0; i < 4; i++) *history[i] = tvi_arena_history(arena, (rows + i % 2) * row);
+    laid.begun = tvi_arena_history(arena, (2 * (size_t)one->system->n + 1) * row);
     laid.kept = tvi_arena_history(arena, (size_t)width * sizeof *laid.kept);
     laid.continues = tvi_arena_history(arena, (size_t)width * sizeof *laid.continues);
     laid.end.dq = tvi_arena_take(arena, (rows + 1) * row);
@@ -97,6 +98,7 @@ void tvi_crowd_get(const tvi_crowd *crowd, int lane, tvi_integrator *it)
     tvi_arena_copy(it->history, NULL, it->remembered);
     for (int a = 0; a < ARRAYS; a++)
         for (int row = 0; row < rows[a]; row++) to[a][row] = from[a][row * crowd->width + lane];
+    for (int row = 0; row <= 2 * it->system->n; row++) it->begun[row] = crowd->begun[row * crowd->width + lane];
     *it->kept = crowd->kept[lane];
     *it->continues = crowd->continues[lane];
     if (crowd->stepper->get) crowd->stepper->get(crowd->work, lane, it->work);
@@ -111,6 +113,7 @@ void tvi_crowd_put(tvi_crowd *crowd, int lane, const tvi_integrator *it)
     list_arrays(&crowd->now, crowd->dimension, to, rows);
     for (int a = 0; a < ARRAYS; a++)
         for (int row = 0; row < rows[a]; row++) to[a][row * crowd->width + lane] = from[a][row];
+    for (int row = 0; row <= 2 * it->system->n; row++) crowd->begun[row * crowd->width + lane] = it->begun[row];
     crowd->kept[lane] = *it->kept;
     crowd->continues[lane] = *it->continues;
     if (crowd->stepper->put) crowd->stepper->put(crowd->work, lane, it->work);
@@ -209,14 +212,27 @@ static void find_energies(tvi_crowd *crowd, const double *q, const double *p, do
     }
 }
 
+static void find_scales(tvi_crowd *crowd)
+{
+    const double *q = crowd->begun, *p = q + (crowd->one->system->n + 1) * crowd->width;
+    find_energies(crowd, q, p, crowd->before);
+    for (int lane = 0; lane < crowd->width; lane++) {
+        const double H = crowd->before[lane];
+        if (crowd->doubts[lane]) tvi_guard_set_scale(&crowd->kept[lane], isfinite(H) ? H : 0);
+    }
+}
+
 /* Refuses the doubtful lanes whose energy says that they are too large (guard.c). */
 static void look_at_energies(tvi_crowd *crowd)
 {
     const int width = crowd->width, n = crowd->one->system->n;
     const tvi_crowd_end *end = &crowd->end;
-    bool knows_all = true;
-    for (int lane = 0; lane < width; lane++)
+    bool has_scales = true, knows_all = true;
+    for (int lane = 0; lane < width; lane++) {
+        has_scales = has_scales && (crowd->kept[lane].has_scale || !crowd->doubts[lane]);
         knows_all = knows_all && (crowd->kept[lane].is_known || !crowd->doubts[lane]);
+    }
+    if (!has_scales) find_scales(crowd);
     if (!knows_all) find_energies(crowd, crowd->now.q, crowd->now.p, crowd->before);
     for (int k = 0; k < (n + 1) * width; k++) crowd->q[k] = crowd->now.q[k] + end->dq[k];
     for (int k = 0; k < n * width; k++) crowd->p[k] = crowd->now.p[k] + end->dp[k];

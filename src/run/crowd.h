@@ -17,6 +17,7 @@ typedef struct {
     char *history;
     size_t remembered;
     tvi_run_state now;       /* in the history */
+    double *begun;           /* [2 n + 1][width] in the history: q, t and p where the runs began */
     tvi_kept_energy *kept;   /* [width] in the history */
     long *continues;         /* [width] in the history: the lane has what its member's last step returned */
     tvi_crowd_end end;       /* of a step */

@@ -28,13 +28,21 @@ static bool keeps_energy(const tvi_integrator *it)
     return it->energy.block && it->options.max_tail >= 0 && is_kept;
 }
 
-void tvi_guard_begin(tvi_integrator *it)
+static void find_scale(tvi_integrator *it)
 {
     double H;
     const int n = it->system->n;
-    if (!keeps_energy(it)) return;
-    if (tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &H) != TVI_OK) return;
-    *it->kept = (tvi_kept_energy){.scale = fabs(H), .H = H, .is_known = true};
+    const double *q = it->begun, *p = q + n + 1;
+    const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &H);
+    tvi_guard_set_scale(it->kept, status == TVI_OK ? H : 0);
+}
+
+void tvi_guard_begin(tvi_integrator *it)
+{
+    const int n = it->system->n;
+    for (int i = 0; i <= n; i++) it->begun[i] = it->now.q[i];
+    for (int i = 0; i < n; i++) it->begun[n + 1 + i] = it->now.p[i];
+    if (it->stepper->most_change && keeps_energy(it)) find_scale(it);
 }
 
 /* p.dq/dt of the step: 2 T, where there is one. */
@@ -93,7 +101,7 @@ tvi_status tvi_guard_tail(const tvi_integrator *it, double tail)
                                     : TVI_OK;
 }
 
-/* The energies where the step starts, if it is not known, and where it ends. */
+/* The energies where the run began and where the step starts, if they are not known, and where it ends. */
 static bool loses_energy(tvi_integrator *it)
 {
     const int n = it->system->n, dimension = it->stepped->n;
@@ -102,17 +110,18 @@ static bool loses_energy(tvi_integrator *it)
     tvi_kept_energy *kept = it->kept;
     for (int i = 0; i <= n; i++) q[i] = s.q[i] + s.dq[i];
     for (int i = 0; i < n; i++) p[i] = s.p[i] + s.dp[i];
+    if (!kept->has_scale) find_scale(it);
     if (!kept->is_known && tvi_energy_of(&it->energy, s.q[n], s.q, s.p, &kept->H) != TVI_OK) return false;
     const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &after);
     return tvi_guard_loses(&s, kept, status, after);
 }
 
-tvi_status tvi_guard_step(tvi_integrator *it, const tvi_stats *before)
+tvi_status tvi_guard_step(tvi_integrator *it, long passes, long expansions)
 {
     tvi_stats *stats = &it->stats;
     const bool knows_change = it->stepper->most_change && !tvi_is_rescaled(it);
     const double change = knows_change ? it->stepper->most_change(it->work) : 0;
-    const tvi_signs signs = {stats->tail, stats->passes - before->passes, stats->expansions != before->expansions,
+    const tvi_signs signs = {stats->tail, stats->passes - passes, stats->expansions != expansions,
                              knows_change ? &change : NULL};
     if (signs.tail > stats->largest_tail) stats->largest_tail = signs.tail;
     const tvi_status status = tvi_guard_tail(it, signs.tail);

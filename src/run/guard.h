@@ -4,8 +4,17 @@
 
 #include "run/integrator.h"
 
-/* Where a run begins: the energy that its steps are to keep. */
+#include <math.h>
+
+/* Where a run begins: the state whose energy its steps are to keep. It is computed when a step first asks for it, or
+ * here where every step does. */
 void tvi_guard_begin(tvi_integrator *integrator);
+/* The energy there; 0: it is not known. */
+static inline void tvi_guard_set_scale(tvi_kept_energy *kept, double H)
+{
+    kept->scale = fabs(H);
+    kept->has_scale = true;
+}
 
 /* What a stepper says of its step: the tail, the passes, whether it took series, and the most that it changes the
  * energy by (stepper.h), or NULL. */
@@ -30,7 +39,8 @@ typedef struct {
  * was found there: outside of the domain nothing is known, and the next step says so. */
 bool tvi_guard_loses(const tvi_guarded *step, tvi_kept_energy *kept, tvi_status status, double after);
 
-/* After the stepper's step from integrator->now, with its increments; before: the stats before it. TVI_ETOOLARGE. */
-TVI_NODISCARD tvi_status tvi_guard_step(tvi_integrator *integrator, const tvi_stats *before);
+/* After the stepper's step from integrator->now, with its increments, and so many passes and expansions before it.
+ * TVI_ETOOLARGE. */
+TVI_NODISCARD tvi_status tvi_guard_step(tvi_integrator *integrator, long passes, long expansions);
 
 #endif

@@ -27,6 +27,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     for (size_t i = 0; i < 2; i++) *vectors[i] = tvi_arena_doubles(arena, dimension + i);
     for (size_t i = 0; i < 4; i++) *history[i] = tvi_arena_history(arena, (dimension + i % 2) * sizeof(double));
     laid.continues = tvi_arena_history(arena, sizeof *laid.continues);
+    laid.begun = tvi_arena_turn(arena, (2 * (size_t)system->n + 1) * sizeof *laid.begun);
     laid.kept = tvi_arena_history(arena, sizeof *laid.kept);
     const bool uses_energy = system->stepped != system || options->max_tail >= 0;
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);

@@ -5,10 +5,10 @@
 #include "method/stepper.h"
 #include "system/energy.h"
 
-/* The energy of a run: its size at the start, and its value now. */
+/* The energy of a run: its size where it began, and its value now. */
 typedef struct {
     double scale, H;
-    long is_known; /* H */
+    long has_scale, is_known; /* H */
 } tvi_kept_energy;
 
 /* What tvi_step_tangent needs, made when it is first called (tangent.c). */
@@ -36,6 +36,7 @@ struct tvi_integrator {
     tvi_energy_work energy;              /* its block is NULL where no step asks for it */
     tvi_energy_work transformed;         /* of a rescaled system: K */
     double *end;                         /* [2 N + 1] q and p at the end of a step (guard.c) */
+    double *begun;                       /* [2 n + 1] in the history: q, t and p where the run began */
     tvi_kept_energy *kept;               /* in the history */
     tvi_tangent *tangent;                /* NULL: never asked for; and what frees it */
     void (*free_tangent)(tvi_tangent *tangent);

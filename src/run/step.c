@@ -120,7 +120,7 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     const tvi_stepper *stepper = it->stepper;
     const tvi_run_state *now = &it->now;
     const int dimension = it->stepped->n;
-    const tvi_stats stats = it->stats;
+    const long passes = it->stats.passes, expansions = it->stats.expansions;
     it->has_dense = false;
     tvi_arena_copy(it->before, it->history, it->marked);
     const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
@@ -129,7 +129,7 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     it->dq[dimension] = h;
     if (status != TVI_OK) status = tvi_refuse_as("its equations", status);
     if (status == TVI_OK) status = check_increments(it, h);
-    if (status == TVI_OK) status = tvi_guard_step(it, &stats);
+    if (status == TVI_OK) status = tvi_guard_step(it, passes, expansions);
     if (status == TVI_OK) advance(it, h);
     else tvi_arena_copy(it->history, it->before, it->marked);
     it->stats.steps += status == TVI_OK;
