@@ -8,16 +8,24 @@
 #include <stdint.h>
 #include <string.h>
 
-/* 0 for a finite x, whose x - x is 0, and only for such a one: bits are gathered in any order. */
-static inline uint64_t tvi_bits_of_infinite(double x)
+/* Of each number that a loop sets, where it is one of a few that were just stored in parts: a vector of them would wait
+ * for that. */
+#define TVI_ONE_BY_ONE(count, number)                                                                                  \
+    do {                                                                                                               \
+        if ((count) < 8) __asm__("" : "+m"(number));                                                                   \
+    } while (0)
+
+static inline uint64_t tvi_bits(double x)
 {
-    const double zero = x - x;
     uint64_t bits;
-    memcpy(&bits, &zero, sizeof bits);
+    memcpy(&bits, &x, sizeof bits);
     return bits;
 }
 
-/* Whether all rows [n] are finite. */
+/* 0 for a finite x, whose x - x is 0, and only for such a one. */
+static inline uint64_t tvi_bits_of_infinite(double x) { return tvi_bits(x - x); }
+
+/* Whether all rows [n] are finite: the bits are gathered in any order. */
 static inline bool tvi_rows_are_finite(int rows, size_t stride, int n, const double x[])
 {
     uint64_t any = 0;

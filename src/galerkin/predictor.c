@@ -106,7 +106,7 @@ bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_fi
 {
     const galerkin_history *last = w->last;
     if (last->h == 0) return false;
-    const double ratio = field->h / last->h;
+    const double ratio = field->h == last->h ? 1 : field->h / last->h;
     const bool is_next = galerkin_is_next(last, field->h, t);
     *part = is_next ? 1 : 0;
     return ratio <= 1.5 && (is_next ? ratio >= -2 : t == last->t && ratio > 0);

@@ -69,24 +69,14 @@ static inline bool galerkin_sums_are_finite(int count, const double *x, const do
     return any == 0;
 }
 
-/* One by one where they are few, as they were just stored: a vector of them would wait for that. */
-static inline void galerkin_add(int count, double *restrict x, double *restrict low, const double *restrict dx)
-{
-    const bool few = count < 8;
-    for (int i = 0; i < count; i++) {
-        x[i] = tvi_add_compensated(x[i], &low[i], dx[i]);
-        if (few) __asm__("" : "+m"(x[i]));
-    }
-}
-
 /* Adds the step to the state; false where it is not sure, or not finite. */
 static inline bool galerkin_advance(int n, const tvi_row *row, const tvi_run_state *now, const galerkin_trial *tried)
 {
     if (!(tried->tail <= row->sure.tail && tried->count <= row->sure.passes)) return false;
     if (!galerkin_sums_are_finite(n + 1, now->q, row->dq)) return false;
     if (!galerkin_sums_are_finite(n, now->p, row->dp)) return false;
-    galerkin_add(n + 1, now->q, now->q_low, row->dq);
-    galerkin_add(n, now->p, now->p_low, row->dp);
+    tvi_add_all_compensated(n + 1, now->q, now->q_low, row->dq);
+    tvi_add_all_compensated(n, now->p, now->p_low, row->dp);
     return true;
 }
 

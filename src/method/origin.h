@@ -2,6 +2,8 @@
 #ifndef TVI_SRC_METHOD_ORIGIN_H
 #define TVI_SRC_METHOD_ORIGIN_H
 
+#include "algebra/sizes.h"
+
 /* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p +
  * p_low). */
 typedef struct {
@@ -45,6 +47,16 @@ static inline double tvi_add_compensated(double x, double *low, double d)
     const double small = tvi_two_sum(*low, d, &rest), sum = tvi_two_sum(x, small, low);
     *low += rest;
     return sum;
+}
+
+/* The same of all components. */
+static inline void tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
+                                           const double *restrict d)
+{
+    for (int i = 0; i < count; i++) {
+        x[i] = tvi_add_compensated(x[i], &low[i], d[i]);
+        TVI_ONE_BY_ONE(count, x[i]);
+    }
 }
 
 /* The starts of the steps of several members of an ensemble, each in a lane of its own: [components][width], the member

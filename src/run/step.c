@@ -16,11 +16,21 @@ void tvi_integrator_reset(tvi_integrator *integrator)
     integrator->stats.largest_tail = 0;
 }
 
+/* All bits in which the components differ, of a vector that steps have left in parts. */
+static uint64_t difference(int n, const double a[], const double b[])
+{
+    uint64_t any = 0;
+    for (int i = 0; i < n; i++) {
+        any |= tvi_bits(a[i]) ^ tvi_bits(b[i]);
+        if (n < 8) __asm__("" : "+r"(any));
+    }
+    return any;
+}
+
 bool tvi_integrator_has(const tvi_integrator *it, double t, const double q[], const double p[])
 {
-    const size_t n = (size_t)it->system->n, bytes = n * sizeof *q;
-    return memcmp(&t, &it->now.q[n], sizeof t) == 0 && memcmp(q, it->now.q, bytes) == 0 &&
-           memcmp(p, it->now.p, bytes) == 0;
+    const int n = it->system->n;
+    return (difference(n, q, it->now.q) | difference(n, p, it->now.p) | difference(1, &t, &it->now.q[n])) == 0;
 }
 
 /* K as it is with another e, in long double. */
@@ -61,9 +71,12 @@ tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], 
 
 void tvi_state_now(const tvi_integrator *it, double *t, double q[], double p[])
 {
-    const size_t n = (size_t)it->system->n;
-    memcpy(q, it->now.q, n * sizeof *q);
-    memcpy(p, it->now.p, n * sizeof *p);
+    const int n = it->system->n;
+    for (int i = 0; i < n; i++) {
+        q[i] = it->now.q[i];
+        p[i] = it->now.p[i];
+        TVI_ONE_BY_ONE(n, p[i]);
+    }
     *t = it->now.q[n];
 }
 
@@ -74,8 +87,8 @@ static void advance(tvi_integrator *it, double h)
     const int dimension = it->stepped->n;
     it->h = h;
     it->covered = it->dq[it->system->n];
-    for (int i = 0; i <= dimension; i++) now->q[i] = tvi_add_compensated(now->q[i], &now->q_low[i], it->dq[i]);
-    for (int i = 0; i < dimension; i++) now->p[i] = tvi_add_compensated(now->p[i], &now->p_low[i], it->dp[i]);
+    tvi_add_all_compensated(dimension + 1, now->q, now->q_low, it->dq);
+    tvi_add_all_compensated(dimension, now->p, now->p_low, it->dp);
     *it->continues = true;
     it->has_dense = true;
 }
