@@ -73,11 +73,10 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
 }
 
 JET_INLINE void steady_start(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_motion *motion,
-                             const tvi_run_state *now, int lanes)
+                             const tvi_origin *origin, int lanes)
 {
-    const tvi_origin origin = {0, 0, now->q, now->q_low, now->p, now->p_low};
-    if (motion->has_masses) start_drifting_lanes(nodes, frame->c, &origin, frame->drift, frame->drift_low, lanes);
-    else start_lanes(nodes, motion->n, &origin, lanes);
+    if (motion->has_masses) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
+    else start_lanes(nodes, motion->n, origin, lanes);
 }
 
 JET_INLINE void steady_predict(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
@@ -90,13 +89,13 @@ JET_INLINE void steady_predict(const galerkin_frame *frame, const galerkin_nodes
 
 /* The increments of a step, and its tail. */
 JET_INLINE void steady_finish(const galerkin_frame *frame, const galerkin_nodes *nodes, galerkin_motion motion,
-                              const tvi_row *row, const tvi_run_state *now, double *of_tail, int lanes)
+                              const tvi_row *row, const tvi_origin *origin, double *of_tail, int lanes)
 {
     integrate_lanes(nodes, frame->weights, &motion.sums, lanes);
     if (motion.has_masses) end_drifting(nodes, &motion.sums, frame->drift, frame->drift_low, row->dq, row->dp);
     else galerkin_end(nodes, &motion.sums, motion.n, row->dq, row->dp);
-    motion.q = now->q;
-    motion.p = now->p;
+    motion.q = origin->q;
+    motion.p = origin->p;
     motion.dp = row->dp;
     *of_tail = lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
 }
@@ -112,8 +111,8 @@ JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
  * increments of this one are known: they are waited for where that pass ends. Other steps are made one by one. */
 #define STEADY_LEADS(unknowns, lanes) ((unknowns) <= GALERKIN_FEW && (lanes) <= (int)WIDEST)
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
-                             const steady_form *form, const tvi_row *row, const tvi_run_state *now,
-                             galerkin_outcome *to, int lanes)
+                             const steady_form *form, const tvi_row *row, const tvi_origin *origin,
+                             const tvi_run_state *now, galerkin_outcome *to, int lanes)
 {
     const bool leads = form->run && STEADY_LEADS(nodes->unknowns, lanes);
     const int numbers = nodes->unknowns * lanes;
@@ -122,7 +121,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     galerkin_trial tried = {.slowest = to->last.slowest};
     long made = 0;
     if (!leads) nodes->impulse = next;
-    steady_start(frame, nodes, motion, now, lanes);
+    steady_start(frame, nodes, motion, origin, lanes);
     if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
     else steady_predict(frame, nodes, form, impulses, lanes);
     bool begins = nodes->unknowns > GALERKIN_FEW || steady_begin(nodes, form, lanes);
@@ -142,9 +141,9 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
             copy_lanes(next + numbers, nodes->x, nodes->unknowns, lanes);
             begins = made + 1 < row->steps && steady_begin(nodes, form, lanes);
         }
-        steady_finish(frame, &ended, *motion, row, now, &tried.tail, lanes);
-        const double t = now->q[motion->n];
-        if (!galerkin_advance(motion->n, row, now, &tried)) break;
+        steady_finish(frame, &ended, *motion, row, origin, &tried.tail, lanes);
+        const double t = now ? now->q[motion->n] : origin->t;
+        if (now && !galerkin_advance(motion->n, row, now, &tried)) break;
         made++;
         to->t = t;
         to->last = tried;
@@ -154,7 +153,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         double *const free = before;
         before = last, last = next, next = free;
         if (!leads) break;
-        steady_start(frame, nodes, motion, now, lanes);
+        steady_start(frame, nodes, motion, origin, lanes);
     }
     to->impulses[0] = before;
     to->impulses[1] = last;
@@ -172,46 +171,28 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
 
 /* All that changes is the function's own, where the compiler keeps it in registers. */
 JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, galerkin_motion motion,
-                           const steady_form *form, const tvi_row *row, const tvi_run_state *now, galerkin_outcome *to,
-                           int lanes)
+                           const steady_form *form, const tvi_row *row, const tvi_origin *origin,
+                           const tvi_run_state *now, galerkin_outcome *to, int lanes)
 {
-    enum { BLOCK = GALERKIN_FEW * TVI_GALERKIN_MAX_LANES, MATRIX = TVI_GALERKIN_MAX_LANES * TVI_GALERKIN_MAX_LANES };
-    _Alignas(64) double high[BLOCK], base[BLOCK], impulse[BLOCK], matrix[MATRIX];
+    enum { BLOCK = GALERKIN_FEW * TVI_GALERKIN_MAX_LANES };
+    _Alignas(64) double high[BLOCK], base[BLOCK], impulse[BLOCK];
     double start[GALERKIN_FEW], inverse_size[GALERKIN_FEW], drift[GALERKIN_FEW], drift_low[GALERKIN_FEW];
     double once[GALERKIN_FEW], twice[GALERKIN_FEW], last[GALERKIN_FEW], reach[GALERKIN_FEW];
     double share[GALERKIN_FEW], ratio[GALERKIN_FEW];
-    double q[GALERKIN_FEW + 1], q_low[GALERKIN_FEW + 1], p[GALERKIN_FEW], p_low[GALERKIN_FEW];
-    double dq[GALERKIN_FEW + 1], dp[GALERKIN_FEW];
-    const int n = motion.n;
-    const tvi_run_state own = {q, q_low, p, p_low};
-    const tvi_row own_row = {row->h, row->steps, row->sure, dq, dp};
     galerkin_frame frame = *of;
-    keep_rows(matrix, of->matrix, 0, lanes, lanes);
-    keep_rows(q, now->q, 0, n + 1, 1);
-    keep_rows(q_low, now->q_low, 0, n + 1, 1);
-    keep_rows(p, now->p, 0, n, 1);
-    keep_rows(p_low, now->p_low, 0, n, 1);
-    dq[n] = row->h;
     nodes->high = high;
     nodes->base = base;
     nodes->impulse = impulse;
     nodes->start = start;
     nodes->inverse_size = inverse_size;
     motion.sums = (galerkin_sums){once, twice, last, reach};
-    frame.matrix = matrix;
     frame.drift = drift;
     frame.drift_low = drift_low;
     frame.share = share;
     frame.ratio = ratio;
-    const long made = steady_lanes(&frame, nodes, &motion, form, &own_row, &own, to, lanes);
-    keep_rows(now->q, q, 0, n + 1, 1);
-    keep_rows(now->q_low, q_low, 0, n + 1, 1);
-    keep_rows(now->p, p, 0, n, 1);
-    keep_rows(now->p_low, p_low, 0, n, 1);
-    keep_rows(row->dq, dq, 0, made > 0 ? n : 0, 1);
-    keep_rows(row->dp, dp, 0, made > 0 ? n : 0, 1);
-    keep_rows(of->drift, drift, 0, motion.has_masses ? n : 0, 1);
-    keep_rows(of->drift_low, drift_low, 0, motion.has_masses ? n : 0, 1);
+    const long made = steady_lanes(&frame, nodes, &motion, form, row, origin, now, to, lanes);
+    keep_rows(of->drift, drift, 0, motion.has_masses ? motion.n : 0, 1);
+    keep_rows(of->drift_low, drift_low, 0, motion.has_masses ? motion.n : 0, 1);
     return made;
 }
 
@@ -233,8 +214,8 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
                 x[((SLOTS) + i) * lanes + lane] = x[NAME##_copied[i] * lanes + lane];                                  \
         return inside;                                                                                                 \
     }                                                                                                                  \
-    STEADY_ORDER static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,      \
-                                       galerkin_outcome *to)                                                           \
+    STEADY_ORDER static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,      \
+                                       const tvi_run_state *now, galerkin_outcome *to)                                 \
     {                                                                                                                  \
         enum { ROWS = (SLOTS) + NAME##_copies, IS_SMALL = ROWS * (LANES) <= STEADY_MOST };                             \
         _Alignas(64) double x[IS_SMALL ? ROWS * (LANES) : 1];                                                          \
@@ -247,8 +228,9 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
             nodes.x = x;                                                                                               \
         }                                                                                                              \
-        if (STEADY_LEADS(UNKNOWNS, LANES)) return steady_few(frame, &nodes, motion, &form, row, now, to, (LANES));     \
-        return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
+        if (STEADY_LEADS(UNKNOWNS, LANES))                                                                             \
+            return steady_few(frame, &nodes, motion, &form, row, origin, now, to, (LANES));                            \
+        return steady_lanes(frame, &nodes, &motion, &form, row, origin, now, to, (LANES));                             \
     }
 
 /* The blocks of the tapes of passes that know second derivatives, of which KEPT rows are not of their operations; small
@@ -282,8 +264,8 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
     }
 
 #define GALERKIN_EMITTED_LAGRANGIAN(NAME, N, LANES)                                                                    \
-    static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,                   \
-                          galerkin_outcome *to)                                                                        \
+    static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,                   \
+                          const tvi_run_state *now, galerkin_outcome *to)                                              \
     {                                                                                                                  \
         NAME##_room own;                                                                                               \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
@@ -303,14 +285,14 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
         w.factors = 0;                                                                                                 \
         const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .lagrangian = &w};                       \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
-        return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
+        return steady_lanes(frame, &nodes, &motion, &form, row, origin, now, to, (LANES));                             \
     }
 
 /* The rounds have so many columns, rows that move, and rows. */
 #define GALERKIN_EMITTED_HAMILTONIAN(NAME, UNKNOWNS, COUNT, MOVING, ROWS, LANES)                                       \
     enum { NAME##_is_packed = (ROWS) * (COUNT) * (LANES) <= 2 * STEADY_MOST };                                         \
-    static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,                   \
-                          galerkin_outcome *to)                                                                        \
+    static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,                   \
+                          const tvi_run_state *now, galerkin_outcome *to)                                              \
     {                                                                                                                  \
         enum { ALL = NAME##_is_packed ? (ROWS) * (LANES) : 1 };                                                        \
         NAME##_room own;                                                                                               \
@@ -343,16 +325,16 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
         }                                                                                                              \
         const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .hamiltonian = &w};                      \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
-        return steady_lanes(frame, &nodes, &motion, &form, row, now, to, (LANES));                                     \
+        return steady_lanes(frame, &nodes, &motion, &form, row, origin, now, to, (LANES));                             \
     }
 
 /* All steps of a row; those of many unknowns are made one by one. */
 #define GALERKIN_EMITTED_ROW(NAME)                                                                                     \
-    static long NAME##_steady(const galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,               \
-                              galerkin_outcome *to)                                                                    \
+    static long NAME##_steady(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,               \
+                              const tvi_run_state *now, galerkin_outcome *to)                                          \
     {                                                                                                                  \
         long made = 0, more = 1;                                                                                       \
-        while (more > 0 && made < row->steps) made += more = NAME##_go(frame, row, now, to);                           \
+        while (more > 0 && made < row->steps) made += more = NAME##_go(frame, row, origin, now, to);                   \
         return made;                                                                                                   \
     }
 

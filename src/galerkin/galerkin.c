@@ -121,8 +121,6 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.share = tvi_arena_doubles(arena, (size_t)w.n);
     w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
-    double **const states[] = {&w.moved.q, &w.moved.q_low, &w.moved.p, &w.moved.p_low};
-    for (size_t i = 0; i < 4; i++) *states[i] = tvi_arena_doubles(arena, (size_t)w.n + 1);
     take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
     tvi_galerkin_probe_take(&w.probe, arena, &w.field);
@@ -234,19 +232,10 @@ static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
 /* By generated code; false where it is to be made in another way. */
 static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
-    const size_t bytes = (size_t)w->n * sizeof *dq;
     const tvi_row row = {w->field.h, 1, {INFINITY, INT_MAX}, dq, dp};
-    const tvi_run_state *moved = &w->moved;
     galerkin_outcome to;
-    memcpy(moved->q, origin->q, bytes);
-    memcpy(moved->q_low, origin->q_low, bytes);
-    memcpy(moved->p, origin->p, bytes);
-    memcpy(moved->p_low, origin->p_low, bytes);
-    moved->q[w->n] = origin->t;
-    moved->q_low[w->n] = origin->t_low;
-    dq[w->n] = w->field.h;
     set_times(w, origin, w->field.h);
-    const bool is_made = tvi_galerkin_make_steadily(w, &row, moved, &to) > 0;
+    const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;
     tvi_galerkin_count(w, &to, stats);
     if (!is_made) return false;
     stats->residual = sqrt(to.last.size);

@@ -292,7 +292,7 @@ OWN double tail_of_all(const galerkin_motion *of, double *share, double *ratio)
 
 static double tail(const galerkin_motion *of, double *share, double *ratio)
 {
-    if (of->n >= 8) return tail_of_all(of, share, ratio);
+    if (of->n >= 4) return tail_of_all(of, share, ratio);
     const tvi_tail_survey survey =
         of->has_masses ? tails_of(*of, true, true, share, ratio) : tails_of(*of, true, false, share, ratio);
     return tvi_tail_is_known(&survey) ? survey.ratio : tail_of_all(of, share, ratio);

@@ -122,11 +122,11 @@ typedef struct galerkin_loops {
     /* share, ratio [n]: scratch. */
     double (*tail)(const galerkin_motion *of, double *share, double *ratio);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
-    /* Steps in one function: steady.h. How many were made, and added to `now`: less than those of the row where the
-     * passes of the next one do not end at the goal, the field has no value, or it is not sure or not finite. NULL but
-     * in generated code. */
-    long (*steady)(const struct galerkin_frame *frame, const tvi_row *row, const tvi_run_state *now,
-                   struct galerkin_outcome *to);
+    /* Steps in one function: steady.h. How many were made, and added to `now`, where the origin is: less than those of
+     * the row where the passes of the next one do not end at the goal, the field has no value, or it is not sure or not
+     * finite. now NULL: one, which is not added. NULL but in generated code. */
+    long (*steady)(const struct galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,
+                   const tvi_run_state *now, struct galerkin_outcome *to);
 } galerkin_loops;
 
 /* For each number of lanes. */

@@ -1,7 +1,8 @@
 /* steady.c - the steps of steady.h, which generated code makes, one or many in a row. */
 #include "galerkin/step.h"
 
-long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_run_state *now, galerkin_outcome *to)
+long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+                                galerkin_outcome *to)
 {
     galerkin_predictor *before = &w->predictor;
     galerkin_history *last = before->last;
@@ -11,7 +12,7 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_run_s
     to->steps = last->steps;
     to->count = to->factors = 0;
     to->largest_tail = 0;
-    const long made = w->field.loops->steady(&w->frame, row, now, to);
+    const long made = w->field.loops->steady(&w->frame, row, origin, now, to);
     if (made < 1) {
         to->count = to->tried.count;
         to->factors = to->tried.factors;
@@ -46,7 +47,8 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
     galerkin_outcome to;
     if (!w->field.loops->steady || !is_steady(w, row->h, now->q[w->n])) return 0;
     row->dq[w->n] = row->h;
-    const long made = tvi_galerkin_make_steadily(w, row, now, &to);
+    const tvi_origin origin = {.q = now->q, .q_low = now->q_low, .p = now->p, .p_low = now->p_low};
+    const long made = tvi_galerkin_make_steadily(w, row, &origin, now, &to);
     if (made < 1) return 0;
     tvi_galerkin_count(w, &to, stats);
     stats->residual = sqrt(to.last.size);

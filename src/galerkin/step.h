@@ -20,7 +20,6 @@ typedef struct {
     double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
     galerkin_motion motion;
     galerkin_frame frame; /* of what stands above */
-    tvi_run_state moved;  /* by one step of generated code */
 } galerkin;
 
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
@@ -36,7 +35,8 @@ static inline void galerkin_begin_passes(const galerkin *w, tvi_passes *shown)
 }
 
 /* Steps by generated code, of the history, which remembers them; how many. */
-long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_run_state *now, galerkin_outcome *to);
+long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+                                galerkin_outcome *to);
 void tvi_galerkin_count(const galerkin *w, const galerkin_outcome *to, tvi_stats *stats);
 /* Steps by generated code in a row: stepper.h. */
 long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats);
