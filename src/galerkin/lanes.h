@@ -52,6 +52,15 @@ enum { WIDEST = 2 };
 /* Sums that do not wait for each other. */
 enum { CHAINS = 4 };
 
+/* The sum of a block, in halves, which wait less for each other. */
+JET_INLINE double sum_of_jet_v1(jet_v1 x) { return x; }
+JET_INLINE double sum_of_jet_v2(jet_v2 x) { return x[0] + x[1]; }
+JET_INLINE double sum_of_jet_v4(jet_v4 x) { return sum_of_jet_v2((jet_v2){x[0], x[1]} + (jet_v2){x[2], x[3]}); }
+JET_INLINE double sum_of_jet_v8(jet_v8 x)
+{
+    return sum_of_jet_v4((jet_v4){x[0], x[1], x[2], x[3]} + (jet_v4){x[4], x[5], x[6], x[7]});
+}
+
 /* Block k of them. */
 #define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 #define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))

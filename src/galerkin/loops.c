@@ -12,15 +12,6 @@
 #define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + here))
 #define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + here))
 
-/* In halves, which wait less for each other. */
-JET_INLINE double sum_of_jet_v1(jet_v1 x) { return x; }
-JET_INLINE double sum_of_jet_v2(jet_v2 x) { return x[0] + x[1]; }
-JET_INLINE double sum_of_jet_v4(jet_v4 x) { return sum_of_jet_v2((jet_v2){x[0], x[1]} + (jet_v2){x[2], x[3]}); }
-JET_INLINE double sum_of_jet_v8(jet_v8 x)
-{
-    return sum_of_jet_v4((jet_v4){x[0], x[1], x[2], x[3]} + (jet_v4){x[4], x[5], x[6], x[7]});
-}
-
 /* sum[0][] + ... = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
 #define CHAINS_OF(blocks) (lanes == 1 ? 1 : lanes == 2 || (blocks) > 1 ? 2 : CHAINS)
 /* Where a row is two blocks, two unknowns share what is read of it. */
@@ -266,8 +257,7 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weig
 BY_LANES(void, , integrate, (const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
          nodes, weights, sums)
 
-/* A loop without comparisons that last from one component to the next is one of vectors; a few are looked at one by
- * one. */
+/* A loop without comparisons that last from one component to the next is one of vectors; a few go one by one. */
 JET_INLINE tvi_tail_survey tails_of(galerkin_motion of, bool few, bool has_masses, double *restrict share,
                                     double *restrict ratio)
 {

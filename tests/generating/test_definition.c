@@ -1,7 +1,7 @@
 /* test_definition.c - steps of the library against the same methods from their definition (definition.h). */
 #include "generating.h"
-#include "definition.h"
 #include "method/method.h"
+#include "definition.h"
 
 #include <math.h>
 
