@@ -126,7 +126,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     else steady_predict(frame, nodes, form, impulses, lanes);
     bool begins = nodes->unknowns > GALERKIN_FEW || steady_begin(nodes, form, lanes);
     while (begins) {
-        const double number = to->steps + (double)(made + 1);
+        const double number = to->steps + 1;
         tried.early = form->rule->early / (number * number);
         galerkin_set_sizes(nodes, motion->n);
         const bool ends = steady_passes(frame, nodes, form, &tried, lanes);
@@ -145,6 +145,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         const double t = now ? now->q[motion->n] : origin->t;
         if (now && !galerkin_advance(motion->n, row, now, &tried)) break;
         made++;
+        to->steps = number;
         to->t = t;
         to->last = tried;
         to->count += tried.count;

@@ -19,8 +19,8 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
         return 0;
     }
     last->turn = (int)((last->turn + made - 1) % GALERKIN_TURNS);
-    last->steps += (double)(made - 1);
     tvi_galerkin_remember(before, row->h, to->t, to->last.slowest);
+    last->steps = to->steps;
     last->leads = to->leads;
     return made;
 }

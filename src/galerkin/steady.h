@@ -31,7 +31,7 @@ typedef struct galerkin_outcome {
     double *impulses[GALERKIN_TURNS]; /* of the step before the last, of the last one and of the next, in turns */
     bool leads;                       /* behind those of the last one is what the next one begins with */
     double t;                         /* where the last one began */
-    double steps;                     /* that were made before these */
+    double steps;                     /* that were made, and before these */
     galerkin_trial last, tried;       /* the last one, and the one after it where that was not made */
     long count, factors;              /* of all steps */
     double largest_tail;
