@@ -11,6 +11,13 @@ static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *o
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
 }
 
+/* Whole vectors, where the field at the nodes takes no more of the tape's vectors for that. */
+static int half_of(const tvi_system *system, int points)
+{
+    const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2, whole = seeds_width(half);
+    return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
+}
+
 static tvi_action shape_of(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
                            int p_degree, int top, bool mirrors)
 {
@@ -25,7 +32,7 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
                         .points = points,
                         .orders = top + 1};
     if (mirrors && seeds_are_plain(&shape) && tvi_quadrature_mirrored(options->quadrature) == options->quadrature) {
-        shape.half = seeds_width((points + 1) / 2);
+        shape.half = half_of(system, points);
         shape.points = 2 * shape.half;
     }
     return shape;
@@ -99,7 +106,6 @@ static void fill_powers(tvi_action *action, int node, long double s, bool at_end
     }
 }
 
-/* The even and the odd orders at the first half of the nodes. */
 /* The even and the odd orders at the first half of the nodes. */
 static void fill_halves(const tvi_action *action, tvi_node_table *table, bool is_weighted, double mirrored)
 {
