@@ -39,9 +39,9 @@ typedef struct tvi_action {
     bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points, orders; /* orders: top + 1 */
     double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
-    /* Nodes mirror each other: points first .. half - 1, and the others from there on. One at the centre is there twice,
-     * with half its weight each; what is left of a half is the first node without weight. 0: they do not, or the action
-     * is not plain. */
+    /* Nodes mirror each other: points first .. half - 1, and the others from there on. One at the centre is there
+     * twice, with half its weight each; what is left of a half is the first node without weight. 0: they do not, or the
+     * action is not plain. */
     int half;
     tvi_node_table power, slope; /* s_i^k and its derivative, 0 above q_degree */
     tvi_node_table second_slope; /* the second one, of all orders */
