@@ -67,6 +67,12 @@ static inline void tvi_passes_begin(tvi_passes *passes)
     passes->checks = false;
 }
 
+/* What the iteration of this number may leave. */
+static inline double tvi_passes_early(const tvi_passes_rule *rule, double number)
+{
+    return rule->early / (number * number);
+}
+
 /* ---- What the next correction should be -------------------------------------------------------------------------- */
 
 static inline bool tvi_passes_contracts(const tvi_passes *passes, const tvi_passes_rule *rule)

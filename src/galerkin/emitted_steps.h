@@ -127,7 +127,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     bool begins = nodes->unknowns > GALERKIN_FEW || steady_begin(nodes, form, lanes);
     while (begins) {
         const double number = to->steps + 1;
-        tried.early = form->rule->early / (number * number);
+        tried.early = tvi_passes_early(form->rule, number);
         galerkin_set_sizes(nodes, motion->n);
         const bool ends = steady_passes(frame, nodes, form, &tried, lanes);
         tried.factors = form->lagrangian ? form->lagrangian->factors : 0;

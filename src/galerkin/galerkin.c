@@ -8,7 +8,6 @@
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -232,7 +231,7 @@ static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
 /* By generated code; false where it is to be made in another way. */
 static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
-    const tvi_row row = {w->field.h, 1, {INFINITY, INT_MAX}, dq, dp};
+    const tvi_row row = {.h = w->field.h, .steps = 1, .dq = dq, .dp = dp};
     galerkin_outcome to;
     set_times(w, origin, w->field.h);
     const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;

@@ -25,13 +25,12 @@ typedef struct {
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
 void tvi_galerkin_set_size(galerkin *w, double h);
 
-/* What the passes of the step of the field's size have from the steps before: `slowest`, and `early`, which is as the
- * square of one over the number of the step. */
+/* What the passes of the step of the field's size have from the steps before: `slowest`, and `early`. */
 static inline void galerkin_begin_passes(const galerkin *w, tvi_passes *shown)
 {
     const galerkin_history *last = w->predictor.last;
     shown->slowest = w->field.h == last->h ? last->slowest : 0;
-    shown->early = w->rule.early / ((last->steps + 1) * (last->steps + 1));
+    shown->early = tvi_passes_early(&w->rule, last->steps + 1);
 }
 
 /* Steps by generated code, of the history, which remembers them; how many. */
