@@ -1,12 +1,16 @@
 /* emit.c - see emit.h. */
 #include "emit.h"
 #include "rule.h"
+#include "split.h"
 
 #include <stdlib.h>
 
 /* Tapes of so many operations have their sums apart, and their orders unrolled if there are so many times the orders of
  * them: what more would gain takes seconds to compile. */
 enum { APART_MOST = 256, UNROLLED_MOST = 800 };
+
+/* Lanes that one vector of every instruction set divides. */
+enum { REGISTER = 4 };
 
 extern const char *const jet_embedded_rules[];
 
@@ -49,27 +53,8 @@ typedef struct {
     jet_text *text;
     const jet_tape *tape;
     const jet_emission *wanted;
-    bool apart;    /* each sum is a run of its own, as what is scattered always is */
     bool unrolled; /* orders */
 } emission;
-
-static int pieces_of(const emission *e, const jet_run *run)
-{
-    return run->is_scattered || (e->apart && run->op == OP_LINEAR) ? run->count : 1;
-}
-
-static jet_run piece_of(const emission *e, const jet_run *run, int piece)
-{
-    jet_run part = *run;
-    if (pieces_of(e, run) == 1) return part;
-    part.count = 1;
-    part.z += piece;
-    part.term += piece * run->terms;
-    if (run->op != OP_LINEAR) return part;
-    part.first += piece;
-    part.has_numbers = e->tape->base[part.first] != 0;
-    return part;
-}
 
 /* Arrays begin with a 0, so that none is empty. */
 static void emit_constants(const emission *e)
@@ -81,11 +66,7 @@ static void emit_constants(const emission *e)
     emit_doubles(e->text, name, "coefficient", tape->terms, tape->term_coefficient);
     emit_doubles(e->text, name, "base", tape->rows, tape->base);
     jet_text_add(e->text, "static const jet_run %s_run[] = {\n", name);
-    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        for (int piece = 0; piece < pieces_of(e, run); piece++) {
-            const jet_run part = piece_of(e, run, piece);
-            emit_run(e->text, &part);
-        }
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run(e->text, run);
     jet_text_add(e->text, "    {0}};\n");
     jet_text_add(
         e->text,
@@ -100,10 +81,11 @@ static void emit_constants(const emission *e)
 #define RULE_NAME(op, name) [op] = #name,
 static const char *const rule_name[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
 
-/* A line of emitted.h's list, of the run, which is the index-th piece. */
-static void emit_line(const emission *e, const jet_run *run, int index)
+/* A line of emitted.h's list. */
+static void emit_line(const emission *e, const jet_run *run)
 {
     const char *name = e->wanted->name;
+    const int index = (int)(run - e->tape->run);
     if (run->op == OP_LINEAR) jet_text_add(e->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
     else if (rule_name[run->op]) jet_text_add(e->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_name[run->op]);
     else jet_text_add(e->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
@@ -131,24 +113,23 @@ static bool begins_twins(const jet_tape *tape, const jet_run *run)
            !begins_twins(tape, run - 1);
 }
 
-/* The run's lines, the first of which has this index; the first of two with the same angles, or of twins, stands for
- * both. */
-static void emit_lines(const emission *e, const jet_run *run, int first)
+/* The first of two with the same angles, or of twins, stands for both. */
+static void emit_lines(const emission *e, const jet_run *run)
 {
     if (begins_angles(e->tape, run - 1) || begins_twins(e->tape, run - 1)) return;
+    const int index = (int)(run - e->tape->run);
     const char *both = begins_angles(e->tape, run) ? "ANGLES" : begins_twins(e->tape, run) ? "TWINS" : NULL;
-    if (both) jet_text_add(e->text, " \\\n    %s(%s, %d, %d)", both, e->wanted->name, first, first + 1);
-    for (int piece = 0; piece < pieces_of(e, run) && !both; piece++) emit_line(e, run, first + piece);
+    if (both) jet_text_add(e->text, " \\\n    %s(%s, %d, %d)", both, e->wanted->name, index, index + 1);
+    else emit_line(e, run);
 }
 
 static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
-    int pieces = 0;
     jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, LINEAR)", e->wanted->name);
-    for (const jet_run *run = begin; run < end; pieces += pieces_of(e, run++)) emit_lines(e, run, pieces);
+    for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
     jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, LINEAR)", e->wanted->name);
-    for (const jet_run *run = end; run-- > begin;) emit_lines(e, run, pieces -= pieces_of(e, run));
+    for (const jet_run *run = end; run-- > begin;) emit_lines(e, run);
     jet_text_add(e->text, "\nJET_EMITTED_SWEEPS(%s)\n", e->wanted->name);
 }
 
@@ -219,11 +200,27 @@ static void emit_adjoints(const emission *e)
                  name, name);
 }
 
+/* Values alone of whole vectors. */
+static bool is_of_registers(const jet_emission *wanted)
+{
+    for (const int *lanes = wanted->lanes; *lanes > 0; lanes++)
+        if (*lanes % REGISTER != 0) return false;
+    return !wanted->has_series && !wanted->has_adjoints && wanted->directions[0] == 0;
+}
+
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted)
 {
     const char *name = wanted->name;
     const int operations = tape->slots - tape->inputs - tape->constants;
-    const emission e = {text, tape, wanted, operations <= APART_MOST, operations * (wanted->top + 1) <= UNROLLED_MOST};
+    const jet_split which = operations > APART_MOST   ? JET_SPLIT_SCATTERED
+                            : is_of_registers(wanted) ? JET_SPLIT_ALL
+                                                      : JET_SPLIT_SUMS;
+    jet_tape split;
+    if (!jet_tape_split(&split, tape, which)) {
+        text->failed = true;
+        return;
+    }
+    const emission e = {text, &split, wanted, operations * (wanted->top + 1) <= UNROLLED_MOST};
     emit_constants(&e);
     emit_lists(&e);
     emit_all_orders(&e);
@@ -236,7 +233,9 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
     if (wanted->has_series) jet_text_add(text, ".series = %s_series, ", name);
     if (wanted->directions[0] > 0) jet_text_add(text, ".tangents = %s_tangents, ", name);
     if (wanted->has_adjoints) jet_text_add(text, ".adjoints = %s_adjoints, ", name);
-    jet_text_add(text, ".isa = JET_EMITTED_ISA};\n");
+    jet_text_add(text, ".isa = JET_EMITTED_ISA};\nenum { %s_slots = %d, %s_is_split = %d };\n", name, tape->slots, name,
+                 which == JET_SPLIT_ALL);
+    jet_tape_free_split(&split);
 }
 
 const jet_sweeps *jet_sweeps_merge(jet_sweeps *merged, const jet_sweeps *interpreted, const jet_sweeps *code)

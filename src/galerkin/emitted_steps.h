@@ -7,16 +7,17 @@
 #include "galerkin/lagrangian_passes.h"
 #include "galerkin/steady.h"
 
-/* The step of steady.h. Small nodes are the function's own, where the compiler keeps them in registers. */
-typedef bool steady_field(double *x, int lanes);
+/* The step of steady.h. Small blocks are the function's own, where the compiler keeps them in registers. */
 enum { STEADY_MOST = 4096 };
 
-/* What a pass is made by: the field and the rows of it that drive the unknowns, or passes of their own. The rule is of
- * constants where the registers are not the field's. */
+/* Sets the impulses at the nodes; false outside the field's domain. */
+typedef bool steady_field(const galerkin_nodes *nodes, int lanes);
+
+/* What a pass is made by: the field, or passes of their own. The rule is of constants where the registers are not the
+ * field's. */
 typedef struct {
     const tvi_passes_rule *rule;
-    steady_field *run;
-    const int *slot;
+    steady_field *drive;
     galerkin_sweep *sweep;
     lagrangian_passes *lagrangian;
     hamiltonian_passes *hamiltonian;
@@ -25,10 +26,7 @@ typedef struct {
 /* A pass in two parts, between which its impulses are stored. */
 JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
 {
-    if (!form->run) return true;
-    if (!form->run(nodes->x, lanes)) return false;
-    weigh_lanes(nodes, nodes->x, form->slot, lanes);
-    return true;
+    return !form->drive || form->drive(nodes, lanes);
 }
 
 JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
@@ -114,7 +112,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
                              const steady_form *form, const tvi_row *row, const tvi_origin *origin,
                              const tvi_run_state *now, galerkin_outcome *to, int lanes)
 {
-    const bool leads = form->run && STEADY_LEADS(nodes->unknowns, lanes);
+    const bool leads = form->drive && STEADY_LEADS(nodes->unknowns, lanes);
     const int numbers = nodes->unknowns * lanes;
     double *before = to->impulses[0], *last = to->impulses[1], *next = to->impulses[2];
     const double *const impulses[] = {last, before};
@@ -204,27 +202,49 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
 #define STEADY_ORDER
 #endif
 
-/* KEPT rows of x are not of the tape's operations. Outputs that are inputs are copied behind the tape's slots, as by
- * galerkin_evaluate. */
-#define GALERKIN_EMITTED_STEADY(NAME, VALUES, UNKNOWNS, KEPT, SLOTS, LANES)                                            \
-    JET_INLINE bool NAME##_values(double *x, int lanes)                                                                \
+/* Of `kept` rows at so many lanes, and back into impulses. */
+#define TAKE(V, blocks) BLOCK_AT(V, y, 0) = BLOCK_OF(V, x, 0);
+JET_INLINE void take_rows(double *y, const double *x, int kept, int width, int lanes)
+{
+    _Pragma("GCC unroll 256") for (int i = 0; i < kept; i++, y += width, x += lanes) ALL_LANES(width, TAKE)
+}
+
+#define GIVE(V, blocks) BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, y + slot[u] * width, 0);
+JET_INLINE void give_impulses(double *impulse, const double *weight, const double *y, const int slot[], int unknowns,
+                              int width, int lanes)
+{
+    _Pragma("GCC unroll 256") for (int u = 0; u < unknowns; u++, impulse += lanes) ALL_LANES(width, GIVE)
+}
+
+/* The first KEPT rows of x are not of the operations of T. A tape whose operations stand alone is run at one register's
+ * lanes after the other, and nothing of it is kept but the impulses. */
+#define GALERKIN_EMITTED_STEADY(NAME, T, UNKNOWNS, KEPT, LANES)                                                        \
+    enum { NAME##_width = (LANES) % WIDEST == 0 ? WIDEST : 4 };                                                        \
+    JET_INLINE bool NAME##_drive(const galerkin_nodes *nodes, int lanes)                                               \
     {                                                                                                                  \
-        const bool inside = VALUES(x, lanes);                                                                          \
-        for (int i = 0; i < NAME##_copies; i++)                                                                        \
-            for (int lane = 0; lane < lanes; lane++)                                                                   \
-                x[((SLOTS) + i) * lanes + lane] = x[NAME##_copied[i] * lanes + lane];                                  \
+        bool inside = true;                                                                                            \
+        if (!T##_is_split) {                                                                                           \
+            inside = T##_values_of(nodes->x, lanes);                                                                   \
+            weigh_lanes(nodes, nodes->x, NAME##_slot, lanes);                                                          \
+        }                                                                                                              \
+        for (int first = 0; T##_is_split && first < lanes; first += NAME##_width) {                                    \
+            _Alignas(64) double y[T##_slots * NAME##_width];                                                           \
+            take_rows(y, nodes->x + first, (KEPT), NAME##_width, lanes);                                               \
+            inside &= T##_values_of(y, NAME##_width);                                                                  \
+            give_impulses(nodes->impulse + first, nodes->weight + first, y, NAME##_slot, (UNKNOWNS), NAME##_width,     \
+                          lanes);                                                                                      \
+        }                                                                                                              \
         return inside;                                                                                                 \
     }                                                                                                                  \
     STEADY_ORDER static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,      \
                                        const tvi_run_state *now, galerkin_outcome *to)                                 \
     {                                                                                                                  \
-        enum { ROWS = (SLOTS) + NAME##_copies, IS_SMALL = ROWS * (LANES) <= STEADY_MOST };                             \
-        _Alignas(64) double x[IS_SMALL ? ROWS * (LANES) : 1];                                                          \
+        enum { IS_SMALL = T##_is_split && (KEPT) * (LANES) <= STEADY_MOST };                                           \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
         const steady_form form = {.rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
-                                  .run = NAME##_values,                                                                \
-                                  .slot = NAME##_slot};                                                                \
+                                  .drive = NAME##_drive};                                                              \
+        _Alignas(64) double x[IS_SMALL ? (KEPT) * (LANES) : 1];                                                        \
         if (IS_SMALL) {                                                                                                \
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
             nodes.x = x;                                                                                               \

@@ -54,13 +54,11 @@ static void predict(galerkin_field *field, int steps, const double *extrapolatio
 
 static void emit(jet_text *text, const galerkin_field *field, const char *name)
 {
-    const jet_tape *tape = field->system->field_values;
     const galerkin_nodes *nodes = &field->nodes;
-    tvi_galerkin_emit_ints(text, name, "copied", field->copies, field->copied);
-    tvi_galerkin_emit_ints(text, name, "slot", nodes->unknowns, field->slot);
-    jet_text_add(text, "enum { %s_copies = %d };\n", name, field->copies);
-    jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, tvi_values_values_of, %d, %d, %d, %d)\n", name, nodes->unknowns,
-                 galerkin_rows_kept(tape), tape->slots, nodes->lanes);
+    jet_text_add(text, "static const int %s_slot[] = {", name);
+    for (int u = 0; u < nodes->unknowns; u++) jet_text_add(text, "%d, ", driving_slot(field->system, u));
+    jet_text_add(text, "0};\nGALERKIN_EMITTED_STEADY(%s, tvi_values, %d, %d, %d)\n", name, nodes->unknowns,
+                 galerkin_rows_kept(field->system->field_values), nodes->lanes);
 }
 
 const galerkin_form tvi_galerkin_form_plain = {-1,  &tvi_galerkin_fixed_point, take, prepare, start, predict, NULL,

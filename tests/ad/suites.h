@@ -24,6 +24,7 @@ Suite *emit_suite(void);
 /* Cases of the suites "record" and "tape" that have files of their own. */
 void add_sharing(Suite *suite);
 void add_runs(Suite *suite);
+void add_splits(Suite *suite);
 
 /* An empty case of the suite. */
 static inline TCase *add_case(Suite *suite, const char *name)

@@ -203,5 +203,6 @@ Suite *tape_suite(void)
     tcase_add_test(blocks, block_is_prepared);
     tcase_add_loop_test(blocks, sweeps_write_their_own_order, 0, functions);
     add_runs(suite);
+    add_splits(suite);
     return suite;
 }

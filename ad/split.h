@@ -1,0 +1,19 @@
+/* split.h - a tape whose operations stand alone, for generated code (emit.c): an interpreter gains by long runs, but a
+ * compiler, which keeps a value in a register where it is read soon, loses by them. */
+#ifndef TVI_AD_SPLIT_H
+#define TVI_AD_SPLIT_H
+
+#include "tape.h"
+
+typedef enum {
+    JET_SPLIT_SCATTERED, /* runs whose operands are not adjacent */
+    JET_SPLIT_SUMS,      /* these and all sums of multiples */
+    JET_SPLIT_ALL        /* all, each behind what it reads and directly before what waits for it alone: values only */
+} jet_split;
+
+/* The same slots by the same operations, those apart as runs of one. Only the runs and their terms are its own, for
+ * jet_tape_free_split; all else is the tape's. false without memory, and nothing is to be freed. */
+bool jet_tape_split(jet_tape *split, const jet_tape *tape, jet_split which);
+void jet_tape_free_split(jet_tape *split);
+
+#endif

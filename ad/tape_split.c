@@ -1,0 +1,138 @@
+/* tape_split.c - see split.h. */
+#include "rule.h"
+#include "split.h"
+
+#include <stdlib.h>
+
+typedef struct {
+    const jet_tape *tape;
+    jet_tape *split;
+    const jet_run **maker; /* [slots] the run that makes it; NULL: none, or it is made */
+} splitting;
+
+/* ---- Runs -------------------------------------------------------------------------------------------------------- */
+
+/* Each operation of the run has terms of its own. */
+static bool has_own_terms(const jet_run *run) { return run->op == OP_LINEAR || run->is_scattered; }
+
+static void add_terms(jet_tape *split, const jet_tape *tape, int first, int count, int shift)
+{
+    for (int term = first; term < first + count; term++, split->terms++) {
+        split->term_slot[split->terms] = tape->term_slot[term] + shift;
+        split->term_second[split->terms] = tape->term_second[term] + shift;
+        split->term_coefficient[split->terms] = tape->term_coefficient[term];
+    }
+}
+
+/* So many operations of the run, from this one on. */
+static void add_run(const splitting *s, const jet_run *run, int from, int count)
+{
+    const jet_tape *tape = s->tape;
+    jet_run part = *run;
+    part.count = count;
+    part.z += from;
+    part.term = s->split->terms;
+    if (has_own_terms(run)) add_terms(s->split, tape, run->term + from * run->terms, count * run->terms, 0);
+    else add_terms(s->split, tape, run->term, run->terms, from);
+    if (run->terms == 0) {
+        part.a += from;
+        part.b += jet_rules[run->op]->operands == 2 ? from : 0;
+    }
+    if (run->op == OP_LINEAR) part.first += from;
+    s->split->run[s->split->runs++] = part;
+}
+
+static void split_in_place(const splitting *s, jet_split which)
+{
+    for (const jet_run *run = s->tape->run; run < s->tape->run + s->tape->runs; run++) {
+        const bool is_apart = run->is_scattered || (which == JET_SPLIT_SUMS && run->op == OP_LINEAR);
+        for (int i = 0; i < (is_apart ? run->count : 1); i++) add_run(s, run, i, is_apart ? 1 : run->count);
+    }
+}
+
+/* ---- One by one, as they are wanted ------------------------------------------------------------------------------ */
+
+/* The slot that the run's operation i reads as its k-th one; -1: there are no more. */
+static int read_by(const jet_tape *tape, const jet_run *run, int i, int k)
+{
+    const int reads = run->terms > 0 ? run->terms : 1, which = k % reads;
+    if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
+    if (run->terms == 0) return k == 0 ? run->a + i : jet_rules[run->op]->operands == 2 ? run->b + i : -1;
+    const int term = run->term + which + (has_own_terms(run) ? i * run->terms : 0), shift = has_own_terms(run) ? 0 : i;
+    return shift + (k < reads ? tape->term_slot[term] : tape->term_second[term]);
+}
+
+/* Nothing it reads is still to be made, and it reads this one. */
+static bool waits_for(const splitting *s, int slot, int made)
+{
+    const jet_run *run = s->maker[slot];
+    bool reads = false;
+    for (int k = 0, a; (a = read_by(s->tape, run, slot - run->z, k)) >= 0; k++) {
+        if (s->maker[a]) return false;
+        reads |= a == made;
+    }
+    return reads;
+}
+
+/* Makes it, what it reads first, and then what waited for nothing else. Sines stand before cosines of their angles. */
+static void make(const splitting *s, int slot)
+{
+    const jet_run *run = s->maker[slot];
+    if (!run) return;
+    const int i = slot - run->z;
+    if (run->op == OP_COS && run > s->tape->run && run[-1].together == 2 && s->maker[run[-1].z + i]) {
+        make(s, run[-1].z + i);
+        return;
+    }
+    for (int k = 0, a; (a = read_by(s->tape, run, i, k)) >= 0; k++) make(s, a);
+    if (!s->maker[slot]) return;
+    const bool has_cosine = run->op == OP_SIN && run->together == 2;
+    for (const jet_run *made = run; made <= run + has_cosine; made++) {
+        add_run(s, made, i, 1);
+        s->split->run[s->split->runs - 1].together = made == run && has_cosine ? 2 : 1;
+        s->maker[made->z + i] = NULL;
+    }
+    for (int next = 0; next < s->tape->slots; next++)
+        for (const jet_run *made = run; made <= run + has_cosine; made++)
+            if (s->maker[next] && waits_for(s, next, made->z + i)) make(s, next);
+}
+
+static void split_all(const splitting *s)
+{
+    const jet_tape *tape = s->tape;
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        for (int i = 0; i < run->count; i++) s->maker[run->z + i] = run;
+    for (int i = 0; i < tape->outputs; i++) make(s, tape->output[i]);
+    for (int slot = 0; slot < tape->slots; slot++) make(s, slot);
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
+void jet_tape_free_split(jet_tape *split)
+{
+    free(split->run);
+    free(split->term_slot);
+    free(split->term_second);
+    free(split->term_coefficient);
+}
+
+bool jet_tape_split(jet_tape *split, const jet_tape *tape, jet_split which)
+{
+    size_t terms = 1;
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        terms += (size_t)run->count * (size_t)run->terms;
+    const size_t slots = (size_t)tape->slots + 1;
+    *split = *tape;
+    split->runs = split->terms = 0;
+    split->run = calloc(slots, sizeof *split->run);
+    split->term_slot = calloc(terms, sizeof *split->term_slot);
+    split->term_second = calloc(terms, sizeof *split->term_second);
+    split->term_coefficient = calloc(terms, sizeof *split->term_coefficient);
+    const splitting s = {tape, split, calloc(slots, sizeof(jet_run *))};
+    const bool has_memory = s.maker && split->run && split->term_slot && split->term_second && split->term_coefficient;
+    if (!has_memory) jet_tape_free_split(split);
+    else if (which == JET_SPLIT_ALL) split_all(&s);
+    else split_in_place(&s, which);
+    free(s.maker);
+    return has_memory;
+}

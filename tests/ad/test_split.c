@@ -1,0 +1,152 @@
+/* test_split.c - tapes whose operations stand alone (split.h). Cases of the suite "tape". */
+#include "record.h"
+#include "split.h"
+#include "suites.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const jet_split ways[] = {JET_SPLIT_SCATTERED, JET_SPLIT_SUMS, JET_SPLIT_ALL};
+enum { WAYS = sizeof ways / sizeof *ways, LANES = 8 };
+
+static recording split_of(const recording *r, jet_split which, jet_tape *split)
+{
+    ck_assert(jet_tape_split(split, r->tape, which));
+    recording other = *r;
+    other.tape = split;
+    return other;
+}
+
+/* The same values, but for the last two bits of powers that the tape has together, or none, too. What is read before it
+ * is made would be no number. */
+static void check_values(const recording *r, const function *f, jet_split which)
+{
+    double x[INPUTS_MAX * LANES], want[OUTPUTS_MAX * LANES], got[OUTPUTS_MAX * LANES];
+    jet_tape split;
+    const recording other = split_of(r, which, &split);
+    for (int i = 0; i < f->inputs; i++)
+        for (int lane = 0; lane < LANES; lane++) x[i * LANES + lane] = f->centre[i] * (1 + 0.001 * lane);
+    ck_assert(run_values(r, LANES, x, want) == run_values(&other, LANES, x, got));
+    for (int i = 0; i < r->outputs * LANES; i++)
+        ck_assert_double_le(fabs(got[i] - want[i]), 2 * DBL_EPSILON * fabs(want[i]));
+    jet_tape_free_split(&split);
+}
+
+START_TEST(splits_compute_the_same)
+{
+    const function *f = any_function(_i);
+    for (int kind = JET_TAPE_VALUES; kind <= JET_TAPE_SERIES; kind++)
+        for (int way = 0; way < WAYS; way++) {
+            recording r = record_outputs(f, (jet_tape_kind)kind), g = record_gradient(f, 0, (jet_tape_kind)kind);
+            check_values(&r, f, ways[way]);
+            check_values(&g, f, ways[way]);
+            recording_free(&r);
+            recording_free(&g);
+        }
+}
+END_TEST
+
+/* Whether the split has the operations of such a run alone. */
+static bool is_cut(const jet_run *run, jet_split which)
+{
+    return which == JET_SPLIT_ALL || run->is_scattered || (which == JET_SPLIT_SUMS && run->op == OP_LINEAR);
+}
+
+/* Each slot once, by the operation that the tape has; alone, if it is one of those to be cut. */
+START_TEST(operations_are_made_once)
+{
+    const function *f = any_function(_i);
+    recording r = record_gradient(f, 0, JET_TAPE_VALUES);
+    int *makers = calloc((size_t)r.tape->slots, sizeof *makers);
+    for (int way = 0; way < WAYS; way++) {
+        jet_tape split;
+        ck_assert(jet_tape_split(&split, r.tape, ways[way]));
+        memset(makers, 0, (size_t)r.tape->slots * sizeof *makers);
+        for (const jet_run *run = split.run; run < split.run + split.runs; run++) {
+            ck_assert(run->count == 1 || !is_cut(run, ways[way]));
+            for (int slot = run->z; slot < run->z + run->count; slot++) makers[slot]++;
+        }
+        for (int slot = 0; slot < r.tape->slots; slot++)
+            ck_assert_int_eq(makers[slot], slot >= r.tape->inputs + r.tape->constants);
+        jet_tape_free_split(&split);
+    }
+    free(makers);
+    recording_free(&r);
+}
+END_TEST
+
+static const function *gravity(void)
+{
+    for (int i = 0; i < composition_count; i++)
+        if (!strcmp(compositions[i].name, "gravity")) return &compositions[i];
+    ck_abort_msg("no gravity");
+}
+
+/* The most operations between one that is no sum of multiples and what it reads. */
+static int longest_way(const jet_tape *tape)
+{
+    int *made = calloc((size_t)tape->slots, sizeof *made), longest = 0, count = 0;
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        for (int i = 0; i < run->count; i++, count++) {
+            made[run->z + i] = count;
+            for (int term = run->term; term < run->term + run->terms && run->op != OP_LINEAR; term++) {
+                const int first = made[tape->term_slot[term] + i], second = made[tape->term_second[term] + i];
+                longest = count - first > longest ? count - first : longest;
+                longest = count - second > longest ? count - second : longest;
+            }
+        }
+    free(made);
+    return longest;
+}
+
+/* Three differences, a distance, a power, a factor and three products follow each other, and sums of those between;
+ * beside other pairs' they wait for 45 differences. */
+START_TEST(pairs_follow_each_other)
+{
+    recording r = record_outputs(gravity(), JET_TAPE_VALUES);
+    jet_tape sums, all;
+    ck_assert(jet_tape_split(&sums, r.tape, JET_SPLIT_SUMS));
+    ck_assert(jet_tape_split(&all, r.tape, JET_SPLIT_ALL));
+    ck_assert_int_ge(longest_way(&sums), 45);
+    ck_assert_int_le(longest_way(&all), 12);
+    jet_tape_free_split(&sums);
+    jet_tape_free_split(&all);
+    recording_free(&r);
+}
+END_TEST
+
+/* The cosine of an angle stands behind its sine, whichever is wanted first. */
+START_TEST(angles_stay_together)
+{
+    jet_graph *graph = jet_graph_create(2);
+    jet z[4];
+    for (int i = 0; i < 2; i++) {
+        z[1 - i] = jet_cos(jet_graph_input(graph, i));
+        z[2 + i] = jet_sin(jet_graph_input(graph, i));
+    }
+    recording r = record_close(graph, 4, z, JET_TAPE_VALUES);
+    jet_tape split;
+    ck_assert(jet_tape_split(&split, r.tape, JET_SPLIT_ALL));
+    ck_assert_int_eq(split.runs, 4);
+    for (const jet_run *run = split.run; run < split.run + split.runs; run += 2) {
+        ck_assert_int_eq(run[0].op, OP_SIN);
+        ck_assert_int_eq(run[0].together, 2);
+        ck_assert_int_eq(run[1].op, OP_COS);
+        ck_assert_int_eq(run[1].together, 1);
+        ck_assert_int_eq(run[1].a, run[0].a);
+    }
+    jet_tape_free_split(&split);
+    recording_free(&r);
+}
+END_TEST
+
+void add_splits(Suite *suite)
+{
+    TCase *splits = add_case(suite, "splits");
+    tcase_add_loop_test(splits, splits_compute_the_same, 0, operation_count + composition_count);
+    tcase_add_loop_test(splits, operations_are_made_once, 0, operation_count + composition_count);
+    tcase_add_test(splits, pairs_follow_each_other);
+    tcase_add_test(splits, angles_stay_together);
+}
