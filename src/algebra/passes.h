@@ -103,17 +103,25 @@ static inline void tvi_passes_show_part(tvi_passes *passes, const tvi_passes_rul
     passes->part = part;
 }
 
-/* As large as this one, if it is far. */
+static inline double tvi_passes_part(const tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    return tvi_passes_is_known(passes, rule) ? passes->slowest : 1;
+}
+
+/* As large as this one, if it is far. Each kind of correction goes a way of its own, which processors foresee. */
 static inline void tvi_passes_expect(tvi_passes *passes, const tvi_passes_rule *rule)
 {
-    const double shown = passes->shown;
-    passes->shown = passes->next = passes->size;
-    if (passes->size > rule->far || passes->count == 1) return;
-    const bool is_noise = passes->size <= (passes->slowest > 0 ? rule->noise : rule->first_noise);
-    if (!is_noise) tvi_passes_show_part(passes, rule);
-    const double part = tvi_passes_is_known(passes, rule) ? passes->slowest : 1;
-    if (is_noise) passes->shown = tvi_smaller(passes->size, part * shown);
-    passes->next = tvi_larger(passes->slack, passes->seen) * part * passes->shown;
+    const double size = passes->size, shown = passes->shown;
+    passes->shown = passes->next = size;
+    if (size > rule->far || passes->count == 1) return;
+    if (size <= (passes->slowest > 0 ? rule->noise : rule->first_noise)) {
+        const double part = tvi_passes_part(passes, rule);
+        passes->shown = tvi_smaller(size, part * shown);
+        passes->next = tvi_larger(passes->slack, passes->seen) * part * passes->shown;
+    } else {
+        tvi_passes_show_part(passes, rule);
+        passes->next = tvi_larger(passes->slack, passes->seen) * tvi_passes_part(passes, rule) * size;
+    }
 }
 
 /* ---- The verdict ------------------------------------------------------------------------------------------------- */
@@ -131,25 +139,32 @@ static inline bool tvi_passes_is_cycle(const tvi_passes *passes)
     return passes->size == passes->before && passes->size == passes->earlier;
 }
 
+/* Roundoff, which grows and shrinks, of passes that are known to contract: they go on, stuck or not. */
+static inline bool tvi_passes_is_quiet(const tvi_passes *passes, const tvi_passes_rule *rule)
+{
+    return passes->size <= tvi_smaller(rule->noise, rule->roundoff) && tvi_passes_is_known(passes, rule) &&
+           passes->size != passes->before;
+}
+
 /* Adds a pass, whose correction is so large. */
 static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size)
 {
     const double goal = tvi_larger(rule->goal, passes->early);
-    const bool is_confirmed = passes->next <= goal && size <= rule->confirmed;
+    const bool is_confirmed = size == 0 || (passes->next <= goal && size <= rule->confirmed);
     passes->earlier = passes->before;
     passes->before = passes->size;
     passes->size = size;
     passes->count++;
     if (rule->exactly > 0) return passes->count == rule->exactly ? TVI_PASSES_MAY_END : TVI_PASSES_GO_ON;
-    if (size == 0 && !passes->checks) return TVI_PASSES_MAY_END;
     if (rule->most_slack > 0 && passes->count > 1) tvi_passes_learn_slack(passes, rule);
     tvi_passes_expect(passes, rule);
     const bool is_enough = passes->next <= goal && (is_confirmed || !passes->checks);
-    if (is_enough || size <= passes->roundoff) return TVI_PASSES_MAY_END;
-    if (!tvi_passes_is_stuck(passes, rule)) return TVI_PASSES_GO_ON;
+    if (is_enough || (passes->roundoff > 0 && size <= passes->roundoff)) return TVI_PASSES_MAY_END;
+    if (tvi_passes_is_quiet(passes, rule) || !tvi_passes_is_stuck(passes, rule)) return TVI_PASSES_GO_ON;
     if (size > rule->roundoff) return TVI_PASSES_STUCK;
     return tvi_passes_is_known(passes, rule) && !tvi_passes_is_cycle(passes) ? TVI_PASSES_GO_ON : TVI_PASSES_MAY_END;
 }
+
 /* Those that were stuck: the roundoff is so large, as was measured since. */
 static inline bool tvi_passes_are_roundoff(tvi_passes *passes, double roundoff)
 {

@@ -60,7 +60,7 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     while (verdict == TVI_PASSES_GO_ON && passes.count < form->rule->most) {
         double moved;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
-        if (!steady_end(frame, nodes, form, &moved, lanes) || !isfinite(moved)) return false;
+        if (!steady_end(frame, nodes, form, &moved, lanes) || !(moved < INFINITY)) return false;
         verdict = tvi_passes_judge(&passes, form->rule, moved);
         shown->count = passes.count;
         if (few && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
