@@ -15,6 +15,13 @@
         if ((count) < 8) __asm__("" : "+m"(number));                                                                   \
     } while (0)
 
+/* A number in a register of its own, and no part of a vector. */
+#ifdef __SSE2__
+#define TVI_ALONE(number) __asm__("" : "+x"(number))
+#else
+#define TVI_ALONE(number) __asm__("" : "+m"(number))
+#endif
+
 static inline uint64_t tvi_bits(double x)
 {
     uint64_t bits;

@@ -85,17 +85,22 @@ JET_INLINE void steady_predict(const galerkin_frame *frame, const galerkin_nodes
     else predict_lanes(nodes, 2, frame->extrapolation, impulses, lanes);
 }
 
-/* The increments of a step, and its tail. */
-JET_INLINE void steady_finish(const galerkin_frame *frame, const galerkin_nodes *nodes, galerkin_motion motion,
-                              const tvi_row *row, const tvi_origin *origin, double *of_tail, int lanes)
+/* The increments of a step. */
+JET_INLINE void steady_sum(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_motion *motion,
+                           const tvi_row *row, int lanes)
 {
-    integrate_lanes(nodes, frame->weights, &motion.sums, lanes);
-    if (motion.has_masses) end_drifting(nodes, &motion.sums, frame->drift, frame->drift_low, row->dq, row->dp);
-    else galerkin_end(nodes, &motion.sums, motion.n, row->dq, row->dp);
+    integrate_lanes(nodes, frame->weights, &motion->sums, lanes);
+    if (motion->has_masses) end_drifting(nodes, &motion->sums, frame->drift, frame->drift_low, row->dq, row->dp);
+    else galerkin_end(nodes, &motion->sums, motion->n, row->dq, row->dp);
+}
+
+JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motion, const tvi_row *row,
+                              const tvi_origin *origin, int lanes)
+{
     motion.q = origin->q;
     motion.p = origin->p;
     motion.dp = row->dp;
-    *of_tail = lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
+    return lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
 }
 
 #define COPY(V, blocks)                                                                                                \
@@ -106,7 +111,7 @@ JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
 }
 
 /* Few unknowns whose nodes are one vector are predicted for the next step, and its first pass begins, before the
- * increments of this one are known: they are waited for where that pass ends. Other steps are made one by one. */
+ * increments of this one are added: they are waited for where that pass ends. Other steps are made one by one. */
 #define STEADY_LEADS(unknowns, lanes) ((unknowns) <= GALERKIN_FEW && (lanes) <= (int)WIDEST)
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
                              const steady_form *form, const tvi_row *row, const tvi_origin *origin,
@@ -130,8 +135,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         const bool ends = steady_passes(frame, nodes, form, &tried, lanes);
         tried.factors = form->lagrangian ? form->lagrangian->factors : 0;
         if (!ends) break;
-        galerkin_nodes ended = *nodes;
-        ended.impulse = next;
+        steady_sum(frame, nodes, motion, row, lanes);
         if (leads) {
             const double *const following[] = {next, last};
             copy_lanes(next, nodes->impulse, nodes->unknowns, lanes);
@@ -139,7 +143,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
             copy_lanes(next + numbers, nodes->x, nodes->unknowns, lanes);
             begins = made + 1 < row->steps && steady_begin(nodes, form, lanes);
         }
-        steady_finish(frame, &ended, *motion, row, origin, &tried.tail, lanes);
+        tried.tail = steady_tail(frame, *motion, row, origin, lanes);
         const double t = now ? now->q[motion->n] : origin->t;
         if (now && !galerkin_advance(motion->n, row, now, &tried)) break;
         made++;
@@ -168,6 +172,34 @@ JET_INLINE void keep_rows(double *own, const double *block, int first, int kept,
     for (int i = first * lanes; i < kept * lanes; i++) own[i] = block[i];
 }
 
+/* The state of few components, and what a step adds to it, are the function's own, too. */
+JET_INLINE long steady_own(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
+                           const steady_form *form, const tvi_row *of, const tvi_origin *begin,
+                           const tvi_run_state *now, galerkin_outcome *to, int lanes)
+{
+    double q[GALERKIN_OWN + 1], q_low[GALERKIN_OWN + 1], p[GALERKIN_OWN], p_low[GALERKIN_OWN];
+    double dq[GALERKIN_OWN + 1], dp[GALERKIN_OWN];
+    const int n = motion->n, numbers = now ? n + 1 : n;
+    const tvi_run_state own = {q, q_low, p, p_low};
+    const tvi_origin origin = {begin->t, begin->t_low, q, q_low, p, p_low};
+    const tvi_row row = {of->h, of->steps, of->sure, dq, dp};
+    keep_rows(q, begin->q, 0, numbers, 1);
+    keep_rows(q_low, begin->q_low, 0, numbers, 1);
+    keep_rows(p, begin->p, 0, n, 1);
+    keep_rows(p_low, begin->p_low, 0, n, 1);
+    dq[n] = of->h;
+    const long made = steady_lanes(frame, nodes, motion, form, &row, &origin, now ? &own : NULL, to, lanes);
+    const int increments = made > 0 ? n : 0;
+    keep_rows(of->dq, dq, 0, increments, 1);
+    keep_rows(of->dp, dp, 0, increments, 1);
+    if (!now) return made;
+    keep_rows(now->q, q, 0, n + 1, 1);
+    keep_rows(now->q_low, q_low, 0, n + 1, 1);
+    keep_rows(now->p, p, 0, n, 1);
+    keep_rows(now->p_low, p_low, 0, n, 1);
+    return made;
+}
+
 /* All that changes is the function's own, where the compiler keeps it in registers. */
 JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, galerkin_motion motion,
                            const steady_form *form, const tvi_row *row, const tvi_origin *origin,
@@ -189,7 +221,9 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
     frame.drift_low = drift_low;
     frame.share = share;
     frame.ratio = ratio;
-    const long made = steady_lanes(&frame, nodes, &motion, form, row, origin, now, to, lanes);
+    const long made = motion.n <= GALERKIN_OWN
+                          ? steady_own(&frame, nodes, &motion, form, row, origin, now, to, lanes)
+                          : steady_lanes(&frame, nodes, &motion, form, row, origin, now, to, lanes);
     keep_rows(of->drift, drift, 0, motion.has_masses ? motion.n : 0, 1);
     keep_rows(of->drift_low, drift_low, 0, motion.has_masses ? motion.n : 0, 1);
     return made;

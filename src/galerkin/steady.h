@@ -6,6 +6,9 @@
 #include "algebra/passes.h"
 #include "galerkin/loops.h"
 
+/* Of so many components the state is in registers from one step of a row to the next. */
+enum { GALERKIN_OWN = 3 };
+
 /* What all steps of an integrator share. */
 typedef struct galerkin_frame {
     const galerkin_nodes *nodes;
@@ -69,14 +72,28 @@ static inline bool galerkin_sums_are_finite(int count, const double *x, const do
     return any == 0;
 }
 
+/* Numbers that are in registers stay there. */
+static inline void galerkin_add(int count, double *x, double *low, const double *d)
+{
+    if (count > GALERKIN_OWN + 1) {
+        tvi_add_all_compensated(count, x, low, d);
+        return;
+    }
+    for (int i = 0; i < count; i++) {
+        double sum = tvi_add_compensated(x[i], &low[i], d[i]);
+        TVI_ALONE(sum);
+        x[i] = sum;
+    }
+}
+
 /* Adds the step to the state; false where it is not sure, or not finite. */
 static inline bool galerkin_advance(int n, const tvi_row *row, const tvi_run_state *now, const galerkin_trial *tried)
 {
     if (!(tried->tail <= row->sure.tail && tried->count <= row->sure.passes)) return false;
     if (!galerkin_sums_are_finite(n + 1, now->q, row->dq)) return false;
     if (!galerkin_sums_are_finite(n, now->p, row->dp)) return false;
-    tvi_add_all_compensated(n + 1, now->q, now->q_low, row->dq);
-    tvi_add_all_compensated(n, now->p, now->p_low, row->dp);
+    galerkin_add(n + 1, now->q, now->q_low, row->dq);
+    galerkin_add(n, now->p, now->p_low, row->dp);
     return true;
 }
 

@@ -235,7 +235,7 @@ START_TEST(steps_are_whole)
                                {&scene_kepler, 0.2, true},
                                {&scene_henon_heiles_12, 0.2, true}};
     const tvi_compiler edited = {
-        .compiler = "sh tests/compiled/edited.sh s/.of_tail.=.*/*of_tail=7;/ cc", .flags = "-O1", .cache = ""};
+        .compiler = "sh tests/compiled/edited.sh s/tried.tail.=.*/tried.tail=7;/ cc", .flags = "-O1", .cache = ""};
     for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
         systems its;
         const tvi_system *system = open_systems(&of[i], &its);
