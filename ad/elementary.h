@@ -92,6 +92,7 @@ JET_INLINE bool jet_is_in(jet_range range, double x) { return range.least <= fab
 JET_INLINE bool jet_all_are_in(jet_range range, int width, const double *a)
 {
     int outside = 0;
+    JET_IN_VECTORS
     for (int i = 0; i < width; i++) outside |= !jet_is_in(range, a[i]);
     return !outside;
 }

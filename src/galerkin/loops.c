@@ -148,10 +148,13 @@ JET_INLINE double product_and(double a, double b, double c)
 JET_INLINE double move_both_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives,
                                   const double *changes, const int slot[], int lanes)
 {
-    double *impulse = nodes->impulse;
-    for (int u = 0; u < nodes->unknowns; u++, changes += lanes, impulse += lanes)
-        for (int i = 0; i < lanes; i++)
-            impulse[i] = product_and(nodes->weight[i], drives[slot[u] * lanes + i], changes[i]);
+    const double *weight = nodes->weight;
+    double *restrict impulse = nodes->impulse;
+    for (int u = 0; u < nodes->unknowns; u++, changes += lanes, impulse += lanes) {
+        const double *drive = drives + slot[u] * lanes;
+        JET_IN_VECTORS
+        for (int i = 0; i < lanes; i++) impulse[i] = product_and(weight[i], drive[i], changes[i]);
+    }
     return follow_lanes(nodes, matrix, NULL, lanes);
 }
 
