@@ -143,18 +143,20 @@ JET_INLINE double product_and(double a, double b, double c)
 #endif
 }
 
+JET_INLINE void weigh_both(const double *weight, const double *drive, const double *change, double *restrict impulse,
+                           int lanes)
+{
+    JET_IN_VECTORS
+    for (int i = 0; i < lanes; i++) impulse[i] = product_and(weight[i], drive[i], change[i]);
+}
+
 /* If drives and changes were added first, a change of less than a unit of the drive would be rounded by what repeats
  * itself from step to step (docs/method.md section 6). */
 JET_INLINE double move_both_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives,
                                   const double *changes, const int slot[], int lanes)
 {
-    const double *weight = nodes->weight;
-    double *restrict impulse = nodes->impulse;
-    for (int u = 0; u < nodes->unknowns; u++, changes += lanes, impulse += lanes) {
-        const double *drive = drives + slot[u] * lanes;
-        JET_IN_VECTORS
-        for (int i = 0; i < lanes; i++) impulse[i] = product_and(weight[i], drive[i], changes[i]);
-    }
+    for (int u = 0; u < nodes->unknowns; u++)
+        weigh_both(nodes->weight, drives + slot[u] * lanes, changes + u * lanes, nodes->impulse + u * lanes, lanes);
     return follow_lanes(nodes, matrix, NULL, lanes);
 }
 
