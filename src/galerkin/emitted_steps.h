@@ -23,10 +23,14 @@ typedef struct {
     hamiltonian_passes *hamiltonian;
 } steady_form;
 
-/* A pass in two parts, between which its impulses are stored. */
+/* A pass in two parts, between which its impulses are stored. Many unknowns that stayed in registers until the next one
+ * would take those that it needs. */
 JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
 {
-    return !form->drive || form->drive(nodes, lanes);
+    double *x = nodes->x;
+    if (!form->drive) return true;
+    if (nodes->unknowns > GALERKIN_FEW) LEAVE_REGISTERS(x);
+    return form->drive(nodes, lanes);
 }
 
 JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
