@@ -76,7 +76,7 @@ static inline bool galerkin_sums_are_finite(int count, const double *x, const do
 static inline void galerkin_add(int count, double *x, double *low, const double *d)
 {
     if (count > GALERKIN_OWN + 1) {
-        tvi_add_all_compensated(count, x, low, d);
+        (void)tvi_add_all_compensated(count, x, low, d);
         return;
     }
     for (int i = 0; i < count; i++) {

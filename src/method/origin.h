@@ -49,14 +49,18 @@ static inline double tvi_add_compensated(double x, double *low, double d)
     return sum;
 }
 
-/* The same of all components. */
-static inline void tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
-                                           const double *restrict d)
+/* The same of all components. 0 where all of them are finite then, and only there. */
+static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
+                                               const double *restrict d)
 {
+    uint64_t any = 0;
     for (int i = 0; i < count; i++) {
-        x[i] = tvi_add_compensated(x[i], &low[i], d[i]);
+        const double sum = tvi_add_compensated(x[i], &low[i], d[i]);
+        any |= tvi_bits_of_infinite(sum);
+        x[i] = sum;
         TVI_ONE_BY_ONE(count, x[i]);
     }
+    return any;
 }
 
 /* The starts of the steps of several members of an ensemble, each in a lane of its own: [components][width], the member

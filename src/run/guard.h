@@ -39,7 +39,7 @@ typedef struct {
  * was found there: outside of the domain nothing is known, and the next step says so. */
 bool tvi_guard_loses(const tvi_guarded *step, tvi_kept_energy *kept, tvi_status status, double after);
 
-/* After the stepper's step from integrator->now, with its increments, and so many passes and expansions before it.
+/* After the stepper's step from integrator->start, with its increments, and so many passes and expansions before it.
  * TVI_ETOOLARGE. */
 TVI_NODISCARD tvi_status tvi_guard_step(tvi_integrator *integrator, long passes, long expansions);
 

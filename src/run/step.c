@@ -80,19 +80,6 @@ void tvi_state_now(const tvi_integrator *it, double *t, double q[], double p[])
     *t = it->now.q[n];
 }
 
-/* The new state from the increments. */
-static void advance(tvi_integrator *it, double h)
-{
-    const tvi_run_state *now = &it->now;
-    const int dimension = it->stepped->n;
-    it->h = h;
-    it->covered = it->dq[it->system->n];
-    tvi_add_all_compensated(dimension + 1, now->q, now->q_low, it->dq);
-    tvi_add_all_compensated(dimension, now->p, now->p_low, it->dp);
-    *it->continues = true;
-    it->has_dense = true;
-}
-
 /* Of a rescaled system the time goes the way of h, and moves: below the roundoff of its low-order part no run would
  * ever end. */
 static tvi_status check_time(const tvi_integrator *it, double h)
@@ -103,14 +90,24 @@ static tvi_status check_time(const tvi_integrator *it, double h)
     return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
-/* q + dq and p + dp are finite. */
-static tvi_status check_increments(const tvi_integrator *it, double h)
+static tvi_status refuse_infinite(const tvi_integrator *it)
 {
+    const tvi_run_state *now = &it->now;
+    for (int i = 0; i <= it->stepped->n; i++)
+        if (!isfinite(now->q[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
+    int i = 0;
+    while (isfinite(now->p[i])) i++;
+    return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
+}
+
+/* The new state from the increments; it is finite. */
+static tvi_status advance(tvi_integrator *it, double h)
+{
+    const tvi_run_state *now = &it->now;
     const int dimension = it->stepped->n;
-    for (int i = 0; i <= dimension; i++)
-        if (!isfinite(it->now.q[i] + it->dq[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
-    for (int i = 0; i < dimension; i++)
-        if (!isfinite(it->now.p[i] + it->dp[i])) return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
+    const uint64_t q = tvi_add_all_compensated(dimension + 1, now->q, now->q_low, it->dq),
+                   p = tvi_add_all_compensated(dimension, now->p, now->p_low, it->dp);
+    if ((q | p) != 0) return refuse_infinite(it);
     return tvi_is_rescaled(it) ? check_time(it, h) : TVI_OK;
 }
 
@@ -141,12 +138,17 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
                                       : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
     it->dq[dimension] = h;
     if (status != TVI_OK) status = tvi_refuse_as("its equations", status);
-    if (status == TVI_OK) status = check_increments(it, h);
+    if (status == TVI_OK) status = advance(it, h);
     if (status == TVI_OK) status = tvi_guard_step(it, passes, expansions);
-    if (status == TVI_OK) advance(it, h);
-    else tvi_arena_copy(it->history, it->before, it->marked);
-    it->stats.steps += status == TVI_OK;
-    if (status == TVI_OK) return status;
+    if (status == TVI_OK) {
+        it->h = h;
+        it->covered = it->dq[it->system->n];
+        *it->continues = true;
+        it->has_dense = true;
+        it->stats.steps++;
+        return TVI_OK;
+    }
+    tvi_arena_copy(it->history, it->before, it->marked);
     const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
     return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, now->q[it->system->n], jet_refusal());
 }
