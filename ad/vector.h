@@ -64,8 +64,12 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
     for (int here = 0; here < (width); here += 2) BODY(jet_v2, S)
 #endif
 
-/* Before a loop over lanes: where gcc knows how many they are, it unrolls it before it could make vectors of it. */
+/* Before a loop over lanes. gcc unrolls it before it could make vectors of it, where it knows how many they are. */
+#ifdef JET_EMITTED
 #define JET_IN_VECTORS _Pragma("GCC unroll 1")
+#else
+#define JET_IN_VECTORS
+#endif
 
 /* Order j of a series, and of a tangent, at the block. */
 #define JET_AT(V, x, j)   (*(V *)((x) + stride * (size_t)(j) + here))

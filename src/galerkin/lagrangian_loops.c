@@ -134,14 +134,10 @@ JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const doub
 
 /* ---- The gradient to first order --------------------------------------------------------------------------------- */
 
-/* Whole loops where the model is of constants. */
-#define UNROLLED _Pragma("GCC unroll 8")
-
 /* What is small is added up first. */
 #define SUM(V, S)                                                                                                      \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        UNROLLED                                                                                                       \
         for (int k = begin; k < m->end[i]; k++)                                                                        \
             sum += JET_OF(V, m->second, m->term[k].slot) * JET_OF(V, m->moved, m->term[k].column);                     \
         if (m->gradient) sum += JET_OF(V, m->gradient, i);                                                             \
@@ -151,8 +147,8 @@ JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const doub
 JET_INLINE void linearise_lanes(const lanes_model *m, double *out, int lanes)
 {
     const size_t stride = (size_t)lanes;
-    UNROLLED
-    for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );
+    _Pragma("GCC unroll 8") /* where the model is of constants; then the sums are, too */
+        for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );
 }
 
 /* ---- For any number of lanes ------------------------------------------------------------------------------------- */
