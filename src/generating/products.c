@@ -20,14 +20,28 @@ tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
 
 /* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
 
+/* The order up to which dQ_k/dz is not below this part of a change of z: as Q_k to Q_2 or Q_3, which are about a
+ * quarter of the largest eigenvalue of K times what moves; neither the place nor the speed of all says anything of it.
+ */
+static int last_order(const tvi_curve *curve, double part)
+{
+    double largest[TVI_MAX_DEGREE + 2] = {0};
+    for (int k = 2; k <= curve->top; k++) largest[k] = tvi_largest(curve->n, tvi_curve_input(curve, k), 1);
+    const double bound = part * tvi_larger(largest[2], largest[3]);
+    int last = curve->top;
+    while (last > 3 && largest[last] <= bound) last--;
+    return last;
+}
+
 /* dx of one lane along dz: Q_k+2 = tau^2 M^-1 dF_k / ((k+1)(k+2)). */
-void tvi_products_aim(tvi_curve *curve, const double dz[])
+void tvi_products_aim(tvi_curve *curve, double part, const double dz[])
 {
     const size_t n = (size_t)curve->n, order = tvi_curve_slots(curve);
+    const int last = last_order(curve, part);
     memset(curve->dx, 0, ((size_t)curve->top + 1) * order * sizeof *curve->dx);
     memcpy(curve->dx, dz, n * sizeof *dz);
     memcpy(curve->dx + order, dz + n, n * sizeof *dz);
-    for (int k = 0; k + 2 <= curve->top; k++) {
+    for (int k = 0; k + 2 <= last; k++) {
         jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, 1);
         const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
         const double *force = curve->dx + (size_t)k * order;
@@ -107,14 +121,6 @@ void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], doub
     for (int i = 0; i < curve->n; i++) out[i] += factor * curve->bar[i];
 }
 
-int tvi_curve_order_below(const tvi_curve *curve, double part)
-{
-    const double bound = part * tvi_largest(curve->n, tvi_curve_input(curve, 0), 1);
-    int k = 1;
-    while (k < curve->top && tvi_largest(curve->n, tvi_curve_input(curve, k), 1) > bound) k++;
-    return k;
-}
-
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
 enum { MOST_ITERATIONS = 40 };
@@ -126,6 +132,7 @@ typedef struct {
     double square[MOST_ITERATIONS]; /* of v */
     double *scratch, *product;      /* [2n] */
     double *unit;                   /* [2n] 1 / what the unknowns' errors are measured by */
+    double *largest;                /* [top + 1] max_i |Q_k| */
     bool has_guess;
 } iteration;
 
@@ -143,6 +150,7 @@ static void take(tvi_closure *c, tvi_arena *arena)
         .scratch = tvi_arena_doubles(arena, both),
         .product = tvi_arena_doubles(arena, both),
         .unit = tvi_arena_doubles(arena, both),
+        .largest = tvi_arena_doubles(arena, (size_t)c->curve.top + 1),
     };
     if (taken) *taken = it;
     c->solving = taken;
@@ -261,8 +269,15 @@ static void minimise(tvi_closure *c, int last, const tvi_transposed *a, int step
     add(both, -part, v, it->r);
 }
 
-/* The order of the curve to which products are made that need be right to this part only. */
-static int rough_order(const tvi_closure *c, double part) { return tvi_curve_order_below(&c->curve, part / 10); }
+/* The order of the curve to which products are made that need be right to about this part only: the first with |Q_k|
+ * below a tenth of that part of |Q_0|, or top. */
+static int rough_order(const tvi_closure *c, double part)
+{
+    const double *largest = iteration_of(c)->largest, bound = part / 10 * largest[0];
+    int k = 1;
+    while (k < c->curve.top && largest[k] > bound) k++;
+    return k;
+}
 
 /* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
  * corrections do not shrink. */
@@ -270,7 +285,7 @@ static tvi_status iterate(tvi_closure *c, const tvi_transposed *a)
 {
     iteration *it = iteration_of(c);
     const int count = unknowns(c, a);
-    int last = c->curve.top;
+    int last;
     double goal = ENOUGH;
     tvi_passes passes = TVI_NO_PASSES;
     form_remainder(c, a);
@@ -281,10 +296,8 @@ static tvi_status iterate(tvi_closure *c, const tvi_transposed *a)
         precondition(c, a, s);
         const double size = measure(c, a, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
-        if (step == 0) {
-            goal = fmax(ENOUGH, ROUGH * size);
-            last = rough_order(c, goal < size ? goal / size : 1);
-        }
+        if (step == 0) goal = fmax(ENOUGH, ROUGH * size);
+        last = rough_order(c, goal < size ? goal / size : 1);
         const tvi_passes_rule rule = {.goal = goal,
                                       .memory = 1,
                                       .contraction = 0.5,
@@ -351,6 +364,8 @@ static tvi_status close_equations(tvi_closure *c, const double z[], const double
     double largest = 0, *unit = iteration_of(c)->unit;
     (void)z, (void)scale, (void)stats;
     closure_measure(c);
+    for (int k = 0; k <= c->curve.top; k++)
+        iteration_of(c)->largest[k] = tvi_largest(n, tvi_curve_input(&c->curve, k), 1);
     for (int i = 0; i < n; i++) largest = tvi_larger(c->p_size[i], largest);
     if (largest == 0) largest = momentum_unit(c);
     for (int i = 0; i < n; i++) {

@@ -11,7 +11,7 @@
 tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
 
 /* Of tvi_curve_aim, tvi_curve_push and tvi_curve_pull. */
-void tvi_products_aim(tvi_curve *curve, const double dz[]);
+void tvi_products_aim(tvi_curve *curve, double part, const double dz[]);
 void tvi_products_push(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 void tvi_products_pull(tvi_curve *curve, const double seed_Q[], double out[]);
 
@@ -22,8 +22,6 @@ void tvi_curve_clear_seeds(tvi_curve *curve, int last);
 void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[]);
 void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[]);
 void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[]);
-/* The first order k with max_i |Q_k| <= part max_i |Q_0|, or top: where products are good to about that part. */
-int tvi_curve_order_below(const tvi_curve *curve, double part);
 /* Products: out[n] += factor K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre, of a curve with top >= 2: one of
  * lower degree has never evaluated its force. */
 void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[]);
