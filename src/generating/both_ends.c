@@ -264,8 +264,8 @@ static void keep_missing(tvi_both_ends *w, const tvi_origin *origin)
     memcpy(w->a.dz, origin->q_low, bytes);
     memcpy(w->a.dz + n, w->newton.correction, bytes);
     memcpy(w->b.dz, w->newton.correction + n, 2 * bytes);
-    tvi_curve_aim(&w->a.curve, 0, w->a.dz);
-    tvi_curve_aim(&w->b.curve, 0, w->b.dz);
+    tvi_curve_aim(&w->a.curve, w->a.dz);
+    tvi_curve_aim(&w->b.curve, w->b.dz);
 }
 
 /* dq = a(1) - q0;  kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */

@@ -50,9 +50,8 @@ void tvi_curve_sizes(const tvi_curve *curve, double size[]);
 /* out[n], or matrix[n][2n], of a combination and of its Jacobian; the small terms first. */
 void tvi_curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
-/* Sets the direction dz of the pushes that follow; then out[n] = Jacobian of the combination times dz, which need be
- * right to this part only. */
-void tvi_curve_aim(tvi_curve *curve, double part, const double dz[]);
+/* Sets the direction dz of the pushes that follow; then out[n] = Jacobian of the combination times dz. */
+void tvi_curve_aim(tvi_curve *curve, const double dz[]);
 void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 
 /* out[2n] = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]; seeds [top + 1][n]. seed_U may be NULL, and is

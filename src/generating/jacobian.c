@@ -103,9 +103,9 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
 
 /* ---- Products with vectors --------------------------------------------------------------------------------------- */
 
-void tvi_curve_aim(tvi_curve *curve, double part, const double dz[])
+void tvi_curve_aim(tvi_curve *curve, const double dz[])
 {
-    if (tvi_curve_has_products(curve)) tvi_products_aim(curve, part, dz);
+    if (tvi_curve_has_products(curve)) tvi_products_aim(curve, dz);
     else memcpy(curve->dz, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 

@@ -20,28 +20,14 @@ tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
 
 /* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
 
-/* The order up to which dQ_k/dz is not below this part of a change of z: as Q_k to Q_2 or Q_3, which are about a
- * quarter of the largest eigenvalue of K times what moves; neither the place nor the speed of all says anything of it.
- */
-static int last_order(const tvi_curve *curve, double part)
-{
-    double largest[TVI_MAX_DEGREE + 2] = {0};
-    for (int k = 2; k <= curve->top; k++) largest[k] = tvi_largest(curve->n, tvi_curve_input(curve, k), 1);
-    const double bound = part * tvi_larger(largest[2], largest[3]);
-    int last = curve->top;
-    while (last > 3 && largest[last] <= bound) last--;
-    return last;
-}
-
 /* dx of one lane along dz: Q_k+2 = tau^2 M^-1 dF_k / ((k+1)(k+2)). */
-void tvi_products_aim(tvi_curve *curve, double part, const double dz[])
+void tvi_products_aim(tvi_curve *curve, const double dz[])
 {
     const size_t n = (size_t)curve->n, order = tvi_curve_slots(curve);
-    const int last = last_order(curve, part);
     memset(curve->dx, 0, ((size_t)curve->top + 1) * order * sizeof *curve->dx);
     memcpy(curve->dx, dz, n * sizeof *dz);
     memcpy(curve->dx + order, dz + n, n * sizeof *dz);
-    for (int k = 0; k + 2 <= last; k++) {
+    for (int k = 0; k + 2 <= curve->top; k++) {
         jet_sweep_tangents(curve->system->field_series, curve->x, curve->dx, k, 1);
         const double factor = curve->tau * curve->tau / ((k + 1) * (k + 2));
         const double *force = curve->dx + (size_t)k * order;

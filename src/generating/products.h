@@ -11,7 +11,7 @@
 tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
 
 /* Of tvi_curve_aim, tvi_curve_push and tvi_curve_pull. */
-void tvi_products_aim(tvi_curve *curve, double part, const double dz[]);
+void tvi_products_aim(tvi_curve *curve, const double dz[]);
 void tvi_products_push(const tvi_curve *curve, const tvi_combination *combination, double out[]);
 void tvi_products_pull(tvi_curve *curve, const double seed_Q[], double out[]);
 

@@ -78,8 +78,8 @@ START_TEST(products_are_those_of_the_matrices)
     tvi_curve_pull(&matrices.curve, seed, NULL, want);
     tvi_curve_pull(&products.curve, seed, NULL, got);
     check_close(2 * n, got, want);
-    tvi_curve_aim(&matrices.curve, 0, x);
-    tvi_curve_aim(&products.curve, 0, x);
+    tvi_curve_aim(&matrices.curve, x);
+    tvi_curve_aim(&products.curve, x);
     tvi_curve_push(&matrices.curve, &matrices.u, want);
     tvi_curve_push(&products.curve, &products.u, got);
     check_close(n, got, want);
