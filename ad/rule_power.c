@@ -229,7 +229,7 @@ bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
         V sum = (k > 0 ? -k : c) * S(V, z, k) * JET_D_OF(V, da, 0);                                                    \
         JET_SUM(V, sum, 1, k,                                                                                          \
                 ((c + 1) * j - k) * (S(V, a, j) * JET_D_OF(V, dz, k - j) + S(V, z, k - j) * JET_D_OF(V, da, j)));      \
-        JET_D_AT(V, dz, k) = sum / (order * S(V, a, 0));                                                               \
+        JET_D_AT(V, dz, k) = sum * (1 / (order * S(V, a, 0)));                                                         \
     }
 
 /* With s = zbar_k / (k a_0):  abar_j += s (c j - (k-j)) z_{k-j} and zbar_{k-j} += s (c j - (k-j)) a_j (j = 1..k),

@@ -136,7 +136,7 @@ static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+static tvi_status seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     if (seeds_are_plain(action)) {
         if (!curve->code || !curve->code->seed) return seeds_plainly(action, curve, seed_Q, seed_U);
@@ -147,5 +147,15 @@ tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[]
     seeds_begin(action, curve, seed_Q, seed_U);
     if (action->has_velocity_defect) seeds_place_velocities(action, curve, action->on_v);
     const tvi_status status = action->is_hamilton ? bent_terms(action, curve) : lagrange_terms(action, curve);
-    return status == TVI_OK ? seeds_end(action, curve, seed_Q, seed_U) : status;
+    if (status == TVI_OK) seeds_end(action, curve, seed_Q, seed_U);
+    return status;
+}
+
+tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
+{
+    const int seeds = (curve->top + 1) * curve->n;
+    const bool has_U = curve->system->form != TVI_SEPARABLE;
+    const tvi_status status = seed(action, curve, seed_Q, seed_U);
+    if (status != TVI_OK) return status;
+    return tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U)) ? TVI_OK : TVI_ENONFINITE;
 }

@@ -3,8 +3,7 @@
 #ifndef TVI_SRC_GENERATING_ADVANCE_H
 #define TVI_SRC_GENERATING_ADVANCE_H
 
-#include <stdbool.h>
-#include <stddef.h>
+#include "vector.h"
 
 typedef struct {
     int n;
@@ -34,10 +33,13 @@ static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
     }
 }
 
-/* The same for tangents of `lanes` directions, of which x is the block. */
+/* The same for tangents of `lanes` directions, of which x is the block; as vectors, of which the orders that follow
+ * read them. */
+#define TVI_ADVANCE_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
 static inline void tvi_advance_tangent(int lanes, double factor, const double *field, double *next)
 {
-    for (int lane = 0; lane < lanes; lane++) next[lane] = factor * field[lane];
+    enum { stride = 0 };
+    JET_BLOCKS(lanes, TVI_ADVANCE_TANGENT, );
 }
 
 static inline void tvi_tangents_separable(const tvi_recurrence *of, int k, int lanes)

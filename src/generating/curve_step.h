@@ -117,7 +117,8 @@ static inline bool step_factor(step_quick *a, const double z[])
     return is_large && (!has_back || linear_plain_factor(size, back));
 }
 
-/* The correction of a pass at x, and its size; false: it is not one that the quick step makes. */
+/* The correction of a pass at x, and its size; false: it is not one that the quick step makes, as where anything on the
+ * way to it is not finite. */
 static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_first, tvi_newton_size *correction)
 {
     tvi_curve_work *w = a->work;

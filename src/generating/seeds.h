@@ -280,17 +280,14 @@ static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, doubl
 }
 
 /* From the terms at the nodes. */
-static inline tvi_status seeds_end(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+static inline void seeds_end(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int n = curve_n(curve), seeds = (curve_top(curve) + 1) * n;
+    const int n = curve_n(curve);
     const bool is_bent = action->is_hamilton && action->truncated;
     seeds_positions(action, n, seed_Q);
     if (is_bent || action->has_velocity_defect) seeds_velocities(action, n, seed_Q);
     if (is_bent || action->has_momentum_defect) seeds_momenta(action, curve, seed_Q, seed_U);
     if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
-    const bool has_U = curve_form(curve) != TVI_SEPARABLE;
-    const bool are_finite = tvi_all_finite(seeds, seed_Q) && (!has_U || tvi_all_finite(seeds, seed_U));
-    return are_finite ? TVI_OK : TVI_ENONFINITE;
 }
 
 /* Of a field at nodes on the curve that has no velocity defect. */
@@ -304,7 +301,8 @@ static inline tvi_status seeds_plainly(tvi_action *action, const tvi_curve *curv
     seeds_begin(action, curve, seed_Q, seed_U);
     const tvi_status status =
         action->is_hamilton ? seeds_hamilton_terms(action, curve) : seeds_force_terms(action, curve);
-    return status == TVI_OK ? seeds_end(action, curve, seed_Q, seed_U) : status;
+    if (status == TVI_OK) seeds_end(action, curve, seed_Q, seed_U);
+    return status;
 }
 
 /* ---- What generated code has ------------------------------------------------------------------------------------- */
@@ -313,7 +311,7 @@ static inline tvi_status seeds_plainly(tvi_action *action, const tvi_curve *curv
 struct tvi_curve_work;
 typedef struct tvi_curve_code {
     int top;
-    /* The whole series from the centre data; NULL: order by order. */
+    /* The whole series from the centre data, finite or not; NULL: order by order. */
     tvi_status (*expand)(tvi_curve *curve);
     void (*differentiate)(tvi_curve *curve);
     void (*sizes)(const tvi_curve *curve, double size[]);
@@ -323,7 +321,7 @@ typedef struct tvi_curve_code {
     void (*sum_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
     void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
-    /* Of plain seeds; NULL: the library's own. */
+    /* Of plain seeds, finite or not; NULL: the library's own. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* Of step_quickly (curve_step.h); NULL: there is none. */
     bool (*step)(struct tvi_curve_work *work, double tau, const tvi_origin *origin, double dq[], double dp[],
