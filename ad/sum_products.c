@@ -163,11 +163,11 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
 /* dz_k = sum_t c_t sum_{j=0}^{k} (b_j da_{k-j} + a_j db_{k-j}). */
 #define PRODUCTS_TANGENT(V, S)                                                                                         \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0}, other[JET_TERMS_MAX] = {0};                                                        \
-        SUMS(V, sum, 0, k, S(V, p.b[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j))                               \
-        SUMS(V, other, 0, k, S(V, p.a[t] + i, j) * JET_D_OF(V, d.b[t] + i * lanes, k - j))                             \
-        V total = p.c[0] * (sum[0] + other[0]);                                                                        \
-        for (int t = 1; t < terms; t++) total += p.c[t] * (sum[t] + other[t]);                                         \
+        V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
+        SUMS(V, sum, 0, k,                                                                                             \
+             S(V, p.b[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j) +                                            \
+                 S(V, p.a[t] + i, j) * JET_D_OF(V, d.b[t] + i * lanes, k - j))                                         \
+        for (int t = 0; t < terms; t++) total += p.c[t] * sum[t];                                                      \
         JET_D_AT(V, dz, k) = total;                                                                                    \
     }
 
