@@ -82,10 +82,11 @@ static inline double matrices_distance(const tvi_closure *c, const double z[], c
  * relative to the state. */
 static inline double matrices_staleness(const tvi_closure *c, double distance, const double scale[])
 {
+    const bool has_U = curve_form(&c->curve) != TVI_SEPARABLE;
     double part = 0;
     closure_measure(c);
     for (int i = 0; i < curve_n(&c->curve); i++) {
-        const double of_q = fabs(c->curve.kappa[i]) * matrices_seed_size(c, c->seed_U, i),
+        const double of_q = has_U ? fabs(c->curve.kappa[i]) * matrices_seed_size(c, c->seed_U, i) : 0,
                      of_p = matrices_seed_size(c, c->seed_Q, i);
         part = tvi_larger(tvi_ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]), part);
         part = tvi_larger(tvi_ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, c->p_size[i]), part);

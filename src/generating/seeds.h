@@ -120,6 +120,16 @@ static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *c
         seeds_at_nodes(action, degree, action->P + i, (size_t)n, &action->power, action->momentum + i * points);
 }
 
+/* row /= divisor, by its inverse and what that leaves: many quotients take long. */
+static inline void seeds_divide(int points, double divisor, double row[])
+{
+    const double inverse = 1 / divisor;
+    for (int node = 0; node < points; node++) {
+        const double quotient = row[node] * inverse;
+        row[node] = quotient + inverse * (row[node] - quotient * divisor);
+    }
+}
+
 /* Its derivative, which is M q'' / tau of a separable system. */
 static inline void seeds_forces_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
@@ -129,7 +139,7 @@ static inline void seeds_forces_at_nodes(tvi_action *action, const tvi_curve *cu
     for (int i = 0; i < n; i++, force += points)
         if (curve_form(curve) == TVI_SEPARABLE) {
             seeds_at_nodes(action, degree + 1, tvi_curve_Q(curve, 0) + i, stride, &action->second_slope, force);
-            for (int node = 0; node < points; node++) force[node] /= curve->kappa[i];
+            seeds_divide(points, curve->kappa[i], force);
         } else {
             seeds_at_nodes(action, degree, action->P + i, (size_t)n, &action->slope, force);
         }
