@@ -158,7 +158,7 @@ tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
     const tvi_status status = has_code                         ? expand_by_code(curve)
                               : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
                                                                : expand_by_orders(curve);
-    if (status != TVI_OK) return status;
+    if (has_code || status != TVI_OK) return status;
     return curve_is_finite(curve) ? TVI_OK : TVI_ENONFINITE;
 }
 

@@ -91,9 +91,9 @@ static inline double step_finish(const tvi_curve_work *w, double dq[], double dp
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
 
-/* The functions of a curve's code that are not of one place: to expand it, with its Jacobians or without. */
+/* The functions of a curve's code that are not of one place: series, with Jacobians or without, finite or not. */
 typedef struct {
-    tvi_status (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
+    bool (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 } step_makers;
 
@@ -128,7 +128,7 @@ static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_fi
     double *x = newton->x, *r = newton->correction;
     const bool is_due = matrices_are_due(c, x, newton->scale);
     curve_place(&c->curve, x);
-    if ((is_due ? a->by->expand_all : a->by->expand)(&c->curve) != TVI_OK) return false;
+    if (!(is_due ? a->by->expand_all : a->by->expand)(&c->curve)) return false;
     if (a->by->seed(&w->action, &c->curve, c->seed_Q, c->seed_U) != TVI_OK) return false;
     if (is_due && !step_factor(a, x)) return false;
     CURVE_CALL(pull, &c->curve, c->seed_Q, c->seed_U, c->D);
@@ -186,7 +186,7 @@ static inline bool step_quickly(tvi_curve_work *w, const step_makers *by, double
     curve->centre = origin->t + origin->t_low;
     curve_place(curve, x);
     curve_place_time(curve);
-    if (by->expand(curve) != TVI_OK) return false;
+    if (!by->expand(curve)) return false;
     step_move_to_centre(w, x);
     curve->centre = step_centre(w, origin, tau);
     curve_place_time(curve);

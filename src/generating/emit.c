@@ -27,6 +27,14 @@ static void emit_sizes(jet_text *text, const tvi_system *system, int lanes)
     jet_text_add(text, "#define CURVE_ADVANCE tvi_advance_%s\n#define CURVE_TANGENTS tvi_tangents_%s\n", form, form);
 }
 
+/* The compiler's flags leave alone what stands side by side outside of loops, since most code has vectors of its own;
+ * the components and the nodes of a step have none. */
+static void emit_slp(jet_text *text)
+{
+    jet_text_add(text, "#if defined(__GNUC__) && !defined(__clang__)\n"
+                       "#pragma GCC optimize(\"tree-slp-vectorize\")\n#endif\n");
+}
+
 static void emit_shape(jet_text *text, const tvi_action *a, const char *name)
 {
     jet_text_add(text,
@@ -68,6 +76,7 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     const tvi_action shape = tvi_action_of(system, options);
     const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_are_plain(&shape);
     const bool has_step = has_seed && lanes > 0 && expanded->close == tvi_close_mean && 2 * system->n <= LINEAR_SMALL;
+    if (has_step) emit_slp(text);
     emit_sizes(text, system, lanes);
     emit_output(text, system->field_series, name, "output", "CURVE_SLOT");
     emit_output(text, system->field_values, name, "values", "CURVE_VALUES_SLOT");

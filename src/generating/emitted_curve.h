@@ -10,12 +10,6 @@
 #include "generating/seeds.h"
 #include "generating/tangents.h"
 
-/* Flags leave sums of one lane alone, of which most code has vectors in its own lanes; here components are next to each
- * other. */
-#if defined(__GNUC__) && !defined(__clang__)
-#pragma GCC optimize("tree-slp-vectorize")
-#endif
-
 #define CURVE_EXPAND(k)                                                                                                \
     if ((k) + CURVE_RISE <= tvi_series_top) {                                                                          \
         inside &= tvi_series_series_of(x, (k), 1);                                                                     \
@@ -33,15 +27,20 @@
         CURVE_TANGENTS(&of, (k), CURVE_REST);                                                                          \
     }
 
+/* false: outside of the domain. Finite or not. */
 #define CURVE_EMITTED_EXPAND(NAME)                                                                                     \
-    static tvi_status NAME##_expand(tvi_curve *curve)                                                                  \
+    static bool NAME##_series(tvi_curve *curve)                                                                        \
     {                                                                                                                  \
         const size_t order = (size_t)tvi_series.slots;                                                                 \
         double *const x = curve->x;                                                                                    \
         const tvi_recurrence of = {CURVE_N, order, NAME##_output, x, curve->kappa, curve->tau};                        \
         bool inside = true;                                                                                            \
-        tvi_series_ORDERS(CURVE_EXPAND) if (!inside) return TVI_EDOMAIN;                                               \
-        return TVI_OK;                                                                                                 \
+        tvi_series_ORDERS(CURVE_EXPAND) return inside;                                                                 \
+    }                                                                                                                  \
+    static tvi_status NAME##_expand(tvi_curve *curve)                                                                  \
+    {                                                                                                                  \
+        if (!NAME##_series(curve)) return TVI_EDOMAIN;                                                                 \
+        return curve_is_finite(curve) ? TVI_OK : TVI_ENONFINITE;                                                       \
     }
 
 #define CURVE_EMITTED_SUMS(NAME)                                                                                       \
@@ -76,7 +75,7 @@
 
 /* The whole series, each order with that of its tangents in all directions, which do not wait for each other. */
 #define CURVE_EMITTED_EXPAND_ALL(NAME)                                                                                 \
-    static tvi_status NAME##_expand_all(tvi_curve *curve)                                                              \
+    static bool NAME##_series_and_tangents(tvi_curve *curve)                                                           \
     {                                                                                                                  \
         const size_t order = (size_t)tvi_series.slots;                                                                 \
         double *const x = curve->x, *const dx = curve->dx;                                                             \
@@ -85,11 +84,10 @@
         const curve_block block = {CURVE_LANES, order * CURVE_LANES, 0};                                               \
         bool inside = true;                                                                                            \
         curve_begin_block(curve, &block);                                                                              \
-        tvi_series_ORDERS(CURVE_EXPAND_ALL) if (!inside) return TVI_EDOMAIN;                                           \
-        curve_end_block(curve, &block);                                                                                \
-        return TVI_OK;                                                                                                 \
+        tvi_series_ORDERS(CURVE_EXPAND_ALL) curve_end_block(curve, &block);                                            \
+        return inside;                                                                                                 \
     }                                                                                                                  \
-    static void NAME##_differentiate(tvi_curve *curve) { (void)NAME##_expand_all(curve); }
+    static void NAME##_differentiate(tvi_curve *curve) { (void)NAME##_series_and_tangents(curve); }
 
 /* Blocks of all directions, in the order of them. */
 #define CURVE_EMITTED_BLOCK(NAME, lanes, DIFFERENTIATE)                                                                \
@@ -139,7 +137,7 @@
     static bool NAME##_step(tvi_curve_work *work, double tau, const tvi_origin *origin, double dq[], double dp[],      \
                             tvi_stats *stats)                                                                          \
     {                                                                                                                  \
-        static const step_makers makers = {NAME##_expand, NAME##_expand_all, NAME##_seed};                             \
+        static const step_makers makers = {NAME##_series, NAME##_series_and_tangents, NAME##_seed};                    \
         return step_quickly(work, &makers, tau, origin, dq, dp, stats);                                                \
     }
 

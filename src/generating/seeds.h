@@ -321,7 +321,7 @@ static inline tvi_status seeds_plainly(tvi_action *action, const tvi_curve *curv
 struct tvi_curve_work;
 typedef struct tvi_curve_code {
     int top;
-    /* The whole series from the centre data, finite or not; NULL: order by order. */
+    /* The whole series from the centre data; NULL: order by order. */
     tvi_status (*expand)(tvi_curve *curve);
     void (*differentiate)(tvi_curve *curve);
     void (*sizes)(const tvi_curve *curve, double size[]);
