@@ -136,10 +136,18 @@ static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
+static tvi_seeds_fn *const plainly_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = tvi_seeds_plainly_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = tvi_seeds_plainly_avx2,
+    [jet_isa_avx512] = tvi_seeds_plainly_avx512,
+#endif
+};
+
 static tvi_status seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     if (seeds_are_plain(action)) {
-        if (!curve->code || !curve->code->seed) return seeds_plainly(action, curve, seed_Q, seed_U);
+        if (!curve->code || !curve->code->seed) return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
         const tvi_status status = curve->code->seed(action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN) (void)jet_refuse_sweep(curve->system->field_values, action->x, action->points);
         return status;

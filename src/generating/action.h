@@ -20,6 +20,10 @@ void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span
  * TVI_ENONFINITE, TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */
 TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 
+/* seeds_plainly (seeds.h), by the instructions of one set each. */
+typedef tvi_status tvi_seeds_fn(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[]);
+tvi_seeds_fn tvi_seeds_plainly_base, tvi_seeds_plainly_avx2, tvi_seeds_plainly_avx512;
+
 /* The Lagrangian at nodes that lie on no single curve, at its times: from positions q, velocities v and momenta p,
  * [n][points] each, on_q = tau L_q and on_v = L_v - p. */
 TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const double q[], const double v[],

@@ -9,8 +9,9 @@
 #include "algebra/weigh.h"
 #include "system/system.h"
 
-/* out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride]: by the vectors of the tape. */
-#ifdef JET_EMITTED
+/* out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride]: by the vectors of the tape. CURVE_ONE_SET: the
+ * file is compiled for those instructions. */
+#if defined(JET_EMITTED) || defined(CURVE_ONE_SET)
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
