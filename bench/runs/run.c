@@ -10,6 +10,8 @@ static const double shortest = 0.01, longest = 0.1;
 /* Turns of a pair: seven and 30 ms at least, or three where they are long. */
 static const int turns = 7, least_turns = 3;
 static const double shortest_pair = 0.03, longest_pair = 0.4;
+/* What is timed at once: a run, or as many as take this long, beside which reading the clock takes nothing. */
+static const double shortest_timing = 1e-4;
 
 double run_clock(void)
 {
@@ -53,13 +55,24 @@ tvi_status runner_go(runner *r, double q[], double p[], tvi_observer *observer, 
     return r->baseline->run(r->baseline, &task, q, p, &r->counts);
 }
 
-/* CPU time of one run; infinite where it fails. */
-static double time_once(runner *r)
+/* CPU time of so many runs; infinite where one fails. */
+static double time_runs(runner *r, long count)
 {
     double q[r->scene->n], p[r->scene->n];
+    tvi_status status = TVI_OK;
     const double begin = run_clock();
-    const tvi_status status = runner_go(r, q, p, NULL, NULL);
+    for (long i = 0; i < count && status == TVI_OK; i++) status = runner_go(r, q, p, NULL, NULL);
     return status == TVI_OK ? run_clock() - begin : INFINITY;
+}
+
+/* CPU time of one run, of as many as are timed at once; infinite where one fails. Adds all of it to the total. */
+static double time_once(runner *r, double *total)
+{
+    double all;
+    if (r->at_once == 0) r->at_once = 1;
+    while ((all = time_runs(r, r->at_once)) < shortest_timing) r->at_once *= 2;
+    *total += all;
+    return all / (double)r->at_once;
 }
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
@@ -120,11 +133,8 @@ static void measure_errors(const tvi_system *system, runner *r, double deadline,
 double runner_time(runner *r)
 {
     double total = 0, best = INFINITY;
-    for (int done = 0; total < longest && (done < repetitions || total < shortest); done++) {
-        const double once = time_once(r);
-        best = fmin(best, once);
-        total += once;
-    }
+    for (int done = 0; total < longest && (done < repetitions || total < shortest); done++)
+        best = fmin(best, time_once(r, &total));
     return best;
 }
 
@@ -162,10 +172,6 @@ void run_in_turns(const tvi_system *system, const run *a, const run *b, double c
     for (int i = 0; i < 2; i++) good &= runner_open(&r[i], system, a->scene, runs[i]->who, runs[i]->setting) == TVI_OK;
     for (int turn = 0;
          good && (turn < least_turns || (total < longest_pair && (turn < turns || total < shortest_pair))); turn++)
-        for (int i = 0; i < 2; i++) {
-            const double once = time_once(&r[i]);
-            cpu[i] = fmin(cpu[i], once);
-            total += once;
-        }
+        for (int i = 0; i < 2; i++) cpu[i] = fmin(cpu[i], time_once(&r[i], &total));
     for (int i = 0; i < 2; i++) runner_close(&r[i]);
 }

@@ -43,6 +43,7 @@ typedef struct {
     const scene *scene;
     double h, tolerance;
     long steps;
+    long at_once; /* so many runs are timed together; 0: not known yet */
     const baseline *baseline;
     tvi_integrator *integrator; /* where there is no baseline */
     baseline_counts counts;     /* of the last run */
