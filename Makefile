@@ -160,7 +160,7 @@ $(EMBEDDED): %.o: %.c
 	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
 comma := ,
-GENERATED_FLAGS := -O3 -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize
+GENERATED_FLAGS := -Werror=implicit-function-declaration -O3 -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize
 quoted = "$(GENERATED_FLAGS) $(1)",
 # with the SLEEF that the library has
 SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))

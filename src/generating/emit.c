@@ -35,6 +35,13 @@ static void emit_slp(jet_text *text)
                        "#pragma GCC optimize(\"tree-slp-vectorize\")\n#endif\n");
 }
 
+/* How the seeds have the field at the nodes, of which code without seeds has no sweep. */
+static void emit_values(jet_text *text, bool has_seed)
+{
+    jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), %s)\n",
+                 has_seed ? "tvi_values_values_of(x, lanes)" : "(void)(x), (void)(lanes), false");
+}
+
 static void emit_shape(jet_text *text, const tvi_action *a, const char *name)
 {
     jet_text_add(text,
@@ -80,6 +87,7 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     emit_sizes(text, system, lanes);
     emit_output(text, system->field_series, name, "output", "CURVE_SLOT");
     emit_output(text, system->field_values, name, "values", "CURVE_VALUES_SLOT");
+    emit_values(text, has_seed);
     for (const char *const *line = tvi_embedded_curve; *line; line++) jet_text_add(text, "%s", *line);
     jet_text_add(text, "CURVE_EMITTED_EXPAND(%s)\nCURVE_EMITTED_SUMS(%s)\n", name, name);
     if (lanes > 0) jet_text_add(text, "CURVE_EMITTED_MATRICES(%s)\n", name);

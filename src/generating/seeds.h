@@ -17,9 +17,7 @@
 #include "method/origin.h"
 #include "system/roundoff.h"
 
-#ifdef JET_EMITTED
-#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), tvi_values_values_of(x, lanes))
-#else
+#ifndef JET_EMITTED
 #define SEEDS_VALUES(tape, x, lanes) jet_sweep_values(tape, x, lanes)
 #endif
 
