@@ -9,8 +9,9 @@
  * What a step leaves out has the same sign in the next one, where roundoff changes its sign: it stays below the
  * roundoff of N steps if it is that of one step / sqrt(N), with 2^-80 for more than 10^9 of them. A Newton method,
  * whose passes cost more, does so for 2^16 times fewer. The N-th step of a run leaves 2^-66 / N where that is more: all
- * of them together 2^-62, less than the roundoff of one. Passes of a small step soon do no more than roundoff, which
- * does not show how far they contract: then they do as those of an earlier step did. */
+ * of them together 2^-62, less than the roundoff of one; but not by Newton's methods, whose next movement is less well
+ * known. Passes of a small step soon do no more than roundoff, which does not show how far they contract: then they do
+ * as those of an earlier step did. */
 #define SQUARE(x)      ((x) * (x))
 #define FAR            SQUARE(1e-9)
 #define MAYBE_ROUNDOFF SQUARE(1e-12)
@@ -30,8 +31,8 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
                                                   .patience = 2,
                                                   .roundoff = MAYBE_ROUNDOFF};
 #define NEWTON                                                                                                         \
-    .most = 100, .goal = SQUARE(0x1p-72), .early = SQUARE(0x1p-66), .memory = 1, .contraction = 0.25, .far = FAR,      \
-    .noise = NOISE, .stuck = TVI_PASSES_ALL, .turns = 2, .patience = 2, .roundoff = MAYBE_ROUNDOFF
+    .most = 100, .goal = SQUARE(0x1p-72), .memory = 1, .contraction = 0.25, .far = FAR, .noise = NOISE,                \
+    .stuck = TVI_PASSES_ALL, .turns = 2, .patience = 2, .roundoff = MAYBE_ROUNDOFF
 const tvi_passes_rule tvi_galerkin_quasi_newton = {NEWTON};
 const tvi_passes_rule tvi_galerkin_newton = {NEWTON, .is_quadratic = true};
 
