@@ -74,10 +74,19 @@ bool tvi_guard_loses(const tvi_guarded *s, tvi_kept_energy *kept, tvi_status sta
     return fabs(after - before + of_e) > MOST_CHANGE * size + roundoff_of(s);
 }
 
-/* Whether the energy need not be computed. */
-static bool is_sure(const tvi_signs *signs, const tvi_kept_energy *kept)
+static bool knows_change(const tvi_integrator *it) { return it->stepper->most_change && !tvi_is_rescaled(it); }
+
+/* Forces of one term, as those of a single node, have the tail 0, which shows nothing. */
+static bool shows_tail(const tvi_integrator *it, bool took_series)
 {
-    if (signs->most_change) return *signs->most_change <= MOST_CHANGE * kept->scale;
+    return it->options.degree > (took_series ? 2 : 1);
+}
+
+/* Whether the energy need not be computed. */
+static bool is_sure(const tvi_integrator *it, const tvi_signs *signs, const tvi_kept_energy *kept)
+{
+    if (knows_change(it)) return signs->most_change && *signs->most_change <= MOST_CHANGE * kept->scale;
+    if (!shows_tail(it, signs->took_series)) return false;
     if (signs->took_series) return signs->tail <= SURE_SERIES_TAIL && signs->passes <= SURE_SERIES_PASSES;
     return signs->tail <= SURE_TAIL && signs->passes <= SURE_PASSES;
 }
@@ -85,12 +94,13 @@ static bool is_sure(const tvi_signs *signs, const tvi_kept_energy *kept)
 tvi_sure tvi_guard_sure(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
-    return (tvi_sure){most >= 0 ? tvi_smaller(most, SURE_TAIL) : SURE_TAIL, SURE_PASSES};
+    if (most < 0) return (tvi_sure){SURE_TAIL, SURE_PASSES};
+    return (tvi_sure){shows_tail(it, false) ? tvi_smaller(most, SURE_TAIL) : -1, SURE_PASSES};
 }
 
 bool tvi_guard_asks(const tvi_integrator *it, const tvi_signs *signs, tvi_kept_energy *kept)
 {
-    if (!is_sure(signs, kept) && keeps_energy(it)) return true;
+    if (!is_sure(it, signs, kept) && keeps_energy(it)) return true;
     kept->is_known = false;
     return false;
 }
@@ -120,10 +130,9 @@ static bool loses_energy(tvi_integrator *it)
 tvi_status tvi_guard_step(tvi_integrator *it, long passes, long expansions)
 {
     tvi_stats *stats = &it->stats;
-    const bool knows_change = it->stepper->most_change && !tvi_is_rescaled(it);
-    const double change = knows_change ? it->stepper->most_change(it->work) : 0;
+    const double change = knows_change(it) ? it->stepper->most_change(it->work) : 0;
     const tvi_signs signs = {stats->tail, stats->passes - passes, stats->expansions != expansions,
-                             knows_change ? &change : NULL};
+                             knows_change(it) ? &change : NULL};
     if (signs.tail > stats->largest_tail) stats->largest_tail = signs.tail;
     const tvi_status status = tvi_guard_tail(it, signs.tail);
     const bool is_lost = status == TVI_OK && tvi_guard_asks(it, &signs, it->kept) && loses_energy(it);

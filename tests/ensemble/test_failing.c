@@ -160,18 +160,27 @@ static tvi_stats run_together(const tvi_system *system, const tvi_options *optio
     return stats;
 }
 
-/* A form and a method of which there are steps in lanes; the last one has no tails, and passes of the first ones do not
- * converge before a step changes the energy. */
-static const int in_lanes[][2] = {{0, 0}, {2, 0}, {0, 1}, {2, 1}, {0, 2}, {2, 2}, {0, 4}, {0, 5}, {2, 5}, {0, 3}};
-enum { IN_LANES = sizeof in_lanes / sizeof *in_lanes, HAVE_TAILS = IN_LANES - 1, LOSE_ENERGY = 4 };
+/* A form and a method of which there are steps in lanes, and its order, if another; the last two have no tails, and
+ * passes of the first ones do not converge before a step changes the energy. */
+static const int in_lanes[][3] = {{0, 0}, {2, 0}, {0, 1}, {2, 1}, {0, 2},   {2, 2},
+                                  {0, 4}, {0, 5}, {2, 5}, {0, 3}, {0, 2, 1}};
+enum { IN_LANES = sizeof in_lanes / sizeof *in_lanes, HAVE_TAILS = IN_LANES - 2, LOSE_ENERGY = 4 };
+
+static tvi_system *system_in_lanes(int row, tvi_options *options)
+{
+    tvi_system *system = system_of(&forms[in_lanes[row][0]]);
+    method by = methods[in_lanes[row][1]];
+    if (in_lanes[row][2] > 0) by.order = in_lanes[row][2];
+    ck_assert(has_options(system, &by, options));
+    return system;
+}
 
 /* The counts are those of the members, and a step whose tail is too large is refused of the same members. */
 START_TEST(counts_and_tails_are_those_of_members)
 {
     tvi_options options;
     double tail[MEMBERS];
-    tvi_system *system = system_of(&forms[in_lanes[_i][0]]);
-    ck_assert(has_options(system, &methods[in_lanes[_i][1]], &options));
+    tvi_system *system = system_in_lanes(_i, &options);
     options.max_tail = -1;
     tvi_stats sum = run_alone(system, &options, LONG_STEP, &without, tail);
     tvi_stats all = run_together(system, &options, LONG_STEP, &with);
@@ -199,12 +208,11 @@ END_TEST
 /* Steps that are too large by what they do to the energy, whatever their tails: of the same members. */
 START_TEST(energies_refuse_the_same_members)
 {
-    static const double sizes[] = {0.25, 0.75, 1.5, 2, 3};
+    static const double sizes[] = {0.015625, 0.25, 0.75, 1.5, 2, 3};
     tvi_options options;
     double tail[MEMBERS];
     int refused = 0, made = 0;
-    tvi_system *system = system_of(&forms[in_lanes[_i][0]]);
-    ck_assert(has_options(system, &methods[in_lanes[_i][1]], &options));
+    tvi_system *system = system_in_lanes(_i, &options);
     options.max_tail = 1e300;
     for (size_t k = 0; k < sizeof sizes / sizeof *sizes; k++) {
         (void)run_alone(system, &options, sizes[k], &without, tail);
