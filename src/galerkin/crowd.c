@@ -25,6 +25,8 @@ typedef struct {
     galerkin_halves halves;
     tvi_passes_rule rule;
     bool are_all_in_lanes;
+    int *slot;                       /* [unknowns] as of the field; or behind the tape's slots the copy of an output */
+    int copies, *copied;             /* [copies] that is an input */
     double *dq, *dp, *share, *ratio; /* [n][width] */
     double *moved;                   /* [width] */
     galerkin_crowd_passes passes;    /* [width] */
@@ -83,6 +85,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     for (size_t i = 0; i < 6; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
     for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, n);
     w.moved = tvi_arena_doubles(arena, count);
+    w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
+    w.copied = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.copied);
     galerkin_crowd_passes *passes = &w.passes;
     double **const of_passes[] = {&passes->size,  &passes->before, &passes->part,  &passes->slowest,
                                   &passes->shown, &passes->early,  &passes->count, &passes->steps};
@@ -97,6 +101,19 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
+/* An output may be an input: then moving one unknown would change what drives another. */
+static void find_drives(crowd *w)
+{
+    const tvi_system *system = w->single->field.system;
+    w->copies = 0;
+    for (int u = 0; u < w->nodes.unknowns; u++) {
+        const int slot = w->slot[u] = w->single->field.slot[u];
+        if (slot >= system->inputs) continue;
+        w->slot[u] = system->field_values->slots + w->copies;
+        w->copied[w->copies++] = slot;
+    }
+}
+
 static void prepare(void *work)
 {
     crowd *w = work;
@@ -109,6 +126,7 @@ static void prepare(void *work)
     const galerkin_sums sums = w->motion.sums;
     w->motion = single->motion;
     w->motion.sums = sums;
+    find_drives(w);
     tvi_galerkin_halves_prepare(&w->halves, &single->coefficients, galerkin_is_second_order(&single->field));
     w->rule = tvi_galerkin_rule(single->field.form->rule, nodes->unknowns * nodes->points, single->options);
 }
@@ -225,18 +243,25 @@ static void leave(crowd *w, int m)
     rest(w, m);
 }
 
+static void copy_inputs(const crowd *w, int slots)
+{
+    const size_t count = (size_t)(w->nodes.points * w->nodes.width);
+    double *x = w->nodes.x, *copy = x + (size_t)slots * count;
+    for (int i = 0; i < w->copies; i++, copy += count)
+        memcpy(copy, x + (size_t)w->copied[i] * count, count * sizeof *x);
+}
+
 static void pass(crowd *w, int count, tvi_stats *stats)
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
-    const galerkin_field *field = &w->single->field;
-    const jet_tape *tape = field->system->field_values;
+    const jet_tape *tape = w->single->field.system->field_values;
     const bool inside = tape->sweeps->values(tape, nodes->x, nodes->points * nodes->width);
     stats->force_evaluations += count * nodes->points;
     stats->passes += count;
     for (int m = 0; m < nodes->width && !inside; m++)
         if (nodes->is_moving[m] && !tvi_single_is_inside(&w->by_itself, tape, nodes->x, nodes->points, m)) leave(w, m);
-    galerkin_copy_inputs(field, nodes->x, nodes->points * nodes->width);
-    w->loops->move(nodes, &w->halves, nodes->x, field->slot, w->moved);
+    copy_inputs(w, tape->slots);
+    w->loops->move(nodes, &w->halves, nodes->x, w->slot, w->moved);
 }
 
 static void iterate(crowd *w, int count, tvi_stats *stats)

@@ -4,11 +4,9 @@
 
 static void take(galerkin_field *field, tvi_arena *arena)
 {
-    const size_t unknowns = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
     field->rows = field->nodes.unknowns;
-    field->nodes.x = tvi_arena_block(arena, field->system->field_values, 1, field->nodes.lanes, unknowns * lanes);
+    field->nodes.x = tvi_arena_block(arena, field->system->field_values, 1, field->nodes.lanes, 0);
     field->inputs = field->nodes.x;
-    field->copied = tvi_arena_take(arena, unknowns * sizeof(int));
     field->ahead = field->matrix;
 }
 
@@ -19,15 +17,9 @@ static int driving_slot(const tvi_system *system, int unknown)
     return system->field_values->output[output];
 }
 
-/* An output may be an input: then moving one unknown would change what drives another. */
 static void prepare(galerkin_field *field)
 {
-    for (int u = 0; u < field->nodes.unknowns; u++) {
-        const int slot = field->slot[u] = driving_slot(field->system, u);
-        if (slot >= field->system->inputs) continue;
-        field->slot[u] = field->system->field_values->slots + field->copies;
-        field->copied[field->copies++] = slot;
-    }
+    for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = driving_slot(field->system, u);
 }
 
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x)
@@ -55,9 +47,8 @@ static void predict(galerkin_field *field, int steps, const double *extrapolatio
 static void emit(jet_text *text, const galerkin_field *field, const char *name)
 {
     const galerkin_nodes *nodes = &field->nodes;
-    jet_text_add(text, "static const int %s_slot[] = {", name);
-    for (int u = 0; u < nodes->unknowns; u++) jet_text_add(text, "%d, ", driving_slot(field->system, u));
-    jet_text_add(text, "0};\nGALERKIN_EMITTED_STEADY(%s, tvi_values, %d, %d, %d)\n", name, nodes->unknowns,
+    tvi_galerkin_emit_ints(text, name, "slot", nodes->unknowns, field->slot);
+    jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, tvi_values, %d, %d, %d)\n", name, nodes->unknowns,
                  galerkin_rows_kept(field->system->field_values), nodes->lanes);
 }
 

@@ -9,7 +9,6 @@
 #include "system/roundoff.h"
 
 #include <math.h>
-#include <string.h>
 
 typedef struct galerkin_form galerkin_form;
 
@@ -29,9 +28,7 @@ typedef struct {
     double *matrix;      /* [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
     double *ahead;       /* [j][i] what `predict` wants extrapolations multiplied by */
     tvi_roundoff *noise; /* what the values of the field are displaced by; NULL: they are not */
-    int copies;
-    int *copied; /* [copies] outputs of the tape that are inputs: they are copied behind its slots */
-    void *own;   /* of the form */
+    void *own;           /* of the form */
 } galerkin_field;
 
 struct galerkin_form {
@@ -73,14 +70,6 @@ static inline int galerkin_rows_kept(const jet_tape *tape) { return tape->inputs
 /* Displaces the outputs of a tape of the field in its block. */
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x);
 
-/* The outputs that are inputs, behind the slots of a block of the tape: they stay while the unknowns move. */
-static inline void galerkin_copy_inputs(const galerkin_field *field, double *x, int lanes)
-{
-    const size_t count = (size_t)lanes, slots = (size_t)field->system->field_values->slots;
-    for (size_t i = 0; i < (size_t)field->copies; i++)
-        memcpy(x + (slots + i) * count, x + (size_t)field->copied[i] * count, count * sizeof *x);
-}
-
 /* Runs the tape at the unknowns, which are its inputs. */
 static inline tvi_status galerkin_evaluate(galerkin_field *field)
 {
@@ -88,7 +77,6 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
     double *x = field->nodes.x;
     if (!jet_sweep_values(tape, x, field->nodes.lanes)) return TVI_EDOMAIN;
     if (field->noise) tvi_galerkin_displace(field, tape, x);
-    galerkin_copy_inputs(field, x, field->nodes.lanes);
     return TVI_OK;
 }
 
