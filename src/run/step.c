@@ -90,14 +90,14 @@ static tvi_status check_time(const tvi_integrator *it, double h)
     return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
-static tvi_status refuse_infinite(const tvi_integrator *it)
+static tvi_status check_sums(const tvi_integrator *it)
 {
     const tvi_run_state *now = &it->now;
     for (int i = 0; i <= it->stepped->n; i++)
         if (!isfinite(now->q[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
-    int i = 0;
-    while (isfinite(now->p[i])) i++;
-    return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
+    for (int i = 0; i < it->stepped->n; i++)
+        if (!isfinite(now->p[i])) return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
+    return TVI_OK;
 }
 
 /* The new state from the increments; it is finite. */
@@ -107,7 +107,8 @@ static tvi_status advance(tvi_integrator *it, double h)
     const int dimension = it->stepped->n;
     const uint64_t q = tvi_add_all_compensated(dimension + 1, now->q, now->q_low, it->dq),
                    p = tvi_add_all_compensated(dimension, now->p, now->p_low, it->dp);
-    if ((q | p) != 0) return refuse_infinite(it);
+    const tvi_status status = (q | p) == 0 ? TVI_OK : check_sums(it);
+    if (status != TVI_OK) return status;
     return tvi_is_rescaled(it) ? check_time(it, h) : TVI_OK;
 }
 
