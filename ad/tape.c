@@ -1,4 +1,5 @@
 /* tape.c - graph -> tape: equal operations side by side become one run. */
+#include "pad.h"
 #include "place.h"
 
 #include <stdlib.h>
@@ -154,15 +155,18 @@ static int count_together(const jet_run *run, const jet_run *end)
     return next[-1].c == -0.5 ? count : 1;
 }
 
-static void lower(lowering *low, jet_tape *tape, int inputs, int outputs, const jet output[])
+/* false without memory. */
+static bool lower(lowering *low, jet_tape *tape, int inputs, int outputs, const jet output[])
 {
     jet_place_nodes(low, inputs, outputs, output);
     lay_out(low, tape);
-    const jet_run *const end = tape->run + tape->runs;
-    for (jet_run *run = tape->run; run < end; run++) run->together = count_together(run, end);
     tape->slots = low->slots;
     tape->outputs = outputs;
     for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(low, output[i].node);
+    if (low->kind == JET_TAPE_SERIES && !jet_tape_pad(tape)) return false;
+    const jet_run *const end = tape->run + tape->runs;
+    for (jet_run *run = tape->run; run < end; run++) run->together = count_together(run, end);
+    return true;
 }
 
 jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const jet output[], jet_tape_kind kind)
@@ -171,15 +175,14 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
     if (!tape) return NULL;
     tape->sweeps = tape->interpreted = jet_sweeps_choose();
     lowering low = {.graph = graph, .kind = kind, .count = jet_graph_count(graph)};
-    const bool allocated = allocate(&low, tape, outputs);
-    if (allocated) lower(&low, tape, inputs, outputs, output);
+    const bool is_made = allocate(&low, tape, outputs) && lower(&low, tape, inputs, outputs, output);
     free(low.needed);
     free(low.uses);
     free(low.places);
     free(low.levels);
     free(low.sorted);
     free(low.operands);
-    if (allocated) return tape;
+    if (is_made) return tape;
     jet_tape_free(tape);
     return NULL;
 }
