@@ -123,13 +123,81 @@ static void emit_lines(const emission *e, const jet_run *run)
     else emit_line(e, run);
 }
 
+/* ---- Adjoints of sums -------------------------------------------------------------------------------------------- */
+
+static bool is_sum(const jet_run *run) { return run->op == OP_LINEAR && run->count == 1; }
+
+static bool reads_from(const jet_tape *tape, const jet_run *run, int slot)
+{
+    for (int term = run->term; term < run->term + run->terms; term++)
+        if (tape->term_slot[term] >= slot) return true;
+    return false;
+}
+
+/* The first of the sums in a row of which none reads another. */
+static const jet_run *first_sum(const jet_tape *tape, const jet_run *run)
+{
+    const jet_run *first = run;
+    while (first > tape->run && is_sum(first - 1)) first--;
+    for (const jet_run *next = first; next <= run; next++)
+        if (reads_from(tape, next, first->z)) first = next;
+    return first;
+}
+
+static const jet_run *end_of_sums(const jet_tape *tape, const jet_run *first)
+{
+    const jet_run *const end = tape->run + tape->runs, *next = first;
+    while (next < end && is_sum(next) && first_sum(tape, next) == first) next++;
+    return next;
+}
+
+/* What the sums hand on to a slot. */
+static void emit_handed_on(const emission *e, const jet_run *first, const jet_run *end, int slot)
+{
+    const jet_tape *tape = e->tape;
+    bool has_any = false;
+    for (const jet_run *run = first; run < end; run++)
+        for (int term = run->term; term < run->term + run->terms; term++) {
+            if (tape->term_slot[term] != slot) continue;
+            if (!has_any) jet_text_add(e->text, "    bar[%d] = bar[%d]", slot, slot);
+            jet_text_add(e->text, " + %a * bar[%d]", tape->term_coefficient[term], run->z);
+            has_any = true;
+        }
+    if (has_any) jet_text_add(e->text, ";\n");
+}
+
+/* NAME_sums_back_i, of the sums from run i on: each operand gathers what all of them hand on to it. */
+static void emit_sums_back(const emission *e)
+{
+    const jet_run *const end = e->tape->run + e->tape->runs;
+    for (const jet_run *run = e->tape->run; run < end; run++) {
+        if (!is_sum(run) || first_sum(e->tape, run) != run) continue;
+        jet_text_add(e->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", e->wanted->name,
+                     (int)(run - e->tape->run));
+        const jet_run *const last = end_of_sums(e->tape, run);
+        for (int slot = 0; slot < run->z; slot++) emit_handed_on(e, run, last, slot);
+        jet_text_add(e->text, "}\n");
+    }
+}
+
+static void emit_line_back(const emission *e, const jet_run *run)
+{
+    const jet_run *first = is_sum(run) ? first_sum(e->tape, run) : NULL;
+    if (!first) emit_lines(e, run);
+    else if (end_of_sums(e->tape, first) == run + 1)
+        jet_text_add(e->text, " \\\n    SUMS(%s, %d)", e->wanted->name, (int)(first - e->tape->run));
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
 static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
+    if (e->wanted->has_adjoints) emit_sums_back(e);
     jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, LINEAR)", e->wanted->name);
     for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
-    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, LINEAR)", e->wanted->name);
-    for (const jet_run *run = end; run-- > begin;) emit_lines(e, run);
+    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, LINEAR, SUMS)", e->wanted->name);
+    for (const jet_run *run = end; run-- > begin && e->wanted->has_adjoints;) emit_line_back(e, run);
     jet_text_add(e->text, "\nJET_EMITTED_SWEEPS(%s)\n", e->wanted->name);
 }
 

@@ -1,7 +1,8 @@
 /* emitted.h - the sweeps of generated code (emit.h), which is the only one to read this, after the text of the rules: T
  * is the tape's name, T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name),
  * PRODUCTS(T, i, squares, terms), LINEAR(T, i, terms), ANGLES(T, i, next), sines and the cosines of the same angles, or
- * TWINS(T, i, next), products of neighbours with the same factor, and T_RUNS_BACK in the other order. */
+ * TWINS(T, i, next), products of neighbours with the same factor, and T_RUNS_BACK in the other order, of tapes that
+ * have adjoints, with SUMS(T, i) for sums in a row from run i on, whose adjoints are T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -37,6 +38,7 @@
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
 #define ADJOINTS_TWINS(T, i, next)              ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)
 #define ADJOINTS_LINEAR(T, i, terms)            adjoints_of_one(&T, &T##_run[i], bar + k * T.slots, terms);
+#define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
 
 /* The instruction set that the code is compiled for. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
@@ -65,8 +67,9 @@
     }                                                                                                                  \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
-        (void)top;                                                                                                     \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, ADJOINTS_TWINS, ADJOINTS_LINEAR)              \
+        (void)x, (void)bar, (void)k, (void)top;                                                                        \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, ADJOINTS_TWINS, ADJOINTS_LINEAR,              \
+                      ADJOINTS_SUMS)                                                                                   \
     }
 
 #endif
