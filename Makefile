@@ -70,12 +70,12 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := $(addprefix src/,galerkin/loops.c galerkin/lagrangian_loops.c galerkin/crowd_loops.c galerkin/crowd_verdicts.c generating/taylor_loops.c generating/curve_loops.c generating/seeds.c run/crowd_loops.c)
+SRC_LANES    := $(addprefix src/,galerkin/loops.c galerkin/lagrangian_loops.c galerkin/crowd_loops.c galerkin/crowd_verdicts.c generating/taylor_loops.c generating/curve_loops.c generating/seeds.c generating/products.c run/crowd_loops.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
+SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve products) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
-EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve)
+EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve products)
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
@@ -156,6 +156,10 @@ EMBEDDED_CURVE := include/tvi.h $(addprefix src/,algebra/sizes.h method/origin.h
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE)
 	@mkdir -p $(@D)
 	awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@
+# and what solves its equations by products
+$(BUILD)/src/embedded_products.c: ad/embed.awk src/generating/products.h
+	@mkdir -p $(@D)
+	awk -v NAME=tvi_embedded_products -f ad/embed.awk src/generating/products.h >$@
 $(EMBEDDED): %.o: %.c
 	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
@@ -168,7 +172,7 @@ $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-
 $(BUILD)/src/compiled/load.o: $(BUILD)/elementary
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
-$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o galerkin/crowd.o generating/taylor_crowd.o generating/curve_crowd.o generating/action.o run/crowd.o)): \
+$(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o galerkin/crowd.o generating/taylor_crowd.o generating/curve_crowd.o generating/action.o generating/curve_stepper.o run/crowd.o)): \
     BASE += $(if $(ISAS),-DJET_ISA_X86)
 
 define isa_objects

@@ -3,7 +3,9 @@
 #ifndef CURVES_H
 #define CURVES_H
 
-#include "generating/products.h"
+#include "generating/action.h"
+#include "generating/closure.h"
+#include "generating/curve.h"
 
 typedef struct {
     void *memory;

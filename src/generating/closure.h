@@ -21,7 +21,7 @@ typedef struct {
 } tvi_transposed;
 
 /* How they are solved; the generating functions do not know. (matrices.c, products.c) */
-typedef struct {
+typedef struct tvi_solver {
     void (*take)(struct tvi_closure *closure, tvi_arena *arena);
     void (*begin)(struct tvi_closure *closure); /* a step: what was kept is of another one */
     /* The corrections from the curve at z and its seeds. scale [2n]: the natural sizes of z. */
@@ -34,7 +34,7 @@ typedef struct {
     bool (*jacobian)(struct tvi_closure *closure, double matrix[]);
     void (*correct)(struct tvi_closure *closure, double correction[]);
 } tvi_solver;
-extern const tvi_solver tvi_by_matrices, tvi_by_products;
+extern const tvi_solver tvi_by_matrices, tvi_by_products_base, tvi_by_products_avx2, tvi_by_products_avx512;
 
 typedef struct tvi_closure {
     const tvi_system *system;

@@ -37,12 +37,16 @@ TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 /* The Jacobian matrices of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
+/* What suits the system: matrices where n is small. Products are for separable systems alone. */
+tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
+
 /* What a stepper runs whose curves have such Jacobians, and whose action has so many points. */
 tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
                         tvi_jacobians jacobians);
 
-/* tvi_uses.emit_loops: tvi_curve_code (seeds.h), without and with tangents. */
+/* tvi_uses.emit_loops: tvi_curve_code (seeds.h), without Jacobians, with products and with matrices. */
 void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
+void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
 
 /* The natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */

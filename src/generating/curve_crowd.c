@@ -6,7 +6,7 @@
  * that has converged stays as it is while the others go on. What does not converge so, or is outside of the domain,
  * goes by itself. */
 #include "generating/curve_pass.h"
-#include "generating/products.h"
+#include "generating/curve.h"
 #include "algebra/quadrature.h"
 #include "algebra/sizes.h"
 #include "method/method.h"

@@ -2,13 +2,20 @@
  * generating function is data: where the curve is expanded, and how its equations are closed (method/descriptor.h).
  * Without passes the corrections are left out; at the start that is the plain Taylor method. */
 #include "generating/curve_step.h"
-#include "generating/products.h"
 #include "method/method.h"
 
 #include <math.h>
 #include <string.h>
 
 typedef tvi_curve_work work;
+
+static const tvi_solver *const by_products[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_by_products_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_by_products_avx2,
+    [jet_isa_avx512] = &tvi_by_products_avx512,
+#endif
+};
 
 /* A step at hand. */
 typedef struct {
@@ -30,8 +37,10 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->p_degree = expanded->has_top_momentum ? degree : degree - 1;
     c->close = expanded->close;
     c->mean = &expanded->mean;
-    c->solver = jacobians == TVI_JACOBIAN_PRODUCTS ? &tvi_by_products : &tvi_by_matrices;
+    const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
+    const tvi_solver *solver = has_products ? by_products[system->field_series->sweeps->isa] : &tvi_by_matrices;
     tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians);
+    c->solver = c->curve.code && c->curve.code->solver ? c->curve.code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise, &c->q_mean, &c->u_from,
                                              &c->u_to,   &c->u_rise, &c->u_mean, &c->p_sizes};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
@@ -42,7 +51,7 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     const size_t seeds = ((size_t)c->curve.top + 1) * n;
     c->p_size = tvi_arena_doubles(arena, n);
     c->D = tvi_arena_doubles(arena, 2 * n);
-    c->solver->take(c, arena);
+    solver->take(c, arena);
     c->seed_Q = tvi_arena_doubles(arena, seeds);
     c->seed_U = tvi_arena_doubles(arena, seeds);
 }

@@ -5,7 +5,12 @@
 #include "generating/closure.h"
 #include "method/method.h"
 
-extern const char *const tvi_embedded_curve[];
+extern const char *const tvi_embedded_curve[], *const tvi_embedded_products[];
+
+static void emit_text(jet_text *text, const char *const lines[])
+{
+    for (; *lines; lines++) jet_text_add(text, "%s", *lines);
+}
 
 static void emit_output(jet_text *text, const jet_tape *tape, const char *name, const char *what, const char *macro)
 {
@@ -61,23 +66,26 @@ static void emit_blocks(jet_text *text, const char *name, int rest)
 }
 
 /* The functions that were defined, of all that there are. */
-static void emit_table(jet_text *text, const char *name, bool has_matrices, bool has_seed, bool has_step)
+enum { OF_ALL = 1, OF_MATRICES = 2, OF_PRODUCTS = 4, OF_SEEDS = 8, OF_STEPS = 16 };
+static void emit_table(jet_text *text, const char *name, int has)
 {
     jet_text_add(text, "static const tvi_curve_code %s = {.top = tvi_series_top, ", name);
     static const struct {
         const char *name;
-        bool is_of_matrices, is_seed, is_step;
-    } all[] = {{"expand", false, false, false},  {"sum", false, false, false},         {"sizes", false, false, false},
-               {"measure", false, false, false}, {"tail", false, false, false},        {"push", true, false, false},
-               {"pull", true, false, false},     {"sum_jacobian", true, false, false}, {"seed", false, true, false},
-               {"step", false, false, true},     {"differentiate", true, false, false}};
+        int of;
+    } all[] = {{"expand", OF_ALL},    {"sum", OF_ALL},      {"sizes", OF_ALL},
+               {"measure", OF_ALL},   {"tail", OF_ALL},     {"push", OF_MATRICES | OF_PRODUCTS},
+               {"pull", OF_MATRICES}, {"aim", OF_PRODUCTS}, {"sum_jacobian", OF_MATRICES},
+               {"seed", OF_SEEDS},    {"step", OF_STEPS},   {"differentiate", OF_MATRICES}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
-        if ((has_matrices || !all[i].is_of_matrices) && (has_seed || !all[i].is_seed) && (has_step || !all[i].is_step))
-            jet_text_add(text, ".%s = %s_%s, ", all[i].name, name, all[i].name);
+        if (has & all[i].of) jet_text_add(text, ".%s = %s_%s, ", all[i].name, name, all[i].name);
+    if (has & OF_PRODUCTS) jet_text_add(text, ".solver = &%s_solver, ", name);
     jet_text_add(text, "};\n");
 }
 
-static void emit(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name, int lanes)
+/* By tangents in so many directions, or by products. */
+static void emit(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name, int lanes,
+                 bool has_products)
 {
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
     const tvi_action shape = tvi_action_of(system, options);
@@ -88,22 +96,30 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     emit_output(text, system->field_series, name, "output", "CURVE_SLOT");
     emit_output(text, system->field_values, name, "values", "CURVE_VALUES_SLOT");
     emit_values(text, has_seed);
-    for (const char *const *line = tvi_embedded_curve; *line; line++) jet_text_add(text, "%s", *line);
+    emit_text(text, tvi_embedded_curve);
     jet_text_add(text, "CURVE_EMITTED_EXPAND(%s)\nCURVE_EMITTED_SUMS(%s)\n", name, name);
     if (lanes > 0) jet_text_add(text, "CURVE_EMITTED_MATRICES(%s)\n", name);
+    if (has_products) emit_text(text, tvi_embedded_products), jet_text_add(text, "CURVE_EMITTED_PRODUCTS(%s)\n", name);
     if (has_step) jet_text_add(text, "CURVE_EMITTED_EXPAND_ALL(%s)\n", name);
     else if (lanes > 0) emit_blocks(text, name, 2 * system->n % lanes);
     if (has_seed) emit_shape(text, &shape, name), jet_text_add(text, "CURVE_EMITTED_SEED(%s)\n", name);
     if (has_step) jet_text_add(text, "CURVE_EMITTED_STEP(%s)\n", name);
-    emit_table(text, name, lanes > 0, has_seed, has_step);
+    emit_table(text, name,
+               OF_ALL | (lanes > 0 ? OF_MATRICES : 0) | (has_products ? OF_PRODUCTS : 0) | (has_seed ? OF_SEEDS : 0) |
+                   (has_step ? OF_STEPS : 0));
 }
 
 void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
 {
-    emit(text, system, options, name, 0);
+    emit(text, system, options, name, 0, false);
+}
+
+void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
+{
+    emit(text, system, options, name, 0, true);
 }
 
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
 {
-    emit(text, system, options, name, tvi_curve_lanes_of(system));
+    emit(text, system, options, name, tvi_curve_lanes_of(system), false);
 }

@@ -112,6 +112,23 @@
         }                                                                                                              \
     }
 
+/* After the text of products.h. */
+#define CURVE_EMITTED_PRODUCTS(NAME)                                                                                   \
+    static void NAME##_aim(tvi_curve *curve, const double dz[]) { products_aim(curve, dz); }                           \
+    static void NAME##_push(const tvi_curve *curve, const tvi_combination *combination, double out[])                  \
+    {                                                                                                                  \
+        products_push(curve, combination, out);                                                                        \
+    }                                                                                                                  \
+    static tvi_status NAME##_close(tvi_closure *c, const double z[], const double scale[], tvi_stats *stats)           \
+    {                                                                                                                  \
+        return products_close(c, z, scale, stats);                                                                     \
+    }                                                                                                                  \
+    static tvi_status NAME##_solve(tvi_closure *c, const tvi_transposed *a) { return products_solve(c, a); }           \
+    static void NAME##_correct(tvi_closure *c, double correction[]) { products_correct(c, correction); }               \
+    static void NAME##_begin(tvi_closure *c) { products_begin(c); }                                                    \
+    static const tvi_solver NAME##_solver = {                                                                          \
+        .begin = NAME##_begin, .close = NAME##_close, .solve = NAME##_solve, .correct = NAME##_correct};
+
 /* NAME_shape: the sizes of the action. */
 #define CURVE_EMITTED_SEED(NAME)                                                                                       \
     JET_INLINE void NAME##_size_action(tvi_action *action)                                                             \

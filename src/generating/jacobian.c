@@ -1,10 +1,20 @@
 /* jacobian.c - the Jacobians of a curve with respect to its centre data, as matrices, by tangents in all directions;
  * what is made of them, or of products.h. */
+#include "generating/curve.h"
 #include "generating/products.h"
 #include "generating/seeds.h"
 #include "generating/tangents.h"
 
 #include <string.h>
+
+/* The n from which a system has products. They are cheaper from about 6 on (docs/performance.md), but stiff systems of
+ * few bodies at large steps do better with matrices, which can be made anew by differences. */
+enum { PRODUCTS_FROM = 8 };
+
+tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
+{
+    return system->form == TVI_SEPARABLE && system->n >= PRODUCTS_FROM ? TVI_JACOBIAN_PRODUCTS : TVI_JACOBIAN_MATRICES;
+}
 
 /* ---- Matrices ---------------------------------------------------------------------------------------------------- */
 
@@ -94,7 +104,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
     else if (is_whole) used.series.directions[0] = 0;
     else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;
     else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
-    if (is_whole && !used.series.has_adjoints) used.emit_loops = tvi_curve_emit_matrices;
+    if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
     used.values = (jet_emission){.name = "tvi_values", .lanes = {points}};
     if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
         used.bend = (jet_emission){.name = "tvi_bend", .lanes = {points}};
@@ -103,22 +113,30 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
 
 /* ---- Products with vectors --------------------------------------------------------------------------------------- */
 
+static void pull_by_products(tvi_curve *curve, const double seed_Q[], double out[])
+{
+    products_clear_seeds(curve, curve->top);
+    products_add_seeds(curve, curve->top, seed_Q);
+    products_pull_seeds(curve, curve->top, out);
+}
+
 void tvi_curve_aim(tvi_curve *curve, const double dz[])
 {
-    if (tvi_curve_has_products(curve)) tvi_products_aim(curve, dz);
+    if (curve->code && curve->code->aim) curve->code->aim(curve, dz);
+    else if (tvi_curve_has_products(curve)) products_aim(curve, dz);
     else memcpy(curve->dz, dz, 2 * (size_t)curve->n * sizeof *dz);
 }
 
 void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
-    if (tvi_curve_has_products(curve)) tvi_products_push(curve, combination, out);
-    else if (curve->code) curve->code->push(curve, combination, out);
+    if (curve->code && curve->code->push) curve->code->push(curve, combination, out);
+    else if (tvi_curve_has_products(curve)) products_push(curve, combination, out);
     else curve_push(curve, combination, out);
 }
 
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    if (tvi_curve_has_products(curve)) tvi_products_pull(curve, seed_Q, out);
+    if (tvi_curve_has_products(curve)) pull_by_products(curve, seed_Q, out);
     else if (curve->code) curve->code->pull(curve, seed_Q, seed_U, out);
     else curve_pull(curve, seed_Q, seed_U, out);
 }

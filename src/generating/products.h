@@ -1,29 +1,341 @@
-/* products.h - the products path of separable systems of many coordinates: no Jacobian of the curve is formed, and the
- * equations with them are solved by iteration (docs/method.md sections 2 and 5). Who solves them that way is
- * tvi_by_products (closure.h); the rest is for jacobian.c and the tests. */
+/* products.h - the products path of separable systems of many coordinates: no Jacobian of the curve is formed. Products
+ * with one are had by one tangent or one adjoint sweep, and equations with them are solved by generalised conjugate
+ * residuals (docs/method.md sections 2 and 5). Part of the text of generated code (emit.c), where every size is a
+ * constant. */
 #ifndef TVI_SRC_GENERATING_PRODUCTS_H
 #define TVI_SRC_GENERATING_PRODUCTS_H
 
-#include "generating/action.h"
 #include "generating/closure.h"
+#include "generating/newton.h"
 
-/* What suits the system: matrices where n is small. Products are for separable systems alone. */
-tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
+#ifdef JET_EMITTED
+#define PRODUCTS_TANGENTS tvi_series_tangents
+#define PRODUCTS_ADJOINTS tvi_series_adjoints
+#else
+#define PRODUCTS_TANGENTS jet_sweep_tangents
+#define PRODUCTS_ADJOINTS jet_sweep_adjoints
+#endif
 
-/* Of tvi_curve_aim, tvi_curve_push and tvi_curve_pull. */
-void tvi_products_aim(tvi_curve *curve, const double dz[]);
-void tvi_products_push(const tvi_curve *curve, const tvi_combination *combination, double out[]);
-void tvi_products_pull(tvi_curve *curve, const double seed_Q[], double out[]);
+/* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
 
-/* Products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of combinations
- * times x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top: a rough
- * product costs O(last^2). */
-void tvi_curve_clear_seeds(tvi_curve *curve, int last);
-void tvi_curve_add_seeds(tvi_curve *curve, int last, const double seed_Q[]);
-void tvi_curve_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor, const double x[]);
-void tvi_curve_pull_seeds(tvi_curve *curve, int last, double out[]);
-/* Products: out[n] += factor K^T x with K = dQ'' / dq = tau^2 M^-1 F_q at the centre, of a curve with top >= 2: one of
- * lower degree has never evaluated its force. */
-void tvi_curve_add_force(tvi_curve *curve, double factor, const double x[], double out[]);
+/* dx of one lane along dz: Q_k+2 = tau^2 M^-1 dF_k / ((k+1)(k+2)). What is no coordinate, as the time, has no
+ * tangents: it stays 0. */
+static inline void products_aim(tvi_curve *curve, const double dz[])
+{
+    const size_t n = (size_t)curve_n(curve), order = tvi_curve_slots(curve);
+    memcpy(curve->dx, dz, n * sizeof *dz);
+    memcpy(curve->dx + order, dz + n, n * sizeof *dz);
+    for (int k = 0; k + 2 <= curve_top(curve); k++) {
+        PRODUCTS_TANGENTS(curve->system->field_series, curve->x, curve->dx, k, 1);
+        const double factor = curve->tau / ((k + 1) * (k + 2)), *force = curve->dx + (size_t)k * order;
+        double *next = curve->dx + (size_t)(k + 2) * order;
+        for (size_t i = 0; i < n; i++) next[i] = factor * curve->kappa[i] * force[curve_slot(curve, (int)i)];
+    }
+}
+
+/* Of a combination along that direction. */
+static inline void products_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
+{
+    const size_t n = (size_t)curve_n(curve);
+    memset(out, 0, n * sizeof *out);
+    tvi_add_rows((size_t)curve_top(curve) + 1, combination->weight, tvi_curve_slots(curve), n, curve->dx, out);
+}
+
+static inline double *products_adjoint_of_Q(const tvi_curve *curve, int k)
+{
+    return curve->bar + (size_t)k * tvi_curve_slots(curve);
+}
+
+/* Transposed products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of
+ * combinations times x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top:
+ * a rough product costs O(last^2). */
+static inline void products_clear_seeds(tvi_curve *curve, int last)
+{
+    memset(curve->bar, 0, (size_t)(last - 1) * tvi_curve_slots(curve) * sizeof *curve->bar);
+    for (int k = last - 1; k <= last; k++) /* of which the field is not needed */
+        memset(products_adjoint_of_Q(curve, k), 0, (size_t)curve_n(curve) * sizeof *curve->bar);
+}
+
+static inline void products_add_seeds(tvi_curve *curve, int last, const double seed_Q[])
+{
+    const int n = curve_n(curve);
+    for (int k = 0; k <= last; k++) {
+        const double *seed = seed_Q + (size_t)k * (size_t)n;
+        double *bar = products_adjoint_of_Q(curve, k);
+        for (int i = 0; i < n; i++) bar[i] += seed[i];
+    }
+}
+
+static inline void products_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor,
+                                    const double x[])
+{
+    for (int k = 0; k <= last; k++) {
+        const double weight = factor * combination->weight[k];
+        double *bar = products_adjoint_of_Q(curve, k);
+        if (weight == 0) continue;
+        for (int i = 0; i < curve_n(curve); i++) bar[i] += weight * x[i];
+    }
+}
+
+/* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
+static inline void products_pull_seeds(tvi_curve *curve, int last, double out[])
+{
+    const size_t n = (size_t)curve_n(curve);
+    for (int k = last - 2; k >= 0; k--) {
+        const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_adjoint_of_Q(curve, k + 2);
+        double *bar = products_adjoint_of_Q(curve, k);
+        for (size_t i = 0; i < n; i++) bar[curve_slot(curve, (int)i)] += part * curve->kappa[i] * above[i];
+        PRODUCTS_ADJOINTS(curve->system->field_series, curve->x, curve->bar, k, last - 2);
+    }
+    memcpy(out, products_adjoint_of_Q(curve, 0), n * sizeof *out);
+    memcpy(out + n, products_adjoint_of_Q(curve, 1), n * sizeof *out);
+}
+
+/* ---- The equations ----------------------------------------------------------------------------------------------- */
+
+/* A^T x = D_z. Arrays of all 2n rows have room for whole vectors, and are 0 there and in rows that are not solved for:
+ * where `unit` is 0, nothing counts. */
+enum { PRODUCTS_MOST = 40, PRODUCTS_VECTOR = 8 };
+typedef struct {
+    double *x;                    /* the solution; that of the last pass is the guess of the next */
+    double *r;                    /* D - A^T x, all of it */
+    double *s, *v;                /* [PRODUCTS_MOST] directions, and A^T times them */
+    double square[PRODUCTS_MOST]; /* of v */
+    double *unit;                 /* 1 / what the unknowns' errors are measured by */
+    double *scratch, *product;    /* [2n] */
+    double *largest;              /* [top + 1] max_i |Q_k| */
+    bool has_guess;
+} tvi_iteration;
+
+static inline tvi_iteration *products_of(const tvi_closure *c) { return c->solving; }
+
+static inline int products_width(const tvi_closure *c)
+{
+    return (2 * curve_n(&c->curve) + PRODUCTS_VECTOR - 1) / PRODUCTS_VECTOR * PRODUCTS_VECTOR;
+}
+
+static inline void products_begin(tvi_closure *c) { products_of(c)->has_guess = false; }
+
+/* The rows that are solved for. */
+static inline int products_unknowns(const tvi_closure *c, const tvi_transposed *a)
+{
+    return a->second ? 2 * curve_n(&c->curve) : curve_n(&c->curve);
+}
+
+static inline int products_place(const tvi_closure *c, const tvi_transposed *a)
+{
+    return a->second || a->half == TVI_FIRST ? 0 : curve_n(&c->curve);
+}
+
+static inline void products_add_unknowns(tvi_closure *c, int last, const tvi_transposed *a, double factor,
+                                         const double x[])
+{
+    products_add_sum(&c->curve, last, a->first, factor, x + products_place(c, a));
+    if (a->second) products_add_sum(&c->curve, last, a->second, factor, x + curve_n(&c->curve));
+}
+
+/* r = D_z - A^T x, both halves, by one product. */
+static inline void products_form_remainder(tvi_closure *c, const tvi_transposed *a)
+{
+    const int top = curve_top(&c->curve);
+    products_clear_seeds(&c->curve, top);
+    products_add_seeds(&c->curve, top, c->seed_Q);
+    if (products_of(c)->has_guess) products_add_unknowns(c, top, a, -1, products_of(c)->x);
+    products_pull_seeds(&c->curve, top, products_of(c)->r);
+}
+
+/* out = A^T x, both halves, as roughly as the iteration needs it. */
+static inline void products_apply(tvi_closure *c, int last, const tvi_transposed *a, const double x[], double out[])
+{
+    products_clear_seeds(&c->curve, last);
+    products_add_unknowns(c, last, a, 1, x);
+    products_pull_seeds(&c->curve, last, out);
+}
+
+/* x = P r: the weights of Q_0 and of Q_1, which lead in their halves. */
+static inline void products_divide(const tvi_closure *c, const tvi_transposed *a, const double r[], double x[])
+{
+    const int n = curve_n(&c->curve), place = products_place(c, a);
+    const double first = 1 / a->first->weight[place > 0], second = a->second ? 1 / a->second->weight[1] : 0;
+    for (int i = 0; i < n; i++) x[place + i] = first * r[place + i];
+    if (second == 0) return;
+    for (int i = 0; i < n; i++) x[n + i] = second * r[n + i];
+}
+
+/* s = (2 P - P A^T P) r, nearly A^-T r, of the first orders alone: as of a force linear in q whose Jacobian is linear
+ * in the time. */
+enum { PRODUCTS_NEAR = 3 };
+static inline void products_precondition(tvi_closure *c, const tvi_transposed *a, const double r[], double s[])
+{
+    double *twice = products_of(c)->scratch, *v = products_of(c)->product;
+    memset(s, 0, (size_t)products_width(c) * sizeof *s);
+    products_divide(c, a, r, s);
+    products_apply(c, curve_top(&c->curve) < PRODUCTS_NEAR ? curve_top(&c->curve) : PRODUCTS_NEAR, a, s, v);
+    for (int i = 0; i < 2 * curve_n(&c->curve); i++) twice[i] = 2 * r[i] - v[i];
+    products_divide(c, a, twice, s);
+}
+
+/* The iteration ends when the next correction would be below this part of the momenta: well below roundoff. */
+static const double PRODUCTS_ENOUGH = DBL_EPSILON / 16;
+/* Each pass forms what is left of the equations anew and exactly, and need not reduce it by more than this. */
+static const double PRODUCTS_ROUGH = 1e-6;
+/* Corrections this much below the solution, that shrink no more, are roundoff. */
+static const double PRODUCTS_STALLED = 1e-12;
+
+/* max_i |x_i| / size_i. */
+static inline double products_measure(const tvi_closure *c, const double x[])
+{
+    const double *unit = products_of(c)->unit;
+    double most[PRODUCTS_VECTOR] = {0};
+    for (int here = 0; here < products_width(c); here += PRODUCTS_VECTOR)
+        for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
+            most[lane] = tvi_larger(fabs(x[here + lane]) * unit[here + lane], most[lane]);
+    return tvi_largest(PRODUCTS_VECTOR, most, 1);
+}
+
+/* sum_i x_i y_i / size_i^2. */
+static inline double products_product(const tvi_closure *c, const double x[], const double y[])
+{
+    const double *unit = products_of(c)->unit;
+    double sum[PRODUCTS_VECTOR] = {0};
+    for (int here = 0; here < products_width(c); here += PRODUCTS_VECTOR)
+        for (int lane = 0; lane < PRODUCTS_VECTOR; lane++)
+            sum[lane] += x[here + lane] * unit[here + lane] * (y[here + lane] * unit[here + lane]);
+    return ((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7]));
+}
+
+static inline void products_add(const tvi_closure *c, double factor, const double x[], double *restrict y)
+{
+    for (int i = 0; i < products_width(c); i++) y[i] += factor * x[i];
+}
+
+/* The direction s of a step and v = A^T s, orthogonal to those before; x and r follow. */
+static inline void products_minimise(tvi_closure *c, int last, const tvi_transposed *a, int step)
+{
+    tvi_iteration *it = products_of(c);
+    double *s = it->s + step * products_width(c), *v = it->v + step * products_width(c);
+    products_apply(c, last, a, s, v);
+    for (int i = 0; i < step; i++) {
+        const double *v_before = it->v + i * products_width(c);
+        const double part = tvi_ratio(products_product(c, v, v_before), it->square[i]);
+        products_add(c, -part, v_before, v);
+        products_add(c, -part, it->s + i * products_width(c), s);
+    }
+    it->square[step] = products_product(c, v, v);
+    const double part = tvi_ratio(products_product(c, it->r, v), it->square[step]);
+    products_add(c, part, s, it->x);
+    products_add(c, -part, v, it->r);
+}
+
+/* The order of the curve to which products are made that need be right to about this part only: the first with |Q_k|
+ * below a tenth of that part of |Q_0|, or top. */
+static inline int products_rough_order(const tvi_closure *c, double part)
+{
+    const double *largest = products_of(c)->largest, bound = part / 10 * largest[0];
+    int k = 1;
+    while (k < curve_top(&c->curve) && largest[k] > bound) k++;
+    return k;
+}
+
+/* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
+ * corrections do not shrink. */
+static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *a)
+{
+    tvi_iteration *it = products_of(c);
+    double goal = PRODUCTS_ENOUGH;
+    tvi_passes passes;
+    tvi_passes_begin(&passes);
+    products_form_remainder(c, a);
+    if (!it->has_guess) memset(it->x, 0, (size_t)products_width(c) * sizeof *it->x);
+    for (int step = 0; step < PRODUCTS_MOST; step++) {
+        double *s = it->s + step * products_width(c);
+        products_precondition(c, a, it->r, s);
+        const double size = products_measure(c, s);
+        if (!isfinite(size)) return TVI_ENONFINITE;
+        if (step == 0) goal = tvi_larger(PRODUCTS_ENOUGH, PRODUCTS_ROUGH * size);
+        const tvi_passes_rule rule = {.goal = goal,
+                                      .memory = 1,
+                                      .contraction = 0.5,
+                                      .far = INFINITY,
+                                      .stuck = 0.5,
+                                      .roundoff = PRODUCTS_STALLED * products_measure(c, it->x)};
+        const bool may_end = tvi_passes_judge(&passes, &rule, size) == TVI_PASSES_MAY_END;
+        if (may_end && a->second) products_add(c, 1, s, it->x); /* nothing else of r is needed */
+        else products_minimise(c, products_rough_order(c, goal < size ? goal / size : 1), a, step);
+        it->has_guess = may_end;
+        if (may_end) return TVI_OK;
+    }
+    return TVI_ENOCONV;
+}
+
+/* D: x where the equations stand, what is left of the gradient elsewhere. */
+static inline tvi_status products_solve(tvi_closure *c, const tvi_transposed *a)
+{
+    const tvi_iteration *it = products_of(c);
+    const int n = curve_n(&c->curve), place = products_place(c, a);
+    if (!a->second) memset(it->unit + n - place, 0, (size_t)n * sizeof *it->unit);
+    const tvi_status status = products_iterate(c, a);
+    memcpy(c->D, it->r, 2 * (size_t)n * sizeof *c->D);
+    memcpy(c->D + place, it->x + place, (size_t)products_unknowns(c, a) * sizeof *c->D);
+    return status;
+}
+
+/* Of a flow that is symplectic but for its truncation, J^T W J = W with W = [0, 1/kappa; -1/kappa, 0] in (q, u), hence
+ * J^-1 = W^-1 J^T W. */
+static inline void products_correct(tvi_closure *c, double correction[])
+{
+    const int n = curve_n(&c->curve), last = products_rough_order(c, PRODUCTS_ROUGH);
+    const double *kappa = c->curve.kappa, *product = products_of(c)->product;
+    double *of_q = products_of(c)->scratch, *of_u = of_q + n;
+    for (int i = 0; i < n; i++) {
+        of_q[i] = correction[n + i] / kappa[i];
+        of_u[i] = -correction[i] / kappa[i];
+    }
+    products_clear_seeds(&c->curve, last);
+    products_add_sum(&c->curve, last, &c->q_from, 1, of_q);
+    products_add_sum(&c->curve, last, &c->u_from, 1, of_u);
+    products_pull_seeds(&c->curve, last, products_of(c)->product);
+    for (int i = 0; i < n; i++) {
+        correction[i] = -kappa[i] * product[n + i];
+        correction[n + i] = kappa[i] * product[i];
+    }
+}
+
+/* ---- The corrections --------------------------------------------------------------------------------------------- */
+
+/* The momentum that moves a body by the size of its position in the time of the step; where all is at the origin, 1. */
+static inline double products_momentum_unit(const tvi_closure *c)
+{
+    double largest = 0;
+    for (int k = 0; k <= curve_top(&c->curve); k++)
+        for (int i = 0; i < curve_n(&c->curve); i++)
+            largest = tvi_larger(fabs(tvi_curve_Q(&c->curve, k)[i] / c->curve.kappa[i]), largest);
+    return largest > 0 ? largest : 1;
+}
+
+/* The unknowns of the closing are momenta, or u / kappa. A body whose curve has none is measured by the others, and
+ * where none has any, as at rest with degree 1, by their positions. */
+static inline void products_set_units(tvi_closure *c)
+{
+    const int n = curve_n(&c->curve);
+    double largest = 0, *unit = products_of(c)->unit;
+    closure_measure(c);
+    for (int k = 0; k <= curve_top(&c->curve); k++)
+        products_of(c)->largest[k] = tvi_largest(n, tvi_curve_input(&c->curve, k), 1);
+    for (int i = 0; i < n; i++) largest = tvi_larger(c->p_size[i], largest);
+    if (largest == 0) largest = products_momentum_unit(c);
+    for (int i = 0; i < n; i++) {
+        const double size = c->p_size[i] > 0 ? tvi_larger(c->p_size[i], TVI_LEAST_SHARE * largest) : largest;
+        unit[i] = unit[n + i] = 1 / size;
+    }
+}
+
+/* The units are those of the first pass. */
+static inline tvi_status products_close(tvi_closure *c, const double z[], const double scale[], tvi_stats *stats)
+{
+    (void)z, (void)scale, (void)stats;
+    if (!products_of(c)->has_guess) products_set_units(c);
+    return c->close(c);
+}
 
 #endif

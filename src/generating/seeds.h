@@ -317,6 +317,7 @@ static inline tvi_status seeds_plainly(tvi_action *action, const tvi_curve *curv
 
 /* The functions of curve.h and action.h, for curves and actions of these sizes. */
 struct tvi_curve_work;
+struct tvi_solver;
 typedef struct tvi_curve_code {
     int top;
     /* The whole series from the centre data; NULL: order by order. */
@@ -327,8 +328,10 @@ typedef struct tvi_curve_code {
     void (*measure)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
     void (*sum_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
+    void (*aim)(tvi_curve *curve, const double dz[]);
     void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
+    const struct tvi_solver *solver; /* but for `take`; NULL: the library's own */
     /* Of plain seeds, finite or not; NULL: the library's own. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* Of step_quickly (curve_step.h); NULL: there is none. */

@@ -1,5 +1,6 @@
 /* test_products.c - Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of many
  * bodies against those of few, which use matrices. */
+#include "generating/curve.h"
 #include "generating/products.h"
 #include "problems/problems.h"
 #include "suites.h"
@@ -89,32 +90,11 @@ START_TEST(products_are_those_of_the_matrices)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    tvi_curve_clear_seeds(&products.curve, DEGREE);
-    tvi_curve_add_sum(&products.curve, DEGREE, &products.q, 1, x);
-    tvi_curve_add_sum(&products.curve, DEGREE, &products.u, 1, x + n);
-    tvi_curve_pull_seeds(&products.curve, DEGREE, got);
+    products_clear_seeds(&products.curve, DEGREE);
+    products_add_sum(&products.curve, DEGREE, &products.q, 1, x);
+    products_add_sum(&products.curve, DEGREE, &products.u, 1, x + n);
+    products_pull_seeds(&products.curve, DEGREE, got);
     check_close(2 * n, got, want);
-    free(matrices.memory);
-    free(products.memory);
-    tvi_system_free(system);
-}
-END_TEST
-
-/* K^T x with K = 2 dQ_2/dQ_0. */
-START_TEST(force_products_are_those_of_the_second_coefficient)
-{
-    const test_problem *problem = product_problems[_i];
-    tvi_system *system = problem_system(problem);
-    const int n = system->n;
-    open_curve matrices = open_at(problem, system, TVI_JACOBIAN_MATRICES);
-    open_curve products = open_at(problem, system, TVI_JACOBIAN_PRODUCTS);
-    double x[N_MAX], got[N_MAX] = {0}, want[N_MAX] = {0};
-    for (int i = 0; i < n; i++) x[i] = wave(i);
-    const double *dQ2 = matrices.curve.dQ + 2 * n * 2 * n;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) want[j] += 2 * dQ2[i * 2 * n + j] * x[i];
-    tvi_curve_add_force(&products.curve, 1, x, got);
-    check_close(n, got, want);
     free(matrices.memory);
     free(products.memory);
     tvi_system_free(system);
@@ -281,7 +261,6 @@ Suite *suite_products(void)
     const int methods = sizeof product_methods / sizeof *product_methods;
     tcase_set_timeout(products, 120);
     tcase_add_loop_test(products, products_are_those_of_the_matrices, 0, problems);
-    tcase_add_loop_test(products, force_products_are_those_of_the_second_coefficient, 0, problems);
     tcase_add_loop_test(products, many_bodies_move_as_one, 0, methods);
     tcase_add_loop_test(products, bodies_start_at_rest, 0, methods);
     tcase_add_loop_test(products, bodies_far_from_a_wave_rest, 0, methods);
