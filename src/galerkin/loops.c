@@ -1,13 +1,12 @@
 /* loops.c - see loops.h. */
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
-#include "galerkin/lanes.h"
+#include "galerkin/few.h"
 #include "galerkin/rounds.h"
 #include "rule.h"
 #include "vector.h"
 
 #include <math.h>
-#include <stddef.h>
 
 #define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + here))
 #define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + here))
@@ -18,8 +17,7 @@
 enum { MOST_UNITS = 2 };
 #define UNITS_OF(blocks) ((blocks) == 2 ? MOST_UNITS : 1)
 
-/* Where a row is one block it stays in its register, in `row`, for all unknowns; gcc keeps plain copies in memory, sums
- * with 0 in registers. */
+/* Where a row is one block it stays in its register for all unknowns: there gcc keeps sums with 0, and no copies. */
 #define KEEP_ROWS(V, blocks, row, matrix)                                                                              \
     V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
     for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = BLOCK_OF(V, (matrix) + j * lanes, 0) + (V){0};
@@ -112,6 +110,10 @@ JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                              int lanes)
 {
+#ifndef JET_EMITTED
+    double moved;
+    if (move_few(nodes, matrix, drives, slot, lanes, &moved)) return moved;
+#endif
     weigh_lanes(nodes, drives, slot, lanes);
     return follow_lanes(nodes, matrix, NULL, lanes);
 }
