@@ -26,6 +26,13 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
 #define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
 
+/* Eight numbers of a and b, of which b's have the places 8 to 15. */
+#ifdef __clang__
+#define JET_SHUFFLE_8(a, b, ...) ((jet_v8)__builtin_shufflevector(a, b, __VA_ARGS__))
+#else
+#define JET_SHUFFLE_8(a, b, ...) ((jet_v8)__builtin_shuffle(a, b, (JET_MASK(jet_v8)){__VA_ARGS__}))
+#endif
+
 /* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \
     for (; here + 8 <= (width); here += 8) BODY(jet_v8, S)

@@ -16,6 +16,7 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
     w->matrix = tvi_arena_doubles(arena, width * width);
     w->weights.points = points;
     w->weights.pair = tvi_arena_doubles(arena, width * OF_PAIR);
+    w->weights.halves = tvi_arena_doubles(arena, 2 * 8);
     w->weights.last = tvi_arena_doubles(arena, width);
 }
 
@@ -50,6 +51,7 @@ static void set_weights(galerkin_coefficients *w, const galerkin_dense *dense)
     const int m = w->points;
     for (int j = 0; j < m; j++) {
         for (int k = 0; k < OF_PAIR; k++) w->weights.pair[j * OF_PAIR + k] = k % 2 == 0 ? 1 : 1 - w->c[j];
+        for (int k = 0; k < 8 && j < 8; k += 4) w->weights.halves[j / 4 * 8 + k + j % 4] = k == 0 ? 1 : 1 - w->c[j];
         w->weights.last[j] = dense->of_node[j * w->lanes + m - 1];
     }
 }

@@ -99,12 +99,12 @@ JET_INLINE void steady_sum(const galerkin_frame *frame, const galerkin_nodes *no
 }
 
 JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motion, const tvi_row *row,
-                              const tvi_origin *origin, int lanes)
+                              const tvi_origin *origin, double known, int lanes)
 {
     motion.q = origin->q;
     motion.p = origin->p;
     motion.dp = row->dp;
-    return lanes < 2 ? 0 : tail(&motion, frame->share, frame->ratio);
+    return lanes < 2 || galerkin_tail_is_at_most(&motion, known) ? known : tail(&motion, frame->share, frame->ratio);
 }
 
 #define COPY(V, blocks)                                                                                                \
@@ -147,7 +147,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
             copy_lanes(next + numbers, nodes->x, nodes->unknowns, lanes);
             begins = made + 1 < row->steps && steady_begin(nodes, form, lanes);
         }
-        tried.tail = steady_tail(frame, *motion, row, origin, lanes);
+        tried.tail = steady_tail(frame, *motion, row, origin, now ? galerkin_known_tail(row, to) : 0, lanes);
         const double t = now ? now->q[motion->n] : origin->t;
         if (now && !galerkin_advance(motion->n, row, now, &tried)) break;
         made++;

@@ -7,14 +7,8 @@
 #include "galerkin/lanes.h"
 
 #ifdef __AVX512F__
-enum { FEW = 4 };
-
-#ifdef __clang__
-#define ALL_OF_LANE(x, j) __builtin_shufflevector(x, x, j, j, j, j, j, j, j, j)
-#else
-#define ALL_OF_LANE(x, j) __builtin_shuffle(x, (jet_mask_of_jet_v8){j, j, j, j, j, j, j, j})
-#endif
-#define TERMS(j, next) (row[j] * ALL_OF_LANE(impulse, j) + row[next] * ALL_OF_LANE(impulse, next))
+#define ALL_OF_LANE(x, j) JET_SHUFFLE_8(x, x, j, j, j, j, j, j, j, j)
+#define TERMS(j, next)    (row[j] * ALL_OF_LANE(impulse, j) + row[next] * ALL_OF_LANE(impulse, next))
 
 /* What move_lanes does; false: they are not few. */
 JET_INLINE bool move_few(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],

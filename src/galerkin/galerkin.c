@@ -119,6 +119,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
     w.share = tvi_arena_doubles(arena, (size_t)w.n);
     w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
+    w.begun = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
@@ -219,7 +220,7 @@ static void set_increments(const galerkin *w, double dq[], double dp[])
     galerkin_end(nodes, sums, w->n, dq, dp);
 }
 
-static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
+double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[])
 {
     galerkin_motion *motion = &w->motion;
     motion->q = origin->q;
@@ -232,7 +233,7 @@ static double tail(galerkin *w, const tvi_origin *origin, const double dp[])
 static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     const tvi_row row = {.h = w->field.h, .steps = 1, .dq = dq, .dp = dp};
-    galerkin_outcome to;
+    galerkin_outcome to = {.largest_tail = 0};
     set_times(w, origin, w->field.h);
     const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;
     tvi_galerkin_count(w, &to, stats);
@@ -261,7 +262,7 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
     tvi_galerkin_remember(&w->predictor, h, origin->t, shown.slowest);
     set_increments(w, dq, dp);
-    stats->tail = tail(w, origin, dp);
+    stats->tail = tvi_galerkin_tail(w, origin, dp);
     return TVI_OK;
 }
 

@@ -31,6 +31,9 @@
     OWN result name##_most parameters { give name##_lanes(__VA_ARGS__, TVI_GALERKIN_MAX_LANES); }
 #endif
 
+/* Of so few unknowns at eight nodes, which are one vector, each operation waits for the one before it. */
+enum { FEW = 4 };
+
 /* All lanes at once: BODY(V, blocks), with the widest vectors of which there are as many as make all lanes. */
 enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };
 #if defined(__AVX512F__)

@@ -2,6 +2,7 @@
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "galerkin/few.h"
+#include "galerkin/pairs.h"
 #include "galerkin/rounds.h"
 #include "rule.h"
 #include "vector.h"
@@ -212,52 +213,22 @@ BY_LANES(void, , go_round,
           double moved, double least, double *changes),
          nodes, rounds, drives, slot, is_new, moved, least, changes)
 
-/* Two-sums: what each addition loses is collected. */
-JET_INLINE void add_two_sum(jet_v4 *total, jet_v4 *lost, const jet_v4 *term)
-{
-    const jet_v4 next = *total + *term, added = next - *total;
-    *lost += (*total - (next - added)) + (*term - added);
-    *total = next;
-}
-
-/* Both sums of two unknowns, u and v. Nodes in turns make two chains, which do not wait for each other. */
-JET_INLINE void sum_pair(const double *factor, const double *u, const double *v, double sum[OF_PAIR], int lanes)
-{
-    jet_v4 total[2] = {{0}}, lost[2] = {{0}};
-    for (int j = 0; j < lanes; j++) {
-        const jet_v4 term = *(const jet_v4 *)(factor + j * OF_PAIR) * (jet_v4){u[j], u[j], v[j], v[j]};
-        if (j < 2) total[j] = term;
-        else add_two_sum(&total[j % 2], &lost[j % 2], &term);
-    }
-    add_two_sum(&total[0], &lost[0], &total[1]);
-    *(jet_v4 *)sum = total[0] + (lost[0] + lost[1]);
-}
-
-#define LAST(V, blocks)                                                                                                \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        for (int k = 0; k < (blocks); k++) sum += BLOCK_OF(V, of_last, k) * BLOCK_OF(V, impulse, k);                   \
-        last[u] = fabs(sum_of_##V(sum));                                                                               \
-    }
-
 JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums,
                                 int lanes)
 {
     double *const once = sums->once, *const twice = sums->twice, *const last = sums->last, *const reach = sums->reach;
-    const double *impulse = nodes->impulse, *const factor = weights->pair, *const of_last = weights->last;
-    const int unknowns = nodes->unknowns, end = weights->points - 1;
+    const double *impulse = nodes->impulse;
+    const int unknowns = nodes->unknowns;
     for (int u = 0; u < unknowns; u += 2) {
         const int v = u + 1 < unknowns ? u + 1 : u;
-        double sum[OF_PAIR];
-        sum_pair(factor, impulse + u * lanes, impulse + v * lanes, sum, lanes);
-        once[u] = sum[0];
-        twice[u] = sum[1];
-        once[v] = sum[2];
-        twice[v] = sum[3];
-    }
-    for (int u = 0; u < unknowns; u++, impulse += lanes) {
-        ALL_LANES(lanes, LAST)
-        reach[u] = fabs(impulse[0]) + fabs(impulse[end]);
+        pair_sums sum;
+        sum_pair(weights, impulse + u * lanes, impulse + v * lanes, unknowns, lanes, &sum);
+        for (int i = u; i <= v; i++) {
+            once[i] = sum.of_pair[2 * (i - u)];
+            twice[i] = sum.of_pair[2 * (i - u) + 1];
+            last[i] = fabs(sum.last[2 * (i - u)]);
+            reach[i] = sum.reach[2 * (i - u)];
+        }
     }
 }
 

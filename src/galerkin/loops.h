@@ -22,8 +22,9 @@ enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
 enum { OF_PAIR = 4 };
 typedef struct {
     int points;
-    double *pair; /* [lanes][OF_PAIR] */
-    double *last; /* [lanes] */
+    double *pair;   /* [lanes][OF_PAIR] */
+    double *halves; /* [2][8] of eight nodes, 1 and 1 - c_j of the first four, and of the others */
+    double *last;   /* [lanes] */
 } galerkin_weights;
 
 /* [unknowns] of each: the sums, the last one without sign, and |L| at the first and the last node together. */
@@ -41,17 +42,28 @@ typedef struct {
     const double *q, *p, *dp;  /* [n] at the start, and the increment */
 } galerkin_motion;
 
+/* Of a component: |p| and its change, and how far Q moves of a system without masses. */
+static inline double galerkin_momentum(const galerkin_motion *of, size_t at, size_t of_momentum)
+{
+    return fabs(of->p[at]) + (fabs(of->dp[at]) + of->sums.reach[of_momentum] * of->per_weight);
+}
+
+static inline double galerkin_movement(const galerkin_motion *of, size_t at)
+{
+    return of->sums.reach[at] * of->per_weight;
+}
+
 /* Of a component of the motion, where the arrays have what is of its coordinate and of its momentum. */
 static inline tvi_tail_part galerkin_tail_part(const galerkin_motion *of, bool has_masses, double scale,
                                                double per_scale, size_t at, size_t of_momentum)
 {
-    const double per_weight = of->per_weight, *reach = of->sums.reach, *last = of->sums.last;
-    tvi_tail_part part = {.momentum = fabs(of->p[at]) + (fabs(of->dp[at]) + reach[of_momentum] * per_weight),
+    const double *last = of->sums.last;
+    tvi_tail_part part = {.momentum = galerkin_momentum(of, at, of_momentum),
                           .last_p = last[of_momentum],
                           .last_q = has_masses ? 0 : last[at],
                           .place = fabs(of->q[at])};
     part.per_momentum = 1 / part.momentum;
-    part.movement = has_masses ? fabs(scale) * part.momentum : reach[at] * per_weight;
+    part.movement = has_masses ? fabs(scale) * part.momentum : galerkin_movement(of, at);
     part.per_movement = has_masses ? per_scale * part.per_momentum : 1 / part.movement;
     return part;
 }

@@ -11,7 +11,6 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     to->leads = last->leads;
     to->steps = last->steps;
     to->count = to->factors = 0;
-    to->largest_tail = 0;
     const long made = w->field.loops->steady(&w->frame, row, origin, now, to);
     if (made < 1) {
         to->count = to->tried.count;
@@ -41,10 +40,28 @@ void tvi_galerkin_count(const galerkin *w, const galerkin_outcome *to, tvi_stats
     stats->factorisations += to->factors * w->field.points;
 }
 
+/* Of the last step of a row, by its impulses, from where it ended. */
+static double tail_of_last(galerkin *w, const tvi_row *row, const tvi_run_state *now)
+{
+    galerkin_nodes nodes = w->field.nodes;
+    const galerkin_sums *sums = &w->motion.sums;
+    double *q = w->begun, *p = q + w->n;
+    nodes.impulse = tvi_galerkin_impulses(&w->predictor, 0);
+    w->field.loops->integrate(&nodes, &w->coefficients.weights, sums);
+    if (!w->motion.has_masses) galerkin_end(&nodes, sums, w->n, row->dq, row->dp);
+    for (int i = 0; i < w->n; i++) {
+        if (w->motion.has_masses) row->dp[i] = sums->once[i];
+        p[i] = now->p[i] - row->dp[i];
+        if (w->motion.has_masses) row->dq[i] = nodes.scale[i] * (p[i] + sums->twice[i]);
+        q[i] = now->q[i] - row->dq[i];
+    }
+    return tvi_galerkin_tail(w, &(tvi_origin){.q = q, .p = p}, row->dp);
+}
+
 long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats)
 {
     galerkin *w = work;
-    galerkin_outcome to;
+    galerkin_outcome to = {.largest_tail = stats->largest_tail};
     if (!w->field.loops->steady || !is_steady(w, row->h, now->q[w->n])) return 0;
     row->dq[w->n] = row->h;
     const tvi_origin origin = {.q = now->q, .q_low = now->q_low, .p = now->p, .p_low = now->p_low};
@@ -52,7 +69,7 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
     if (made < 1) return 0;
     tvi_galerkin_count(w, &to, stats);
     stats->residual = sqrt(to.last.size);
-    stats->tail = to.last.tail;
-    stats->largest_tail = tvi_larger(to.largest_tail, stats->largest_tail);
+    stats->tail = tail_of_last(w, row, now);
+    stats->largest_tail = to.largest_tail;
     return made;
 }

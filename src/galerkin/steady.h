@@ -37,7 +37,7 @@ typedef struct galerkin_outcome {
     double steps;                     /* that were made, and before these */
     galerkin_trial last, tried;       /* the last one, and the one after it where that was not made */
     long count, factors;              /* of all steps */
-    double largest_tail;
+    double largest_tail;              /* of these, and of those before */
 } galerkin_outcome;
 
 /* 1 / (|start| + |predicted end - start|). No branches: which is the larger changes from step to step. */
@@ -54,6 +54,26 @@ static inline void galerkin_set_sizes(const galerkin_nodes *nodes, int n)
         const double share = TVI_GALERKIN_LEAST_SHARE * largest, least = share > 0 ? share : 1;
         for (int u = first; u < first + n; u++) nodes->inverse_size[u] = 1 / (nodes->inverse_size[u] + least);
     }
+}
+
+/* The tail of a step in a row need be known only where it is larger than this. */
+static inline double galerkin_known_tail(const tvi_row *row, const galerkin_outcome *to)
+{
+    return tvi_smaller(to->largest_tail, row->sure.tail);
+}
+
+/* Whether the tail is at most so large, as no component's ratio is larger: without divisions; false where it is not
+ * known. No branches: vectors. */
+static inline bool galerkin_tail_is_at_most(const galerkin_motion *of, double most)
+{
+    const size_t n = (size_t)of->n, momenta = of->has_masses ? 0 : n;
+    const double *last = of->sums.last;
+    int holds = most > 0;
+    for (size_t i = 0; i < n; i++) {
+        holds &= last[i + momenta] <= most * galerkin_momentum(of, i, i + momenta);
+        if (!of->has_masses) holds &= last[i] <= most * galerkin_movement(of, i);
+    }
+    return holds;
 }
 
 /* Of equations of first order. */

@@ -17,6 +17,7 @@ typedef struct {
     galerkin_dense dense;
     double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
     double *share, *ratio;     /* [n] of the tail */
+    double *begun;             /* [2n] */
     double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
     galerkin_motion motion;
     galerkin_frame frame; /* of what stands above */
@@ -33,6 +34,8 @@ static inline void galerkin_begin_passes(const galerkin *w, tvi_passes *shown)
     shown->early = tvi_passes_early(&w->rule, last->steps + 1);
 }
 
+/* Of the step whose sums are there, from the origin. */
+double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[]);
 /* Steps by generated code, of the history, which remembers them; how many. */
 long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
                                 galerkin_outcome *to);

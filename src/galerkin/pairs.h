@@ -1,0 +1,92 @@
+/* pairs.h - the sums over the nodes that a step ends with, of two unknowns at a time (loops.c). They are compensated by
+ * two-sums: what an addition loses is added up by itself. */
+#ifndef TVI_SRC_GALERKIN_PAIRS_H
+#define TVI_SRC_GALERKIN_PAIRS_H
+
+#include "galerkin/lanes.h"
+
+/* Of u, u, v, v: once and twice in turns, as galerkin_sums has them, and last and reach, last with its sign. */
+typedef struct {
+    jet_v4 of_pair, last, reach;
+} pair_sums;
+
+/* *total += *term; *lost += what that loses. */
+#define ADD_TWO_SUM(V)                                                                                                 \
+    JET_INLINE void add_two_sum_of_##V(V *total, V *lost, const V *term)                                               \
+    {                                                                                                                  \
+        const V next = *total + *term, added = next - *total;                                                          \
+        *lost += (*total - (next - added)) + (*term - added);                                                          \
+        *total = next;                                                                                                 \
+    }
+ADD_TWO_SUM(jet_v4)
+
+/* Nodes in turns make two chains, which do not wait for each other. */
+JET_INLINE void sum_in_chains(const galerkin_weights *weights, const double *u, const double *v, int lanes,
+                              pair_sums *sums)
+{
+    jet_v4 total[2] = {{0}}, lost[2] = {{0}}, last[2] = {{0}};
+    for (int j = 0; j < lanes; j++) {
+        const jet_v4 of_node = {u[j], u[j], v[j], v[j]};
+        const jet_v4 term = *(const jet_v4 *)(weights->pair + j * OF_PAIR) * of_node;
+        last[j % 2] += weights->last[j] * of_node;
+        if (j < 2) total[j] = term;
+        else add_two_sum_of_jet_v4(&total[j % 2], &lost[j % 2], &term);
+    }
+    add_two_sum_of_jet_v4(&total[0], &lost[0], &total[1]);
+    sums->of_pair = total[0] + (lost[0] + lost[1]);
+    sums->last = last[0] + last[1];
+}
+
+#ifdef __AVX512F__
+ADD_TWO_SUM(jet_v8)
+
+/* Of two vectors side by side the numbers at even places, and at odd ones; and those of the other pair of each half. */
+#define EVEN_OF(x) JET_SHUFFLE_8(x[0], x[1], 0, 8, 2, 10, 4, 12, 6, 14)
+#define ODD_OF(x)  JET_SHUFFLE_8(x[0], x[1], 1, 9, 3, 11, 5, 13, 7, 15)
+#define SWAPPED(x) JET_SHUFFLE_8(x, x, 2, 3, 0, 1, 6, 7, 4, 5)
+
+/* Eight nodes are one vector. Halves are added to halves: of each unknown once and twice side by side, then of both
+ * unknowns; so half as many operations, and no chain, as above. */
+JET_INLINE void sum_as_tree(const galerkin_weights *weights, const double *u, const double *v, pair_sums *sums)
+{
+    const jet_v8 *halves = (const jet_v8 *)weights->halves, of_last = *(const jet_v8 *)weights->last;
+    const jet_v8 impulse[2] = {*(const jet_v8 *)u, *(const jet_v8 *)v};
+    jet_v8 sum[2], lost[2] = {{0}}, last[2];
+    for (int i = 0; i < 2; i++) {
+        const jet_v8 late = halves[1] * JET_SHUFFLE_8(impulse[i], impulse[i], 4, 5, 6, 7, 4, 5, 6, 7);
+        sum[i] = halves[0] * JET_SHUFFLE_8(impulse[i], impulse[i], 0, 1, 2, 3, 0, 1, 2, 3);
+        add_two_sum_of_jet_v8(&sum[i], &lost[i], &late);
+        last[i] = of_last * impulse[i];
+    }
+    jet_v8 total = EVEN_OF(sum), less = EVEN_OF(lost) + ODD_OF(lost);
+    const jet_v8 odd = ODD_OF(sum);
+    add_two_sum_of_jet_v8(&total, &less, &odd);
+    less += SWAPPED(less);
+    const jet_v8 other = SWAPPED(total);
+    add_two_sum_of_jet_v8(&total, &less, &other);
+    total += less;
+    const jet_v8 of_both = EVEN_OF(last) + ODD_OF(last), of_half = of_both + SWAPPED(of_both);
+    const double last_of_u = of_half[0] + of_half[4], last_of_v = of_half[1] + of_half[5];
+    sums->of_pair = (jet_v4){total[0], total[4], total[1], total[5]};
+    sums->last = (jet_v4){last_of_u, last_of_u, last_of_v, last_of_v};
+}
+#endif
+
+/* A tree where a step waits for its sums: of more unknowns none does. */
+JET_INLINE void sum_pair(const galerkin_weights *weights, const double *u, const double *v, int unknowns, int lanes,
+                         pair_sums *sums)
+{
+    const int end = weights->points - 1;
+    const jet_v4 first = {u[0], u[0], v[0], v[0]}, final = {u[end], u[end], v[end], v[end]};
+    sums->reach = JET_ABS(jet_v4, first) + JET_ABS(jet_v4, final);
+#ifdef __AVX512F__
+    if (unknowns <= FEW && lanes == 8) {
+        sum_as_tree(weights, u, v, sums);
+        return;
+    }
+#endif
+    (void)unknowns;
+    sum_in_chains(weights, u, v, lanes, sums);
+}
+
+#endif
