@@ -56,10 +56,11 @@ static inline void galerkin_set_sizes(const galerkin_nodes *nodes, int n)
     }
 }
 
-/* The tail of a step in a row need be known only where it is larger than this. */
+/* The tail of a step in a row need be known only where it is larger than this; the roundoff of the comparison is on the
+ * safe side. */
 static inline double galerkin_known_tail(const tvi_row *row, const galerkin_outcome *to)
 {
-    return tvi_smaller(to->largest_tail, row->sure.tail);
+    return (1 - 8 * DBL_EPSILON) * tvi_smaller(to->largest_tail, row->sure.tail);
 }
 
 /* Whether the tail is at most so large, as no component's ratio is larger: without divisions; false where it is not

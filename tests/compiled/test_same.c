@@ -201,6 +201,8 @@ START_TEST(steps_fail_as_those_of_the_tape)
     ck_assert_int_gt(stats[0].steps, 10);
     ck_assert_int_eq(stats[1].steps, stats[0].steps);
     ck_assert_str_eq(why[1], why[0]);
+    ck_assert_double_eq_tol(stats[1].tail, stats[0].tail, 1e-6 * stats[0].tail);
+    ck_assert_double_eq_tol(stats[1].largest_tail, stats[0].largest_tail, 1e-6 * stats[0].largest_tail);
     tvi_compiled_free(code);
     tvi_system_free(system);
 }
