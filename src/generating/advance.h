@@ -14,13 +14,25 @@ typedef struct {
     double tau;
 } tvi_recurrence;
 
+/* x / divisor, which orders wait for: by the reciprocal in two parts, which is there before x, where one operation
+ * rounds the product and the sum. So it is rounded as the quotient is, but for ties. */
+static inline double tvi_quotient(double x, double divisor)
+{
+#ifdef __FMA__
+    const double by = 1 / divisor, by_low = __builtin_fma(-by, divisor, 1) * by;
+    return __builtin_fma(x, by, x * by_low);
+#else
+    return x / divisor;
+#endif
+}
+
 /* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps,
  * and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
 static inline void tvi_advance_separable(const tvi_recurrence *of, int k)
 {
     const double divisor = (k + 1) * (k + 2), *field = of->x + (size_t)k * of->stride;
     double *next = of->x + (size_t)(k + 2) * of->stride;
-    for (int i = 0; i < of->n; i++) next[i] = of->kappa[i] * field[of->output[i]] * of->tau / divisor;
+    for (int i = 0; i < of->n; i++) next[i] = tvi_quotient(of->kappa[i] * field[of->output[i]] * of->tau, divisor);
 }
 
 static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
@@ -28,8 +40,8 @@ static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
     const double divisor = k + 1, tau = of->tau, *field = of->x + (size_t)k * of->stride;
     double *q = of->x + (size_t)(k + 1) * of->stride, *p = q + of->n;
     for (int i = 0; i < of->n; i++) {
-        q[i] = tau * field[of->output[of->n + i]] / divisor;
-        p[i] = -tau * field[of->output[i]] / divisor;
+        q[i] = tvi_quotient(tau * field[of->output[of->n + i]], divisor);
+        p[i] = tvi_quotient(-tau * field[of->output[i]], divisor);
     }
 }
 
