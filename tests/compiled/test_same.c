@@ -208,6 +208,38 @@ START_TEST(steps_fail_as_those_of_the_tape)
 }
 END_TEST
 
+/* A force that ends where the motion goes, and is smooth before: no step of the row is wrong, and the one behind it
+ * fails. */
+static jet edge(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(q[0], jet_pow(q[0], 3.5));
+}
+
+START_TEST(tails_are_of_the_last_step_that_was_made)
+{
+    tvi_system *system;
+    tvi_options options = tvi_options_default();
+    tvi_compiled *code;
+    tvi_stats stats[2];
+    ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, edge, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &usual), TVI_OK);
+    for (int i = 0; i < 2; i++) {
+        motion m = {.q = {1}};
+        options.compiled = i > 0 ? code : NULL;
+        ck_assert_int_eq(move(system, &options, 0.05, 1000, &m, &stats[i]), TVI_EDOMAIN);
+    }
+    ck_assert_int_gt(stats[0].steps, 10);
+    ck_assert_int_eq(stats[1].steps, stats[0].steps);
+    ck_assert_double_gt(stats[0].tail, 1e-12);
+    ck_assert_double_lt(stats[0].tail, 1e-3);
+    ck_assert_double_eq_tol(stats[1].tail, stats[0].tail, 1e-3 * stats[0].tail);
+    ck_assert_double_eq_tol(stats[1].largest_tail, stats[0].largest_tail, 1e-3 * stats[0].largest_tail);
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* What the compiler is given is what runs: with a number of the tape changed there, the motion is another. */
 START_TEST(another_code_moves_otherwise)
 {
@@ -273,6 +305,7 @@ Suite *suite_same(void)
     tcase_set_timeout(control, 60);
     tcase_add_loop_test(same, compiled_steps_are_those_of_the_tape, 0, RUNS);
     tcase_add_loop_test(same, steps_fail_as_those_of_the_tape, 0, 3);
+    tcase_add_test(same, tails_are_of_the_last_step_that_was_made);
     tcase_add_loop_test(same, steps_in_a_row_are_those_one_by_one, 0, 7);
     tcase_add_test(same, steps_are_whole);
     tcase_add_test(control, another_code_moves_otherwise);
