@@ -4,8 +4,8 @@
 #include "problems/run_suites.h"
 
 static Suite *(*const suites[])(void) = {
-    suite_input, suite_faults,   suite_closed_forms, suite_structure, suite_stepping,
-    suite_tail,  suite_products, suite_linear,       suite_arena,     suite_passes,
+    suite_input,    suite_faults, suite_closed_forms, suite_structure, suite_stepping, suite_tail,
+    suite_products, suite_sums,   suite_linear,       suite_arena,     suite_passes,
 #ifndef TESTS_WITHOUT_QUAD
     suite_quad,
 #endif

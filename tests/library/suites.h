@@ -9,6 +9,7 @@ Suite *suite_structure(void);
 Suite *suite_stepping(void);
 Suite *suite_tail(void);
 Suite *suite_products(void);
+Suite *suite_sums(void);
 Suite *suite_linear(void);
 Suite *suite_arena(void);
 Suite *suite_passes(void);
