@@ -143,7 +143,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         if (leads) {
             const double *const following[] = {next, last};
             copy_lanes(next, nodes->impulse, nodes->unknowns, lanes);
-            predict_steps(nodes, 2, frame->following, following, motion->has_masses ? origin->p : NULL, lanes);
+            predict_steps(nodes, 2, frame->following, following, motion->has_masses ? frame->drift : NULL, lanes);
             copy_lanes(next + numbers, nodes->x, nodes->unknowns, lanes);
             begins = made + 1 < row->steps && steady_begin(nodes, form, lanes);
         }

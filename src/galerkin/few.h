@@ -8,7 +8,7 @@
 
 #ifdef __AVX512F__
 #define ALL_OF_LANE(x, j) JET_SHUFFLE_8(x, x, j, j, j, j, j, j, j, j)
-#define TERM(j)           (row[j] * ALL_OF_LANE(impulse, j))
+#define TERMS(j, next)    (row[j] * ALL_OF_LANE(impulse, j) + row[next] * ALL_OF_LANE(impulse, next))
 
 /* What move_lanes does; false: they are not few. */
 JET_INLINE bool move_few(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
@@ -22,9 +22,8 @@ JET_INLINE bool move_few(const galerkin_nodes *nodes, const double *matrix, cons
     if (lanes != 8 || nodes->unknowns > FEW || nodes->moving < nodes->unknowns) return false;
     for (int u = 0; u < nodes->unknowns; u++) {
         const jet_v8 impulse = weight * *(const jet_v8 *)(drives + slot[u] * 8);
-        const jet_v8 sum =
-            ((base[u] + TERM(0) + TERM(4)) + (TERM(2) + TERM(6))) + ((TERM(1) + TERM(5)) + (TERM(3) + TERM(7)));
-        const jet_v8 place = high[u] + scale[u] * sum, change = (place - x[u]) * inverse_size[u];
+        const jet_v8 sum = (TERMS(0, 4) + TERMS(2, 6)) + (TERMS(1, 5) + TERMS(3, 7));
+        const jet_v8 place = high[u] + (base[u] + scale[u] * sum), change = (place - x[u]) * inverse_size[u];
         squares += change * change;
         x[u] = place;
         impulses[u] = impulse;

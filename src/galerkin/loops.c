@@ -12,8 +12,7 @@
 #define VECTOR(V, array, index)    (*(V *)((array) + (size_t)(index) * (size_t)lanes + here))
 #define OF_VECTOR(V, array, index) (*(const V *)((array) + (size_t)(index) * (size_t)lanes + here))
 
-/* sum[0][] + ... = base + sum_j (row j of the matrix) impulse_j for all lanes: chains, which do not wait for each
- * other. */
+/* sum[0][] + ... = sum_j (row j of the matrix) impulse_j for all lanes: chains that do not wait for each other. */
 #define CHAINS_OF(blocks) (lanes == 1 ? 1 : lanes == 2 || (blocks) > 1 ? 2 : CHAINS)
 /* Where a row is two blocks, two unknowns share what is read of it. */
 enum { MOST_UNITS = 2 };
@@ -25,16 +24,14 @@ enum { MOST_UNITS = 2 };
     for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = BLOCK_OF(V, (matrix) + j * lanes, 0) + (V){0};
 #define ROW_OF(V, blocks, row, matrix, j, k) ((blocks) == 1 ? row[j] : BLOCK_OF(V, (matrix) + (j)*lanes, k))
 
-/* Of `units` unknowns at a time, impulse [units][lanes]; base: of unknown i and block k. */
-#define SET_PRODUCT(V, blocks, units, row, matrix, impulse, base)                                                      \
+/* Of `units` unknowns at a time, impulse [units][lanes]. */
+#define SET_PRODUCT(V, blocks, units, row, matrix, impulse)                                                            \
     V sum[MOST_UNITS][CHAINS][MOST_BLOCKS];                                                                            \
     if ((blocks) > 1) LEAVE_REGISTERS(matrix);                                                                         \
     for (int j = 0; j < CHAINS_OF(blocks); j++)                                                                        \
         for (int k = 0; k < (blocks); k++)                                                                             \
             for (int i = 0; i < (units); i++)                                                                          \
                 sum[i][j][k] = ROW_OF(V, blocks, row, matrix, j, k) * (impulse)[i * lanes + j];                        \
-    for (int k = 0; k < (blocks); k++)                                                                                 \
-        for (int i = 0; i < (units); i++) sum[i][0][k] += (base);                                                      \
     ADD_PRODUCT(V, blocks, units, row, matrix, impulse, CHAINS_OF(blocks))
 
 #define ADD_PRODUCT(V, blocks, units, row, matrix, impulse, from)                                                      \
@@ -66,11 +63,11 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
 
 #define FOLLOW_UNITS(V, blocks, units)                                                                                 \
     {                                                                                                                  \
-        SET_PRODUCT(V, blocks, units, row, matrix, impulse, BLOCK_OF(V, base + i * lanes, k))                          \
+        SET_PRODUCT(V, blocks, units, row, matrix, impulse)                                                            \
         ADD_CHAINS(blocks, units)                                                                                      \
         for (int i = 0; i < (units); i++, u++, x += lanes, high += lanes, base += lanes, impulse += lanes) {           \
             for (int k = 0; k < (blocks); k++) {                                                                       \
-                const V from = BLOCK_OF(V, high, k), way = scale[u] * sum[i][0][k];                                    \
+                const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[i][0][k];             \
                 const V place = from + way, added = place - from;                                                      \
                 const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
                 squares += change * change;                                                                            \
@@ -177,23 +174,21 @@ BY_LANES(double, return, move_both,
         KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
         if ((blocks) == 1) LEAVE_REGISTERS(last);                                                                      \
         for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes) { \
-            V from[MOST_BLOCKS];                                                                                       \
-            for (int k = 0; k < (blocks); k++) {                                                                       \
-                from[k] = BLOCK_OF(V, base, k);                                                                        \
-                if (ahead) from[k] = (V){0} + ahead[u];                                                                \
-            }                                                                                                          \
-            SET_PRODUCT(V, blocks, 1, row, matrix, last, from[k])                                                      \
+            SET_PRODUCT(V, blocks, 1, row, matrix, last)                                                               \
             if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                              \
             if (steps > 1) ADD_PRODUCT(V, blocks, 1, row_before, of_before, before, 0)                                 \
             ADD_CHAINS(blocks, 1)                                                                                      \
-            for (int k = 0; k < (blocks); k++) BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + scale[u] * sum[0][0][k];     \
+            for (int k = 0; k < (blocks); k++) {                                                                       \
+                V from = BLOCK_OF(V, base, k);                                                                         \
+                if (drift) from = (V){0} + drift[u];                                                                   \
+                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (from + scale[u] * sum[0][0][k]);                           \
+            }                                                                                                          \
         }                                                                                                              \
     }
 
-/* ahead: the momenta at the start of the step before, which moved by them, where the nodes are those of that step; else
- * NULL. */
+/* drift: what the step before added beside its impulses, where the nodes are those of that step; else NULL. */
 JET_INLINE void predict_steps(const galerkin_nodes *nodes, int steps, const double *matrix,
-                              const double *const impulses[], const double *ahead, int lanes)
+                              const double *const impulses[], const double *drift, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale;
     const double *last = impulses[0], *before = impulses[steps - 1], *of_before = matrix + (steps - 1) * lanes * lanes;
@@ -274,7 +269,7 @@ static double tail(const galerkin_motion *of, double *share, double *ratio)
 #define SET_ALL(V, blocks)                                                                                             \
     for (int k = 0; k < (blocks); k++) {                                                                               \
         BLOCK_AT(V, high, k) = (V){0} + q[i];                                                                          \
-        BLOCK_AT(V, base, k) = (V){0} + low;                                                                           \
+        BLOCK_AT(V, base, k) = (V){0} + q_low[i];                                                                      \
     }
 
 #define DRIFT(V, blocks)                                                                                               \
@@ -282,7 +277,7 @@ static double tail(const galerkin_motion *of, double *share, double *ratio)
         const V sum = start + BLOCK_OF(V, c, k) * drift, added = sum - start;                                          \
         const V lost = (start - (sum - added)) + (BLOCK_OF(V, c, k) * drift - added);                                  \
         BLOCK_AT(V, high, k) = sum;                                                                                    \
-        BLOCK_AT(V, base, k) = per_scale * ((low + BLOCK_OF(V, c, k) * drift_low) + lost);                             \
+        BLOCK_AT(V, base, k) = (low + BLOCK_OF(V, c, k) * drift_low) + lost;                                           \
     }
 
 JET_INLINE void start_half(const galerkin_nodes *nodes, int first, int count, const double q[], const double q_low[],
@@ -290,7 +285,6 @@ JET_INLINE void start_half(const galerkin_nodes *nodes, int first, int count, co
 {
     double *high = nodes->high + first * lanes, *base = nodes->base + first * lanes;
     for (int i = 0; i < count; i++, high += lanes, base += lanes) {
-        const double low = q_low[i] / nodes->scale[first + i];
         nodes->start[first + i] = q[i];
         ALL_LANES(lanes, SET_ALL)
     }
@@ -305,7 +299,7 @@ JET_INLINE void start_lanes(const galerkin_nodes *nodes, int n, const tvi_origin
 BY_LANES(void, , start, (const galerkin_nodes *nodes, int n, const tvi_origin *origin), nodes, n, origin)
 
 /* Rounded products with one and the same h repeat their errors, whose mean many steps show, if h is nearly a ratio of
- * small numbers, such as 0.1. So these are exact; that with sum L is of what has `base`, with far smaller bits. */
+ * small numbers, such as 0.1. So these are exact; that with sum L is rounded with `base`, with far smaller bits. */
 JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin,
                                      double *drifts, double *drifts_low, int lanes)
 {
@@ -313,7 +307,6 @@ JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *
     for (int u = 0; u < nodes->unknowns; u++, high += lanes, base += lanes) {
         const double scale = nodes->scale[u], start = origin->q[u], low = origin->q_low[u], p = origin->p[u];
         const double drift = scale * p, drift_low = fma(scale, p, -drift) + scale * origin->p_low[u];
-        const double per_scale = 1 / scale;
         nodes->start[u] = start;
         drifts[u] = drift;
         drifts_low[u] = drift_low;

@@ -79,7 +79,7 @@ typedef struct {
     int half, moving; /* movements are of all unknowns: moving = unknowns; or of so many of each half */
     double *x;
     double *start;        /* [unknowns] the unknowns at the start of the step */
-    double *high, *base;  /* [unknowns][lanes] where they would be without F, in two parts: high + scale base */
+    double *high, *base;  /* [unknowns][lanes] where they would be without F, in two parts */
     double *weight;       /* [lanes] h b_j */
     double *impulse;      /* [unknowns][lanes] L of the last movement, in the history */
     double *scale;        /* [unknowns] what multiplies the sums of L */
@@ -104,7 +104,7 @@ typedef struct {
 struct galerkin_frame;
 struct galerkin_outcome;
 typedef struct galerkin_loops {
-    /* x = high + scale (base + sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
+    /* x = high + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
     /* The same, and low [unknowns][lanes] is what x lacks. */
@@ -122,10 +122,10 @@ typedef struct galerkin_loops {
                      bool is_new, double moved, double least, double *changes);
     /* Of the last movement; `once` and `twice` are compensated. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
-    /* start = high = (q, p) and scale base = (q_low, p_low) of the origin, n of each. */
+    /* start = high = (q, p) and base = (q_low, p_low) of the origin, n of each. */
     void (*start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin);
-    /* start = q, drift + drift_low = scale (p + p_low) and high_i + scale base_i = q + q_low + c_i (drift + drift_low),
-     * for all unknowns, c [lanes]. */
+    /* start = q, drift + drift_low = scale (p + p_low) and high_i + base_i = q + q_low + c_i (drift + drift_low), for
+     * all unknowns, c [lanes]. */
     void (*start_drifting)(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin, double *drift,
                            double *drift_low);
     /* dq = drift + drift_low + scale twice, dp = once, from what `integrate` made. */

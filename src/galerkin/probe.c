@@ -32,7 +32,7 @@ static void displace(galerkin_nodes *nodes)
             const double size = UNITS * DBL_EPSILON * (fabs(nodes->start[u]) + fabs(nodes->x[k] - nodes->start[u]));
             bits = bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
             nodes->x[k] += bits >> 63 ? size : -size;
-            nodes->base[k] += (bits >> 63 ? size : -size) / nodes->scale[u];
+            nodes->base[k] += bits >> 63 ? size : -size;
         }
 }
 

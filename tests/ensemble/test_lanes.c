@@ -3,7 +3,6 @@
 #include "galerkin/crowd_loops.h"
 #include "galerkin/passes.h"
 
-#include <float.h>
 #include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -174,8 +173,7 @@ static const galerkin_loops *const loops_of_one[JET_ISA_COUNT] = {
 #endif
 };
 
-/* Before any force, in two parts, to the last bit, and the second to roundoff of its own: what one part lacks makes
- * Kepler's energy drift. */
+/* Before any force, in two parts, to the last bit: what one part lacks makes Kepler's energy drift. */
 START_TEST(nodes_start_as_those_of_one_member)
 {
     const jet_isa isa = (jet_isa)_i;
@@ -210,10 +208,8 @@ START_TEST(nodes_start_as_those_of_one_member)
         const tvi_origin its = {.q = of[0], .q_low = of[1], .p = of[2], .p_low = of[3]};
         loops_of_one[isa]->start_drifting(&one, c, &its, its_drift[0], its_drift[1]);
         for (int u = 0; u < UNKNOWNS; u++)
-            for (int j = 0; j < POINTS; j++) {
-                ck_assert(high[u][j][m] == both[0][u][j] && low[u][j][m] != 0);
-                ck_assert_double_eq_tol(scale[u] * both[1][u][j], low[u][j][m], 2 * DBL_EPSILON * fabs(low[u][j][m]));
-            }
+            for (int j = 0; j < POINTS; j++)
+                ck_assert(high[u][j][m] == both[0][u][j] && low[u][j][m] == both[1][u][j] && low[u][j][m] != 0);
     }
 }
 END_TEST
