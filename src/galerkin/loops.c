@@ -299,7 +299,9 @@ JET_INLINE void start_lanes(const galerkin_nodes *nodes, int n, const tvi_origin
 BY_LANES(void, , start, (const galerkin_nodes *nodes, int n, const tvi_origin *origin), nodes, n, origin)
 
 /* Rounded products with one and the same h repeat their errors, whose mean many steps show, if h is nearly a ratio of
- * small numbers, such as 0.1. So these are exact; that with sum L is rounded with `base`, with far smaller bits. */
+ * small numbers, such as 0.1. So these are exact; that with sum L is rounded with `base`, with far smaller bits, which
+ * is why `base` is not added to the sum: that ends on a grid, and its product with h near the same few places of
+ * another. */
 JET_INLINE void start_drifting_lanes(const galerkin_nodes *nodes, const double *c, const tvi_origin *origin,
                                      double *drifts, double *drifts_low, int lanes)
 {
