@@ -45,14 +45,15 @@ static double tail_of_last(galerkin *w, const tvi_row *row, const tvi_run_state 
 {
     galerkin_nodes nodes = w->field.nodes;
     const galerkin_sums *sums = &w->motion.sums;
+    const bool has_masses = w->motion.has_masses;
     double *q = w->begun, *p = q + w->n;
     nodes.impulse = tvi_galerkin_impulses(&w->predictor, 0);
     w->field.loops->integrate(&nodes, &w->coefficients.weights, sums);
-    if (!w->motion.has_masses) galerkin_end(&nodes, sums, w->n, row->dq, row->dp);
+    if (!has_masses) galerkin_end(&nodes, sums, w->n, row->dq, row->dp);
     for (int i = 0; i < w->n; i++) {
-        if (w->motion.has_masses) row->dp[i] = sums->once[i];
+        if (has_masses) row->dp[i] = sums->once[i];
         p[i] = now->p[i] - row->dp[i];
-        if (w->motion.has_masses) row->dq[i] = nodes.scale[i] * (p[i] + sums->twice[i]);
+        if (has_masses) row->dq[i] = nodes.scale[i] * (p[i] + sums->twice[i]);
         q[i] = now->q[i] - row->dq[i];
     }
     return tvi_galerkin_tail(w, &(tvi_origin){.q = q, .p = p}, row->dp);

@@ -2,10 +2,10 @@
 #include "ensemble.h"
 #include "galerkin/crowd_loops.h"
 #include "galerkin/passes.h"
+#include "problems/galerkin_tables.h"
+#include "problems/random.h"
 
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- Verdicts ---------------------------------------------------------------------------------------------------- */
@@ -19,12 +19,6 @@ static const galerkin_crowd_loops *const loops_of[JET_ISA_COUNT] = {
     [jet_isa_avx512] = &tvi_galerkin_crowd_loops_avx512,
 #endif
 };
-
-static double number_of(uint64_t *bits)
-{
-    *bits = *bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (double)(*bits >> 11) * 0x1p-53;
-}
 
 /* Sizes of passes: some contract much, some little, some not, some repeat themselves, and few are no numbers. */
 static double next_size(double size, uint64_t *bits)
@@ -129,35 +123,19 @@ static long double product_of(const galerkin_halves *of, int points, int i, int 
     return i > row ? even - odd : even + odd;
 }
 
-typedef struct {
-    galerkin_coefficients of;
-    galerkin_dense dense;
-} tables;
-
-static void take_tables(tables *all, tvi_arena *arena, int points)
-{
-    tvi_galerkin_dense_take(&all->dense, arena, points, LANES, jet_sweeps_choose());
-    tvi_galerkin_coefficients_take(&all->of, arena, points, LANES);
-}
-
 /* To the last bit: so they are symplectic and symmetric, as the matrix is. */
 START_TEST(halves_are_the_matrix)
 {
     const int points = 1 + _i / 2;
     const bool is_second_order = _i % 2 == 0;
-    tvi_arena arena = {0};
-    tables all = {0};
+    galerkin_tables tables;
     galerkin_halves halves;
-    take_tables(&all, &arena, points);
-    void *memory = tvi_arena_open(&arena);
-    ck_assert_ptr_nonnull(memory);
-    take_tables(&all, &arena, points);
-    tvi_galerkin_coefficients_prepare(&all.of, &all.dense, is_second_order);
-    tvi_galerkin_halves_prepare(&halves, &all.of, is_second_order);
+    galerkin_tables_open(&tables, points, LANES, is_second_order);
+    tvi_galerkin_halves_prepare(&halves, &tables.of, is_second_order);
     for (int i = 0; i < points; i++)
         for (int j = 0; j < points; j++)
-            ck_assert(product_of(&halves, points, i, j) == (long double)all.of.matrix[j * LANES + i]);
-    free(memory);
+            ck_assert(product_of(&halves, points, i, j) == (long double)tables.of.matrix[j * LANES + i]);
+    galerkin_tables_close(&tables);
 }
 END_TEST
 

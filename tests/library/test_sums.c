@@ -1,12 +1,11 @@
 /* test_sums.c - sums over the nodes of a Galerkin step (loops.h), of every instruction set, number of lanes and way to
  * add: those that it ends with, in chains or as a tree, and those that passes move unknowns by. */
-#include "galerkin/coefficients.h"
+#include "problems/galerkin_tables.h"
+#include "problems/random.h"
 #include "suites.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdint.h>
-#include <stdlib.h>
 
 enum { UNKNOWNS = 7, ROUNDS = 50, MOST = TVI_GALERKIN_MAX_LANES };
 
@@ -19,33 +18,7 @@ static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
 #endif
 };
 
-typedef struct {
-    galerkin_coefficients of;
-    galerkin_dense dense;
-} tables;
-
-static void take_tables(tables *all, tvi_arena *arena, int lanes)
-{
-    tvi_galerkin_dense_take(&all->dense, arena, lanes, lanes, jet_sweeps_choose());
-    tvi_galerkin_coefficients_take(&all->of, arena, lanes, lanes);
-}
-
-/* Of a separable system; to be freed. */
-static void *open_tables(tables *all, tvi_arena *arena, int lanes)
-{
-    take_tables(all, arena, lanes);
-    void *memory = tvi_arena_open(arena);
-    ck_assert_ptr_nonnull(memory);
-    take_tables(all, arena, lanes);
-    tvi_galerkin_coefficients_prepare(&all->of, &all->dense, true);
-    return memory;
-}
-
-static int below(int n, uint64_t *bits)
-{
-    *bits = *bits * UINT64_C(6364136223846793005) + UINT64_C(1442695040888963407);
-    return (int)((*bits >> 33) % (uint64_t)n);
-}
+static int below(int n, uint64_t *bits) { return (int)(number_of(bits) * n); }
 
 /* Impulses of all sizes in pairs that cancel, in any order, but for one that is larger by `left`: their exact sum. */
 static double set_impulses(double impulse[], int lanes, uint64_t *bits)
@@ -91,11 +64,10 @@ START_TEST(sums_are_compensated)
 {
     const jet_isa isa = (jet_isa)(_i / GALERKIN_LOOPS);
     const int size = _i % GALERKIN_LOOPS, lanes = lanes_of[size];
-    tvi_arena arena = {0};
-    tables all = {0};
+    galerkin_tables tables;
     uint64_t bits = 1;
     if (isa > jet_sweeps_choose()->isa) return;
-    void *memory = open_tables(&all, &arena, lanes);
+    galerkin_tables_open(&tables, lanes, lanes, true);
     for (int round = 0; round < ROUNDS; round++)
         for (int unknowns = 1; unknowns <= UNKNOWNS; unknowns++) {
             _Alignas(64) double impulse[UNKNOWNS * MOST];
@@ -103,10 +75,10 @@ START_TEST(sums_are_compensated)
             const galerkin_nodes nodes = {.lanes = lanes, .unknowns = unknowns, .impulse = impulse};
             const galerkin_sums sums = {once, twice, last, reach};
             for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, &bits);
-            loops_of[isa][size].integrate(&nodes, &all.of.weights, &sums);
-            for (int u = 0; u < unknowns; u++) check_sums(&all.of, impulse + u * lanes, left[u], &sums, u);
+            loops_of[isa][size].integrate(&nodes, &tables.of.weights, &sums);
+            for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], &sums, u);
         }
-    free(memory);
+    galerkin_tables_close(&tables);
 }
 END_TEST
 
@@ -114,15 +86,12 @@ END_TEST
 
 enum { PASSES = 20000 };
 
-/* From 0 to 1, with all bits. */
-static double number(uint64_t *bits) { return below(INT32_MAX, bits) * 0x1p-31 + below(INT32_MAX, bits) * 0x1p-62; }
-
 typedef struct {
     double high[UNKNOWNS * MOST], base[UNKNOWNS * MOST], x[UNKNOWNS * MOST], impulse[UNKNOWNS * MOST];
     double force[UNKNOWNS * MOST], weight[MOST], start[UNKNOWNS], scale[UNKNOWNS], inverse_size[UNKNOWNS];
 } blocks;
 
-/* The sum of the errors of the places, in units of roundoff, and how many these are. */
+/* The sum of the errors of the places, in units of roundoff. */
 static double errors_of(const galerkin_coefficients *a, const galerkin_nodes *nodes, const double *force)
 {
     double sum = 0;
@@ -161,9 +130,9 @@ static double mean_error(const galerkin_coefficients *a, const galerkin_loops *l
     for (int j = 0; j < a->lanes; j++) w.weight[j] = scale * a->b[j];
     for (int pass = 0; pass < PASSES; pass++) {
         for (int k = 0; k < unknowns * a->lanes; k++) {
-            w.high[k] = (1 + number(&bits) / 8) / 4;
-            w.base[k] = (number(&bits) - 0.5) * DBL_EPSILON;
-            w.force[k] = 12 + number(&bits);
+            w.high[k] = (1 + number_of(&bits) / 8) / 4;
+            w.base[k] = (number_of(&bits) - 0.5) * DBL_EPSILON;
+            w.force[k] = 12 + number_of(&bits);
         }
         (void)loops->move(&nodes, a->matrix, w.force, slot);
         sum += errors_of(a, &nodes, w.force);
@@ -179,17 +148,16 @@ START_TEST(places_are_rounded_to_no_side)
     static const int unknowns[] = {2, UNKNOWNS};
     const jet_isa isa = (jet_isa)(_i / GALERKIN_LOOPS);
     const int size = _i % GALERKIN_LOOPS, lanes = lanes_of[size];
-    tvi_arena arena = {0};
-    tables all = {0};
+    galerkin_tables tables;
     if (isa > jet_sweeps_choose()->isa) return;
-    void *memory = open_tables(&all, &arena, lanes);
+    galerkin_tables_open(&tables, lanes, lanes, true);
     for (size_t k = 0; k < sizeof unknowns / sizeof *unknowns; k++) {
         const double n = (double)PASSES * unknowns[k] * lanes, bound = 4 * sqrt(1 / 12.0) / 2 / sqrt(n);
-        const double error = fabs(mean_error(&all.of, &loops_of[isa][size], unknowns[k], 1 / 3.0));
+        const double error = fabs(mean_error(&tables.of, &loops_of[isa][size], unknowns[k], 1 / 3.0));
         if (isa != jet_isa_base) ck_assert_double_lt(error, bound);
         else if (lanes == 8) ck_assert_double_gt(error, bound);
     }
-    free(memory);
+    galerkin_tables_close(&tables);
 }
 END_TEST
 
