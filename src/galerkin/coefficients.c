@@ -13,7 +13,7 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
     w->lanes = lanes;
     w->b = tvi_arena_doubles(arena, width);
     w->c = tvi_arena_doubles(arena, width);
-    w->matrix = tvi_arena_doubles(arena, width * width);
+    w->matrix = tvi_arena_doubles(arena, (lanes == 8 ? 2 : 1) * width * width);
     w->weights.points = points;
     w->weights.pair = tvi_arena_doubles(arena, width * OF_PAIR);
     w->weights.halves = tvi_arena_doubles(arena, 2 * 8);
@@ -88,10 +88,18 @@ static void set_matrix(galerkin_coefficients *w, const galerkin_dense *dense, bo
         for (int j = 0; j < m; j++) matrix[j * lanes + lane] = matrix[j * lanes + m - 1];
 }
 
+/* few.h */
+static void set_turned(double *matrix)
+{
+    for (int k = 0; k < 8; k++)
+        for (int i = 0; i < 8; i++) matrix[(8 + k) * 8 + i] = matrix[(i ^ k) * 8 + i];
+}
+
 void tvi_galerkin_coefficients_prepare(galerkin_coefficients *w, galerkin_dense *dense, bool is_second_order)
 {
     set_nodes(w);
     tvi_galerkin_dense_prepare(dense, w->lanes, w->exact_node);
     set_weights(w, dense);
     set_matrix(w, dense, is_second_order);
+    if (w->lanes == 8) set_turned(w->matrix);
 }

@@ -8,7 +8,8 @@ typedef struct {
     int points, lanes;
     double *b, *c;    /* [lanes] */
     double inverse_b; /* of the first and the last */
-    double *matrix;   /* [j][i] what multiplies impulse j in an unknown at node i */
+    double *matrix; /* [j][i] what multiplies impulse j in an unknown at node i; of eight lanes, the same turned (few.h)
+                       * behind it */
     galerkin_weights weights;
     long double exact_node[TVI_GALERKIN_MAX_LANES], exact_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;

@@ -154,7 +154,8 @@ static void scatter_impulses(const crowd *w, const double *from, int m, double *
         tvi_scatter(nodes->points, nodes->width, from + u * nodes->stride, m, to + u * nodes->points * nodes->width);
 }
 
-/* The history of a lane, as the single stepper has it. */
+/* The history of a lane, as the single stepper has it. Lanes are predicted from two steps, however rough that is: so
+ * how far the first movement went is not kept. */
 static void get(const void *work, int lane, void *one)
 {
     const crowd *w = work;
@@ -163,7 +164,7 @@ static void get(const void *work, int lane, void *one)
     *predictor->last = (galerkin_history){.h = last->h[lane],
                                           .h_before = last->h_before[lane],
                                           .t = last->t[lane],
-                                          .slowest = last->slowest[lane],
+                                          .pace.slowest = last->slowest[lane],
                                           .steps = last->steps[lane]};
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
 }
@@ -175,7 +176,7 @@ static void put(void *work, int lane, const void *one)
     w->last.h[lane] = predictor->last->h;
     w->last.h_before[lane] = predictor->last->h_before;
     w->last.t[lane] = predictor->last->t;
-    w->last.slowest[lane] = predictor->last->slowest;
+    w->last.slowest[lane] = predictor->last->pace.slowest;
     w->last.steps[lane] = predictor->last->steps;
     for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), lane, impulses(w, -i));
 }
@@ -228,7 +229,8 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
     set_start(w, origin);
     for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
         if (!w->nodes.in_lanes[m]) rest(w, m);
-    w->loops->predict(&w->nodes, w->single->predictor.from_two, impulses(w, 0), impulses(w, -1));
+    w->loops->predict(&w->nodes, w->single->predictor.extrapolation[GALERKIN_FROM_TWO], impulses(w, 0),
+                      impulses(w, -1));
     set_times(w, h, origin);
     w->loops->set_sizes(&w->nodes, w->single->n);
 }

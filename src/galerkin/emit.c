@@ -31,7 +31,7 @@ static void emit_rule(jet_text *text, const tvi_passes_rule *r, const char *name
 void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name)
 {
     const int lanes = field->nodes.lanes;
-    jet_text_add(text, "enum { GALERKIN_LANES = %d };\n", lanes);
+    jet_text_add(text, "enum { GALERKIN_LANES = %d, GALERKIN_POINTS = %d };\n", lanes, field->points);
     for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_add(text, "%s", *line);
     jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d, %d)\n", name, field->system->n, field->nodes.moving,
                  field->nodes.unknowns, lanes);

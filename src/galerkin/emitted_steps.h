@@ -1,78 +1,12 @@
 /* emitted_steps.h - whole steps of generated code (emit.c), which alone reads this, after the text of
- * emitted_loops.h: a step of steady.h, by the passes of the form of the field. */
+ * emitted_loops.h: a step of steady.h, by the passes of emitted_passes.h. */
 #ifndef TVI_SRC_GALERKIN_EMITTED_STEPS_H
 #define TVI_SRC_GALERKIN_EMITTED_STEPS_H
 
-#include "galerkin/hamiltonian_passes.h"
-#include "galerkin/lagrangian_passes.h"
-#include "galerkin/steady.h"
+#include "galerkin/emitted_passes.h"
 
 /* The step of steady.h. Small blocks are the function's own, where the compiler keeps them in registers. */
 enum { STEADY_MOST = 4096 };
-
-/* Sets the impulses at the nodes; false outside the field's domain. */
-typedef bool steady_field(const galerkin_nodes *nodes, int lanes);
-
-/* What a pass is made by: the field, or passes of their own. The rule is of constants where the registers are not the
- * field's. */
-typedef struct {
-    const tvi_passes_rule *rule;
-    steady_field *drive;
-    galerkin_sweep *sweep;
-    lagrangian_passes *lagrangian;
-    hamiltonian_passes *hamiltonian;
-} steady_form;
-
-/* A pass in two parts, between which its impulses are stored. Many unknowns that stayed in registers until the next one
- * would take those that it needs. */
-JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
-{
-    double *x = nodes->x;
-    if (!form->drive) return true;
-    if (nodes->unknowns > GALERKIN_FEW) LEAVE_REGISTERS(x);
-    return form->drive(nodes, lanes);
-}
-
-JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                           double *moved, int lanes)
-{
-    if (form->lagrangian) {
-        const lagrangian_passed passed = lagrangian_pass(form->lagrangian, form->sweep);
-        *moved = form->lagrangian->moved;
-        return passed == LAGRANGIAN_PASSED;
-    }
-    if (form->hamiltonian) {
-        const bool is_inside = hamiltonian_pass(form->hamiltonian, form->sweep);
-        *moved = form->hamiltonian->moved;
-        return is_inside;
-    }
-    *moved = follow_lanes(nodes, frame->matrix, NULL, lanes);
-    return true;
-}
-
-/* A few unknowns stay in registers from the end of a pass to the beginning of the next one, which follows directly: the
- * first one has begun. */
-JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                              galerkin_trial *shown, int lanes)
-{
-    const bool few = nodes->unknowns <= GALERKIN_FEW;
-    tvi_passes passes;
-    tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
-    tvi_passes_begin(&passes);
-    passes.slowest = shown->slowest;
-    passes.early = shown->early;
-    while (verdict == TVI_PASSES_GO_ON && passes.count < form->rule->most) {
-        double moved;
-        if (!few && !steady_begin(nodes, form, lanes)) return false;
-        if (!steady_end(frame, nodes, form, &moved, lanes) || !(moved < INFINITY)) return false;
-        verdict = tvi_passes_judge(&passes, form->rule, moved);
-        shown->count = passes.count;
-        if (few && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
-    }
-    shown->size = passes.size;
-    shown->slowest = passes.slowest;
-    return verdict == TVI_PASSES_MAY_END;
-}
 
 JET_INLINE void steady_start(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_motion *motion,
                              const tvi_origin *origin, int lanes)
@@ -82,11 +16,12 @@ JET_INLINE void steady_start(const galerkin_frame *frame, const galerkin_nodes *
 }
 
 JET_INLINE void steady_predict(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                               const double *const impulses[], int lanes)
+                               const double *const impulses[], int fit, int lanes)
 {
-    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, frame->extrapolation, impulses);
-    else if (form->hamiltonian) hamiltonian_predict(form->hamiltonian, *frame->h, 2, frame->extrapolation, impulses);
-    else predict_lanes(nodes, 2, frame->extrapolation, impulses, lanes);
+    const double *table = frame->extrapolation[fit];
+    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, table, impulses);
+    else if (form->hamiltonian) hamiltonian_predict(form->hamiltonian, *frame->h, 2, table, impulses);
+    else predict_lanes(nodes, 2, table, impulses, lanes);
 }
 
 /* The increments of a step. */
@@ -125,12 +60,12 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     const int numbers = nodes->unknowns * lanes;
     double *before = to->impulses[0], *last = to->impulses[1], *next = to->impulses[2];
     const double *const impulses[] = {last, before};
-    galerkin_trial tried = {.slowest = to->last.slowest};
+    galerkin_trial tried = {.pace = to->last.pace};
     long made = 0;
     if (!leads) nodes->impulse = next;
     steady_start(frame, nodes, motion, origin, lanes);
     if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
-    else steady_predict(frame, nodes, form, impulses, lanes);
+    else steady_predict(frame, nodes, form, impulses, galerkin_fit(&tried.pace, frame->rough), lanes);
     bool begins = nodes->unknowns > GALERKIN_FEW || steady_begin(nodes, form, lanes);
     while (begins) {
         const double number = to->steps + 1;
@@ -143,7 +78,8 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         if (leads) {
             const double *const following[] = {next, last};
             copy_lanes(next, nodes->impulse, nodes->unknowns, lanes);
-            predict_steps(nodes, 2, frame->following, following, motion->has_masses ? frame->drift : NULL, lanes);
+            predict_steps(nodes, 2, frame->following[galerkin_fit(&tried.pace, frame->rough)], following,
+                          motion->has_masses ? frame->drift : NULL, lanes);
             copy_lanes(next + numbers, nodes->x, nodes->unknowns, lanes);
             begins = made + 1 < row->steps && steady_begin(nodes, form, lanes);
         }

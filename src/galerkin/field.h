@@ -25,7 +25,7 @@ typedef struct {
     double *b;           /* [lanes] */
     int *slot;           /* [unknowns] where in nodes.x what drives each unknown is */
     double *inputs;      /* block of the field's tape, which has the time */
-    double *matrix;      /* [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
+    double *matrix;      /* of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
     double *ahead;       /* [j][i] what `predict` wants extrapolations multiplied by */
     tvi_roundoff *noise; /* what the values of the field are displaced by; NULL: they are not */
     void *own;           /* of the form */

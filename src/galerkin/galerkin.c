@@ -97,7 +97,7 @@ static void take_motion(galerkin_motion *motion, tvi_arena *arena, const tvi_sys
 {
     galerkin_sums *sums = &motion->sums;
     double **const vectors[] = {&sums->once, &sums->twice, &sums->last, &sums->reach};
-    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs);
+    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
     motion->n = system->n;
     motion->has_masses = system->form == TVI_SEPARABLE;
     motion->scale = scale;
@@ -133,17 +133,19 @@ static void prepare(void *work)
     galerkin *w = work;
     tvi_galerkin_coefficients_prepare(&w->coefficients, &w->dense, galerkin_is_second_order(&w->field));
     w->field.form->prepare(&w->field);
-    tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
+    const int numbers = w->field.nodes.unknowns * w->field.nodes.lanes;
+    tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field, numbers);
     w->motion.per_weight = w->coefficients.inverse_b;
-    w->rule = tvi_galerkin_rule(w->field.form->rule, w->field.nodes.unknowns * w->field.nodes.lanes, w->options);
+    w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
     w->frame = (galerkin_frame){.nodes = &w->field.nodes,
                                 .motion = &w->motion,
                                 .weights = &w->coefficients.weights,
                                 .rule = &w->rule,
                                 .matrix = w->field.matrix,
-                                .extrapolation = w->predictor.from_two,
-                                .following = w->predictor.following,
                                 .c = w->coefficients.c,
+                                .extrapolation = (const double *const *)w->predictor.extrapolation,
+                                .following = (const double *const *)w->predictor.following,
+                                .rough = w->predictor.rough,
                                 .drift = w->drift,
                                 .drift_low = w->drift_low,
                                 .share = w->share,
@@ -189,7 +191,8 @@ static void set_start(galerkin *w, const tvi_origin *origin)
 }
 
 /* From the steps before, beginning after `part` of the last one; NULL: the field at the start is that at all nodes. */
-static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, tvi_passes *shown, tvi_stats *stats)
+static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, galerkin_pace *pace,
+                        tvi_stats *stats)
 {
     galerkin_field *field = &w->field;
     if (part) {
@@ -204,7 +207,8 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
     }
     set_times(w, origin, field->h);
     galerkin_set_sizes(&field->nodes, w->n);
-    return tvi_galerkin_iterate(field, &w->probe, &w->rule, origin, shown, stats);
+    const double early = tvi_passes_early(&w->rule, w->predictor.last->steps + 1);
+    return tvi_galerkin_iterate(field, &w->probe, &w->rule, origin, early, pace, stats);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
@@ -248,19 +252,18 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     galerkin *w = work;
     tvi_galerkin_set_size(w, h);
     double part;
-    tvi_passes shown;
     const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY &&
                               tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
     const bool is_steady = extrapolates && tvi_galerkin_is_steady(&w->predictor, &w->field, part);
     if (is_steady && w->field.loops->steady && step_steadily(w, origin, dq, dp, stats)) return TVI_OK;
     w->field.nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
     set_start(w, origin);
-    galerkin_begin_passes(w, &shown);
-    tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &shown, stats);
-    if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &shown, stats);
+    galerkin_pace pace = galerkin_pace_before(w);
+    tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &pace, stats);
+    if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &pace, stats);
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
-    tvi_galerkin_remember(&w->predictor, h, origin->t, shown.slowest);
+    tvi_galerkin_remember(&w->predictor, h, origin->t, pace);
     set_increments(w, dq, dp);
     stats->tail = tvi_galerkin_tail(w, origin, dp);
     return TVI_OK;

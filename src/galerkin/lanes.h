@@ -31,6 +31,13 @@
     OWN result name##_most parameters { give name##_lanes(__VA_ARGS__, TVI_GALERKIN_MAX_LANES); }
 #endif
 
+/* The nodes of the curve, which generated code knows. */
+#ifdef JET_EMITTED
+#define POINTS_OF(weights) ((void)(weights), GALERKIN_POINTS)
+#else
+#define POINTS_OF(weights) ((weights)->points)
+#endif
+
 /* Of so few unknowns at eight nodes, which are one vector, each operation waits for the one before it. */
 enum { FEW = 4 };
 

@@ -1,8 +1,8 @@
 /* loops.c - see loops.h. */
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
+#include "galerkin/columns.h"
 #include "galerkin/few.h"
-#include "galerkin/pairs.h"
 #include "galerkin/rounds.h"
 #include "rule.h"
 #include "vector.h"
@@ -111,10 +111,7 @@ JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                              int lanes)
 {
-#ifndef JET_EMITTED
-    double moved;
-    if (move_few(nodes, matrix, drives, slot, lanes, &moved)) return moved;
-#endif
+    if (ARE_FEW(nodes, lanes)) return move_few(nodes, matrix, drives, slot);
     weigh_lanes(nodes, drives, slot, lanes);
     return follow_lanes(nodes, matrix, NULL, lanes);
 }
@@ -219,6 +216,12 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weig
     double *const once = sums->once, *const twice = sums->twice, *const last = sums->last, *const reach = sums->reach;
     const double *impulse = nodes->impulse;
     const int unknowns = nodes->unknowns;
+#ifdef __AVX512F__
+    if (lanes == 8 && unknowns > FEW) {
+        for (int u = 0; u < unknowns; u += 8) sum_columns(weights, impulse, u, unknowns, sums);
+        return;
+    }
+#endif
     for (int u = 0; u < unknowns; u += 2) {
         const int v = u + 1 < unknowns ? u + 1 : u;
         pair_sums sum;

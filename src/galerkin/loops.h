@@ -17,6 +17,22 @@ enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
  * the next one begins, behind these. */
 enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
 
+/* How the passes of a step went, which says how those of the next one will. Sizes as the passes have them; 0: not
+ * known. */
+typedef struct {
+    double slowest; /* how far they contract */
+    double first;   /* the size of the first movement, which is what the prediction was off */
+    long silent;    /* so many of the next one's are not judged (emitted_passes.h) */
+} galerkin_pace;
+
+/* What a step is predicted from: the impulses of the last two, or, where predictions are rough, of the last one. */
+enum { GALERKIN_FROM_TWO, GALERKIN_FROM_LAST, GALERKIN_FITS };
+
+static inline int galerkin_fit(const galerkin_pace *pace, double rough)
+{
+    return pace->first > rough ? GALERKIN_FROM_LAST : GALERKIN_FROM_TWO;
+}
+
 /* What multiplies the impulses in their sums over the nodes: 1 and 1 - c_j, and these for a second unknown beside the
  * first; and that of the curve's last term. */
 enum { OF_PAIR = 4 };
@@ -27,7 +43,8 @@ typedef struct {
     double *last;   /* [lanes] */
 } galerkin_weights;
 
-/* [unknowns] of each: the sums, the last one without sign, and |L| at the first and the last node together. */
+/* [unknowns] of each, and room for seven more: the sums, the last one without sign, and |L| at the first and the last
+ * node together. */
 typedef struct {
     double *once, *twice, *last, *reach;
 } galerkin_sums;
@@ -104,7 +121,7 @@ typedef struct {
 struct galerkin_frame;
 struct galerkin_outcome;
 typedef struct galerkin_loops {
-    /* x = high + (base + scale sum_j matrix_ji L_j). Returns the sum of the squares of (change of x) inverse_size, a
+    /* x = high + (base + scale sum_j matrix_ji L_j); matrix: as coefficients.h has it. Returns the sum of the squares of (change of x) inverse_size, a
      * NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
     /* The same, and low [unknowns][lanes] is what x lacks. */

@@ -76,7 +76,7 @@ JET_INLINE void sum_as_tree(const galerkin_weights *weights, const double *u, co
 JET_INLINE void sum_pair(const galerkin_weights *weights, const double *u, const double *v, int unknowns, int lanes,
                          pair_sums *sums)
 {
-    const int end = weights->points - 1;
+    const int end = POINTS_OF(weights) - 1;
     const jet_v4 first = {u[0], u[0], v[0], v[0]}, final = {u[end], u[end], v[end], v[end]};
     sums->reach = JET_ABS(jet_v4, first) + JET_ABS(jet_v4, final);
 #ifdef __AVX512F__

@@ -45,13 +45,13 @@ tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, co
 }
 
 tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
-                                const tvi_origin *origin, tvi_passes *shown, tvi_stats *stats)
+                                const tvi_origin *origin, double early, galerkin_pace *pace, tvi_stats *stats)
 {
     tvi_passes passes;
     bool is_stuck = false;
     tvi_passes_begin(&passes);
-    passes.slowest = shown->slowest;
-    passes.early = shown->early;
+    passes.slowest = pace->slowest;
+    passes.early = early;
     for (int count = 1; count <= rule->most; count++) {
         double moved;
         const bool suspects =
@@ -62,9 +62,10 @@ tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, co
         if (status != TVI_OK) return status;
         const tvi_passes_verdict verdict = tvi_passes_judge(&passes, rule, moved);
         is_stuck |= verdict == TVI_PASSES_STUCK;
+        if (passes.count == 1) pace->first = moved;
         if (verdict == TVI_PASSES_MAY_END) {
             stats->residual = sqrt(moved);
-            shown->slowest = passes.slowest;
+            pace->slowest = passes.slowest;
             return TVI_OK;
         }
     }

@@ -11,8 +11,10 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
     w->last = tvi_arena_history(arena, sizeof *w->last);
     const size_t kept = (unknowns <= GALERKIN_FEW ? 2 : 1) * count * width;
     for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
-    w->from_two = tvi_arena_doubles(arena, 2 * width * width);
-    w->following = tvi_arena_doubles(arena, 2 * width * width);
+    for (int fit = 0; fit < GALERKIN_FITS; fit++) {
+        w->extrapolation[fit] = tvi_arena_doubles(arena, 2 * width * width);
+        w->following[fit] = tvi_arena_doubles(arena, 2 * width * width);
+    }
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
@@ -21,9 +23,9 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
 
 /* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
-/* [k][i] of basis: polynomials of degree k, orthonormal on the first 2 m of 3 m points: the nodes of two steps, and of
- * the next one. */
-static void set_basis(const galerkin_coefficients *a, int degree, long double basis[][3 * MAX_LANES])
+/* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last step,
+ * of the one before it, and of the next one. */
+static void set_basis(const galerkin_coefficients *a, int fitted, int degree, long double basis[][3 * MAX_LANES])
 {
     const int m = a->points;
     for (int k = 0; k <= degree; k++) {
@@ -35,7 +37,7 @@ static void set_basis(const galerkin_coefficients *a, int degree, long double ba
         for (int before = 0; before <= k; before++) { /* the last time: its own length */
             long double product = 0;
             /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): m >= 1 */
-            for (int i = 0; i < 2 * m; i++) product += now[i] * basis[before][i];
+            for (int i = 0; i < fitted; i++) product += now[i] * basis[before][i];
             for (int i = 0; i < 3 * m && before < k; i++) now[i] -= product * basis[before][i];
             for (int i = 0; i < 3 * m && before == k; i++) now[i] /= sqrtl(product);
         }
@@ -51,35 +53,41 @@ static void add_ahead(const galerkin_coefficients *a, const double *ahead, long 
     for (int i = 0; i < a->lanes; i++) column[i] += part * ahead[next * a->lanes + i];
 }
 
-/* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j). Of all degrees, 3m/2 was seen to save the most passes:
- * above it roundoff grows by more than truncation falls. */
-static void set_from_two(galerkin_predictor *w, const galerkin_coefficients *a, const double *ahead)
+/* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j), from `steps` steps. */
+static void set_extrapolation(const galerkin_coefficients *a, const double *ahead, int steps, int degree, double *table)
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
-    const int m = a->points, degree = m > 1 ? 3 * m / 2 : 1;
-    set_basis(a, degree, basis);
-    for (int point = 0; point < 2 * m; point++)
+    const int m = a->points;
+    set_basis(a, steps * m, degree, basis);
+    for (int point = 0; point < steps * m; point++)
         for (int next = 0; next < m; next++) {
             long double factor = 0;
             for (int k = 0; k <= degree; k++) factor += basis[k][2 * m + next] * basis[k][point];
-            double *column = w->from_two + (point / m * a->lanes + point % m) * a->lanes;
+            double *column = table + (point / m * a->lanes + point % m) * a->lanes;
             add_ahead(a, ahead, factor, point % m, next, column);
         }
 }
 
 /* The same from the start of the last step: its impulses have moved what the next one begins with, too. */
-static void set_following(galerkin_predictor *w, const galerkin_coefficients *a, bool is_second_order)
+static void set_following(const galerkin_coefficients *a, bool is_second_order, const double *table, double *following)
 {
     const int m = a->points, lanes = a->lanes;
-    for (int k = 0; k < 2 * lanes * lanes; k++) w->following[k] = w->from_two[k];
+    for (int k = 0; k < 2 * lanes * lanes; k++) following[k] = table[k];
     for (int j = 0; j < m; j++)
-        for (int i = 0; i < lanes; i++) w->following[j * lanes + i] += is_second_order ? 1 - a->c[j] + a->c[i] : 1;
+        for (int i = 0; i < lanes; i++) following[j * lanes + i] += is_second_order ? 1 - a->c[j] + a->c[i] : 1;
 }
 
-void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
+/* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
+ * falls. Where it is off by a hundredth of the unknowns, what the last step has is nearer. */
+void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field,
+                                    int numbers)
 {
-    set_from_two(w, a, field->ahead);
-    set_following(w, a, galerkin_is_second_order(field));
+    const int m = a->points, degree[] = {m > 1 ? 3 * m / 2 : 1, m - 1};
+    for (int fit = 0; fit < GALERKIN_FITS; fit++) {
+        set_extrapolation(a, field->ahead, GALERKIN_FITS - fit, degree[fit], w->extrapolation[fit]);
+        set_following(a, galerkin_is_second_order(field), w->extrapolation[fit], w->following[fit]);
+    }
+    w->rough = numbers * (1e-2 * 1e-2);
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
 }
 
@@ -123,7 +131,7 @@ void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients
     const galerkin_history *last = w->last;
     const double *const impulses[] = {tvi_galerkin_impulses(w, 0), tvi_galerkin_impulses(w, -1)};
     if (tvi_galerkin_is_steady(w, field, part)) {
-        field->form->predict(field, 2, w->from_two, impulses);
+        field->form->predict(field, 2, w->extrapolation[galerkin_fit(&last->pace, w->rough)], impulses);
     } else {
         const galerkin_places to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};
         const double *const led[] = {w->led};

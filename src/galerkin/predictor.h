@@ -9,7 +9,7 @@
 typedef struct {
     double h, h_before; /* 0: none */
     double t;           /* where the last one began */
-    double slowest;     /* contraction of its passes, or of those before it; 0: not known */
+    galerkin_pace pace; /* of its passes; or, what they do not show, of those before it */
     double steps;       /* so many were made */
     int turn;           /* where its impulses are */
     int leads;          /* the unknowns that the next step begins with, if it is steady, are behind these */
@@ -19,8 +19,10 @@ typedef struct {
     galerkin_history *last;
     double *impulses[GALERKIN_TURNS]; /* in the history, filled in turns: [unknowns][lanes] of a step, and
                                          as many unknowns where it leads */
-    double *from_two;                 /* [2][j][i] extrapolation from the two steps before, all of one size */
-    double *following;                /* the same, beginning where the last one did */
+    /* [2][j][i] of each fit, where the two steps before have the size of this one: the extrapolation from them, and the
+     * same, beginning where the last one did. */
+    double *extrapolation[GALERKIN_FITS], *following[GALERKIN_FITS];
+    double rough;       /* of the first movement */
     double *from_one;   /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
     double ratio, part; /* ratio 0: none yet */
     double *led;        /* [unknowns][lanes] what it leads to */
@@ -28,7 +30,9 @@ typedef struct {
 } galerkin_predictor;
 
 void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int unknowns, int lanes);
-void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field);
+/* numbers: of a movement. */
+void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field,
+                                    int numbers);
 
 /* Whether a step of size h from t begins where the last one ended. */
 static inline bool galerkin_is_next(const galerkin_history *last, double h, double t)
@@ -50,11 +54,11 @@ static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int aft
     const int turn = w->last->turn + after_last;
     return w->impulses[turn < 0 ? turn + GALERKIN_TURNS : turn < GALERKIN_TURNS ? turn : turn - GALERKIN_TURNS];
 }
-/* What the step of size h from t leaves to the next ones beside its impulses: that, and how its passes contracted. */
-static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, double slowest)
+/* What the step of size h from t leaves to the next ones beside its impulses: that, and how its passes went. */
+static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, galerkin_pace pace)
 {
     const int next = w->last->turn + 1;
-    *w->last = (galerkin_history){h, w->last->h, t, slowest, w->last->steps + 1, next < GALERKIN_TURNS ? next : 0, 0};
+    *w->last = (galerkin_history){h, w->last->h, t, pace, w->last->steps + 1, next < GALERKIN_TURNS ? next : 0, 0};
 }
 
 #endif

@@ -7,7 +7,7 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     galerkin_predictor *before = &w->predictor;
     galerkin_history *last = before->last;
     for (int i = 0; i < GALERKIN_TURNS; i++) to->impulses[i] = tvi_galerkin_impulses(before, i - 1);
-    to->last = (galerkin_trial){.slowest = last->slowest};
+    to->last = (galerkin_trial){.pace = last->pace};
     to->leads = last->leads;
     to->steps = last->steps;
     to->count = to->factors = 0;
@@ -18,7 +18,7 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
         return 0;
     }
     last->turn = (int)((last->turn + made - 1) % GALERKIN_TURNS);
-    tvi_galerkin_remember(before, row->h, to->t, to->last.slowest);
+    tvi_galerkin_remember(before, row->h, to->t, to->last.pace);
     last->steps = to->steps;
     last->leads = to->leads;
     return made;

@@ -15,18 +15,20 @@ typedef struct galerkin_frame {
     const galerkin_motion *motion;
     const galerkin_weights *weights;
     const tvi_passes_rule *rule;
-    const double *matrix, *extrapolation, *c;
-    const double *following; /* `extrapolation` from the start of the last step, and not from its end */
+    const double *matrix, *c;
+    const double *const *extrapolation, *const *following; /* [GALERKIN_FITS] the tables of predictor.h */
+    double rough;
     double *drift, *drift_low, *share, *ratio;
     const double *h;
     void *own; /* of the form of the field: lagrangian_passes of a Lagrangian */
 } galerkin_frame;
 
-/* The last step: the size of its last movement, and how slowly its passes contract. */
+/* The last step, and the size of its last movement. */
 typedef struct {
     int count;   /* of passes */
     int factors; /* so often were second derivatives at the nodes taken */
-    double size, slowest, early, tail;
+    double size, early, tail;
+    galerkin_pace pace;
 } galerkin_trial;
 
 /* What steps made, but for what they added to the state. */

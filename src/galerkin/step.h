@@ -26,12 +26,11 @@ typedef struct {
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
 void tvi_galerkin_set_size(galerkin *w, double h);
 
-/* What the passes of the step of the field's size have from the steps before: `slowest`, and `early`. */
-static inline void galerkin_begin_passes(const galerkin *w, tvi_passes *shown)
+/* What the passes of the step of the field's size have from the steps before. */
+static inline galerkin_pace galerkin_pace_before(const galerkin *w)
 {
     const galerkin_history *last = w->predictor.last;
-    shown->slowest = w->field.h == last->h ? last->slowest : 0;
-    shown->early = tvi_passes_early(&w->rule, last->steps + 1);
+    return w->field.h == last->h ? last->pace : (galerkin_pace){.slowest = 0};
 }
 
 /* Of the step whose sums are there, from the origin. */

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { STATE_VERSION = 6 };
+enum { STATE_VERSION = 7 };
 
 static const char MAGIC[] = "tvistate";
 
