@@ -35,6 +35,8 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     curve->momentum = tvi_arena_doubles(arena, n);
     curve->q_sizes = tvi_combination_take(curve, arena);
     curve->u_sizes = tvi_combination_take(curve, arena);
+    curve->per = tvi_arena_doubles(arena, orders + 1);
+    curve->log_of = tvi_arena_doubles(arena, orders + 1);
     curve->x = tvi_arena_block(arena, system->field_series, top + 1, 1, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
         curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
@@ -57,6 +59,10 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
 void tvi_curve_prepare(tvi_curve *curve)
 {
     for (int i = 0; i < curve->n; i++) curve->kappa[i] = 1;
+    for (int k = 1; k <= curve->top + 1; k++) {
+        curve->per[k] = 1.0 / k;
+        curve->log_of[k] = log(k);
+    }
 }
 
 /* ---- Combinations ------------------------------------------------------------------------------------------------ */
@@ -191,21 +197,3 @@ void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
 void tvi_curve_measure(const tvi_curve *curve) { curve->code ? curve->code->measure(curve) : curve_measure(curve); }
 
 double tvi_curve_tail(const tvi_curve *curve) { return curve->code ? curve->code->tail(curve) : curve_tail(curve); }
-
-/* |q'| |dp| + |p'| |dq| with what the last two terms are, of which one may happen to be small: terms of which each is
- * three quarters of the one before it add up to three times the last. */
-double tvi_curve_change(const tvi_curve *curve)
-{
-    enum { OFTEN = 8 };
-    double sum = 0;
-    if (curve->p_degree < 2) return INFINITY;
-    for (int i = 0; i < curve->n; i++) {
-        double of_q = 0, of_p = 0;
-        for (int last = 0; last < 2; last++) {
-            of_q += fabs(tvi_curve_Q(curve, curve->q_degree - last)[i]);
-            of_p += fabs(tvi_curve_U(curve, curve->p_degree - last, i));
-        }
-        sum += (curve->movement[i] * of_p + curve->momentum[i] * of_q) / fabs(curve->kappa[i]);
-    }
-    return OFTEN * sum / fabs(curve->tau);
-}

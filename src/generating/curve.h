@@ -72,10 +72,10 @@ double tvi_curve_tail(const tvi_curve *curve);
  * are not known. */
 double tvi_curve_change(const tvi_curve *curve);
 
-/* ---- Steps that adapt (reach.c) ---------------------------------------------------------------------------------- */
+/* ---- Steps that adapt (reach.h) ---------------------------------------------------------------------------------- */
 
-/* The largest s at which the curve, of Q and P to these degrees, serves a tolerance; INFINITY where it is exact. */
-double tvi_curve_reach(const tvi_curve *curve, int q_degree, int p_degree, double tolerance);
+/* The largest s at which the curve, of Q and P to the tail's degrees, serves a tolerance; INFINITY where it is exact. */
+double tvi_curve_reach(const tvi_curve *curve, double tolerance);
 
 /* The same curve in s / factor: tau and its coefficients, of q and p; and in the same sweep its rise from 0 to 1, of q
  * and kappa p, [n], and what tvi_curve_measure measures. */

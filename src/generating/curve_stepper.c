@@ -273,7 +273,7 @@ static tvi_status expand_within(attempt *a, double tolerance, double guess, doub
         if (status == TVI_OK) status = expand(a, w->z, centre(a));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double part = 0; /* where the coefficients overflow */
-        if (status == TVI_OK) part = tvi_curve_reach(curve, w->q_degree, w->closure.p_degree, tolerance);
+        if (status == TVI_OK) part = tvi_curve_reach(curve, tolerance);
         *reach = part * fabs(a->tau);
         if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
         const int wanted = part == 0 ? -4 * WIDE_BITS : isfinite(part) ? ilogb(part) : highest - exponent;

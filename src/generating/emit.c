@@ -19,16 +19,18 @@ static void emit_output(jet_text *text, const jet_tape *tape, const char *name, 
     jet_text_add(text, "};\n#define %s %s_%s\n", macro, name, what);
 }
 
-static void emit_sizes(jet_text *text, const tvi_system *system, int lanes)
+static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
 {
     static const char *const name[] = {"separable", "lagrangian", "hamiltonian"};
     static const char *const form_name[] = {"TVI_SEPARABLE", "TVI_LAGRANGIAN", "TVI_HAMILTONIAN"};
+    const int p_degree = tvi_method_of(options)->curve.has_top_momentum ? options->degree : options->degree - 1;
     const char *form = name[system->form], *form_of = form_name[system->form];
     jet_text_add(text,
                  "enum {\n    CURVE_RISE = %d, CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d,\n"
-                 "    CURVE_TOP = tvi_series_top, CURVE_INPUTS = %d, CURVE_USES_TIME = %d\n};\n#define CURVE_FORM %s\n",
+                 "    CURVE_TOP = tvi_series_top, CURVE_INPUTS = %d, CURVE_USES_TIME = %d,\n"
+                 "    CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d\n};\n#define CURVE_FORM %s\n",
                  system->form == TVI_SEPARABLE ? 2 : 1, lanes, lanes > 0 ? 2 * system->n % lanes : 0, system->n,
-                 system->inputs, system->uses_time, form_of);
+                 system->inputs, system->uses_time, options->degree, p_degree, form_of);
     jet_text_add(text, "#define CURVE_ADVANCE tvi_advance_%s\n#define CURVE_TANGENTS tvi_tangents_%s\n", form, form);
 }
 
@@ -66,7 +68,7 @@ static void emit_blocks(jet_text *text, const char *name, int rest)
 }
 
 /* The functions that were defined, of all that there are. */
-enum { OF_ALL = 1, OF_MATRICES = 2, OF_PRODUCTS = 4, OF_SEEDS = 8, OF_STEPS = 16 };
+enum { OF_ALL = 1, OF_MATRICES = 2, OF_PRODUCTS = 4, OF_SEEDS = 8, OF_STEPS = 16, OF_REACH = 32 };
 static void emit_table(jet_text *text, const char *name, int has)
 {
     jet_text_add(text, "static const tvi_curve_code %s = {.top = tvi_series_top, ", name);
@@ -76,6 +78,7 @@ static void emit_table(jet_text *text, const char *name, int has)
     } all[] = {{"expand", OF_ALL},    {"sum", OF_ALL},      {"sizes", OF_ALL},
                {"measure", OF_ALL},   {"tail", OF_ALL},     {"push", OF_MATRICES | OF_PRODUCTS},
                {"pull", OF_MATRICES}, {"aim", OF_PRODUCTS}, {"sum_jacobian", OF_MATRICES},
+               {"reach", OF_REACH},   {"end_at", OF_REACH}, {"change", OF_REACH},
                {"seed", OF_SEEDS},    {"step", OF_STEPS},   {"differentiate", OF_MATRICES}};
     for (size_t i = 0; i < sizeof all / sizeof *all; i++)
         if (has & all[i].of) jet_text_add(text, ".%s = %s_%s, ", all[i].name, name, all[i].name);
@@ -91,8 +94,9 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     const tvi_action shape = tvi_action_of(system, options);
     const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_are_plain(&shape);
     const bool has_step = has_seed && lanes > 0 && expanded->close == tvi_close_mean && 2 * system->n <= LINEAR_SMALL;
+    const bool has_reach = !expanded->close;
     if (has_step) emit_slp(text);
-    emit_sizes(text, system, lanes);
+    emit_sizes(text, system, options, lanes);
     emit_output(text, system->field_series, name, "output", "CURVE_SLOT");
     emit_output(text, system->field_values, name, "values", "CURVE_VALUES_SLOT");
     emit_values(text, has_seed);
@@ -104,9 +108,10 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     else if (lanes > 0) emit_blocks(text, name, 2 * system->n % lanes);
     if (has_seed) emit_shape(text, &shape, name), jet_text_add(text, "CURVE_EMITTED_SEED(%s)\n", name);
     if (has_step) jet_text_add(text, "CURVE_EMITTED_STEP(%s)\n", name);
+    if (has_reach) jet_text_add(text, "CURVE_EMITTED_REACH(%s)\n", name);
     emit_table(text, name,
                OF_ALL | (lanes > 0 ? OF_MATRICES : 0) | (has_products ? OF_PRODUCTS : 0) | (has_seed ? OF_SEEDS : 0) |
-                   (has_step ? OF_STEPS : 0));
+                   (has_step ? OF_STEPS : 0) | (has_reach ? OF_REACH : 0));
 }
 
 void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)

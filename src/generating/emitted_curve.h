@@ -7,6 +7,7 @@
 
 #include "generating/advance.h"
 #include "generating/curve_step.h"
+#include "generating/reach.h"
 #include "generating/seeds.h"
 #include "generating/tangents.h"
 
@@ -51,6 +52,14 @@
     }                                                                                                                  \
     static void NAME##_measure(const tvi_curve *curve) { curve_measure(curve); }                                       \
     static double NAME##_tail(const tvi_curve *curve) { return curve_tail(curve); }
+
+#define CURVE_EMITTED_REACH(NAME)                                                                                      \
+    static double NAME##_reach(const tvi_curve *curve, double tolerance) { return curve_reach(curve, tolerance); }     \
+    static void NAME##_end_at(tvi_curve *curve, double factor, double q[], double u[])                                 \
+    {                                                                                                                  \
+        curve_end_at(curve, factor, q, u);                                                                             \
+    }                                                                                                                  \
+    static double NAME##_change(const tvi_curve *curve) { return curve_change(curve); }
 
 #define CURVE_EMITTED_MATRICES(NAME)                                                                                   \
     static void NAME##_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])       \

@@ -327,6 +327,10 @@ typedef struct tvi_curve_code {
     void (*sum)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*measure)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
+    /* Of steps that adapt. */
+    double (*reach)(const tvi_curve *curve, double tolerance);
+    void (*end_at)(tvi_curve *curve, double factor, double q[], double u[]);
+    double (*change)(const tvi_curve *curve);
     void (*sum_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
     void (*aim)(tvi_curve *curve, const double dz[]);
     void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);

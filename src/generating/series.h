@@ -51,6 +51,7 @@ typedef struct {
     double *dz;             /* [2n] the direction of pushes */
     double *by_U;           /* [2n] a pull's part by dU */
     double *pushed;         /* [n][2n] the Jacobian of a push */
+    double *per, *log_of;   /* [top + 2] 1 / k and log k */
     int q_degree, p_degree; /* of the tail, */
     tvi_combination q_sizes, u_sizes;
     double *movement, *momentum; /* [n] and what these sums are */
@@ -79,6 +80,19 @@ static inline int curve_top(const tvi_curve *curve)
 {
     (void)curve;
     return CURVE_SIZE(CURVE_TOP, curve->top);
+}
+
+/* The degrees to which Q and P are summed. */
+static inline int curve_q_degree(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_Q_DEGREE, curve->q_degree);
+}
+
+static inline int curve_p_degree(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(CURVE_P_DEGREE, curve->p_degree);
 }
 
 static inline int curve_inputs(const tvi_curve *curve)
@@ -243,7 +257,7 @@ static inline void curve_sum(const tvi_curve *curve, const tvi_combination *comb
 /* p = |U_0| + sum k |U_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
 static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
 {
-    const int q_degree = curve->q_degree, p_degree = curve->p_degree;
+    const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
     const double momentum = curve->momentum[i], movement = curve->movement[i];
     return (tvi_tail_part){.momentum = momentum,
@@ -265,7 +279,7 @@ static inline double curve_tail(const tvi_curve *curve)
 {
     const bool has_masses = curve_form(curve) == TVI_SEPARABLE;
     tvi_tail_survey survey = {0, 0, 0};
-    if (curve->p_degree < 2) return 0;
+    if (curve_p_degree(curve) < 2) return 0;
     for (int i = 0; i < curve_n(curve); i++) {
         const tvi_tail_part part = curve_tail_part(curve, i);
         tvi_tail_look(&survey, &part, has_masses);
@@ -277,6 +291,25 @@ static inline double curve_tail(const tvi_curve *curve)
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;
+}
+
+/* |q'| |dp| + |p'| |dq| with what the last two terms are, of which one may happen to be small: terms of which each is
+ * three quarters of the one before it add up to three times the last. */
+static inline double curve_change(const tvi_curve *curve)
+{
+    enum { OFTEN = 8 };
+    double sum = 0;
+    const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
+    if (p_degree < 2) return INFINITY;
+    for (int i = 0; i < curve_n(curve); i++) {
+        double of_q = 0, of_p = 0;
+        for (int last = 0; last < 2; last++) {
+            of_q += fabs(tvi_curve_Q(curve, q_degree - last)[i]);
+            of_p += fabs(tvi_curve_U(curve, p_degree - last, i));
+        }
+        sum += (curve->movement[i] * of_p + curve->momentum[i] * of_q) / fabs(curve->kappa[i]);
+    }
+    return OFTEN * sum / fabs(curve->tau);
 }
 
 #endif

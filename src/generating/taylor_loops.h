@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 #define TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 
+#include "generating/taylor_sweep.h"
 #include "system/system.h"
 
 /* The block of the series: order k of row i of member m stands at x[k * stride + i * width + m]. */
@@ -15,18 +16,6 @@ typedef struct {
     double *x;
     bool has_masses; /* a separable system */
 } tvi_taylor_lanes;
-
-/* Rows x_k of one curve, k = least .. degree, [components], `stride` apart. */
-typedef struct {
-    int components, least, degree;
-    size_t stride;
-    bool has_slope;
-} tvi_taylor_rows;
-
-/* Their sums, [components]: of x_k and k |x_k|, and of rows with a slope those of k x_k and (k - 1) k |x_k|. */
-typedef struct {
-    double *rise, *size, *slope, *bend;
-} tvi_taylor_sums;
 
 typedef struct {
     /* The curve's coefficients that order k of the field gives (docs/method.md section 2). */
