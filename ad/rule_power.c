@@ -213,13 +213,16 @@ bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
                          : gravity(7, 4, width, a, z);
 }
 
-/* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). */
+/* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). The term with a_k, which is
+ * known last, comes in one operation. */
 #define POW_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         const V inverse = 1 / ((double)k * S(V, a, 0));                                                                \
-        JET_SUM(V, sum, 1, k, ((c + 1) * j - k) * S(V, z, k - j) * S(V, a, j));                                        \
-        JET_AT(V, z, k) = sum * inverse;                                                                               \
+        JET_SUM(V, sum, 1, k - 1, ((c + 1) * (k - j) - k) * S(V, a, k - j) * S(V, z, j));                              \
+        const V last = c * k * S(V, z, 0);                                                                             \
+        JET_AT(V, z, k) = JET_KNOWS(k) ? sum * inverse + last * inverse * S(V, a, k)                                   \
+                                       : (sum + last * S(V, a, k)) * inverse;                                          \
     }
 
 /* k a_0 dz_k = sum_{j=1}^{k} (c j - (k-j)) (a_j dz_{k-j} + z_{k-j} da_j) - k z_k da_0;   dz_0 = c z_0 / a_0 da_0. */

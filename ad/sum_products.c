@@ -36,19 +36,14 @@ JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const dou
                     terms);
 }
 
-/* sum_t += sum_{j=from}^{to} term(t, j) for all t at once. */
+/* sum_t += sum_{j=from}^{to} term(t, j) for all t at once; what is known last is in the last term. */
 #define SUMS(V, sum, from, to, term)                                                                                   \
     if (terms == 1) {                                                                                                  \
         const int t = 0;                                                                                               \
         JET_SUM(V, sum[0], from, to, term);                                                                            \
-    } else {                                                                                                           \
-        const int least = (from), most = (to);                                                                         \
-        const bool downwards = JET_KNOWS(least + most);                                                                \
-        for (int next = least; next <= most; next++) {                                                                 \
-            const int j = downwards ? least + most - next : next;                                                      \
-            for (int t = 0; t < terms; t++) sum[t] += term;                                                            \
-        }                                                                                                              \
-    }
+    } else                                                                                                             \
+        for (int j = (from), most = (to); j <= most; j++)                                                              \
+            for (int t = 0; t < terms; t++) sum[t] += term;
 
 /* ---- Values ------------------------------------------------------------------------------------------------------ */
 
@@ -101,7 +96,7 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* z_k = sum_t c_t sum_{j=0}^{k} a_j b_{k-j}.   O(N^2). */
 #define PRODUCTS_ORDER(V, A, B)                                                                                        \
     V sum[JET_TERMS_MAX] = {0};                                                                                        \
-    SUMS(V, sum, 0, k, A(V, p.a[t], j) * B(V, p.b[t], k - j))                                                          \
+    SUMS(V, sum, 0, k, A(V, p.a[t], k - j) * B(V, p.b[t], j))                                                          \
     V total = p.c[0] * sum[0];                                                                                         \
     for (int t = 1; t < terms; t++) total += p.c[t] * sum[t];
 #define PRODUCTS_SERIES(V, S)                                                                                          \
@@ -113,14 +108,33 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* z_k = sum_t c_t (2 sum_{j < k/2} a_j a_{k-j} + (a_{k/2}^2 for even k)). */
 #define SQUARE(V, S, t)                                                                                                \
     (p.c[t] * (2.0 * sum[t] + (k % 2 == 0 ? 1.0 : 0.0) * (S(V, p.a[t], k / 2) * S(V, p.a[t], k / 2))))
+#define SQUARES_ORDER(V, S)                                                                                            \
+    const int half = (k - 1) / 2;                                                                                      \
+    V sum[JET_TERMS_MAX] = {0};                                                                                        \
+    SUMS(V, sum, 0, half, S(V, p.a[t], half - j) * S(V, p.a[t], k - half + j))                                         \
+    V total = SQUARE(V, S, 0);                                                                                         \
+    for (int t = 1; t < terms; t++) total += SQUARE(V, S, t);
 #define SQUARES_SERIES(V, S)                                                                                           \
     {                                                                                                                  \
-        V sum[JET_TERMS_MAX] = {0};                                                                                    \
-        SUMS(V, sum, 0, (k - 1) / 2, S(V, p.a[t], j) * S(V, p.a[t], k - j))                                            \
-        V total = SQUARE(V, S, 0);                                                                                     \
-        for (int t = 1; t < terms; t++) total += SQUARE(V, S, t);                                                      \
+        SQUARES_ORDER(V, S)                                                                                            \
         JET_AT(V, z, k) = total;                                                                                       \
     }
+
+#ifdef JET_EMITTED
+/* Whether a sum of two squares is one of neighbours with the same coefficient, which are one vector. */
+JET_INLINE bool are_neighbours(const products *p, int count, int terms)
+{
+    return terms == 2 && count == 1 && p->a[1] == p->a[0] + 1 && p->c[0] == p->c[1];
+}
+
+JET_INLINE void squares_of_neighbours(products p, double *z, size_t stride, int k)
+{
+    const size_t here = 0;
+    const int terms = 1;
+    SQUARES_ORDER(jet_v2, JET_OF)
+    JET_AT(jet_v1, z, k) = total[0] + total[1];
+}
+#endif
 
 JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, int k, size_t lanes, bool squares,
                           int terms)
@@ -129,6 +143,12 @@ JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, i
     const size_t stride = (size_t)tape->slots * lanes;
     const int width = run->count * (int)lanes;
     double *z = x + (size_t)run->z * lanes;
+#ifdef JET_EMITTED
+    if (squares && are_neighbours(&p, width, terms)) {
+        squares_of_neighbours(p, z, stride, k);
+        return;
+    }
+#endif
     if (squares) JET_BLOCKS(width, SQUARES_SERIES, JET_OF);
     else JET_BLOCKS(width, PRODUCTS_SERIES, JET_OF);
 }
@@ -143,8 +163,10 @@ JET_INLINE void twin_series_of(const jet_tape *tape, const jet_run *run, const j
     const int terms = 1;
     double *z = x + (size_t)k * stride;
     PRODUCTS_ORDER(jet_v2, JET_OF, JET_ONE_OF)
-    z[run->z] = total[is_first ? 0 : 1];
-    z[twin->z] = total[is_first ? 1 : 0];
+    const int low = is_first ? run->z : twin->z, high = is_first ? twin->z : run->z;
+    if (high == low + 1) *(jet_v2 *)(z + low) = total;
+    else if (low == high + 1) *(jet_v2 *)(z + high) = JET_TURNED(total);
+    else z[low] = total[0], z[high] = total[1];
 }
 #endif
 
@@ -165,8 +187,8 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
         SUMS(V, sum, 0, k,                                                                                             \
-             S(V, p.b[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j) +                                            \
-                 S(V, p.a[t] + i, j) * JET_D_OF(V, d.b[t] + i * lanes, k - j))                                         \
+             S(V, p.b[t] + i, k - j) * JET_D_OF(V, d.a[t] + i * lanes, j) +                                            \
+                 S(V, p.a[t] + i, k - j) * JET_D_OF(V, d.b[t] + i * lanes, j))                                         \
         for (int t = 0; t < terms; t++) total += p.c[t] * sum[t];                                                      \
         JET_D_AT(V, dz, k) = total;                                                                                    \
     }
@@ -175,7 +197,7 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
 #define SQUARES_TANGENT(V, S)                                                                                          \
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0}, total = {0};                                                                       \
-        SUMS(V, sum, 0, k, S(V, p.a[t] + i, j) * JET_D_OF(V, d.a[t] + i * lanes, k - j))                               \
+        SUMS(V, sum, 0, k, S(V, p.a[t] + i, k - j) * JET_D_OF(V, d.a[t] + i * lanes, j))                               \
         for (int t = 0; t < terms; t++) total += 2 * p.c[t] * sum[t];                                                  \
         JET_D_AT(V, dz, k) = total;                                                                                    \
     }
@@ -237,7 +259,7 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
 #define SQUARES_ADJOINT(V, S)                                                                                          \
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0};                                                                                    \
-        SUMS(V, sum, k, top, S(V, zbar, j) * S(V, p.a[t], j - k))                                                      \
+        SUMS(V, sum, k, top, S(V, zbar, k + top - j) * S(V, p.a[t], top - j))                                          \
         for (int t = 0; t < terms; t++) JET_AT(V, abar[t], k) += 2 * p.c[t] * sum[t];                                  \
     }
 

@@ -33,6 +33,13 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
 #define JET_SHUFFLE_8(a, b, ...) ((jet_v8)__builtin_shuffle(a, b, (JET_MASK(jet_v8)){__VA_ARGS__}))
 #endif
 
+/* The two numbers of x in turn. */
+#ifdef __clang__
+#define JET_TURNED(x) ((jet_v2)__builtin_shufflevector(x, x, 1, 0))
+#else
+#define JET_TURNED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
+#endif
+
 /* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \
     for (; here + 8 <= (width); here += 8) BODY(jet_v8, S)

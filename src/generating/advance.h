@@ -4,6 +4,9 @@
 #define TVI_SRC_GENERATING_ADVANCE_H
 
 #include "vector.h"
+#ifdef __FMA__
+#include <immintrin.h>
+#endif
 
 typedef struct {
     int n;
@@ -26,13 +29,32 @@ static inline double tvi_quotient(double x, double divisor)
 #endif
 }
 
+/* The same of two. */
+static inline jet_v2 tvi_quotients(jet_v2 x, double divisor)
+{
+#ifdef __FMA__
+    const double by = 1 / divisor, by_low = __builtin_fma(-by, divisor, 1) * by;
+    return _mm_fmadd_pd(x, _mm_set1_pd(by), x * by_low);
+#else
+    return x / divisor;
+#endif
+}
+
 /* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps,
  * and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
 static inline void tvi_advance_separable(const tvi_recurrence *of, int k)
 {
     const double divisor = (k + 1) * (k + 2), *field = of->x + (size_t)k * of->stride;
     double *next = of->x + (size_t)(k + 2) * of->stride;
-    for (int i = 0; i < of->n; i++) next[i] = tvi_quotient(of->kappa[i] * field[of->output[i]] * of->tau, divisor);
+    const int *at = of->output;
+    int i = 0;
+#ifdef JET_EMITTED
+    for (; i + 2 <= of->n; i += 2) {
+        const jet_v2 force = {field[at[i]], field[at[i + 1]]};
+        *(jet_v2 *)(next + i) = tvi_quotients(*(const jet_v2 *)(of->kappa + i) * force * of->tau, divisor);
+    }
+#endif
+    for (; i < of->n; i++) next[i] = tvi_quotient(of->kappa[i] * field[at[i]] * of->tau, divisor);
 }
 
 static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
