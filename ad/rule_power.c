@@ -214,15 +214,19 @@ bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
 }
 
 /* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). The term with a_k, which is
- * known last, comes in one operation. */
+ * known last, comes in one operation. Where all orders of one number are known to the compiler, the others are
+ * (c+1) sum i a_i z_{k-i} - k sum a_i z_{k-i} in one vector, and the two numbers that it has of a_i serve all k. */
 #define POW_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        const V inverse = 1 / ((double)k * S(V, a, 0));                                                                \
-        JET_SUM(V, sum, 1, k - 1, ((c + 1) * (k - j) - k) * S(V, a, k - j) * S(V, z, j));                              \
-        const V last = c * k * S(V, z, 0);                                                                             \
-        JET_AT(V, z, k) = JET_KNOWS(k) ? sum * inverse + last * inverse * S(V, a, k)                                   \
-                                       : (sum + last * S(V, a, k)) * inverse;                                          \
+        const V inverse = 1 / ((double)k * S(V, a, 0)), last = c * k * S(V, z, 0);                                     \
+        if (JET_KNOWS(k) && sizeof(V) == sizeof(double)) {                                                             \
+            jet_v2 both = {0};                                                                                         \
+            JET_SUM(jet_v2, both, 1, k - 1, ((jet_v2){(c + 1) * (k - j), 1} * S(jet_v1, a, k - j)) * S(jet_v1, z, j)); \
+            sum += both[0] - k * both[1];                                                                              \
+        } else JET_SUM(V, sum, 1, k - 1, ((c + 1) * (k - j) - k) * S(V, a, k - j) * S(V, z, j));                       \
+        JET_AT(V, z, k) =                                                                                              \
+            JET_KNOWS(k) ? sum * inverse + last * inverse * S(V, a, k) : (sum + last * S(V, a, k)) * inverse;          \
     }
 
 /* k a_0 dz_k = sum_{j=1}^{k} (c j - (k-j)) (a_j dz_{k-j} + z_{k-j} da_j) - k z_k da_0;   dz_0 = c z_0 / a_0 da_0. */
