@@ -260,7 +260,7 @@ enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
 
 /* The curve from the start of the step, and its tau: a power of 2 near its reach, or near the farthest it may go; from
  * a good guess that is one expansion. *reach is what serves the tolerance, without sign. */
-static tvi_status expand_within(attempt *a, double tolerance, double guess, double most, double *reach)
+static tvi_status expand_within(attempt *a, double guess, double most, double *reach)
 {
     const work *w = a->work;
     const tvi_curve *curve = &w->closure.curve;
@@ -273,7 +273,7 @@ static tvi_status expand_within(attempt *a, double tolerance, double guess, doub
         if (status == TVI_OK) status = expand(a, w->z, centre(a));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double part = 0; /* where the coefficients overflow */
-        if (status == TVI_OK) part = tvi_curve_reach(curve, tolerance);
+        if (status == TVI_OK) part = tvi_curve_reach(curve, w->log_tolerance);
         *reach = part * fabs(a->tau);
         if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
         const int wanted = part == 0 ? -4 * WIDE_BITS : isfinite(part) ? ilogb(part) : highest - exponent;
@@ -289,7 +289,11 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     tvi_curve *curve = &w->closure.curve;
     attempt a = {w, origin, 0, stats};
     double reach;
-    const tvi_status status = expand_within(&a, tolerance, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
+    if (tolerance != w->tolerance) {
+        w->tolerance = tolerance;
+        w->log_tolerance = log(tolerance);
+    }
+    const tvi_status status = expand_within(&a, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
     if (status != TVI_OK) return status;
     if (reach < fabs(*h)) {
         *h = copysign(reach, *h);

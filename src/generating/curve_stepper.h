@@ -24,6 +24,7 @@ typedef struct tvi_curve_work {
     double *dz;                         /* [2n] what z lacks at the end of the passes */
     double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
     double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
+    double tolerance, log_tolerance;    /* of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
 } tvi_curve_work;

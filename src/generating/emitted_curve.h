@@ -54,7 +54,10 @@
     static double NAME##_tail(const tvi_curve *curve) { return curve_tail(curve); }
 
 #define CURVE_EMITTED_REACH(NAME)                                                                                      \
-    static double NAME##_reach(const tvi_curve *curve, double tolerance) { return curve_reach(curve, tolerance); }     \
+    static double NAME##_reach(const tvi_curve *curve, double log_tolerance)                                           \
+    {                                                                                                                  \
+        return curve_reach(curve, log_tolerance);                                                                      \
+    }                                                                                                                  \
     static void NAME##_end_at(tvi_curve *curve, double factor, double q[], double u[])                                 \
     {                                                                                                                  \
         curve_end_at(curve, factor, q, u);                                                                             \

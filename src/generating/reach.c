@@ -6,9 +6,9 @@
 
 static bool has_code(const tvi_curve *curve) { return curve->code && curve->code->reach; }
 
-double tvi_curve_reach(const tvi_curve *curve, double tolerance)
+double tvi_curve_reach(const tvi_curve *curve, double log_tolerance)
 {
-    return has_code(curve) ? curve->code->reach(curve, tolerance) : curve_reach(curve, tolerance);
+    return has_code(curve) ? curve->code->reach(curve, log_tolerance) : curve_reach(curve, log_tolerance);
 }
 
 void tvi_curve_end_at(tvi_curve *curve, double factor, double q[], double u[])

@@ -15,96 +15,100 @@
 
 /* -log of the last term's part of a tolerance: 2 of theirs, and 3 for what errors gain in tens of revolutions. */
 static const double REACH_SAFETY = 5;
-/* The coefficients looked at, at the start, and at the end, where two in a row may happen to be small. */
-enum { REACH_SIZED_BY = 2, REACH_LAST = 3 };
+/* The coefficients looked at, at the start, and at the end, where two in a row may happen to be small. Of q one more at
+ * the start, for p_k = (k + 1) q_{k+1} of a separable system. */
+enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
 
-/* Coefficients that are not 0, in the order in which they are found: log max_i |x_k|. */
+/* log max_i |x_k|; -INFINITY where there is none. */
 typedef struct {
-    int count, k[REACH_LAST];
-    double log[REACH_LAST];
-} reach_list;
+    int k;
+    double log;
+} reach_term;
 
-static inline void reach_add(reach_list *list, int k, double size)
-{
-    if (size == 0) return;
-    list->k[list->count] = k;
-    list->log[list->count++] = log(size);
-}
+/* Coefficients that are not 0, from the first and from the last one on. */
+typedef struct {
+    reach_term first[REACH_FIRST], last[REACH_LAST];
+} reach_ends;
 
 /* Of q, or of p in the unit of kappa p, so that masses do not show. */
 static inline double reach_size(const tvi_curve *curve, bool of_momentum, int k)
 {
-    if (!of_momentum) return tvi_largest(curve_n(curve), tvi_curve_Q(curve, k), 1);
     double size = 0;
-    for (int i = 0; i < curve_n(curve); i++) size = tvi_larger(fabs(tvi_curve_U(curve, k, i)), size);
+    for (int i = 0; i < curve_n(curve); i++)
+        size = tvi_larger(fabs(of_momentum ? tvi_curve_U(curve, k, i) : tvi_curve_Q(curve, k)[i]), size);
+    TVI_ALONE(size);
     return size;
 }
 
-/* The first ones and the last ones; of Q one more at the start, for p_k = (k + 1) q_{k+1} of a separable system. */
-typedef struct {
-    reach_list first, last;
-} reach_ends;
-
-static inline reach_ends reach_ends_of(const tvi_curve *curve, bool of_momentum, int degree)
+/* The first one from order k on, before `end`. */
+static inline reach_term reach_find(const tvi_curve *curve, bool of_momentum, int k, int step, int end)
 {
-    reach_ends ends = {{.count = 0}, {.count = 0}};
-    const int firsts = REACH_SIZED_BY + (curve_form(curve) == TVI_SEPARABLE);
-    for (int k = 0; k < degree && ends.first.count < firsts; k++)
-        reach_add(&ends.first, k, reach_size(curve, of_momentum, k));
-    for (int k = degree; k > 1 && ends.last.count < REACH_LAST; k--)
-        reach_add(&ends.last, k, reach_size(curve, of_momentum, k));
-    return ends;
+    double size = 0;
+    while (step * (end - k) > 0 && (size = reach_size(curve, of_momentum, k)) == 0) k += step;
+    return (reach_term){k, size == 0 ? -INFINITY : log(size)};
+}
+
+static inline void reach_find_ends(const tvi_curve *curve, bool of_momentum, int degree, reach_ends *ends)
+{
+    for (int i = 0, k = 0; i < REACH_FIRST; i++, k++) {
+        ends->first[i] = reach_find(curve, of_momentum, k, 1, degree);
+        k = ends->first[i].k;
+    }
+    for (int i = 0, k = degree; i < REACH_LAST; i++, k--) {
+        ends->last[i] = reach_find(curve, of_momentum, k, -1, 1);
+        k = ends->last[i].k;
+    }
 }
 
 /* log |(k + 1) q_{k+1}|. */
-static inline reach_list reach_slope(const tvi_curve *curve, const reach_list *of_q)
+static inline reach_term reach_slope(const tvi_curve *curve, reach_term q)
 {
-    reach_list list = {.count = 0};
-    for (int i = 0; i < of_q->count; i++) {
-        const int k = of_q->k[i];
-        if (k == 0) continue;
-        list.k[list.count] = k - 1;
-        list.log[list.count++] = of_q->log[i] + curve->log_of[k];
-    }
-    return list;
+    return (reach_term){q.k - 1, q.log + curve->log_of[q.k]};
+}
+
+static inline void reach_find_slopes(const tvi_curve *curve, const reach_ends *q, reach_ends *p)
+{
+    const bool has_place = q->first[0].k == 0;
+    for (int i = 0; i < REACH_SIZED_BY; i++)
+        p->first[i] = reach_slope(curve, has_place ? q->first[i + 1] : q->first[i]);
+    for (int i = 0; i < REACH_LAST; i++) p->last[i] = reach_slope(curve, q->last[i]);
 }
 
 /* log of the largest s with s^k |x_k| <= part max |x_j| s^j, of the first x_j: the size of x along the curve is that of
  * the largest of their terms. No branches: which of two is the larger changes from step to step. */
-static inline double reach_of_term(const tvi_curve *curve, const reach_list *first, int k, double log_k,
-                                   double log_part)
+static inline double reach_of_term(const tvi_curve *curve, const reach_term first[], reach_term x, double log_part)
 {
-    double reach[REACH_SIZED_BY];
+    double farthest = -INFINITY;
     for (int i = 0; i < REACH_SIZED_BY; i++) {
-        const bool is_before = i < first->count && first->k[i] < k;
-        const int apart = is_before ? k - first->k[i] : 1;
-        reach[i] = is_before ? (log_part + first->log[i] - log_k) * curve->per[apart] : -INFINITY;
+        const int apart = x.k - first[i].k;
+        double reach = apart > 0 ? (log_part + first[i].log - x.log) * curve->per[apart] : -INFINITY;
+        TVI_ALONE(reach);
+        farthest = tvi_larger(reach, farthest);
     }
-    const double farthest = tvi_larger(reach[0], reach[1]);
-    return isfinite(farthest) ? farthest : INFINITY;
+    return farthest > -INFINITY ? farthest : INFINITY;
 }
 
 /* log of the least reach of the last coefficients. */
 static inline double reach_of(const tvi_curve *curve, const reach_ends *ends, int degree, double log_part)
 {
-    double reach = INFINITY;
-    for (int i = 0; i < ends->last.count; i++) {
-        const int k = ends->last.k[i];
-        if (k <= 1) continue;
-        const double part = log_part * k * curve->per[degree];
-        reach = tvi_smaller(reach_of_term(curve, &ends->first, k, ends->last.log[i], part), reach);
+    double least = INFINITY;
+    for (int i = 0; i < REACH_LAST; i++) {
+        const reach_term x = ends->last[i];
+        double reach = x.k > 1 ? reach_of_term(curve, ends->first, x, log_part * x.k * curve->per[degree]) : INFINITY;
+        TVI_ALONE(reach);
+        least = tvi_smaller(reach, least);
     }
-    return reach;
+    return least;
 }
 
-static inline double curve_reach(const tvi_curve *curve, double tolerance)
+static inline double curve_reach(const tvi_curve *curve, double log_tolerance)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
-    const double log_part = log(tolerance) - REACH_SAFETY;
-    const reach_ends q = reach_ends_of(curve, false, q_degree);
-    reach_ends p;
-    if (curve_form(curve) == TVI_SEPARABLE) p = (reach_ends){reach_slope(curve, &q.first), reach_slope(curve, &q.last)};
-    else p = reach_ends_of(curve, true, p_degree);
+    const double log_part = log_tolerance - REACH_SAFETY;
+    reach_ends q, p;
+    reach_find_ends(curve, false, q_degree, &q);
+    if (curve_form(curve) == TVI_SEPARABLE) reach_find_slopes(curve, &q, &p);
+    else reach_find_ends(curve, true, p_degree, &p);
     return exp(tvi_smaller(reach_of(curve, &q, q_degree, log_part), reach_of(curve, &p, p_degree, log_part)));
 }
 

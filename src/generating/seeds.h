@@ -328,7 +328,7 @@ typedef struct tvi_curve_code {
     void (*measure)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
     /* Of steps that adapt. */
-    double (*reach)(const tvi_curve *curve, double tolerance);
+    double (*reach)(const tvi_curve *curve, double log_tolerance);
     void (*end_at)(tvi_curve *curve, double factor, double q[], double u[]);
     double (*change)(const tvi_curve *curve);
     void (*sum_jacobian)(const tvi_curve *curve, const tvi_combination *combination, double matrix[]);
