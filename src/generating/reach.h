@@ -147,14 +147,25 @@ static inline void reach_sweep_separable(const tvi_curve *curve, const double po
     }
 }
 
+/* power[k] = factor^k, k = 0 .. top and up to 3 more, in chains that do not wait for each other. */
+enum { REACH_CHAINS = 4 };
+static inline void reach_powers(double factor, int top, double power[])
+{
+    const double second = factor * factor, fourth = second * second;
+    double next[REACH_CHAINS] = {1, factor, second, second * factor};
+    for (int k = 0; k <= top; k += REACH_CHAINS)
+        for (int i = 0; i < REACH_CHAINS; i++) {
+            power[k + i] = next[i];
+            next[i] *= fourth;
+        }
+}
+
 static inline void curve_end_at(tvi_curve *curve, double factor, double q[], double u[])
 {
     const int n = curve_n(curve), q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
     const tvi_form form = curve_form(curve);
-    double power[TVI_MAX_DEGREE + 2];
-    power[0] = 1;
-    power[1] = factor;
-    for (int k = 2; k <= curve_top(curve); k++) power[k] = power[k / 2] * power[k - k / 2];
+    double power[TVI_MAX_DEGREE + 1 + REACH_CHAINS];
+    reach_powers(factor, curve_top(curve), power);
     curve->tau *= factor;
     if (form == TVI_SEPARABLE) {
         reach_sweep_separable(curve, power, q, u);
