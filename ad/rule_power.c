@@ -154,7 +154,12 @@ JET_INLINE bool in_blocks(powers_of_block *of_block, int k, int powers, int widt
         of_block(k, powers, block, power);
         for (int i = 0; i < powers; i++) OF_ROOTS(storeu_pd)(z + i * width + w, power[i]);
     }
-    if (w < width) {
+    if (w + 1 == width) { /* of a number alone no vector waits that it is stored */
+        const roots block = OF_ROOTS(set1_pd)(a[w]);
+        outside |= a[w] <= 0;
+        of_block(k, powers, block, power);
+        for (int i = 0; i < powers; i++) z[i * width + w] = power[i][0];
+    } else if (w < width) {
         const roots_mask rest = ROOTS_FIRST(width - w);
         const roots block = ROOTS_CHOOSE(rest, ROOTS_LOAD(rest, a + w), OF_ROOTS(set1_pd)(1));
         outside |= ROOTS_ARE(ROOTS_WHERE(block, _CMP_LE_OQ, OF_ROOTS(setzero_pd)()));
