@@ -74,7 +74,8 @@ double tvi_curve_change(const tvi_curve *curve);
 
 /* ---- Steps that adapt (reach.h) ---------------------------------------------------------------------------------- */
 
-/* The largest s at which the curve, of Q and P to the tail's degrees, serves a tolerance; INFINITY where it is exact. */
+/* The largest s at which the curve, of Q and P to the tail's degrees, serves a tolerance; INFINITY where it is exact.
+ */
 double tvi_curve_reach(const tvi_curve *curve, double log_tolerance);
 
 /* The same curve in s / factor: tau and its coefficients, of q and p; and in the same sweep its rise from 0 to 1, of q

@@ -2,7 +2,7 @@
  * double (docs/method.md section 6):
  *     separable      d = h^2 M^-1 F(Q) - Q'',      dq = Q(1) - q + int (1 - s) d,   h M^-1 dp = Q'(1) - Q'(0) + int d,
  *     Hamiltonian    d = h (H_p, -H_q)(X) - X',    (dq, dp) = X(1) - X(0) + int d,
- * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of reach.c coefficient k is
+ * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of reach.h coefficient k is
  * e^(-2 k) of the state, and so is its roundoff: high ones are summed in double precision, and d is nearly a polynomial
  * of low degree, for which Gauss' two nodes do. */
 #include "generating/refine.h"

@@ -119,6 +119,42 @@ START_TEST(compiled_steps_are_those_of_the_tape)
 }
 END_TEST
 
+/* Runs to a tolerance, whose errors are far above roundoff: all steps have the sizes that they have on the tape. */
+static const scene *const adaptive[] = {&scene_kepler, &scene_solar, &scene_magnetic, &scene_vortices,
+                                        &scene_double_pendulum};
+enum { ADAPTIVE = sizeof adaptive / sizeof *adaptive };
+
+START_TEST(compiled_runs_to_a_tolerance)
+{
+    const scene *s = adaptive[_i];
+    systems its;
+    const tvi_system *system = open_systems(&(whose){s, 0, false}, &its);
+    tvi_options options;
+    tvi_compiled *code;
+    motion end[2];
+    tvi_stats stats[2];
+    ck_assert_int_eq(tvi_options_named("taylor", 8, &options), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &usual), TVI_OK);
+    for (int i = 0; i < 2; i++) {
+        tvi_integrator *integrator;
+        motion *m = &end[i];
+        *m = motion_start(s);
+        options.compiled = i > 0 ? code : NULL;
+        ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+        ck_assert_int_eq(tvi_integrate_tolerance(integrator, 1e-6, s->t_end / 10, &m->t, m->q, m->p, NULL, NULL),
+                         TVI_OK);
+        stats[i] = *tvi_integrator_stats(integrator);
+        tvi_integrator_free(integrator);
+    }
+    ck_assert(stats[1].is_compiled && !stats[0].is_compiled);
+    ck_assert_int_eq(stats[1].steps, stats[0].steps);
+    ck_assert_double_eq_tol(stats[1].tail, stats[0].tail, 1e-9 * stats[0].tail + DBL_EPSILON);
+    ck_assert_double_le(motion_difference(s->n, &end[0], &end[1]), 1e-12);
+    tvi_compiled_free(code);
+    free_systems(&its);
+}
+END_TEST
+
 typedef struct {
     motion m, middle; /* at the end of the run, and in the middle of its last step */
     tvi_stats stats;
@@ -304,6 +340,7 @@ Suite *suite_same(void)
     tcase_set_timeout(same, 600);
     tcase_set_timeout(control, 60);
     tcase_add_loop_test(same, compiled_steps_are_those_of_the_tape, 0, RUNS);
+    tcase_add_loop_test(same, compiled_runs_to_a_tolerance, 0, ADAPTIVE);
     tcase_add_loop_test(same, steps_fail_as_those_of_the_tape, 0, 3);
     tcase_add_test(same, tails_are_of_the_last_step_that_was_made);
     tcase_add_loop_test(same, steps_in_a_row_are_those_one_by_one, 0, 7);
