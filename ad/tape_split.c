@@ -2,6 +2,7 @@
 #include "rule.h"
 #include "split.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 typedef struct {
@@ -97,6 +98,57 @@ static void make(const splitting *s, int slot)
             if (s->maker[next] && waits_for(s, next, made->z + i)) make(s, next);
 }
 
+/* ---- Factors of sums --------------------------------------------------------------------------------------------- */
+
+static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS && run->terms == 1 && run->count == 1; }
+
+/* The one size that the slot has as a term of sums; 0: it has none, or is read otherwise. */
+static double size_in_sums(const jet_tape *split, int slot)
+{
+    double size = 0;
+    for (const jet_run *run = split->run; run < split->run + split->runs; run++) {
+        for (int k = 0, a; (a = read_by(split, run, 0, k)) >= 0; k++) {
+            if (a != slot) continue;
+            const double one = run->op == OP_LINEAR ? fabs(split->term_coefficient[run->term + k]) : 0;
+            if (one == 0 || (size != 0 && one != size)) return 0;
+            size = one;
+        }
+    }
+    return size;
+}
+
+static int products_of(const jet_tape *split, int slot)
+{
+    int count = 0;
+    for (const jet_run *run = split->run; run < split->run + split->runs; run++)
+        count += is_product(run) && (split->term_slot[run->term] == slot || split->term_second[run->term] == slot);
+    return count;
+}
+
+/* What two bodies do to each other is a product d w, which all sums have with the same factor: the factor is w's, once,
+ * and the sums are of what is left. */
+static void move_factors(jet_tape *split)
+{
+    for (const jet_run *made = split->run; made < split->run + split->runs; made++) {
+        if (!is_product(made)) continue;
+        bool is_output = false;
+        for (int i = 0; i < split->outputs; i++) is_output |= split->output[i] == made->z;
+        const double size = is_output ? 0 : size_in_sums(split, made->z);
+        if (size == 0 || size == 1) continue;
+        int *one = &split->term_slot[made->term], *other = &split->term_second[made->term];
+        if (products_of(split, *other) > products_of(split, *one)) {
+            const int kept = *one;
+            *one = *other;
+            *other = kept;
+        }
+        split->term_coefficient[made->term] *= size;
+        for (const jet_run *run = split->run; run < split->run + split->runs; run++)
+            for (int k = 0; run->op == OP_LINEAR && k < run->terms; k++)
+                if (split->term_slot[run->term + k] == made->z)
+                    split->term_coefficient[run->term + k] = copysign(1, split->term_coefficient[run->term + k]);
+    }
+}
+
 static void split_all(const splitting *s)
 {
     const jet_tape *tape = s->tape;
@@ -104,6 +156,7 @@ static void split_all(const splitting *s)
         for (int i = 0; i < run->count; i++) s->maker[run->z + i] = run;
     for (int i = 0; i < tape->outputs; i++) make(s, tape->output[i]);
     for (int slot = 0; slot < tape->slots; slot++) make(s, slot);
+    move_factors(s->split);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */

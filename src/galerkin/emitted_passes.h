@@ -73,16 +73,17 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
     while (of->count < most && !of->rests) {
         const int now = of->count++;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
-        if (ARE_FEW(nodes, lanes)) {
-            follow_few(nodes, frame->matrix, &squares[now]);
-            of->rests = few_rest(squares[now]);
-        } else {
+        if (!ARE_ONE_VECTOR(lanes)) {
             (void)steady_end(frame, nodes, form, &of->moved[now], lanes);
             of->rests = of->moved[now] == 0;
+        } else {
+            if (ARE_FEW(nodes, lanes)) follow_few(nodes, frame->matrix, &squares[now]);
+            else (void)follow_to(nodes, frame->matrix, NULL, (double *)&squares[now], lanes);
+            of->rests = are_at_rest(squares[now]);
         }
         if (few && !of->rests && !steady_begin(nodes, form, lanes)) return false;
     }
-    for (int i = 0; i < (!ARE_FEW(nodes, lanes) ? 0 : of->rests ? 1 : of->count); i++)
+    for (int i = 0; i < (!ARE_ONE_VECTOR(lanes) ? 0 : of->rests ? 1 : of->count); i++)
         of->moved[i] = sum_of_jet_v8(squares[i]);
     return true;
 }

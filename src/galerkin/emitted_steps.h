@@ -19,9 +19,10 @@ JET_INLINE void steady_predict(const galerkin_frame *frame, const galerkin_nodes
                                const double *const impulses[], int fit, int lanes)
 {
     const double *table = frame->extrapolation[fit];
-    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, 2, table, impulses);
-    else if (form->hamiltonian) hamiltonian_predict(form->hamiltonian, *frame->h, 2, table, impulses);
-    else predict_lanes(nodes, 2, table, impulses, lanes);
+    const int steps = GALERKIN_FITS - fit;
+    if (form->lagrangian) lagrangian_predict(form->lagrangian, *frame->h, steps, table, impulses);
+    else if (form->hamiltonian) hamiltonian_predict(form->hamiltonian, *frame->h, steps, table, impulses);
+    else predict_lanes(nodes, steps, table, impulses, lanes);
 }
 
 /* The increments of a step. */

@@ -13,10 +13,12 @@
 /* Whether they are; without such vectors never. */
 #ifdef __AVX512F__
 #include <immintrin.h>
-#define ARE_FEW(nodes, lanes) ((lanes) == 8 && (nodes)->unknowns <= FEW && (nodes)->moving == (nodes)->unknowns)
+#define ARE_ONE_VECTOR(lanes) ((lanes) == 8)
 #else
-#define ARE_FEW(nodes, lanes) false
+#define ARE_ONE_VECTOR(lanes) false
 #endif
+#define ARE_FEW(nodes, lanes)                                                                                          \
+    (ARE_ONE_VECTOR(lanes) && (nodes)->unknowns <= FEW && (nodes)->moving == (nodes)->unknowns)
 
 #define TURNED_BY_1(x) JET_SHUFFLE_8(x, x, 1, 0, 3, 2, 5, 4, 7, 6)
 #define TURNED_BY_2(x) JET_SHUFFLE_8(x, x, 2, 3, 0, 1, 6, 7, 4, 5)
@@ -55,7 +57,7 @@ JET_INLINE void follow_few(const galerkin_nodes *nodes, const double *matrix, je
 }
 
 /* Whether none has moved: known before the sum would be. */
-JET_INLINE bool few_rest(jet_v8 squares)
+JET_INLINE bool are_at_rest(jet_v8 squares)
 {
 #ifdef __AVX512F__
     return _mm512_test_epi64_mask((__m512i)squares, (__m512i)squares) == 0;

@@ -94,11 +94,13 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
             low = low ? low + half * lanes : NULL;                                                                     \
             FOLLOW_ROWS(V, blocks, moving)                                                                             \
         }                                                                                                              \
-        moved = sum_of_##V(squares);                                                                                   \
+        if (left) *(V *)left = squares;                                                                                \
+        else moved = sum_of_##V(squares);                                                                              \
     }
 
-/* Once all impulses are there, and none waits for the one before it. low: what x lacks, or NULL. */
-JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, double *low, int lanes)
+/* Once all impulses are there, and none waits for the one before it. low: what x lacks, or NULL. left: of eight nodes
+ * that are one vector, instead of the sum of the squares these; or NULL. */
+JET_INLINE double follow_to(const galerkin_nodes *nodes, const double *matrix, double *low, double *left, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
     const int moving = nodes->moving;
@@ -106,6 +108,11 @@ JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix
     LEAVE_REGISTERS(impulse);
     ALL_LANES(lanes, FOLLOW)
     return moved;
+}
+
+JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, double *low, int lanes)
+{
+    return follow_to(nodes, matrix, low, NULL, lanes);
 }
 
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],

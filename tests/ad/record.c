@@ -132,6 +132,28 @@ bool run_values(const recording *r, int lanes, const double x[], double z[])
     return inside;
 }
 
+static double size_of(const jet_tape *tape, int slot, int lanes, const double *lane)
+{
+    double size = fabs(lane[slot * lanes]);
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        for (int k = 0; run->op == OP_LINEAR && slot >= run->z && slot < run->z + run->count && k < run->terms; k++) {
+            const int term = run->term + (slot - run->z) * run->terms + k;
+            size += fabs(tape->term_coefficient[term] * lane[tape->term_slot[term] * lanes]);
+        }
+    return size;
+}
+
+void run_sizes(const recording *r, int lanes, const double x[], double size[])
+{
+    double *block = new_block(r->tape, 1, lanes);
+    jet_tape_prepare(r->tape, block, 1, lanes);
+    set_inputs(r, 0, lanes, 0, 0, x, block);
+    (void)jet_sweep_values(r->tape, block, lanes);
+    for (int i = 0; i < r->outputs * lanes; i++)
+        size[i] = size_of(r->tape, r->tape->output[i / lanes], lanes, block + i % lanes);
+    free(block);
+}
+
 bool run_series(const recording *r, int degree, int lanes, const double x[], double z[])
 {
     double *block = new_block(r->tape, degree + 1, lanes);

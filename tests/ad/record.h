@@ -34,6 +34,8 @@ double *numbers(size_t count);
 /* Outputs z from inputs x; false where an operation is outside its domain. All slots that a sweep has to set hold NaN
  * beforehand, so that what is read before it is set shows. */
 bool run_values(const recording *r, int lanes, const double x[], double z[]);
+/* What roundoff of the outputs is relative to: of a sum the sizes of its terms together, else of the output. */
+void run_sizes(const recording *r, int lanes, const double x[], double size[]);
 bool run_series(const recording *r, int degree, int lanes, const double x[], double z[]);
 /* Tangents dz (several lanes) along the series x (one lane); orders of x above k hold NaN while order k is swept. */
 void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, const double x[], const double dx[],
