@@ -9,11 +9,15 @@
 #include <string.h>
 
 /* Of each number that a loop sets, where it is one of a few that were just stored in parts: a vector of them would wait
- * for that. */
+ * for that. Generated code with vectors of eight has not stored them in parts. */
+#if defined(JET_EMITTED) && defined(__AVX512F__)
+#define TVI_ONE_BY_ONE(count, number) ((void)(count), (void)(number))
+#else
 #define TVI_ONE_BY_ONE(count, number)                                                                                  \
     do {                                                                                                               \
         if ((count) < 8) __asm__("" : "+m"(number));                                                                   \
     } while (0)
+#endif
 
 /* A number in a register of its own, and no part of a vector. */
 #ifdef __SSE2__
