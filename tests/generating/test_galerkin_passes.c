@@ -115,6 +115,17 @@ START_TEST(steps_before_predict)
 }
 END_TEST
 
+/* Large steps are predicted roughly, from the last one alone: from two they take 11.5 passes. */
+START_TEST(rough_steps_predict_from_the_last_one)
+{
+    enum { STEPS = 200 };
+    const tvi_options options = galerkin(8);
+    const tvi_stats stats = stats_after(&options, 0.794, 1, false, STEPS);
+    const double passes = (double)stats.passes / STEPS;
+    ck_assert_msg(passes > 10.8 && passes < 11.3, "%.2f passes", passes);
+}
+END_TEST
+
 /* A step that is much longer than the one before it, or goes back over more, begins anew. */
 START_TEST(other_steps_begin_anew)
 {
@@ -224,6 +235,7 @@ void add_galerkin_passes(Suite *suite)
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, energy_does_not_drift, 0, 4);
     tcase_add_test(tcase, long_runs_leave_less);
+    tcase_add_test(tcase, rough_steps_predict_from_the_last_one);
     tcase_add_loop_test(tcase, steps_before_predict, 0, 5);
     tcase_add_loop_test(tcase, other_steps_begin_anew, 0, 4);
     tcase_add_test(tcase, halves_begin_anew);
