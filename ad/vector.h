@@ -78,6 +78,36 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
     for (int here = 0; here < (width); here += 2) BODY(jet_v2, S)
 #endif
 
+/* V of the numbers of x at these places. */
+#define JET_GATHER(V, x, place)     JET_GATHER_##V(x, place)
+#define JET_GATHER_jet_v1(x, place) ((x)[(place)[0]])
+#define JET_GATHER_jet_v2(x, place) ((jet_v2){JET_TWO_OF(x, place)})
+#define JET_GATHER_jet_v4(x, place) ((jet_v4){JET_TWO_OF(x, place), JET_TWO_OF(x, (place) + 2)})
+#define JET_GATHER_jet_v8(x, place)                                                                                    \
+    ((jet_v8){JET_TWO_OF(x, place), JET_TWO_OF(x, (place) + 2), JET_TWO_OF(x, (place) + 4), JET_TWO_OF(x, (place) + 6)})
+#define JET_TWO_OF(x, place) (x)[(place)[0]], (x)[(place)[1]]
+
+/* a b + c, rounded once. */
+#ifdef __FMA__
+#include <immintrin.h>
+#define JET_FMA(V, a, b, c) jet_fma_##V(a, b, c)
+JET_INLINE jet_v1 jet_fma_jet_v1(jet_v1 a, jet_v1 b, jet_v1 c) { return __builtin_fma(a, b, c); }
+JET_INLINE jet_v2 jet_fma_jet_v2(jet_v2 a, jet_v2 b, jet_v2 c)
+{
+    return (jet_v2)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
+}
+JET_INLINE jet_v4 jet_fma_jet_v4(jet_v4 a, jet_v4 b, jet_v4 c)
+{
+    return (jet_v4)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
+}
+#ifdef __AVX512F__
+JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
+{
+    return (jet_v8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
+}
+#endif
+#endif
+
 /* Before a loop over lanes. gcc unrolls it before it could make vectors of it, where it knows how many they are. */
 #ifdef JET_EMITTED
 #define JET_IN_VECTORS _Pragma("GCC unroll 1")

@@ -4,9 +4,6 @@
 #define TVI_SRC_GENERATING_ADVANCE_H
 
 #include "vector.h"
-#ifdef __FMA__
-#include <immintrin.h>
-#endif
 
 typedef struct {
     int n;
@@ -17,54 +14,46 @@ typedef struct {
     double tau;
 } tvi_recurrence;
 
-/* x / divisor, which orders wait for: by the reciprocal in two parts, which is there before x, where one operation
- * rounds the product and the sum. So it is rounded as the quotient is, but for ties. */
-static inline double tvi_quotient(double x, double divisor)
-{
+/* out = x / divisor, which orders wait for: by the reciprocal in two parts, which is there before x, where one
+ * operation rounds the product and the sum. So it is rounded as the quotient is, but for ties. */
 #ifdef __FMA__
-    const double by = 1 / divisor, by_low = __builtin_fma(-by, divisor, 1) * by;
-    return __builtin_fma(x, by, x * by_low);
+#define TVI_QUOTIENT(V, out, x, divisor)                                                                               \
+    {                                                                                                                  \
+        const double by = 1 / (divisor), by_low = __builtin_fma(-by, divisor, 1) * by;                                 \
+        const V zero = {0}, dividend = x;                                                                              \
+        out = JET_FMA(V, dividend, by + zero, dividend * by_low);                                                      \
+    }
 #else
-    return x / divisor;
+#define TVI_QUOTIENT(V, out, x, divisor) out = (x) / (divisor);
 #endif
-}
 
-/* The same of two. */
-static inline jet_v2 tvi_quotients(jet_v2 x, double divisor)
-{
-#ifdef __FMA__
-    const double by = 1 / divisor, by_low = __builtin_fma(-by, divisor, 1) * by;
-    return _mm_fmadd_pd(x, _mm_set1_pd(by), x * by_low);
-#else
-    return x / divisor;
-#endif
-}
+/* As vectors, of which the orders that follow read them: one that is loaded from several numbers just stored waits
+ * until they are in the cache. */
+#define TVI_ADVANCE_SEPARABLE(V, S)                                                                                    \
+    TVI_QUOTIENT(V, JET_AT(V, next, 0), JET_OF(V, of->kappa, 0) * JET_GATHER(V, field, of->output + here) * of->tau,   \
+                 divisor)
+#define TVI_ADVANCE_HAMILTONIAN(V, S)                                                                                  \
+    {                                                                                                                  \
+        TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, of->output + of->n + here) * tau, divisor)               \
+        TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, of->output + here) * -tau, divisor)                      \
+    }
 
 /* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps,
  * and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
 static inline void tvi_advance_separable(const tvi_recurrence *of, int k)
 {
+    enum { stride = 0 };
     const double divisor = (k + 1) * (k + 2), *field = of->x + (size_t)k * of->stride;
     double *next = of->x + (size_t)(k + 2) * of->stride;
-    const int *at = of->output;
-    int i = 0;
-#ifdef JET_EMITTED
-    for (; i + 2 <= of->n; i += 2) {
-        const jet_v2 force = {field[at[i]], field[at[i + 1]]};
-        *(jet_v2 *)(next + i) = tvi_quotients(*(const jet_v2 *)(of->kappa + i) * force * of->tau, divisor);
-    }
-#endif
-    for (; i < of->n; i++) next[i] = tvi_quotient(of->kappa[i] * field[at[i]] * of->tau, divisor);
+    JET_BLOCKS(of->n, TVI_ADVANCE_SEPARABLE, );
 }
 
 static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
 {
+    enum { stride = 0 };
     const double divisor = k + 1, tau = of->tau, *field = of->x + (size_t)k * of->stride;
     double *q = of->x + (size_t)(k + 1) * of->stride, *p = q + of->n;
-    for (int i = 0; i < of->n; i++) {
-        q[i] = tvi_quotient(tau * field[of->output[of->n + i]], divisor);
-        p[i] = tvi_quotient(-tau * field[of->output[i]], divisor);
-    }
+    JET_BLOCKS(of->n, TVI_ADVANCE_HAMILTONIAN, );
 }
 
 /* The same for tangents of `lanes` directions, of which x is the block; as vectors, of which the orders that follow
