@@ -236,9 +236,9 @@ JET_INLINE bool linear_plain_factor(int n, tvi_factor *factor)
             double *other = factor->lu + i * n;
             const double part = other[j] * inverse;
             factor->matrix[i * n + j] = part;
-            if (n > 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
+            if (n >= 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
             LINEAR_UNROLLED
-            for (int k = j + 1; n <= 4 && k < n; k++) other[k] -= part * row[k];
+            for (int k = j + 1; n < 4 && k < n; k++) other[k] -= part * row[k];
         }
     }
     return is_large;

@@ -16,6 +16,7 @@
 #include "generating/series.h"
 #include "method/origin.h"
 #include "system/roundoff.h"
+#include "vector.h"
 
 #ifndef JET_EMITTED
 #define SEEDS_VALUES(tape, x, lanes) jet_sweep_values(tape, x, lanes)
@@ -158,16 +159,17 @@ static inline tvi_status seeds_run_field(const tvi_action *action, const tvi_cur
 
 /* panel = factor * outputs first .. first + n - 1 of the field. */
 static inline void seeds_copy_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
-                                      double *panel)
+                                      double *restrict panel)
 {
     for (int i = 0; i < curve_n(curve); i++) {
         const double *row = seeds_output_row(action, curve->system->field_values, action->x, first + i);
+        JET_IN_VECTORS
         for (int node = 0; node < action->points; node++) panel[i * action->points + node] = factor * row[node];
     }
 }
 
 /* panel -= other. */
-static inline void seeds_subtract(const tvi_action *action, int n, const double *other, double *panel)
+static inline void seeds_subtract(const tvi_action *action, int n, const double *other, double *restrict panel)
 {
     for (int i = 0; i < n * action->points; i++) panel[i] -= other[i];
 }

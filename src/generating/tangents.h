@@ -27,11 +27,12 @@ static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
 {
     const tvi_form form = curve_form(curve);
     const int n = curve_n(curve);
-    for (size_t lane = 0; lane < b->lanes; lane++) {
-        const int direction = b->first + (int)lane;
-        if (direction < n) curve_tangent(curve, b, 0, direction)[lane] = 1;
-        else if (form == TVI_SEPARABLE) curve_tangent(curve, b, 1, direction - n)[lane] = 1;
-        else curve_tangent(curve, b, 0, direction)[lane] = form == TVI_LAGRANGIAN ? 1 / curve->tau : 1;
+    for (int d = b->first; d < b->first + (int)b->lanes; d++) {
+        const bool is_second = d >= n;
+        double *row =
+            is_second && form == TVI_SEPARABLE ? curve_tangent(curve, b, 1, d - n) : curve_tangent(curve, b, 0, d);
+        for (int lane = 0; lane < (int)b->lanes; lane++) row[lane] = b->first + lane == d ? 1 : 0;
+        if (is_second && form == TVI_LAGRANGIAN) row[d - b->first] = 1 / curve->tau;
     }
 }
 
