@@ -85,6 +85,7 @@ static void choose_operations(lowering *low, int outputs, const jet output[])
         for (int term = 0; term < z->node->count; term++) low->needed[z->node->terms[term].node->index] = false;
     }
     memset(low->uses, 0, (size_t)low->count * sizeof *low->uses);
+    for (int i = outputs; i-- > 0;) low->places[output[i].node->index].output = i + 1;
 }
 
 /* ---- The order --------------------------------------------------------------------------------------------------- */
@@ -165,14 +166,15 @@ static int by_group(const place *x, const place *y)
 }
 
 /* Within a level by group and turn, and within that by the slots of the operands, so that adjacent results have
- * adjacent operands: by a first, or by b first. */
+ * adjacent operands: by a first, or by b first. Sums that are outputs stand in the order of these, behind others. */
 static int by_first_operand(const void *first, const void *second)
 {
     const place *x = *(place *const *)first, *y = *(place *const *)second;
     const int group = by_group(x, y);
     if (group) return group;
     if (x->level > 0 && x->turn != y->turn) return x->turn - y->turn;
-    if (x->pairs == 0) return x->node->index - y->node->index;
+    if (x->pairs == 0)
+        return x->level > 0 && x->output != y->output ? x->output - y->output : x->node->index - y->node->index;
     const int *of_x = x->operand[0], *of_y = y->operand[0];
     if (of_x[0] != of_y[0]) return of_x[0] - of_y[0];
     return of_x[1] != of_y[1] ? of_x[1] - of_y[1] : x->node->index - y->node->index;

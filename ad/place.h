@@ -11,6 +11,7 @@ typedef struct {
     jet_op op;                   /* of its run */
     int level;                   /* inputs and constants 0; else one more than the highest operand */
     int turn;                    /* see find_turns */
+    int output;                  /* 1 and up in their order; 0: it is none */
     int slot;
     bool is_scattered; /* its operands and those of its neighbours are not adjacent, nor are they gathered */
     int pairs;         /* LINEAR, inputs and constants 0; PRODUCTS and SQUARES as many as terms; else 1 */

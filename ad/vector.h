@@ -78,14 +78,21 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
     for (int here = 0; here < (width); here += 2) BODY(jet_v2, S)
 #endif
 
-/* V of the numbers of x at these places. */
-#define JET_GATHER(V, x, place)     JET_GATHER_##V(x, place)
+/* V of the numbers of x at these places; whether these stand in a row. */
+#define JET_GATHER(V, x, place)     (JET_IN_A_ROW(V, place) ? *(const V *)((x) + (place)[0]) : JET_GATHER_##V(x, place))
 #define JET_GATHER_jet_v1(x, place) ((x)[(place)[0]])
 #define JET_GATHER_jet_v2(x, place) ((jet_v2){JET_TWO_OF(x, place)})
 #define JET_GATHER_jet_v4(x, place) ((jet_v4){JET_TWO_OF(x, place), JET_TWO_OF(x, (place) + 2)})
 #define JET_GATHER_jet_v8(x, place)                                                                                    \
     ((jet_v8){JET_TWO_OF(x, place), JET_TWO_OF(x, (place) + 2), JET_TWO_OF(x, (place) + 4), JET_TWO_OF(x, (place) + 6)})
-#define JET_TWO_OF(x, place) (x)[(place)[0]], (x)[(place)[1]]
+#define JET_TWO_OF(x, place)   (x)[(place)[0]], (x)[(place)[1]]
+#define JET_IN_A_ROW(V, place) jet_in_a_row((int)(sizeof(V) / sizeof(double)), place)
+JET_INLINE bool jet_in_a_row(int count, const int place[])
+{
+    bool is_row = true;
+    for (int i = 1; i < count; i++) is_row &= place[i] == place[0] + i;
+    return is_row;
+}
 
 /* a b + c, rounded once. */
 #ifdef __FMA__

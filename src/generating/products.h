@@ -18,18 +18,23 @@
 
 /* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
 
+#define PRODUCTS_AIM(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, kappa, 0) * JET_GATHER(V, force, slot + here);
+
 /* dx of one lane along dz: Q_k+2 = tau^2 M^-1 dF_k / ((k+1)(k+2)). What is no coordinate, as the time, has no
  * tangents: it stays 0. */
 static inline void products_aim(tvi_curve *curve, const double dz[])
 {
+    enum { stride = 0 };
     const size_t n = (size_t)curve_n(curve), order = tvi_curve_slots(curve);
+    const double *kappa = curve->kappa;
+    const int *slot = curve_output(curve);
     memcpy(curve->dx, dz, n * sizeof *dz);
     memcpy(curve->dx + order, dz + n, n * sizeof *dz);
     for (int k = 0; k + 2 <= curve_top(curve); k++) {
         PRODUCTS_TANGENTS(curve->system->field_series, curve->x, curve->dx, k, 1);
         const double factor = curve->tau / ((k + 1) * (k + 2)), *force = curve->dx + (size_t)k * order;
         double *next = curve->dx + (size_t)(k + 2) * order;
-        for (size_t i = 0; i < n; i++) next[i] = factor * curve->kappa[i] * force[curve_slot(curve, (int)i)];
+        JET_BLOCKS((int)n, PRODUCTS_AIM, );
     }
 }
 
@@ -77,14 +82,25 @@ static inline void products_add_sum(tvi_curve *curve, int last, const tvi_combin
     }
 }
 
+#define PRODUCTS_HAND_ON(V, S)                                                                                         \
+    if (JET_IN_A_ROW(V, slot + here)) {                                                                                \
+        *(V *)(bar + slot[here]) += part * JET_OF(V, kappa, 0) * JET_OF(V, above, 0);                                  \
+    } else {                                                                                                           \
+        for (int i = here; i < here + (int)(sizeof(V) / sizeof(double)); i++)                                          \
+            bar[slot[i]] += part * kappa[i] * above[i];                                                                \
+    }
+
 /* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
 static inline void products_pull_seeds(tvi_curve *curve, int last, double out[])
 {
+    enum { stride = 0 };
     const size_t n = (size_t)curve_n(curve);
+    const double *kappa = curve->kappa;
+    const int *slot = curve_output(curve);
     for (int k = last - 2; k >= 0; k--) {
         const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_adjoint_of_Q(curve, k + 2);
         double *bar = products_adjoint_of_Q(curve, k);
-        for (size_t i = 0; i < n; i++) bar[curve_slot(curve, (int)i)] += part * curve->kappa[i] * above[i];
+        JET_BLOCKS((int)n, PRODUCTS_HAND_ON, );
         PRODUCTS_ADJOINTS(curve->system->field_series, curve->x, curve->bar, k, last - 2);
     }
     memcpy(out, products_adjoint_of_Q(curve, 0), n * sizeof *out);

@@ -113,12 +113,14 @@ static inline tvi_form curve_form(const tvi_curve *curve)
     return CURVE_SIZE(CURVE_FORM, curve->system->form);
 }
 
-/* Where output i of the field stands. */
-static inline int curve_slot(const tvi_curve *curve, int i)
+/* Where the outputs of the field stand, and output i. */
+static inline const int *curve_output(const tvi_curve *curve)
 {
     (void)curve;
-    return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output)[i];
+    return CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output);
 }
+
+static inline int curve_slot(const tvi_curve *curve, int i) { return curve_output(curve)[i]; }
 
 /* Whether a combination is one of coefficients of its own: those of a separable system's momentum are of q. */
 static inline bool curve_is_of_momentum(const tvi_curve *curve, const tvi_combination *combination)
