@@ -1,5 +1,6 @@
 /* emit.c - see emit.h. */
 #include "emit.h"
+#include "emit_eights.h"
 #include "rule.h"
 #include "split.h"
 
@@ -113,10 +114,44 @@ static bool begins_twins(const jet_tape *tape, const jet_run *run)
            !begins_twins(tape, run - 1);
 }
 
-/* The first of two with the same angles, or of twins, stands for both. */
+/* How many of the sums from this run on are made at once, which gains where there is one lane. */
+static int find_eight(const emission *e, const jet_run *run, jet_eight *sums)
+{
+    return e->wanted->lanes[0] == 1 ? jet_find_eight(e->tape, run, sums) : 0;
+}
+
+/* NAME_eight_i, of the sums from run i on. */
+static void emit_eights(const emission *e)
+{
+    jet_eight sums;
+    for (const jet_run *run = e->tape->run; run < e->tape->run + e->tape->runs; run++) {
+        if (!find_eight(e, run, &sums)) continue;
+        jet_text_add(e->text, "#ifdef JET_EIGHT_AT\nJET_INLINE void %s_eight_%d(double *x)\n{\n", e->wanted->name,
+                     (int)(run - e->tape->run));
+        jet_emit_eight(e->text, &sums, "x", false);
+        jet_text_add(e->text, "}\n#endif\n");
+    }
+}
+
+static bool is_of_eight(const emission *e, const jet_run *run)
+{
+    jet_eight sums;
+    for (int i = 1; i < JET_EIGHT && run - i >= e->tape->run; i++)
+        if (find_eight(e, run - i, &sums) > i) return true;
+    return false;
+}
+
+/* The first of two with the same angles, or of twins, stands for both, and the first of eight sums for all. */
 static void emit_lines(const emission *e, const jet_run *run)
 {
-    if (begins_angles(e->tape, run - 1) || begins_twins(e->tape, run - 1)) return;
+    jet_eight sums;
+    if (begins_angles(e->tape, run - 1) || begins_twins(e->tape, run - 1) || is_of_eight(e, run)) return;
+    const int count = find_eight(e, run, &sums);
+    if (count > 0) {
+        jet_text_add(e->text, " \\\n    EIGHT(%s, %d, %d, %d)", e->wanted->name, (int)(run - e->tape->run), count,
+                     run->terms);
+        return;
+    }
     const int index = (int)(run - e->tape->run);
     const char *both = begins_angles(e->tape, run) ? "ANGLES" : begins_twins(e->tape, run) ? "TWINS" : NULL;
     if (both) jet_text_add(e->text, " \\\n    %s(%s, %d, %d)", both, e->wanted->name, index, index + 1);
@@ -125,29 +160,20 @@ static void emit_lines(const emission *e, const jet_run *run)
 
 /* ---- Adjoints of sums -------------------------------------------------------------------------------------------- */
 
-static bool is_sum(const jet_run *run) { return run->op == OP_LINEAR && run->count == 1; }
-
-static bool reads_from(const jet_tape *tape, const jet_run *run, int slot)
-{
-    for (int term = run->term; term < run->term + run->terms; term++)
-        if (tape->term_slot[term] >= slot) return true;
-    return false;
-}
-
 /* The first of the sums in a row of which none reads another. */
 static const jet_run *first_sum(const jet_tape *tape, const jet_run *run)
 {
     const jet_run *first = run;
-    while (first > tape->run && is_sum(first - 1)) first--;
+    while (first > tape->run && jet_is_sum(first - 1)) first--;
     for (const jet_run *next = first; next <= run; next++)
-        if (reads_from(tape, next, first->z)) first = next;
+        if (jet_reads_from(tape, next, first->z)) first = next;
     return first;
 }
 
 static const jet_run *end_of_sums(const jet_tape *tape, const jet_run *first)
 {
     const jet_run *const end = tape->run + tape->runs, *next = first;
-    while (next < end && is_sum(next) && first_sum(tape, next) == first) next++;
+    while (next < end && jet_is_sum(next) && first_sum(tape, next) == first) next++;
     return next;
 }
 
@@ -166,23 +192,39 @@ static void emit_handed_on(const emission *e, const jet_run *first, const jet_ru
     if (has_any) jet_text_add(e->text, ";\n");
 }
 
+/* The same to eight slots in a row, or to one; how many they are. */
+static int emit_handed_on_by_eight(const emission *e, const jet_run *first, const jet_run *end, int slot)
+{
+    jet_eight sums;
+    if (!jet_find_eight_back(e->tape, first, end, slot, &sums)) {
+        emit_handed_on(e, first, end, slot);
+        return 1;
+    }
+    jet_text_add(e->text, "#ifdef JET_EIGHT_AT\n");
+    jet_emit_eight(e->text, &sums, "bar", true);
+    jet_text_add(e->text, "#else\n");
+    for (int i = 0; i < JET_EIGHT; i++) emit_handed_on(e, first, end, slot + i);
+    jet_text_add(e->text, "#endif\n");
+    return JET_EIGHT;
+}
+
 /* NAME_sums_back_i, of the sums from run i on: each operand gathers what all of them hand on to it. */
 static void emit_sums_back(const emission *e)
 {
     const jet_run *const end = e->tape->run + e->tape->runs;
     for (const jet_run *run = e->tape->run; run < end; run++) {
-        if (!is_sum(run) || first_sum(e->tape, run) != run) continue;
+        if (!jet_is_sum(run) || first_sum(e->tape, run) != run) continue;
         jet_text_add(e->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", e->wanted->name,
                      (int)(run - e->tape->run));
         const jet_run *const last = end_of_sums(e->tape, run);
-        for (int slot = 0; slot < run->z; slot++) emit_handed_on(e, run, last, slot);
+        for (int slot = 0; slot < run->z;) slot += emit_handed_on_by_eight(e, run, last, slot);
         jet_text_add(e->text, "}\n");
     }
 }
 
 static void emit_line_back(const emission *e, const jet_run *run)
 {
-    const jet_run *first = is_sum(run) ? first_sum(e->tape, run) : NULL;
+    const jet_run *first = jet_is_sum(run) ? first_sum(e->tape, run) : NULL;
     if (!first) emit_lines(e, run);
     else if (end_of_sums(e->tape, first) == run + 1)
         jet_text_add(e->text, " \\\n    SUMS(%s, %d)", e->wanted->name, (int)(first - e->tape->run));
@@ -193,8 +235,9 @@ static void emit_line_back(const emission *e, const jet_run *run)
 static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
+    emit_eights(e);
     if (e->wanted->has_adjoints) emit_sums_back(e);
-    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, LINEAR)", e->wanted->name);
+    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, LINEAR, EIGHT)", e->wanted->name);
     for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
     jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, LINEAR, SUMS)", e->wanted->name);
     for (const jet_run *run = end; run-- > begin && e->wanted->has_adjoints;) emit_line_back(e, run);

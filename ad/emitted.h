@@ -20,6 +20,22 @@
 
 #define ORDER_LINEAR(T, i, x, terms) linear_order_of(&T, &T##_run[i], x + k * T.slots * lanes, lanes, terms);
 
+/* Up to eight sums in a row from run i on, of one lane by exchanges between whole vectors (emit_eights.h). */
+#ifdef JET_EIGHT_AT
+#define ORDER_EIGHT(T, i, count, x, terms)                                                                             \
+    if (lanes == 1) T##_eight_##i(x);                                                                                  \
+    else ORDER_ONE_BY_ONE(T, i, count, x, terms)
+#else
+#define ORDER_EIGHT ORDER_ONE_BY_ONE
+#endif
+#define ORDER_ONE_BY_ONE(T, i, count, x, terms)                                                                        \
+    _Pragma("GCC unroll 8") for (int next = i; next < (i) + count; next++)                                             \
+        linear_order_of(&T, &T##_run[next], x, lanes, terms);
+
+#define VALUES_EIGHT(T, i, count, terms)   ORDER_EIGHT(T, i, count, x, terms)
+#define SERIES_EIGHT(T, i, count, terms)   ORDER_EIGHT(T, i, count, (x + k * T.slots * lanes), terms)
+#define TANGENTS_EIGHT(T, i, count, terms) ORDER_EIGHT(T, i, count, (dx + k * T.slots * lanes), terms)
+
 #define SERIES_RULE(T, i, name)               name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
 #define SERIES_ANGLES(T, i, next)             SERIES_RULE(T, i, sin) SERIES_RULE(T, next, cos)
 #define SERIES_PRODUCTS(T, i, squares, terms) series_of(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
@@ -54,16 +70,18 @@
     JET_INLINE bool T##_values_of(double *x, int lanes)                                                                \
     {                                                                                                                  \
         bool inside = true;                                                                                            \
-        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_TWINS, VALUES_LINEAR) return inside;              \
+        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_TWINS, VALUES_LINEAR,                             \
+                 VALUES_EIGHT) return inside;                                                                          \
     }                                                                                                                  \
     JET_INLINE bool T##_series_of(double *x, int k, int lanes)                                                         \
     {                                                                                                                  \
         if (k == 0) return T##_values_of(x, lanes);                                                                    \
-        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, SERIES_TWINS, SERIES_LINEAR) return true;                \
+        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, SERIES_TWINS, SERIES_LINEAR, SERIES_EIGHT) return true;  \
     }                                                                                                                  \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, TANGENTS_TWINS, TANGENTS_LINEAR) return true;      \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, TANGENTS_TWINS, TANGENTS_LINEAR,                   \
+                 TANGENTS_EIGHT) return true;                                                                          \
     }                                                                                                                  \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \

@@ -40,6 +40,12 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
 #define JET_TURNED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
 #endif
 
+/* Of a block of slots; of two of them. Where eight numbers are one vector. */
+#ifdef __AVX512F__
+#define JET_EIGHT_AT(x, slot) (*(jet_v8 *)((x) + (slot)))
+#define JET_TWO_AT(x, slot)   ((jet_v8){(x)[slot], (x)[(slot) + 1]})
+#endif
+
 /* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \
     for (; here + 8 <= (width); here += 8) BODY(jet_v8, S)
