@@ -75,7 +75,9 @@ static inline void seeds_at_nodes(const tvi_action *action, int degree, const do
     }
     CURVE_COMBINE(action, degree / 2 + 1, first, 2 * stride, half, table->even, even);
     CURVE_COMBINE(action, (degree + 1) / 2, first + stride, 2 * stride, half, table->odd, odd);
+    JET_IN_VECTORS
     for (int i = 0; i < half; i++) row[i] = even[i] + odd[i];
+    JET_IN_VECTORS
     for (int i = 0; i < half; i++) row[half + i] = table->mirrored * (even[i] - odd[i]);
 }
 
@@ -123,6 +125,7 @@ static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *c
 static inline void seeds_divide(int points, double divisor, double row[])
 {
     const double inverse = 1 / divisor;
+    JET_IN_VECTORS
     for (int node = 0; node < points; node++) {
         const double quotient = row[node] * inverse;
         row[node] = quotient + inverse * (row[node] - quotient * divisor);
@@ -215,6 +218,7 @@ static inline const double *seeds_over_nodes(const tvi_action *action, const tvi
         CURVE_COMBINE(action, action->points, x, 1, orders, weighted->full, action->row);
         return action->row;
     }
+    JET_IN_VECTORS
     for (int i = 0; i < half; i++) {
         sum[i] = x[i] + x[half + i];
         difference[i] = x[i] - x[half + i];
