@@ -5,6 +5,7 @@
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdint.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Samples begin after FIRST_SAMPLE windows; from there they do not overlap. */
@@ -22,6 +23,7 @@ typedef struct {
 typedef struct {
     longrun_series *series;
     const tvi_system *system, *stepped;
+    tvi_options options;
     atomic_int next; /* orbit to run */
 } ensemble;
 
@@ -48,7 +50,6 @@ static void centre(orbit *o, const scene *s)
 static void orbit_begin(orbit *o, const longrun_line *line, const ensemble *all, int k)
 {
     const scene *s = line->scene;
-    const experiment_method method = experiment_find(line->method, line->order);
     uint64_t seed = UINT64_C(0x9e3779b97f4a7c15) * (uint64_t)(k + 1);
     *o = (orbit){.system = all->system};
     for (int i = 0; i < 8; i++) random_number(&seed);
@@ -61,7 +62,7 @@ static void orbit_begin(orbit *o, const longrun_line *line, const ensemble *all,
         if (!(o->control = rounded_create(all->system, line->h))) experiment_fail(s->name, "no memory");
         return;
     }
-    const tvi_status status = tvi_integrator_create(&o->integrator, all->stepped, &method.who.options);
+    const tvi_status status = tvi_integrator_create(&o->integrator, all->stepped, &all->options);
     if (status != TVI_OK) experiment_fail(s->name, tvi_status_string(status));
 }
 
@@ -159,7 +160,13 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
     tvi_system *system = experiment_system(line->scene), *rescaled = NULL;
     if (line->scale && tvi_system_rescaled(&rescaled, system, line->scale, NULL) != TVI_OK)
         experiment_fail(line->title, "cannot be rescaled");
-    ensemble all = {.series = series, .system = system, .stepped = rescaled ? rescaled : system};
+    const experiment_method method = experiment_find(line->method, line->order);
+    tvi_compiled *code = NULL;
+    ensemble all = {
+        .series = series, .system = system, .stepped = rescaled ? rescaled : system, .options = method.who.options};
+    if (getenv("LONGRUN_COMPILED"))
+        experiment_insist(tvi_compile(&code, all.stepped, &all.options, NULL), "a compilation");
+    all.options.compiled = code;
     const double begin = run_clock();
     const int last = (int)floor(SAMPLES_A_DECADE * log10(steps / (FIRST_SAMPLE * LONGRUN_WINDOW)));
     if (last < 0) experiment_fail(line->title, "too few steps");
@@ -168,6 +175,7 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
     for (int i = 0; i < THREADS; i++)
         if (pthread_create(&thread[i], NULL, run_some, &all) != 0) experiment_fail("threads", "cannot be made");
     for (int i = 0; i < THREADS; i++) pthread_join(thread[i], NULL);
+    tvi_compiled_free(code);
     tvi_system_free(rescaled);
     tvi_system_free(system);
     series->cpu = run_clock() - begin;
