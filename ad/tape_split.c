@@ -102,19 +102,21 @@ static void make(const splitting *s, int slot)
 
 static bool is_product(const jet_run *run) { return run->op == OP_PRODUCTS && run->terms == 1 && run->count == 1; }
 
-/* The one size that the slot has as a term of sums; 0: it has none, or is read otherwise. */
+/* The one size that the slot has as a term of several sums; 0: it has none, or is read otherwise. */
 static double size_in_sums(const jet_tape *split, int slot)
 {
     double size = 0;
+    int sums = 0;
     for (const jet_run *run = split->run; run < split->run + split->runs; run++) {
         for (int k = 0, a; (a = read_by(split, run, 0, k)) >= 0; k++) {
             if (a != slot) continue;
             const double one = run->op == OP_LINEAR ? fabs(split->term_coefficient[run->term + k]) : 0;
             if (one == 0 || (size != 0 && one != size)) return 0;
             size = one;
+            sums++;
         }
     }
-    return size;
+    return sums > 1 ? size : 0;
 }
 
 static int products_of(const jet_tape *split, int slot)
@@ -125,8 +127,9 @@ static int products_of(const jet_tape *split, int slot)
     return count;
 }
 
-/* What two bodies do to each other is a product d w, which all sums have with the same factor: the factor is w's, once,
- * and the sums are of what is left. */
+/* What two bodies do to each other are products d w of several d, which both sums have with the same factor: the factor
+ * is w's, once, and the sums are of what is left. Of a single product nothing is gained, and one more number would be
+ * rounded by what repeats itself in all steps (docs/method.md section 6). */
 static void move_factors(jet_tape *split)
 {
     for (const jet_run *made = split->run; made < split->run + split->runs; made++) {
@@ -134,9 +137,10 @@ static void move_factors(jet_tape *split)
         bool is_output = false;
         for (int i = 0; i < split->outputs; i++) is_output |= split->output[i] == made->z;
         const double size = is_output ? 0 : size_in_sums(split, made->z);
-        if (size == 0 || size == 1) continue;
         int *one = &split->term_slot[made->term], *other = &split->term_second[made->term];
-        if (products_of(split, *other) > products_of(split, *one)) {
+        const int of_one = products_of(split, *one), of_other = products_of(split, *other);
+        if (size == 0 || size == 1 || (of_one < 2 && of_other < 2)) continue;
+        if (of_other > of_one) {
             const int kept = *one;
             *one = *other;
             *other = kept;
