@@ -20,52 +20,51 @@
 #define ARE_FEW(nodes, lanes)                                                                                          \
     (ARE_ONE_VECTOR(lanes) && (nodes)->unknowns <= FEW && (nodes)->moving == (nodes)->unknowns)
 
-#ifdef JET_EMITTED
 #define TURNED_BY_1(x) JET_SHUFFLE_8(x, x, 1, 0, 3, 2, 5, 4, 7, 6)
 #define TURNED_BY_2(x) JET_SHUFFLE_8(x, x, 2, 3, 0, 1, 6, 7, 4, 5)
 #define TURNED_BY_4(x) JET_SHUFFLE_8(x, x, 4, 5, 6, 7, 0, 1, 2, 3)
 #define TURNED_BY_6(x) JET_SHUFFLE_8(x, x, 6, 7, 4, 5, 2, 3, 0, 1)
 
-/* The sum over k, what is known last at the end of its chain. matrix: with what is turned behind it. */
-JET_INLINE void sum_of_few(const double *matrix, const jet_v8 *of, jet_v8 *sum)
+/* The sum over k, what is known last at the end of its chain. */
+JET_INLINE void sum_of_turned(const jet_v8 *turned, const jet_v8 *of, jet_v8 *sum)
 {
-    const jet_v8 *turned = (const jet_v8 *)(matrix + 8 * 8);
     const jet_v8 impulse = *of, by_2 = TURNED_BY_2(impulse), by_4 = TURNED_BY_4(impulse), by_6 = TURNED_BY_6(impulse);
     const jet_v8 by_1 = TURNED_BY_1(impulse), by_3 = TURNED_BY_1(by_2), by_5 = TURNED_BY_1(by_4);
     const jet_v8 one = (turned[0] * impulse + turned[1] * by_1) + turned[3] * by_3;
     const jet_v8 two = turned[2] * by_2 + turned[5] * by_5, three = turned[4] * by_4 + turned[7] * TURNED_BY_1(by_6);
     *sum = (one + turned[6] * by_6) + (two + three);
 }
-#else
+
 #define ALL_OF_LANE(x, j) JET_SHUFFLE_8(x, x, j, j, j, j, j, j, j, j)
 #define TERMS(j, next)    (row[j] * ALL_OF_LANE(impulse, j) + row[next] * ALL_OF_LANE(impulse, next))
 
-/* The sum over j: an interpreter's passes, which wait for their sweeps, gain nothing by turns. */
-JET_INLINE void sum_of_few(const double *matrix, const jet_v8 *of, jet_v8 *sum)
+/* The sum over j: passes that do more than a field, or that an interpreter makes, gain nothing by turns. */
+JET_INLINE void sum_of_lanes(const jet_v8 *row, const jet_v8 *of, jet_v8 *sum)
 {
-    const jet_v8 *row = (const jet_v8 *)matrix, impulse = *of;
+    const jet_v8 impulse = *of;
     *sum = (TERMS(0, 4) + TERMS(2, 6)) + (TERMS(1, 5) + TERMS(3, 7));
 }
-#endif
 
-/* One unknown by its impulse; the squares of its movement are added. */
-JET_INLINE void follow_one(const galerkin_nodes *nodes, const double *matrix, int u, const jet_v8 *impulse,
-                           jet_v8 *squares)
+/* One unknown by the sum of its impulses; the squares of its movement are added. */
+JET_INLINE void follow_one(const galerkin_nodes *nodes, int u, const jet_v8 *sum, jet_v8 *squares)
 {
-    jet_v8 sum, *x = (jet_v8 *)nodes->x;
+    jet_v8 *x = (jet_v8 *)nodes->x;
     const jet_v8 high = ((const jet_v8 *)nodes->high)[u], base = ((const jet_v8 *)nodes->base)[u];
-    sum_of_few(matrix, impulse, &sum);
-    const jet_v8 place = high + (base + nodes->scale[u] * sum);
+    const jet_v8 place = high + (base + nodes->scale[u] * *sum);
     const jet_v8 change = (place - x[u]) * nodes->inverse_size[u];
     *squares += change * change;
     x[u] = place;
 }
 
-/* What follow_lanes does, but for the sum of the squares. */
+/* What follow_lanes does, but for the sum of the squares. matrix: with what is turned behind it. */
 JET_INLINE void follow_few(const galerkin_nodes *nodes, const double *matrix, jet_v8 *squares)
 {
     *squares = (jet_v8){0};
-    for (int u = 0; u < nodes->unknowns; u++) follow_one(nodes, matrix, u, (const jet_v8 *)nodes->impulse + u, squares);
+    for (int u = 0; u < nodes->unknowns; u++) {
+        jet_v8 sum;
+        sum_of_turned((const jet_v8 *)(matrix + 8 * 8), (const jet_v8 *)nodes->impulse + u, &sum);
+        follow_one(nodes, u, &sum, squares);
+    }
 }
 
 /* Whether none has moved: known before the sum would be. */
@@ -85,7 +84,9 @@ JET_INLINE double move_few(const galerkin_nodes *nodes, const double *matrix, co
     jet_v8 squares = {0}, *impulses = (jet_v8 *)nodes->impulse;
     for (int u = 0; u < nodes->unknowns; u++) {
         const jet_v8 impulse = weight * *(const jet_v8 *)(drives + slot[u] * 8);
-        follow_one(nodes, matrix, u, &impulse, &squares);
+        jet_v8 sum;
+        sum_of_lanes((const jet_v8 *)matrix, &impulse, &sum);
+        follow_one(nodes, u, &sum, &squares);
         impulses[u] = impulse;
     }
     return sum_of_jet_v8(squares);
