@@ -11,8 +11,8 @@ typedef enum {
     JET_SPLIT_ALL        /* all, each behind what it reads and directly before what waits for it alone: values only */
 } jet_split;
 
-/* The same slots by the same operations, those apart as runs of one; but where all stand alone, a product has the factor
- * that all sums have it with, but for their signs. Only the runs and their terms are its own, for
+/* The same slots by the same operations, those apart as runs of one; but where all stand alone, products have the
+ * factor that all sums have them with, but for their signs. Only the runs and their terms are its own, for
  * jet_tape_free_split; all else is the tape's. false without memory, and nothing is to be freed. */
 bool jet_tape_split(jet_tape *split, const jet_tape *tape, jet_split which);
 void jet_tape_free_split(jet_tape *split);

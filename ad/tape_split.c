@@ -119,11 +119,15 @@ static double size_in_sums(const jet_tape *split, int slot)
     return sums > 1 ? size : 0;
 }
 
-static int products_of(const jet_tape *split, int slot)
+/* The products of this slot that sums have with a factor of this size, whether it has been moved or not. */
+static int products_of(const jet_tape *split, int slot, double size)
 {
     int count = 0;
-    for (const jet_run *run = split->run; run < split->run + split->runs; run++)
-        count += is_product(run) && (split->term_slot[run->term] == slot || split->term_second[run->term] == slot);
+    for (const jet_run *run = split->run; run < split->run + split->runs; run++) {
+        const int term = run->term;
+        if (!is_product(run) || (split->term_slot[term] != slot && split->term_second[term] != slot)) continue;
+        count += split->term_coefficient[term] * size_in_sums(split, run->z) == size;
+    }
     return count;
 }
 
@@ -137,9 +141,10 @@ static void move_factors(jet_tape *split)
         bool is_output = false;
         for (int i = 0; i < split->outputs; i++) is_output |= split->output[i] == made->z;
         const double size = is_output ? 0 : size_in_sums(split, made->z);
+        if (size == 0 || size == 1) continue;
         int *one = &split->term_slot[made->term], *other = &split->term_second[made->term];
-        const int of_one = products_of(split, *one), of_other = products_of(split, *other);
-        if (size == 0 || size == 1 || (of_one < 2 && of_other < 2)) continue;
+        const int of_one = products_of(split, *one, size), of_other = products_of(split, *other, size);
+        if (of_one < 2 && of_other < 2) continue;
         if (of_other > of_one) {
             const int kept = *one;
             *one = *other;

@@ -121,8 +121,8 @@ typedef struct {
 struct galerkin_frame;
 struct galerkin_outcome;
 typedef struct galerkin_loops {
-    /* x = high + (base + scale sum_j matrix_ji L_j); matrix: as coefficients.h has it. Returns the sum of the squares of (change of x) inverse_size, a
-     * NaN where there is one. */
+    /* x = high + (base + scale sum_j matrix_ji L_j), the matrix as coefficients.h has it. Returns the sum of the
+     * squares of (change of x) inverse_size, a NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
     /* The same, and low [unknowns][lanes] is what x lacks. */
     double (*move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],

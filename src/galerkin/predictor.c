@@ -23,8 +23,8 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
 
 /* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
-/* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last step,
- * of the one before it, and of the next one. */
+/* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last
+ * step, of the one before it, and of the next one. */
 static void set_basis(const galerkin_coefficients *a, int fitted, int degree, long double basis[][3 * MAX_LANES])
 {
     const int m = a->points;

@@ -120,14 +120,20 @@ START_TEST(pairs_follow_each_other)
 }
 END_TEST
 
-/* Three products of a pair share a factor, which is that of their sums; what is left of it there is a sign. */
+/* Products of a pair share a factor, which then has that of their sums; what is left of it there is a sign. A product
+ * that shares none keeps what it has there. */
 START_TEST(factors_of_sums_are_moved)
 {
     jet_graph *graph = jet_graph_create(3);
-    jet z[2], product[3];
+    jet z[2], product[4];
     for (int i = 0; i < 3; i++) product[i] = jet_mul(jet_graph_input(graph, i), jet_exp(jet_graph_input(graph, 0)));
-    z[0] = jet_sum((jet[]){jet_mul(3, product[0]), jet_mul(5, product[1]), jet_mul(7, product[2])}, 3);
-    z[1] = jet_sum((jet[]){jet_mul(-3, product[0]), jet_mul(-5, product[1]), jet_mul(8, product[2])}, 3);
+    product[3] = jet_mul(jet_sin(jet_graph_input(graph, 1)), jet_graph_input(graph, 2));
+    const double factor[2][4] = {{3, 3, 7, 9}, {-3, -3, 8, -9}};
+    for (int i = 0; i < 2; i++) {
+        jet term[4];
+        for (int k = 0; k < 4; k++) term[k] = jet_mul(factor[i][k], product[k]);
+        z[i] = jet_sum(term, 4);
+    }
     recording r = record_close(graph, 2, z, JET_TAPE_VALUES);
     jet_tape split;
     double factors = 1, of_sums = 1;
@@ -138,8 +144,8 @@ START_TEST(factors_of_sums_are_moved)
         const bool is_moved = run->op == OP_PRODUCTS && split.term_coefficient[run->term] != 1;
         if (is_moved) ck_assert_int_gt(split.term_slot[run->term], split.term_second[run->term]); /* what they share */
     }
-    ck_assert_double_eq(factors, 3 * 5); /* 7 and 8 differ */
-    ck_assert_double_eq(of_sums, 7 * 8);
+    ck_assert_double_eq(factors, 3 * 3); /* 7 and 8 differ */
+    ck_assert_double_eq(of_sums, 7 * 8 * (9 * -9));
     jet_tape_free_split(&split);
     recording_free(&r);
 }

@@ -178,8 +178,8 @@ static travel travel_by(const tvi_system *system, const tvi_options *options, co
 
 /* Calls that make many steps make those of many calls, to the bit; where the guard looks at some of them, too. By the
  * widest vectors, where few unknowns stay in registers. Within a step they are those of the tape but for roundoff; so
- * are the numbers of passes, of which those of the tape are all judged. The last two rows are predicted roughly and take
- * more passes than are ever made in silence. */
+ * are the numbers of passes, of which those of the tape are all judged. The last two rows are predicted roughly, and
+ * one of them takes more passes than are ever made in silence. */
 START_TEST(steps_in_a_row_are_those_one_by_one)
 {
     enum { CALLS = 5 };
@@ -210,7 +210,7 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
     options.compiled = NULL;
     const travel tape = travel_by(system, &options, of, row.stats.steps, 1);
     if (row.status == TVI_OK) ck_assert_double_le(motion_difference(of->scene->n, &tape.middle, &row.middle), 1e-9);
-    if (row.status == TVI_OK) ck_assert_int_le(labs(row.stats.passes - tape.stats.passes), 2 * row.stats.steps / 5);
+    if (row.status == TVI_OK) ck_assert_int_le(labs(row.stats.passes - tape.stats.passes), 3 * row.stats.steps / 5);
     ck_assert_int_eq(row.status, rows[_i].most < STEPS ? TVI_ETOOLARGE : TVI_OK);
     ck_assert_int_ge(row.stats.steps, rows[_i].least);
     ck_assert_int_le(row.stats.steps, rows[_i].most);

@@ -42,7 +42,7 @@ typedef struct {
 static const problem problems[] = {
     {kepler, kepler_scale, kepler_by_hand, 0.6, 0.7, 16, 2.9, 3.3, 11, 1e-13},
     {kepler, kepler_scale, kepler_by_hand, 0.9, 0.83, 16, 2.9, 3.4, 13, 1e-12},
-    {kepler, kepler_scale, kepler_by_hand, 0.99, 1.14, 16, 4, 5, 18, 1e-11},
+    {kepler, kepler_scale, kepler_by_hand, 0.99, 1.14, 16, 3.8, 4.2, 17.5, 1e-11},
     {kepler, kepler_scale, kepler_by_hand, 0.6, 0.1, 6, 1.9, 2.2, 5.5, 1e-14},
     {kepler, kepler_scale, kepler_by_hand, 0.6, 0.1, 20, 1.9, 2.2, 3, 1e-14},
     {kepler, NULL, automatic_by_hand, 0.6, 0.7 * ROOT_5, 16, 3, 4, 10.5, 1e-13},
