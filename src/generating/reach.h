@@ -60,10 +60,11 @@ static inline void reach_find_ends(const tvi_curve *curve, bool of_momentum, int
     }
 }
 
-/* log |(k + 1) q_{k+1}|. */
+/* log |(k + 1) q_{k+1}|; where there is none, its order may be beyond the table. */
 static inline reach_term reach_slope(const tvi_curve *curve, reach_term q)
 {
-    return (reach_term){q.k - 1, q.log + curve->log_of[q.k]};
+    const bool is_there = q.log > -INFINITY;
+    return (reach_term){q.k - 1, is_there ? q.log + curve->log_of[q.k] : q.log};
 }
 
 static inline void reach_find_slopes(const tvi_curve *curve, const reach_ends *q, reach_ends *p)
