@@ -75,6 +75,7 @@ static void power_by_quarters(int quarters, int width, const double *a, double *
 static bool is_positive(int width, const double *a)
 {
     int outside = 0;
+    JET_IN_VECTORS
     for (int w = 0; w < width; w++) outside |= a[w] <= 0;
     return !outside;
 }
@@ -176,12 +177,12 @@ JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *r
 #ifdef HAS_ROOTS
     return in_blocks(inverse_roots, k, powers, width, a, z);
 #else
-    for (int p = 0; p < powers; p++, k -= 2, z += width)
-        for (int w = 0; w < width; w++) {
-            double power = sqrt(a[w]);
-            for (int i = 1; i < k; i += 2) power *= a[w];
-            z[w] = 1 / power;
-        }
+    for (int p = 0; p < powers; p++, k -= 2, z += width) JET_IN_VECTORS
+    for (int w = 0; w < width; w++) {
+        double power = sqrt(a[w]);
+        for (int i = 1; i < k; i += 2) power *= a[w];
+        z[w] = 1 / power;
+    }
     return is_positive(width, a);
 #endif
 }

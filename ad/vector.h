@@ -26,12 +26,14 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
 #define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
 
-/* Eight numbers of a and b, of which b's have the places 8 to 15. */
+/* Eight numbers of a and b, of which b's have the places 8 to 15; and four, 4 to 7. */
 #ifdef __clang__
-#define JET_SHUFFLE_8(a, b, ...) ((jet_v8)__builtin_shufflevector(a, b, __VA_ARGS__))
+#define JET_SHUFFLE(V, a, b, ...) ((V)__builtin_shufflevector(a, b, __VA_ARGS__))
 #else
-#define JET_SHUFFLE_8(a, b, ...) ((jet_v8)__builtin_shuffle(a, b, (JET_MASK(jet_v8)){__VA_ARGS__}))
+#define JET_SHUFFLE(V, a, b, ...) ((V)__builtin_shuffle(a, b, (JET_MASK(V)){__VA_ARGS__}))
 #endif
+#define JET_SHUFFLE_8(a, b, ...) JET_SHUFFLE(jet_v8, a, b, __VA_ARGS__)
+#define JET_SHUFFLE_4(a, b, ...) JET_SHUFFLE(jet_v4, a, b, __VA_ARGS__)
 
 /* The two numbers of x in turn. */
 #ifdef __clang__

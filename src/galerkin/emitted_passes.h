@@ -83,8 +83,8 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
         }
         if (few && !of->rests && !steady_begin(nodes, form, lanes)) return false;
     }
-    for (int i = 0; i < (!ARE_ONE_VECTOR(lanes) ? 0 : of->rests ? 1 : of->count); i++)
-        of->moved[i] = sum_of_jet_v8(squares[i]);
+    if (ARE_ONE_VECTOR(lanes))
+        for (int i = 0; i < (of->rests ? 1 : of->count); i++) of->moved[i] = sum_of_jet_v8(squares[i]);
     return true;
 }
 
@@ -98,7 +98,8 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     const tvi_passes_rule *rule = form->rule;
     tvi_passes passes;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
-    steady_silence silence = {.count = 0};
+    steady_silence silence;
+    silence.count = 0;
     if (form->drive && shown->pace.silent > 0) {
         const long room = rule->most < STEADY_SILENT ? rule->most : STEADY_SILENT;
         const long most = shown->pace.silent < room ? shown->pace.silent : room;

@@ -61,6 +61,8 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
     ALL_LANES(lanes, WEIGH)
 }
 
+/* Squares of blocks in turns, of which none waits for the one before it. */
+enum { SUMS_OF_SQUARES = 2 };
 #define FOLLOW_UNITS(V, blocks, units)                                                                                 \
     {                                                                                                                  \
         SET_PRODUCT(V, blocks, units, row, matrix, impulse)                                                            \
@@ -70,7 +72,7 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
                 const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[i][0][k];             \
                 const V place = from + way, added = place - from;                                                      \
                 const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
-                squares += change * change;                                                                            \
+                squares[k % SUMS_OF_SQUARES] += change * change;                                                       \
                 BLOCK_AT(V, x, k) = place;                                                                             \
                 if (low) BLOCK_AT(V, low + u * lanes, k) = (from - (place - added)) + (way - added);                   \
             }                                                                                                          \
@@ -85,7 +87,7 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
 
 #define FOLLOW(V, blocks)                                                                                              \
     {                                                                                                                  \
-        V squares = {0};                                                                                               \
+        V squares[SUMS_OF_SQUARES] = {0};                                                                              \
         KEEP_ROWS(V, blocks, row, matrix)                                                                              \
         FOLLOW_ROWS(V, blocks, moving)                                                                                 \
         if (moving < nodes->unknowns) {                                                                                \
@@ -94,8 +96,8 @@ JET_INLINE void weigh_lanes(const galerkin_nodes *nodes, const double *drives, c
             low = low ? low + half * lanes : NULL;                                                                     \
             FOLLOW_ROWS(V, blocks, moving)                                                                             \
         }                                                                                                              \
-        if (left) *(V *)left = squares;                                                                                \
-        else moved = sum_of_##V(squares);                                                                              \
+        if (left) *(V *)left = squares[0];                                                                             \
+        else moved = sum_of_##V(squares[0] + squares[1]);                                                              \
     }
 
 /* Once all impulses are there, and none waits for the one before it. low: what x lacks, or NULL. left: of eight nodes
@@ -172,22 +174,28 @@ BY_LANES(double, return, move_both,
           const int slot[]),
          nodes, matrix, drives, changes, slot)
 
-#define PREDICT(V, blocks)                                                                                             \
+#define PREDICT_UNITS(V, blocks, units)                                                                                \
     {                                                                                                                  \
-        KEEP_ROWS(V, blocks, row, matrix)                                                                              \
-        KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
-        if ((blocks) == 1) LEAVE_REGISTERS(last);                                                                      \
-        for (int u = 0; u < unknowns; u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes) { \
-            SET_PRODUCT(V, blocks, 1, row, matrix, last)                                                               \
-            if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                              \
-            if (steps > 1) ADD_PRODUCT(V, blocks, 1, row_before, of_before, before, 0)                                 \
-            ADD_CHAINS(blocks, 1)                                                                                      \
+        SET_PRODUCT(V, blocks, units, row, matrix, last)                                                               \
+        if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                                  \
+        if (steps > 1) ADD_PRODUCT(V, blocks, units, row_before, of_before, before, 0)                                 \
+        ADD_CHAINS(blocks, units)                                                                                      \
+        for (int i = 0; i < (units);                                                                                   \
+             i++, u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes)                       \
             for (int k = 0; k < (blocks); k++) {                                                                       \
                 V from = BLOCK_OF(V, base, k);                                                                         \
                 if (drift) from = (V){0} + drift[u];                                                                   \
-                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (from + scale[u] * sum[0][0][k]);                           \
+                BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (from + scale[u] * sum[i][0][k]);                           \
             }                                                                                                          \
-        }                                                                                                              \
+    }
+#define PREDICT(V, blocks)                                                                                             \
+    {                                                                                                                  \
+        int u = 0;                                                                                                     \
+        KEEP_ROWS(V, blocks, row, matrix)                                                                              \
+        KEEP_ROWS(V, blocks, row_before, of_before)                                                                    \
+        if ((blocks) == 1) LEAVE_REGISTERS(last);                                                                      \
+        while (UNITS_OF(blocks) > 1 && u + UNITS_OF(blocks) <= unknowns) PREDICT_UNITS(V, blocks, UNITS_OF(blocks))    \
+        while (u < unknowns) PREDICT_UNITS(V, blocks, 1)                                                               \
     }
 
 /* drift: what the step before added beside its impulses, where the nodes are those of that step; else NULL. */

@@ -70,17 +70,51 @@ JET_INLINE void sum_as_tree(const galerkin_weights *weights, const double *u, co
     sums->of_pair = (jet_v4){total[0], total[4], total[1], total[5]};
     sums->last = (jet_v4){last_of_u, last_of_u, last_of_v, last_of_v};
 }
+#elif defined(__AVX2__)
+
+/* Of two vectors side by side the numbers at even places, at odd ones, and their first and last halves. */
+#define EVEN_OF(a, b)  JET_SHUFFLE_4(a, b, 0, 4, 2, 6)
+#define ODD_OF(a, b)   JET_SHUFFLE_4(a, b, 1, 5, 3, 7)
+#define FIRST_OF(a, b) JET_SHUFFLE_4(a, b, 0, 1, 4, 5)
+#define LAST_OF(a, b)  JET_SHUFFLE_4(a, b, 2, 3, 6, 7)
+
+/* Eight nodes are two vectors. Halves are added to halves: of each unknown once and twice, which are then side by side,
+ * then of both unknowns; so half as many operations, and no chain, as above. */
+JET_INLINE void sum_as_tree(const galerkin_weights *weights, const double *u, const double *v, pair_sums *sums)
+{
+    const jet_v4 *halves = (const jet_v4 *)weights->halves, *of_last = (const jet_v4 *)weights->last;
+    const jet_v4 *impulse[2] = {(const jet_v4 *)u, (const jet_v4 *)v};
+    jet_v4 pair[2], less[2], last[2];
+    for (int i = 0; i < 2; i++) {
+        jet_v4 once = impulse[i][0], twice = halves[1] * impulse[i][0], lost[2] = {{0}};
+        const jet_v4 late = halves[3] * impulse[i][1];
+        add_two_sum_of_jet_v4(&once, &lost[0], &impulse[i][1]);
+        add_two_sum_of_jet_v4(&twice, &lost[1], &late);
+        const jet_v4 odd = ODD_OF(once, twice);
+        pair[i] = EVEN_OF(once, twice);
+        less[i] = EVEN_OF(lost[0], lost[1]) + ODD_OF(lost[0], lost[1]);
+        add_two_sum_of_jet_v4(&pair[i], &less[i], &odd);
+        last[i] = of_last[0] * impulse[i][0] + of_last[1] * impulse[i][1];
+    }
+    jet_v4 total = FIRST_OF(pair[0], pair[1]), lost = FIRST_OF(less[0], less[1]) + LAST_OF(less[0], less[1]);
+    const jet_v4 other = LAST_OF(pair[0], pair[1]);
+    add_two_sum_of_jet_v4(&total, &lost, &other);
+    sums->of_pair = total + lost;
+    const jet_v4 of_both = EVEN_OF(last[0], last[1]) + ODD_OF(last[0], last[1]);
+    const double last_of_u = of_both[0] + of_both[2], last_of_v = of_both[1] + of_both[3];
+    sums->last = (jet_v4){last_of_u, last_of_u, last_of_v, last_of_v};
+}
 #endif
 
-/* A tree where a step waits for its sums: of more unknowns none does. */
+/* A tree where a step waits for its sums: with the widest vectors, of more unknowns none does. */
 JET_INLINE void sum_pair(const galerkin_weights *weights, const double *u, const double *v, int unknowns, int lanes,
                          pair_sums *sums)
 {
     const int end = POINTS_OF(weights) - 1;
     const jet_v4 first = {u[0], u[0], v[0], v[0]}, final = {u[end], u[end], v[end], v[end]};
     sums->reach = JET_ABS(jet_v4, first) + JET_ABS(jet_v4, final);
-#ifdef __AVX512F__
-    if (unknowns <= FEW && lanes == 8) {
+#ifdef __AVX2__
+    if ((unknowns <= FEW || WIDEST < 8) && lanes == 8) {
         sum_as_tree(weights, u, v, sums);
         return;
     }
