@@ -323,9 +323,11 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
 {
     const char *name = wanted->name;
     const int operations = tape->slots - tape->inputs - tape->constants;
-    const jet_split which = operations > APART_MOST   ? JET_SPLIT_SCATTERED
-                            : is_of_registers(wanted) ? JET_SPLIT_ALL
-                                                      : JET_SPLIT_SUMS;
+    const bool stand_alone = operations <= APART_MOST && is_of_registers(wanted);
+    const jet_split which = operations > APART_MOST ? JET_SPLIT_SCATTERED
+                            : !stand_alone          ? JET_SPLIT_SUMS
+                            : wanted->is_force      ? JET_SPLIT_PAIRS
+                                                    : JET_SPLIT_ALL;
     jet_tape split;
     if (!jet_tape_split(&split, tape, which)) {
         text->failed = true;
@@ -345,7 +347,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
     if (wanted->directions[0] > 0) jet_text_add(text, ".tangents = %s_tangents, ", name);
     if (wanted->has_adjoints) jet_text_add(text, ".adjoints = %s_adjoints, ", name);
     jet_text_add(text, ".isa = JET_EMITTED_ISA};\nenum { %s_slots = %d, %s_is_split = %d };\n", name, tape->slots, name,
-                 which == JET_SPLIT_ALL);
+                 stand_alone);
     jet_tape_free_split(&split);
 }
 

@@ -16,6 +16,7 @@ typedef struct {
     int lanes[3], directions[3];   /* of values and tangents; 0 ends */
     int top;                       /* the highest order, of what follows and of tangents */
     bool has_series, has_adjoints; /* of one lane */
+    bool is_force;                 /* values may be made with the factors of pairs moved (split.h) */
 } jet_emission;
 
 /* *merged = the code's sweeps, and for those that it has not the tape's own; returns it. */

@@ -8,12 +8,13 @@
 typedef enum {
     JET_SPLIT_SCATTERED, /* runs whose operands are not adjacent */
     JET_SPLIT_SUMS,      /* these and all sums of multiples */
-    JET_SPLIT_ALL        /* all, each behind what it reads and directly before what waits for it alone: values only */
+    JET_SPLIT_ALL,       /* all, each behind what it reads and directly before what waits for it alone: values only */
+    JET_SPLIT_PAIRS      /* the same, and what pairs do to each other has the factor that sums have it with */
 } jet_split;
 
-/* The same slots by the same operations, those apart as runs of one; but where all stand alone, products have the
- * factor that all sums have them with, but for their signs. Only the runs and their terms are its own, for
- * jet_tape_free_split; all else is the tape's. false without memory, and nothing is to be freed. */
+/* The same slots by the same operations, those apart as runs of one; with JET_SPLIT_PAIRS products have the factor that
+ * all sums have them with, but for their signs. Only the runs and their terms are its own, for jet_tape_free_split; all
+ * else is the tape's. false without memory, and nothing is to be freed. */
 bool jet_tape_split(jet_tape *split, const jet_tape *tape, jet_split which);
 void jet_tape_free_split(jet_tape *split);
 

@@ -132,8 +132,9 @@ static int products_of(const jet_tape *split, int slot, double size)
 }
 
 /* What two bodies do to each other are products d w of several d, which both sums have with the same factor: the factor
- * is w's, once, and the sums are of what is left. Of a single product nothing is gained, and one more number would be
- * rounded by what repeats itself in all steps (docs/method.md section 6). */
+ * is w's, once, and the sums are of what is left. Of a single product nothing is gained. One more number is rounded, by
+ * what repeats itself in all steps (docs/method.md section 6): forces bear that, the gradient of a Lagrangian does not,
+ * and its energy drifts. */
 static void move_factors(jet_tape *split)
 {
     for (const jet_run *made = split->run; made < split->run + split->runs; made++) {
@@ -165,7 +166,6 @@ static void split_all(const splitting *s)
         for (int i = 0; i < run->count; i++) s->maker[run->z + i] = run;
     for (int i = 0; i < tape->outputs; i++) make(s, tape->output[i]);
     for (int slot = 0; slot < tape->slots; slot++) make(s, slot);
-    move_factors(s->split);
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
@@ -193,8 +193,9 @@ bool jet_tape_split(jet_tape *split, const jet_tape *tape, jet_split which)
     const splitting s = {tape, split, calloc(slots, sizeof(jet_run *))};
     const bool has_memory = s.maker && split->run && split->term_slot && split->term_second && split->term_coefficient;
     if (!has_memory) jet_tape_free_split(split);
-    else if (which == JET_SPLIT_ALL) split_all(&s);
+    else if (which == JET_SPLIT_ALL || which == JET_SPLIT_PAIRS) split_all(&s);
     else split_in_place(&s, which);
+    if (has_memory && which == JET_SPLIT_PAIRS) move_factors(split);
     free(s.maker);
     return has_memory;
 }

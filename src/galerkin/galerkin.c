@@ -331,7 +331,9 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
     const int lanes = lanes_for(options->degree), width = tvi_galerkin_crowd.width(system, options);
     const int of_crowd = width > 1 ? width * options->degree : 0;
     tvi_uses used = {
-        .values = {.name = "tvi_values", .lanes = {lanes, of_crowd}}, .member = "galerkin", .emit_loops = emit_loops};
+        .values = {.name = "tvi_values", .lanes = {lanes, of_crowd}, .is_force = system->form == TVI_SEPARABLE},
+        .member = "galerkin",
+        .emit_loops = emit_loops};
     if (system->second_values) used.second = (jet_emission){.name = "tvi_second", .lanes = {lanes}};
     return used;
 }

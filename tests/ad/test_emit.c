@@ -31,10 +31,14 @@ static void emit_function(jet_text *text, int i)
     char names[2][16];
     snprintf(names[0], sizeof names[0], "S%d", i);
     snprintf(names[1], sizeof names[1], "V%d", i);
-    const jet_emission of_series = {names[0], {1}, {DIRECTIONS}, DEGREE, true, true},
-                       of_values = {.name = names[1], .lanes = {LANES, 1}},
-                       in_loops = {names[0], {1}, {DIRECTIONS}, MANY_ORDERS, true, true};
-    jet_emit_tape(text, series.tape, i % 2 ? &in_loops : &of_series);
+    const jet_emission of_values = {.name = names[1], .lanes = {LANES, 1}};
+    const jet_emission of_series = {.name = names[0],
+                                    .lanes = {1},
+                                    .directions = {DIRECTIONS},
+                                    .top = i % 2 ? MANY_ORDERS : DEGREE, /* in loops, or unrolled */
+                                    .has_series = true,
+                                    .has_adjoints = true};
+    jet_emit_tape(text, series.tape, &of_series);
     jet_emit_tape(text, values.tape, &of_values);
     recording_free(&series);
     recording_free(&values);
