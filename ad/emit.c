@@ -57,6 +57,13 @@ typedef struct {
     bool unrolled; /* orders */
 } emission;
 
+static bool has_several_roots(const jet_tape *tape)
+{
+    int roots = 0;
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) roots += jet_needs_positive(run);
+    return roots > 1;
+}
+
 /* Arrays begin with a 0, so that none is empty. */
 static void emit_constants(const emission *e)
 {
@@ -68,7 +75,7 @@ static void emit_constants(const emission *e)
     emit_doubles(e->text, name, "base", tape->rows, tape->base);
     jet_text_add(e->text, "static const jet_run %s_run[] = {\n", name);
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run(e->text, run);
-    jet_text_add(e->text, "    {0}};\n");
+    jet_text_add(e->text, "    {0}};\nenum { %s_is_watched = %d };\n", name, has_several_roots(tape));
     jet_text_add(
         e->text,
         "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"

@@ -8,14 +8,12 @@
 
 #include "sums.h"
 
-/* Whether the operation has a value at positive numbers alone, and these are so few vectors that the least ones of all
- * such operations stay in registers: whether they are positive is asked once, behind all operations. */
+/* Where several operations have a value at positive numbers alone, T_is_watched, and these are few vectors, the least
+ * ones of all stay in registers, and whether they are positive is asked once, behind all operations. */
 enum { JET_WATCHED = 8 };
 JET_INLINE bool jet_is_watched(const jet_run *run, int lanes)
 {
-    const bool is_root =
-        run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->c != __builtin_floor(run->c));
-    return is_root && run->count == 1 && lanes <= JET_WATCHED && lanes % 4 == 0;
+    return jet_needs_positive(run) && run->count == 1 && lanes <= JET_WATCHED && lanes % 4 == 0;
 }
 
 /* A NaN is no offence. */
@@ -29,7 +27,7 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
     {                                                                                                                  \
         const bool is_inside = name##_value(T##_run[i].c, T##_run[i].count * lanes, x + T##_run[i].a * lanes,          \
                                             x + T##_run[i].b * lanes, x + T##_run[i].z * lanes);                       \
-        if (jet_is_watched(&T##_run[i], lanes)) jet_watch(x + T##_run[i].a * lanes, lanes, least);                     \
+        if (T##_is_watched && jet_is_watched(&T##_run[i], lanes)) jet_watch(x + T##_run[i].a * lanes, lanes, least);   \
         else inside &= is_inside;                                                                                      \
     }
 #define VALUES_ANGLES(T, i, next)             jet_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
@@ -93,8 +91,8 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
         bool inside = true;                                                                                            \
         double least[JET_WATCHED];                                                                                     \
         JET_IN_VECTORS for (int w = 0; w < JET_WATCHED; w++) least[w] = 1;                                             \
-        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_TWINS, VALUES_LINEAR,                             \
-                 VALUES_EIGHT) for (int w = 0; w < JET_WATCHED; w++) inside &= least[w] > 0;                           \
+        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_TWINS, VALUES_LINEAR, VALUES_EIGHT);              \
+        if (T##_is_watched) inside &= is_positive(lanes < JET_WATCHED ? lanes : JET_WATCHED, least);                   \
         return inside;                                                                                                 \
     }                                                                                                                  \
     JET_INLINE bool T##_series_of(double *x, int k, int lanes)                                                         \

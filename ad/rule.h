@@ -101,6 +101,12 @@ JET_RULE_LIST(JET_DECLARE_RULE)
 #undef JET_DECLARE_RULE
 #endif
 
+/* Whether the operation has a value at positive numbers alone. */
+static inline bool jet_needs_positive(const jet_run *run)
+{
+    return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->c != __builtin_floor(run->c));
+}
+
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 /* Defines name_series from SERIES(V, S), which sets JET_AT(V, z, k). */

@@ -50,11 +50,11 @@ JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
     for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
 }
 
-/* Few unknowns whose nodes are one vector, or fewer whose nodes are two, are predicted for the next step, and its first
- * pass begins, before the increments of this one are added: they are waited for where that pass ends. Other steps are
- * made one by one. */
+/* Few unknowns whose nodes are one vector, or fewer whose nodes are two short ones, are predicted for the next step,
+ * and its first pass begins, before the increments of this one are added: that pass waits for them at its end. Other
+ * steps are made one by one. */
 #define STEADY_LEADS(unknowns, lanes)                                                                                  \
-    ((unknowns) <= GALERKIN_FEW && (lanes) <= ((unknowns) <= FEW ? 2 : 1) * (int)WIDEST)
+    ((unknowns) <= GALERKIN_FEW && (lanes) <= ((unknowns) <= FEW && (int)WIDEST < 8 ? 2 : 1) * (int)WIDEST)
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
                              const steady_form *form, const tvi_row *row, const tvi_origin *origin,
                              const tvi_run_state *now, galerkin_outcome *to, int lanes)

@@ -96,8 +96,9 @@ enum { SUMS_OF_SQUARES = 2 };
             low = low ? low + half * lanes : NULL;                                                                     \
             FOLLOW_ROWS(V, blocks, moving)                                                                             \
         }                                                                                                              \
+        if ((blocks) > 1) squares[0] += squares[1];                                                                    \
         if (left) *(V *)left = squares[0];                                                                             \
-        else moved = sum_of_##V(squares[0] + squares[1]);                                                              \
+        else moved = sum_of_##V(squares[0]);                                                                           \
     }
 
 /* Once all impulses are there, and none waits for the one before it. low: what x lacks, or NULL. left: of eight nodes

@@ -13,7 +13,7 @@
 
 enum { POWERS = 4, MOST_LANES = 11, SIZES = 9 };
 
-static const int lanes[] = {MOST_LANES, SIZES, 4}; /* of generated code, which asks of four lanes at its end */
+static const int lanes[] = {MOST_LANES, SIZES, 4}; /* of generated code */
 
 static bool has(const char *set)
 {
@@ -41,8 +41,17 @@ enum { CODES = sizeof codes / sizeof *codes };
 
 /* a^(-1/2), a^(-3/2), a^(-5/2), a^(-7/2). */
 static recording powers[POWERS];
-static jet_sweeps own[POWERS];
+/* sqrt a + b^(-3/2): of whole vectors, generated code asks for the domain of both at its end. */
+static recording both;
+static jet_sweeps own[POWERS + 1];
 static library code;
+
+static recording record_both(void)
+{
+    jet_graph *graph = jet_graph_create(2);
+    jet z = jet_add(jet_sqrt(jet_graph_input(graph, 0)), jet_pow(jet_graph_input(graph, 1), -1.5));
+    return record_close(graph, 1, &z, JET_TAPE_VALUES);
+}
 
 static void emit(jet_text *text)
 {
@@ -53,8 +62,10 @@ static void emit(jet_text *text)
         const jet_emission wanted = {.name = name, .lanes = {lanes[0], lanes[1], lanes[2]}};
         jet_emit_tape(text, powers[i].tape, &wanted);
     }
-    jet_text_add(text, "extern const jet_sweeps *const sweeps[];\n"
-                       "const jet_sweeps *const sweeps[] = {&V0_sweeps, &V1_sweeps, &V2_sweeps, &V3_sweeps};\n");
+    jet_emit_tape(text, both.tape, &(jet_emission){.name = "W", .lanes = {4, 8}});
+    jet_text_add(text,
+                 "extern const jet_sweeps *const sweeps[];\n"
+                 "const jet_sweeps *const sweeps[] = {&V0_sweeps, &V1_sweeps, &V2_sweeps, &V3_sweeps, &W_sweeps};\n");
 }
 
 static bool begin(int i)
@@ -64,18 +75,21 @@ static bool begin(int i)
     ck_assert_int_eq(setenv("TVI_ISA", codes[i].set, 1), 0);
     for (int k = 0; k < POWERS; k++)
         powers[k] = record_outputs(&(function){"pow", operation_named("pow"), 1, 1, -k - 0.5, {1}, 0}, JET_TAPE_VALUES);
+    both = record_both();
     if (!codes[i].flags) return true;
     emit(&text);
     code = library_make(&text, codes[i].flags);
     const jet_sweeps *const *sweeps = dlsym(code.handle, "sweeps");
     for (int k = 0; k < POWERS; k++)
         powers[k].tape->sweeps = jet_sweeps_merge(&own[k], powers[k].tape->interpreted, sweeps[k]);
+    both.tape->sweeps = jet_sweeps_merge(&own[POWERS], both.tape->interpreted, sweeps[POWERS]);
     return true;
 }
 
 static void end(int i)
 {
     for (int k = 0; k < POWERS; k++) recording_free(&powers[k]);
+    recording_free(&both);
     if (codes[i].flags) library_remove(&code);
     unsetenv("TVI_ISA");
 }
@@ -130,6 +144,25 @@ START_TEST(outside_is_refused)
 }
 END_TEST
 
+/* Of two operations in one tape: what is outside for the one or the other, in any lane. */
+START_TEST(outside_of_one_of_two_is_refused)
+{
+    enum { MOST = 8 };
+    static const double outside[] = {0, -1, -INFINITY, NAN};
+    double a[2 * MOST], z[MOST];
+    if (!begin(_i)) return;
+    for (int width = MOST / 2; width <= MOST; width += MOST / 2)
+        for (int at = 0; at < 2 * width; at++)
+            for (int i = 0; i < 4; i++) {
+                for (int w = 0; w < 2 * width; w++) a[w] = 4;
+                ck_assert(run_values(&both, width, a, z) && z[0] == 2.125);
+                a[at] = outside[i];
+                ck_assert(run_values(&both, width, a, z) == isnan(outside[i])); /* no offence */
+            }
+    end(_i);
+}
+END_TEST
+
 /* Over all numbers: subnormal ones, and those whose powers overflow or vanish. */
 START_TEST(inverse_roots_have_all_sizes)
 {
@@ -154,6 +187,7 @@ Suite *roots_suite(void)
     TCase *tests = add_case(suite, "inverse roots");
     tcase_add_loop_test(tests, gravity_is_rounded_well, 0, CODES);
     tcase_add_loop_test(tests, outside_is_refused, 0, CODES);
+    tcase_add_loop_test(tests, outside_of_one_of_two_is_refused, 0, CODES);
     tcase_add_loop_test(tests, inverse_roots_have_all_sizes, 0, CODES);
     return suite;
 }
