@@ -170,6 +170,17 @@ JET_INLINE bool in_blocks(powers_of_block *of_block, int k, int powers, int widt
     return !outside;
 }
 
+#else
+
+JET_INLINE void gravity_by_root(int k, int width, const double *a, double *restrict z)
+{
+    JET_IN_VECTORS
+    for (int w = 0; w < width; w++) {
+        double power = sqrt(a[w]);
+        for (int i = 1; i < k; i += 2) power *= a[w];
+        z[w] = 1 / power;
+    }
+}
 #endif
 
 JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *restrict z)
@@ -177,12 +188,7 @@ JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *r
 #ifdef HAS_ROOTS
     return in_blocks(inverse_roots, k, powers, width, a, z);
 #else
-    for (int p = 0; p < powers; p++, k -= 2, z += width) JET_IN_VECTORS
-    for (int w = 0; w < width; w++) {
-        double power = sqrt(a[w]);
-        for (int i = 1; i < k; i += 2) power *= a[w];
-        z[w] = 1 / power;
-    }
+    for (int p = 0; p < powers; p++, k -= 2, z += width) gravity_by_root(k, width, a, z);
     return is_positive(width, a);
 #endif
 }
