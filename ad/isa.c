@@ -25,6 +25,9 @@ const jet_sweeps *jet_sweeps_choose(void)
     if (has_avx512() && !(wish && strcmp(wish, "avx2") == 0)) return &jet_sweeps_avx512;
     return has_avx2() ? &jet_sweeps_avx2 : &jet_sweeps_base;
 }
+
+bool jet_reads_sooner(void) { return __builtin_cpu_is("intel"); }
 #else
 const jet_sweeps *jet_sweeps_choose(void) { return &jet_sweeps_base; }
+bool jet_reads_sooner(void) { return false; }
 #endif

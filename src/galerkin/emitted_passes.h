@@ -90,7 +90,9 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
 
 /* Steps end most often as nothing moves any more. No processor foresees with which pass, and a judge of each of them
  * makes it wait longer for what it took wrongly. So, if the last step ended like that, only this is asked of so many
- * passes as it took, and of one more. If they do not rest, all are judged as if they had been from the first one on. */
+ * passes as it took, and of some more: few unknowns rest nearly always, many often do not. If they do not rest, all are
+ * judged as if they had been from the first one on. */
+#define STEADY_MORE(unknowns) ((unknowns) <= FEW ? 3 : 1)
 JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
                               galerkin_trial *shown, int lanes)
 {
@@ -107,7 +109,7 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         shown->count = silence.count;
         shown->size = 0;
         shown->pace.first = silence.moved[0];
-        shown->pace.silent = silence.count + 1;
+        shown->pace.silent = silence.count + STEADY_MORE(nodes->unknowns);
         if (silence.rests) return true;
     }
     tvi_passes_begin(&passes);
@@ -127,7 +129,7 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     shown->count = passes.count > silence.count ? passes.count : silence.count;
     shown->size = passes.size;
     shown->pace.slowest = passes.slowest;
-    shown->pace.silent = passes.size == 0 && rule->exactly == 0 ? passes.count + 1 : 0;
+    shown->pace.silent = passes.size == 0 && rule->exactly == 0 ? passes.count + STEADY_MORE(nodes->unknowns) : 0;
     return verdict == TVI_PASSES_MAY_END;
 }
 

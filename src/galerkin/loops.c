@@ -18,10 +18,10 @@
 enum { MOST_UNITS = 2 };
 #define UNITS_OF(blocks) ((blocks) == 2 ? MOST_UNITS : 1)
 
-/* Where a row is one block it stays in its register for all unknowns: there gcc keeps sums with 0, and no copies. */
+/* Where a row is one block it stays in its register for all unknowns. */
 #define KEEP_ROWS(V, blocks, row, matrix)                                                                              \
     V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
-    for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = BLOCK_OF(V, (matrix) + j * lanes, 0) + (V){0};
+    for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = BLOCK_OF(V, (matrix) + j * lanes, 0);
 #define ROW_OF(V, blocks, row, matrix, j, k) ((blocks) == 1 ? row[j] : BLOCK_OF(V, (matrix) + (j)*lanes, k))
 
 /* Of `units` unknowns at a time, impulse [units][lanes]. */
@@ -185,7 +185,7 @@ BY_LANES(double, return, move_both,
              i++, u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes)                       \
             for (int k = 0; k < (blocks); k++) {                                                                       \
                 V from = BLOCK_OF(V, base, k);                                                                         \
-                if (drift) from = (V){0} + drift[u];                                                                   \
+                if (drift) from = drift[u] - (V){0};                                                                   \
                 BLOCK_AT(V, x, k) = BLOCK_OF(V, high, k) + (from + scale[u] * sum[i][0][k]);                           \
             }                                                                                                          \
     }
@@ -287,8 +287,8 @@ static double tail(const galerkin_motion *of, double *share, double *ratio)
 
 #define SET_ALL(V, blocks)                                                                                             \
     for (int k = 0; k < (blocks); k++) {                                                                               \
-        BLOCK_AT(V, high, k) = (V){0} + q[i];                                                                          \
-        BLOCK_AT(V, base, k) = (V){0} + q_low[i];                                                                      \
+        BLOCK_AT(V, high, k) = q[i] - (V){0};                                                                          \
+        BLOCK_AT(V, base, k) = q_low[i] - (V){0};                                                                      \
     }
 
 #define DRIFT(V, blocks)                                                                                               \
