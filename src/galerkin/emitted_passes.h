@@ -53,7 +53,7 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
     return true;
 }
 
-/* Passes that are not judged: what they moved, and whether the last one moved nothing. */
+/* Passes that are not judged: what those moved that were measured, and whether the last one moved nothing. */
 enum { STEADY_SILENT = 24 };
 typedef struct {
     int count;
@@ -61,10 +61,25 @@ typedef struct {
     double moved[STEADY_SILENT];
 } steady_silence;
 
+/* Of a step so many passes behind the first one are not even measured, as none can be its last: one more than of the
+ * step before, or one less, as the second one that was measured again has moved by far more than roundoff, or by no
+ * more. The first two of these show how far passes contract. */
+enum { STEADY_BLIND = 16 };
+#define STEADY_FAR 0x1p8
+JET_INLINE bool steady_is_blind(int pass, long blind) { return 0 < pass && pass <= blind; }
+/* The first one that is judged: that behind these. */
+JET_INLINE int steady_first(long blind) { return blind > 0 ? (int)blind + 1 : 0; }
+
+JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, double moved)
+{
+    if (moved <= rule->noise) return blind > 0 ? blind - 1 : 0;
+    return moved > STEADY_FAR * rule->noise && blind < STEADY_BLIND ? blind + 1 : blind;
+}
+
 /* A few unknowns stay in registers from the end of a pass to the beginning of the next one, which follows directly: the
  * first one has begun. Sums of squares are had where they are needed. */
 JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                                   long most, steady_silence *of, int lanes)
+                                   long blind, long most, steady_silence *of, int lanes)
 {
     const bool few = nodes->unknowns <= GALERKIN_FEW;
     jet_v8 squares[STEADY_SILENT];
@@ -74,62 +89,73 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
         const int now = of->count++;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
         if (!ARE_ONE_VECTOR(lanes)) {
-            (void)steady_end(frame, nodes, form, &of->moved[now], lanes);
-            of->rests = of->moved[now] == 0;
+            double moved;
+            (void)steady_end(frame, nodes, form, &moved, lanes);
+            if (!steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
         } else {
-            if (ARE_FEW(nodes, lanes)) follow_few(nodes, frame->matrix, &squares[now]);
-            else (void)follow_to(nodes, frame->matrix, NULL, (double *)&squares[now], lanes);
-            of->rests = are_at_rest(squares[now]);
+            jet_v8 moved;
+            if (ARE_FEW(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
+            else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
+            if (!steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_at_rest(moved);
         }
         if (few && !of->rests && !steady_begin(nodes, form, lanes)) return false;
     }
-    if (ARE_ONE_VECTOR(lanes))
-        for (int i = 0; i < (of->rests ? 1 : of->count); i++) of->moved[i] = sum_of_jet_v8(squares[i]);
+    if (!ARE_ONE_VECTOR(lanes)) return true;
+    const int second = steady_first(blind) + 1, end = of->rests && of->count > second ? second + 1 : of->count;
+    of->moved[0] = sum_of_jet_v8(squares[0]);
+    for (int i = of->rests ? second : second - 1; i < end; i++) of->moved[i] = sum_of_jet_v8(squares[i]);
     return true;
 }
 
 /* Steps end most often as nothing moves any more. No processor foresees with which pass, and a judge of each of them
  * makes it wait longer for what it took wrongly. So, if the last step ended like that, only this is asked of so many
- * passes as it took, and of some more: few unknowns rest nearly always, many often do not. If they do not rest, all are
- * judged as if they had been from the first one on. */
+ * passes as it took, and of some more: few unknowns rest nearly always, many often do not. If they do not rest, all
+ * that were measured are judged. */
 #define STEADY_MORE(unknowns) ((unknowns) <= FEW ? 3 : 1)
 JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
                               galerkin_trial *shown, int lanes)
 {
     const bool few = nodes->unknowns <= GALERKIN_FEW;
     const tvi_passes_rule *rule = form->rule;
+    const bool may_be_silent = form->drive && rule->exactly == 0 && rule->goal <= rule->noise;
+    const long blind = may_be_silent ? shown->pace.blind : 0;
+    const int first = steady_first(blind);
     tvi_passes passes;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
     steady_silence silence;
     silence.count = 0;
-    if (form->drive && shown->pace.silent > 0) {
+    if (may_be_silent) {
         const long room = rule->most < STEADY_SILENT ? rule->most : STEADY_SILENT;
-        const long most = shown->pace.silent < room ? shown->pace.silent : room;
-        if (!steady_keep_silent(frame, nodes, form, most, &silence, lanes)) return false;
+        const long wanted = shown->pace.silent > first + 2 ? shown->pace.silent : first + 2;
+        if (!steady_keep_silent(frame, nodes, form, blind, wanted < room ? wanted : room, &silence, lanes))
+            return false;
         shown->count = silence.count;
         shown->size = 0;
         shown->pace.first = silence.moved[0];
         shown->pace.silent = silence.count + STEADY_MORE(nodes->unknowns);
+        shown->pace.blind = steady_blind(rule, blind, silence.count > first + 1 ? silence.moved[first + 1] : 0);
         if (silence.rests) return true;
     }
     tvi_passes_begin(&passes);
     passes.slowest = shown->pace.slowest;
     passes.early = shown->early;
-    while (verdict == TVI_PASSES_GO_ON && passes.count < rule->most) {
+    while (verdict == TVI_PASSES_GO_ON && first + passes.count < rule->most) {
         double moved;
-        const bool was_made = passes.count < silence.count;
-        if (was_made) moved = silence.moved[passes.count];
+        const int now = first + passes.count;
+        const bool was_made = now < silence.count;
+        if (was_made) moved = silence.moved[now];
         else if (!few && !steady_begin(nodes, form, lanes)) return false;
         else if (!steady_end(frame, nodes, form, &moved, lanes)) return false;
         if (!(moved < INFINITY)) return false;
         verdict = tvi_passes_judge(&passes, rule, moved);
-        if (passes.count == 1) shown->pace.first = moved;
+        if (now == 0) shown->pace.first = moved;
         if (few && !was_made && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
     }
-    shown->count = passes.count > silence.count ? passes.count : silence.count;
+    const int made = first + passes.count;
+    shown->count = made > silence.count ? made : silence.count;
     shown->size = passes.size;
     shown->pace.slowest = passes.slowest;
-    shown->pace.silent = passes.size == 0 && rule->exactly == 0 ? passes.count + STEADY_MORE(nodes->unknowns) : 0;
+    shown->pace.silent = passes.size == 0 && rule->exactly == 0 ? made + STEADY_MORE(nodes->unknowns) : 0;
     return verdict == TVI_PASSES_MAY_END;
 }
 

@@ -23,6 +23,7 @@ typedef struct {
     double slowest; /* how far they contract */
     double first;   /* the size of the first movement, which is what the prediction was off */
     long silent;    /* so many of the next one's are not judged (emitted_passes.h) */
+    long blind;     /* so many behind the first one are not measured */
 } galerkin_pace;
 
 /* What a step is predicted from: the impulses of the last two, or, where predictions are rough, of the last one. */

@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { STATE_VERSION = 7 };
+enum { STATE_VERSION = 8 };
 
 static const char MAGIC[] = "tvistate";
 
