@@ -125,7 +125,7 @@ JET_INLINE long steady_own(const galerkin_frame *frame, galerkin_nodes *nodes, c
     const int n = motion->n, numbers = now ? n + 1 : n;
     const tvi_run_state own = {q, q_low, p, p_low};
     const tvi_origin origin = {begin->t, begin->t_low, q, q_low, p, p_low};
-    const tvi_row row = {of->h, of->steps, of->sure, dq, dp};
+    const tvi_row row = {of->h, of->steps, of->sure, of->time, of->t_end, dq, dp};
     keep_rows(q, begin->q, 0, numbers, 1);
     keep_rows(q_low, begin->q_low, 0, numbers, 1);
     keep_rows(p, begin->p, 0, n, 1);

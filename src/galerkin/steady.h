@@ -113,6 +113,7 @@ static inline void galerkin_add(int count, double *x, double *low, const double 
 static inline bool galerkin_advance(int n, const tvi_row *row, const tvi_run_state *now, const galerkin_trial *tried)
 {
     if (!(tried->tail <= row->sure.tail && tried->count <= row->sure.passes)) return false;
+    if (!tvi_row_is_in_time(row, now->q)) return false;
     if (!galerkin_sums_are_finite(n + 1, now->q, row->dq)) return false;
     if (!galerkin_sums_are_finite(n, now->p, row->dp)) return false;
     galerkin_add(n + 1, now->q, now->q_low, row->dq);

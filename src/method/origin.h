@@ -4,6 +4,10 @@
 
 #include "algebra/sizes.h"
 
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
 /* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p +
  * p_low). */
 typedef struct {
@@ -24,13 +28,27 @@ typedef struct {
     double tail;
     int passes;
 } tvi_sure;
-/* Steps in a row: at most so many of size h, each of them sure; dq [n + 1] and dp [n] are theirs. */
+/* Steps in a row: at most so many of size h, each of them sure; dq [n + 1] and dp [n] are theirs. Of a rescaled system
+ * q[time] is the time, which goes the way of h in each of them and comes to t_end in none; of others time is -1. */
 typedef struct {
     double h;
     long steps;
     tvi_sure sure;
+    int time;
+    double t_end;
     double *dq, *dp;
 } tvi_row;
+
+/* Below the roundoff of its low-order part the time does not move, and no run would ever end. */
+static inline double tvi_least_time(double t) { return DBL_EPSILON * DBL_EPSILON * fabs(t); }
+
+/* Whether a step from q is one of these by its time. */
+static inline bool tvi_row_is_in_time(const tvi_row *row, const double q[])
+{
+    if (row->time < 0) return true;
+    const double t = q[row->time], way = row->h > 0 ? 1 : -1, dt = way * row->dq[row->time];
+    return dt > tvi_least_time(t) && dt < way * (row->t_end - t);
+}
 
 /* a + b = sum + *rest, exactly (two-sum). */
 static inline double tvi_two_sum(double a, double b, double *rest)

@@ -8,6 +8,9 @@
 #include <limits.h>
 #include <math.h>
 
+/* After so many steps at most a run is asked whether it moves. */
+enum { AT_ONCE = 64 };
+
 double tvi_time_left(const tvi_integrator *it, double t_end)
 {
     const int n = it->system->n;
@@ -42,13 +45,22 @@ void tvi_end_at(tvi_integrator *it, double t_end, double *t)
     it->now.q[n] = *t = t_end;
 }
 
-/* A step of size h, or the last one. Where steps move in the time, its size is the rest of the way. */
+/* The steps of size h that nobody is told of are made at once. Where they move in the time, all but the last ones, of
+ * which roundoff says whether there is one more. */
+static long steps_at_once(const tvi_integrator *it, const tvi_plan *plan, double rest)
+{
+    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / plan->h)) - 1;
+    return whole < 1 ? 1 : (long)fmin(whole, (double)plan->at_once);
+}
+
+/* Steps of size h, or the last one. Where steps move in the time, its size is the rest of the way. */
 static tvi_status step_to(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[], bool *is_last)
 {
     const double t_end = plan->t_end, rest = tvi_time_left(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
     const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(plan->h) + roundoff;
-    tvi_status status = tvi_step(it, ends ? rest : plan->h, t, q, p);
+    tvi_status status =
+        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, plan, rest), plan->h, t_end, t, q, p);
     const double left = ends ? 0 : tvi_time_left(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (plan->h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten(it, t_end, t, q, p);
@@ -64,7 +76,13 @@ tvi_status tvi_run_to(tvi_integrator *it, double h, double t_end, const tvi_audi
     if (h > 0 ? t_end < *t : t_end > *t)
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", h, *t, t_end);
     const long steps = *t == t_end ? 0 : LONG_MAX;
-    const tvi_plan plan = {.step = step_to, .steps = steps, .h = h, .t_end = t_end, .to_time = true};
+    const bool is_told = to->count > 0 || to->observer;
+    const tvi_plan plan = {.step = step_to,
+                           .steps = steps,
+                           .at_once = is_told || !it->stats.is_compiled ? 1 : AT_ONCE,
+                           .h = h,
+                           .t_end = t_end,
+                           .to_time = true};
     const tvi_status status = tvi_integrator_begin(it, *t, q, p);
     return status == TVI_OK ? tvi_run(it, &plan, to, t, q, p) : status;
 }

@@ -66,8 +66,10 @@ void tvi_integrator_lend_parameters(tvi_integrator *integrator, const double val
 /* The tangent's memory, for so many columns (tangent.c). */
 TVI_NODISCARD tvi_status tvi_integrator_provide_tangent(tvi_integrator *integrator, int columns);
 
-/* tvi_step so often; t, q and p are written once, after the last step or the one before the first that fails. */
-TVI_NODISCARD tvi_status tvi_steps(tvi_integrator *integrator, long steps, double h, double *t, double q[], double p[]);
+/* tvi_step so often, or, after the first one, until the time is at t_end but for roundoff, or behind it; t, q and p are
+ * written once, after the last step or the one before the first that fails. */
+TVI_NODISCARD tvi_status tvi_steps(tvi_integrator *integrator, long steps, double h, double t_end, double *t,
+                                   double q[], double p[]);
 /* tvi_step, with a tolerance > 0 of a size that serves it, of at most h (stepper.h); integrator->h is its size. */
 TVI_NODISCARD tvi_status tvi_step_within(tvi_integrator *integrator, double tolerance, double h, double *t, double q[],
                                          double p[]);

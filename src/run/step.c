@@ -80,13 +80,11 @@ void tvi_state_now(const tvi_integrator *it, double *t, double q[], double p[])
     *t = it->now.q[n];
 }
 
-/* Of a rescaled system the time goes the way of h, and moves: below the roundoff of its low-order part no run would
- * ever end. */
+/* Of a rescaled system the time goes the way of h, and moves. */
 static tvi_status check_time(const tvi_integrator *it, double h)
 {
     const double dt = it->dq[it->system->n], t = it->now.q[it->system->n];
-    if (fabs(dt) <= DBL_EPSILON * DBL_EPSILON * fabs(t))
-        return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
+    if (fabs(dt) <= tvi_least_time(t)) return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
     return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
@@ -155,18 +153,21 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
 }
 
 /* Steps of generated code of which nothing is asked, all but the last one of a run. */
-static long make_row(tvi_integrator *it, long steps, double h)
+static long make_row(tvi_integrator *it, long steps, double h, double t_end)
 {
+    const int n = it->system->n;
     const tvi_sure sure = tvi_guard_sure(it);
     const bool is_sure = !it->kept->is_known && it->stats.tail <= sure.tail;
-    if (!it->stepper->run || !is_sure || tvi_is_rescaled(it) || steps < 1) return 0;
-    const long made = it->stepper->run(it->work, &(tvi_row){h, steps, sure, it->dq, it->dp}, &it->now, &it->stats);
+    if (!it->stepper->run || !is_sure || steps < 1) return 0;
+    const tvi_row row = {h, steps, sure, tvi_is_rescaled(it) ? n : -1, t_end, it->dq, it->dp};
+    const long made = it->stepper->run(it->work, &row, &it->now, &it->stats);
     it->stats.steps += made;
     return made;
 }
 
-/* Steps, up to the first that fails. */
-static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h, double *t, double q[], double p[])
+/* At least one step; up to the first that fails or comes to t_end. */
+static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h, double t_end, double *t, double q[],
+                     double p[])
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_run(given, "");
@@ -175,8 +176,9 @@ static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h,
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;
     const bool in_rows = tolerance == 0 && it->stats.is_compiled;
-    for (long k = 0; k < steps && status == TVI_OK; k++) {
-        if (in_rows) k += make_row(it, steps - 1 - k, h);
+    const double *now = &it->now.q[it->system->n], way = copysign(1, h);
+    for (long k = 0; status == TVI_OK && k < steps && (k == 0 || way * (t_end - *now) > 0); k++) {
+        if (in_rows) k += make_row(it, steps - 1 - k, h, t_end);
         status = step(it, tolerance, h);
     }
     tvi_state_now(it, t, q, p);
@@ -185,17 +187,18 @@ static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h,
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
-    return go(it, 1, 0, h, t, q, p);
+    return go(it, 1, 0, h, copysign(INFINITY, h), t, q, p);
 }
 
-tvi_status tvi_steps(tvi_integrator *it, long steps, double h, double *t, double q[], double p[])
+tvi_status tvi_steps(tvi_integrator *it, long steps, double h, double t_end, double *t, double q[], double p[])
 {
-    return go(it, steps, 0, h, t, q, p);
+    const double roundoff = it && t && isfinite(t_end) ? 4 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t)) : 0;
+    return go(it, steps, 0, h, t_end - copysign(roundoff, h), t, q, p);
 }
 
 tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
 {
-    return go(it, 1, tolerance, h, t, q, p);
+    return go(it, 1, tolerance, h, copysign(INFINITY, h), t, q, p);
 }
 
 void tvi_integrator_take_back(tvi_integrator *it, double *t, double q[], double p[])

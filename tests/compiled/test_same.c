@@ -223,6 +223,49 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
 }
 END_TEST
 
+static int go_on(long step, double t, const double q[], const double p[], void *ctx)
+{
+    (void)step, (void)t, (void)q, (void)p, (void)ctx;
+    return 0;
+}
+
+/* A run to a time of which nobody is told makes its steps in rows: those that it makes one by one for an observer, to
+ * the bit, forth and back, with ends that are steps but for roundoff, and others. */
+START_TEST(runs_to_a_time_in_rows)
+{
+    static const whose rows[] = {
+        {&scene_kepler, 0.25, false}, {&scene_kepler, 0.2, true}, {&scene_fpu, 0.03125, false}};
+    static const double ends[] = {20, 20.1, 10 * 0.1, 0.01};
+    enum { ENDS = sizeof ends / sizeof *ends };
+    const whose *of = &rows[_i / (2 * ENDS)];
+    const double way = _i % 2 ? -1 : 1, t_end = way * ends[_i / 2 % ENDS];
+    systems its;
+    const tvi_system *system = open_systems(of, &its);
+    tvi_options options = tvi_options_default();
+    tvi_compiled *code;
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &usual), TVI_OK);
+    options.compiled = code;
+    motion end[2] = {motion_start(of->scene), motion_start(of->scene)};
+    tvi_stats stats[2];
+    for (int i = 0; i < 2; i++) {
+        tvi_integrator *integrator;
+        motion *m = &end[i];
+        ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+        for (int part = 1; part <= 2; part++)
+            ck_assert_int_eq(
+                tvi_integrate_to(integrator, way * of->h, part * t_end, &m->t, m->q, m->p, i > 0 ? go_on : NULL, NULL),
+                TVI_OK);
+        stats[i] = *tvi_integrator_stats(integrator);
+        tvi_integrator_free(integrator);
+    }
+    ck_assert(end[0].t == 2 * t_end && stats[0].is_compiled);
+    ck_assert_mem_eq(&end[0], &end[1], sizeof end[0]);
+    ck_assert_mem_eq(&stats[0], &stats[1], sizeof stats[0]);
+    tvi_compiled_free(code);
+    free_systems(&its);
+}
+END_TEST
+
 /* A fall into the center: the last step fails where that of the tape does, and says the same. */
 START_TEST(steps_fail_as_those_of_the_tape)
 {
@@ -352,6 +395,7 @@ Suite *suite_same(void)
     tcase_add_loop_test(same, steps_fail_as_those_of_the_tape, 0, 3);
     tcase_add_test(same, tails_are_of_the_last_step_that_was_made);
     tcase_add_loop_test(same, steps_in_a_row_are_those_one_by_one, 0, 11);
+    tcase_add_loop_test(same, runs_to_a_time_in_rows, 0, 24);
     tcase_add_test(same, steps_are_whole);
     tcase_add_test(control, another_code_moves_otherwise);
     suite_add_tcase(suite, same);
