@@ -46,7 +46,9 @@ typedef struct {
     double slack, seen;           /* how much slower passes are: believed, and by the last correction */
     double roundoff;              /* a correction of at most this is roundoff, as measured; 0: not measured */
     double early;                 /* the goal, where that is more: of the rule, or part of it */
-    bool checks;                  /* a pass more than seems needed, until one confirms what was expected of it */
+    double curvature, typical; /* the first pass leaves curvature * correction * (correction, or typical if larger); 0:
+                                  not known */
+    bool checks;               /* a pass more than seems needed, until one confirms what was expected of it */
 } tvi_passes;
 
 typedef enum {
@@ -63,6 +65,7 @@ static inline void tvi_passes_begin(tvi_passes *passes)
     passes->count = 0;
     passes->size = passes->before = passes->earlier = INFINITY;
     passes->part = passes->slowest = passes->shown = passes->next = passes->seen = passes->roundoff = passes->early = 0;
+    passes->curvature = passes->typical = 0;
     passes->slack = 1;
     passes->checks = false;
 }
@@ -113,6 +116,8 @@ static inline void tvi_passes_expect(tvi_passes *passes, const tvi_passes_rule *
 {
     const double size = passes->size, shown = passes->shown;
     passes->shown = passes->next = size;
+    if (passes->count == 1 && passes->curvature > 0)
+        passes->next = tvi_smaller(passes->curvature * tvi_larger(size, passes->typical), 1) * size;
     if (size > rule->far || passes->count == 1) return;
     if (size <= (passes->slowest > 0 ? rule->noise : rule->first_noise)) {
         const double part = tvi_passes_part(passes, rule);
@@ -156,7 +161,7 @@ static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_
     passes->size = size;
     passes->count++;
     if (rule->exactly > 0) return passes->count == rule->exactly ? TVI_PASSES_MAY_END : TVI_PASSES_GO_ON;
-    if (rule->most_slack > 0 && passes->count > 1) tvi_passes_learn_slack(passes, rule);
+    if (rule->most_slack > 0 && passes->count > 2) tvi_passes_learn_slack(passes, rule);
     tvi_passes_expect(passes, rule);
     const bool is_enough = passes->next <= goal && (is_confirmed || !passes->checks);
     if (is_enough || (passes->roundoff > 0 && size <= passes->roundoff)) return TVI_PASSES_MAY_END;

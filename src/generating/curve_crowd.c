@@ -240,7 +240,7 @@ static int judge(crowd *w)
         if (verdict != TVI_PASSES_MAY_END) continue;
         w->now[m] = TVI_DONE;
         w->is_moving[m] = 0;
-        w->history[m].slack = tvi_larger(w->history[m].slack, w->passes[m].of_each.slack);
+        tvi_newton_learn(&w->history[m], &w->passes[m]);
     }
     for (int m = 0; m < of->width; m++) count += w->is_moving[m] != 0;
     return count;

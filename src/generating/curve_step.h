@@ -160,7 +160,7 @@ static inline int step_passes(step_quick *a, const tvi_origin *origin, double *s
         const tvi_passes_verdict verdict = tvi_newton_judge(&at, &newton->rules, correction);
         if (verdict == TVI_PASSES_STUCK) break;
         if (verdict == TVI_PASSES_MAY_END) {
-            newton->history->slack = tvi_larger(newton->history->slack, at.of_each.slack);
+            tvi_newton_learn(newton->history, &at);
             *size = correction.relative;
             return count;
         }

@@ -32,7 +32,9 @@ typedef struct {
 /* What earlier solutions taught; in the arena's history. */
 typedef struct {
     long solves;
-    double slack;   /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
+    double slack; /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
+    double curvature, least; /* tvi_newton_learn; 0: none was seen */
+    double first;            /* the first correction of the last one */
     int by_library; /* steps to come that are not tried by generated code, which left one of the last to the library */
 } tvi_newton_history;
 
@@ -53,6 +55,11 @@ typedef struct {
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough);
 /* One step in so many makes a pass more than seems needed. */
 enum { TVI_NEWTON_CHECK_EVERY = 16 };
+/* First corrections below this show how passes contract near the solution; second ones up to that are roundoff. What
+ * is expected of a single pass is taken to be so many times as much as was ever seen. */
+#define NEWTON_NEAR     1e-3
+#define NEWTON_ROUNDOFF (8 * DBL_EPSILON)
+#define NEWTON_SURE     1024
 
 static inline void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options,
                                     bool is_rough)
@@ -62,6 +69,26 @@ static inline void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_histor
     tvi_passes_begin(&passes->of_largest);
     passes->of_each.slack = tvi_larger(history->slack, 1);
     passes->of_each.checks = options->tolerance == 0 && (is_due || is_rough);
+    if (is_rough) return;
+    passes->of_each.curvature = NEWTON_SURE * (history->curvature > 0 ? history->curvature : history->least);
+    passes->of_each.typical = history->first;
+}
+
+/* What a solution of up to three passes taught, whose first one had a matrix of its own: Newton's first pass leaves a
+ * part of its correction that is in proportion to it, and so does what the matrix leaves out, as both come from the
+ * orders that a step does not have. The most that was seen of it above roundoff; or, where all was below, the least
+ * that this shows it to be at most. */
+static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newton_passes *passes)
+{
+    const tvi_passes *of = &passes->of_each;
+    const double first = of->count > 2 ? of->earlier : of->count > 1 ? of->before : of->size;
+    const double second = of->count > 2 ? of->before : of->size;
+    history->slack = tvi_larger(history->slack, of->slack);
+    if (of->count <= 3) history->first = first;
+    if (of->count < 2 || of->count > 3 || !(first < NEWTON_NEAR)) return;
+    if (second > NEWTON_ROUNDOFF) history->curvature = tvi_larger(second / (first * first), history->curvature);
+    const double most = NEWTON_ROUNDOFF / (first * first);
+    if (second <= NEWTON_ROUNDOFF && !(history->least > 0 && history->least < most)) history->least = most;
 }
 
 /* Adds a pass with a correction of this size. TVI_PASSES_STUCK: the caller measures whether it is roundoff. */

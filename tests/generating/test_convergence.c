@@ -34,6 +34,31 @@ START_TEST(passes_end_at_roundoff)
 }
 END_TEST
 
+/* Where the first correction shows that the next one is far below roundoff there is no other pass: at the midpoint in
+ * most steps but those that check it. Where the first contraction tells little there always is. */
+START_TEST(one_pass_is_enough)
+{
+    enum { MANY_STEPS = 400, DEGREE = 7 };
+    static const kind of[] = {{TVI_TYPE1, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, false},
+                              {TVI_TYPE1, TVI_AT_END, TVI_NODES_ON_CURVE, false}};
+    static const double least[] = {17.0 / 16, 2}, most[] = {1.5, 5};
+    test_state x[2];
+    tvi_system *system = model_system(&model_kepler);
+    for (int sure = 0; sure < 2; sure++) {
+        tvi_options options = kind_options(&of[_i], DEGREE);
+        options.passes = sure * MANY_PASSES;
+        tvi_integrator *integrator = integrator_of(system, &options);
+        x[sure] = model_start(&model_kepler);
+        go(integrator, 0.03125, MANY_STEPS, &x[sure]);
+        const double passes = (double)tvi_integrator_stats(integrator)->passes / MANY_STEPS;
+        if (!sure) ck_assert_msg(passes > least[_i] && passes < most[_i], "%.2f passes", passes);
+        tvi_integrator_free(integrator);
+    }
+    ck_assert_double_le(distance(2, &x[0], &x[1]), 1e-13);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* Section 5, Kepler, h = 1/16, N = 4: type II at the start 1.1e-6, 6.8e-12, that is 6.2e-6 a pass; type III 1.4e-8 a
  * pass. */
 START_TEST(passes_contract_as_measured)
@@ -84,6 +109,7 @@ Suite *suite_convergence(void)
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, passes_end_at_roundoff, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, passes_contract_as_measured, 0, 2);
+    tcase_add_loop_test(tcase, one_pass_is_enough, 0, 2);
     tcase_add_loop_test(tcase, corrector_factors_anew_where_passes_go_far, 0, 2);
     suite_add_tcase(suite, tcase);
     return suite;

@@ -12,6 +12,7 @@ typedef struct {
     tvi_passes_rule rule;
     double known;    /* the part that passes leave, of an earlier iteration */
     double measured; /* the roundoff */
+    double curvature, typical;
     bool checks;
     double sizes[MOST];
     const char *verdicts; /* of as many passes: '.' go on, 'E' may end, 'S' stuck */
@@ -101,6 +102,25 @@ static const passes_case cases[] = {
      .sizes = {1e-3, 1e-10, 2e-15, 1e-17},
      .verdicts = "...E"},
     {.name = "no check", .rule = {EXPECTS, .memory = 1}, .sizes = {1e-3, 1e-10}, .verdicts = ".E"},
+    {.name = "one pass", .rule = {EXPECTS, .memory = 1}, .curvature = 10, .sizes = {3e-9}, .verdicts = "E"},
+    {.name = "not one pass", .rule = {EXPECTS, .memory = 1}, .curvature = 10, .sizes = {4e-9, 1e-15}, .verdicts = ".E"},
+    {.name = "smaller by chance",
+     .rule = {EXPECTS, .memory = 1},
+     .curvature = 10,
+     .typical = 1e-6,
+     .sizes = {3e-9, 1e-17},
+     .verdicts = ".E"},
+    {.name = "far from one pass",
+     .rule = {HALVES, .far = INFINITY},
+     .curvature = 1e6,
+     .sizes = {1, 1e-16},
+     .verdicts = ".E"},
+    {.name = "one pass, checked",
+     .rule = {EXPECTS, .memory = 1, .confirmed = 1e-15},
+     .curvature = 10,
+     .checks = true,
+     .sizes = {3e-9, 1e-15},
+     .verdicts = ".E"},
     {.name = "exactly", .rule = {EXPECTS, .memory = 1, .exactly = 3}, .sizes = {0, 1, 1}, .verdicts = "..E"},
     {.name = "slack", .rule = {EXPECTS, .memory = 1, .most_slack = 1e6}, .sizes = SLOW, .verdicts = ".....E"},
     {.name = "no slack", .rule = {EXPECTS, .memory = 1}, .sizes = SLOW, .verdicts = "....E"},
@@ -131,6 +151,8 @@ START_TEST(each_number)
     passes.slowest = c->known;
     passes.roundoff = c->measured;
     passes.checks = c->checks;
+    passes.curvature = c->curvature;
+    passes.typical = c->typical;
     for (size_t i = 0; i < strlen(c->verdicts); i++)
         verdicts[i] = letters[tvi_passes_judge(&passes, &c->rule, c->sizes[i])];
     ck_assert_msg(strcmp(verdicts, c->verdicts) == 0, "%s: %s, not %s", c->name, verdicts, c->verdicts);
