@@ -261,11 +261,15 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         return blocks;                                                                                                 \
     }
 
+/* So are the model and the factors. */
 #define GALERKIN_EMITTED_LAGRANGIAN(NAME, N, LANES)                                                                    \
     static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,                   \
                           const tvi_run_state *now, galerkin_outcome *to)                                              \
     {                                                                                                                  \
+        enum { ALL = NAME##_is_small ? (N) * (LANES) : 1 };                                                            \
         NAME##_room own;                                                                                               \
+        _Alignas(64) double low[ALL], gradient[2 * ALL], moved[2 * ALL], lu[(N)*ALL], scale[2 * ALL], x[ALL];          \
+        int pivot[ALL];                                                                                                \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
         lagrangian_passes w = *(const lagrangian_passes *)frame->own;                                                  \
         w.nodes = &nodes;                                                                                              \
@@ -280,6 +284,16 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         w.model.second = w.blocks.second;                                                                              \
         w.model.term = NAME##_term;                                                                                    \
         w.model.end = NAME##_end;                                                                                      \
+        if (NAME##_is_small) {                                                                                         \
+            w.low = low;                                                                                               \
+            w.model.gradient = w.gradient = gradient;                                                                  \
+            w.model.moved = moved;                                                                                     \
+            w.mass.lu = lu;                                                                                            \
+            w.mass.row_scale = scale;                                                                                  \
+            w.mass.column_scale = scale + ALL;                                                                         \
+            w.mass.pivot = pivot;                                                                                      \
+            w.mass.x = x;                                                                                              \
+        }                                                                                                              \
         w.factors = 0;                                                                                                 \
         const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .lagrangian = &w};                       \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
