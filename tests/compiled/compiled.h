@@ -9,6 +9,7 @@
 #include <check.h>
 
 Suite *suite_same(void);
+Suite *suite_rows(void);
 Suite *suite_cache(void);
 Suite *suite_owners(void);
 Suite *suite_ahead(void);
@@ -23,6 +24,23 @@ typedef struct {
 motion motion_start(const scene *s);
 /* The largest difference of q and p, as a part of the largest of each. */
 double motion_difference(int n, const motion *a, const motion *b);
+
+/* So many steps of an integrator of its own. */
+tvi_status motion_go(const tvi_system *system, const tvi_options *options, double h, long steps, motion *m,
+                     tvi_stats *stats);
+
+/* Steps of a size that suits the scene, of it or in a time that it chooses. */
+typedef struct {
+    const scene *scene;
+    double h;
+    bool is_rescaled;
+} whose;
+typedef struct {
+    tvi_system *stated, *rescaled;
+} systems;
+/* Those of a run, to be freed; returns the one that it is of. */
+const tvi_system *systems_open(const whose *of, systems *its);
+void systems_free(const systems *its);
 
 /* A cache below the build's directory, which the next run finds again. */
 extern const tvi_compiler usual, quick; /* that optimizes less */

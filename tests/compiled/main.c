@@ -37,6 +37,33 @@ double motion_difference(int n, const motion *a, const motion *b)
     return fmax(part(n, a->q, b->q), part(n, a->p, b->p));
 }
 
+const tvi_system *systems_open(const whose *of, systems *its)
+{
+    *its = (systems){NULL, NULL};
+    ck_assert_int_eq(scene_system(of->scene, &its->stated), TVI_OK);
+    if (!of->is_rescaled) return its->stated;
+    ck_assert_int_eq(tvi_system_rescaled(&its->rescaled, its->stated, NULL, NULL), TVI_OK);
+    return its->rescaled;
+}
+
+void systems_free(const systems *its)
+{
+    tvi_system_free(its->rescaled);
+    tvi_system_free(its->stated);
+}
+
+tvi_status motion_go(const tvi_system *system, const tvi_options *options, double h, long steps, motion *m,
+                     tvi_stats *stats)
+{
+    tvi_integrator *integrator;
+    tvi_status status = tvi_integrator_create(&integrator, system, options);
+    ck_assert_int_eq(status, TVI_OK);
+    status = tvi_integrate(integrator, h, steps, &m->t, m->q, m->p, NULL, NULL);
+    *stats = *tvi_integrator_stats(integrator);
+    tvi_integrator_free(integrator);
+    return status;
+}
+
 /* ---- Directories ------------------------------------------------------------------------------------------------- */
 
 const char *directory_make(void)
@@ -70,6 +97,6 @@ int directory_count(const char *path, const char *ending)
     return count;
 }
 
-static Suite *(*const suites[])(void) = {suite_same, suite_cache, suite_owners, suite_ahead, suite_names};
+static Suite *(*const suites[])(void) = {suite_same, suite_rows, suite_cache, suite_owners, suite_ahead, suite_names};
 
 int main(void) { return RUN_SUITES(suites); }
