@@ -116,10 +116,11 @@ static inline void tvi_passes_expect(tvi_passes *passes, const tvi_passes_rule *
 {
     const double size = passes->size, shown = passes->shown;
     passes->shown = passes->next = size;
-    if (passes->count == 1 && passes->curvature > 0)
-        passes->next = tvi_smaller(passes->curvature * tvi_larger(size, passes->typical), 1) * size;
-    if (size > rule->far || passes->count == 1) return;
-    if (size <= (passes->slowest > 0 ? rule->noise : rule->first_noise)) {
+    if (size > rule->far) return;
+    if (passes->count == 1) {
+        if (passes->curvature > 0)
+            passes->next = tvi_smaller(passes->curvature * tvi_larger(size, passes->typical), 1) * size;
+    } else if (size <= (passes->slowest > 0 ? rule->noise : rule->first_noise)) {
         const double part = tvi_passes_part(passes, rule);
         passes->shown = tvi_smaller(size, part * shown);
         passes->next = tvi_larger(passes->slack, passes->seen) * part * passes->shown;

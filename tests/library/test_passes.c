@@ -115,6 +115,7 @@ static const passes_case cases[] = {
      .curvature = 1e6,
      .sizes = {1, 1e-16},
      .verdicts = ".E"},
+    {.name = "one pass, but a tolerance", .rule = {HALVES}, .curvature = 10, .sizes = {3e-9, 1e-17}, .verdicts = ".E"},
     {.name = "one pass, checked",
      .rule = {EXPECTS, .memory = 1, .confirmed = 1e-15},
      .curvature = 10,
