@@ -18,10 +18,16 @@
 enum { MOST_UNITS = 2 };
 #define UNITS_OF(blocks) ((blocks) == 2 ? MOST_UNITS : 1)
 
-/* Where a row is one block it stays in its register for all unknowns. */
+/* Where a row is one block it stays in its register for all unknowns. Where these are many, gcc keeps sums with 0, and
+ * no copies; generated code has few, which sums would cost more. */
+#ifdef JET_EMITTED
+#define KEPT(V, x) (x)
+#else
+#define KEPT(V, x) ((x) + (V){0})
+#endif
 #define KEEP_ROWS(V, blocks, row, matrix)                                                                              \
     V row[TVI_GALERKIN_MAX_LANES];                                                                                     \
-    for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = BLOCK_OF(V, (matrix) + j * lanes, 0);
+    for (int j = 0; j < ((blocks) == 1 ? lanes : 0); j++) row[j] = KEPT(V, BLOCK_OF(V, (matrix) + j * lanes, 0));
 #define ROW_OF(V, blocks, row, matrix, j, k) ((blocks) == 1 ? row[j] : BLOCK_OF(V, (matrix) + (j)*lanes, k))
 
 /* Of `units` unknowns at a time, impulse [units][lanes]. */
