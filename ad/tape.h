@@ -103,8 +103,8 @@ struct jet_sweeps {
 
 /* The widest that the machine has; the environment variable TVI_ISA = base or avx2 asks for less. */
 const jet_sweeps *jet_sweeps_choose(void);
-/* Whether the machine reads a number that it has just stored sooner than it turns the lanes of a register, which few
- * operations do at a time there. */
+/* Whether the machine is known to read what it has just stored sooner than it turns the lanes of many registers: it has
+ * one unit for that, which products need, too. */
 bool jet_reads_sooner(void);
 
 /* Sets the text of the refusal (refusal.h): the first operation of a block of values that is outside its domain,

@@ -46,9 +46,9 @@ typedef struct {
     double slack, seen;           /* how much slower passes are: believed, and by the last correction */
     double roundoff;              /* a correction of at most this is roundoff, as measured; 0: not measured */
     double early;                 /* the goal, where that is more: of the rule, or part of it */
-    double curvature, typical; /* the first pass leaves curvature * correction * (correction, or typical if larger); 0:
-                                  not known */
-    bool checks;               /* a pass more than seems needed, until one confirms what was expected of it */
+    double curvature, typical;    /* the first pass leaves of its correction curvature times this, or typical, the
+                                     larger one; 0: not known */
+    bool checks;                  /* a pass more than seems needed, until one confirms what was expected of it */
 } tvi_passes;
 
 typedef enum {

@@ -155,7 +155,7 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     shown->count = made > silence.count ? made : silence.count;
     shown->size = passes.size;
     shown->pace.slowest = passes.slowest;
-    shown->pace.silent = passes.size == 0 && rule->exactly == 0 ? made + STEADY_MORE(nodes->unknowns) : 0;
+    shown->pace.silent = passes.size == 0 ? made + STEADY_MORE(nodes->unknowns) : 0;
     return verdict == TVI_PASSES_MAY_END;
 }
 

@@ -18,8 +18,8 @@
 enum { MOST_UNITS = 2 };
 #define UNITS_OF(blocks) ((blocks) == 2 ? MOST_UNITS : 1)
 
-/* Where a row is one block it stays in its register for all unknowns. Where these are many, gcc keeps sums with 0, and
- * no copies; generated code has few, which sums would cost more. */
+/* Where a row is one block it stays in its register for all unknowns. In loops over any number of them gcc keeps sums
+ * with 0, and no copies; where it knows the number, copies, too. */
 #ifdef JET_EMITTED
 #define KEPT(V, x) (x)
 #else

@@ -240,7 +240,7 @@ static int judge(crowd *w)
         if (verdict != TVI_PASSES_MAY_END) continue;
         w->now[m] = TVI_DONE;
         w->is_moving[m] = 0;
-        tvi_newton_learn(&w->history[m], &w->passes[m]);
+        tvi_newton_learn(&w->history[m], &w->passes[m], true);
     }
     for (int m = 0; m < of->width; m++) count += w->is_moving[m] != 0;
     return count;

@@ -160,7 +160,7 @@ static inline int step_passes(step_quick *a, const tvi_origin *origin, double *s
         const tvi_passes_verdict verdict = tvi_newton_judge(&at, &newton->rules, correction);
         if (verdict == TVI_PASSES_STUCK) break;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_learn(newton->history, &at);
+            tvi_newton_learn(newton->history, &at, true);
             *size = correction.relative;
             return count;
         }

@@ -169,8 +169,7 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         tvi_passes_verdict verdict = tvi_newton_judge(&at, rules, size);
         if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at.of_each)) verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            if (newton->has_matrix && equations->jacobian) tvi_newton_learn(newton->history, &at);
-            else newton->history->slack = fmax(newton->history->slack, at.of_each.slack);
+            tvi_newton_learn(newton->history, &at, newton->has_matrix && equations->jacobian);
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];

@@ -32,9 +32,10 @@ typedef struct {
 /* What earlier solutions taught; in the arena's history. */
 typedef struct {
     long solves;
-    double slack; /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
-    double curvature, least; /* tvi_newton_learn; 0: none was seen */
-    double first;            /* the first correction of the last one */
+    double slack;     /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
+    double curvature; /* the second correction through the square of the first one, the most that was seen; 0: none */
+    double bound;     /* what that is at most, by second ones that were roundoff; 0: not known */
+    double first;     /* the first correction of the last solution */
     int by_library; /* steps to come that are not tried by generated code, which left one of the last to the library */
 } tvi_newton_history;
 
@@ -70,25 +71,28 @@ static inline void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_histor
     passes->of_each.slack = tvi_larger(history->slack, 1);
     passes->of_each.checks = options->tolerance == 0 && (is_due || is_rough);
     if (is_rough) return;
-    passes->of_each.curvature = NEWTON_SURE * (history->curvature > 0 ? history->curvature : history->least);
+    passes->of_each.curvature = NEWTON_SURE * (history->curvature > 0 ? history->curvature : history->bound);
     passes->of_each.typical = history->first;
 }
 
-/* What a solution of up to three passes taught, whose first one had a matrix of its own: Newton's first pass leaves a
- * part of its correction that is in proportion to it, and so does what the matrix leaves out, as both come from the
- * orders that a step does not have. The most that was seen of it above roundoff; or, where all was below, the least
- * that this shows it to be at most. */
-static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newton_passes *passes)
+/* What a solution taught. Where its first pass had a matrix of its own, it left a part of its correction that is in
+ * proportion to it: so does Newton's method, and what the matrix leaves out, as both come from the orders that a step
+ * does not have. */
+static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newton_passes *passes, bool has_own_matrix)
 {
     const tvi_passes *of = &passes->of_each;
+    history->slack = tvi_larger(history->slack, of->slack);
+    if (!has_own_matrix || of->count > 3) return;
     const double first = of->count > 2 ? of->earlier : of->count > 1 ? of->before : of->size;
     const double second = of->count > 2 ? of->before : of->size;
-    history->slack = tvi_larger(history->slack, of->slack);
-    if (of->count <= 3) history->first = first;
-    if (of->count < 2 || of->count > 3 || !(first < NEWTON_NEAR)) return;
-    if (second > NEWTON_ROUNDOFF) history->curvature = tvi_larger(second / (first * first), history->curvature);
-    const double most = NEWTON_ROUNDOFF / (first * first);
-    if (second <= NEWTON_ROUNDOFF && !(history->least > 0 && history->least < most)) history->least = most;
+    history->first = first;
+    if (of->count < 2 || !(first < NEWTON_NEAR)) return;
+    if (second > NEWTON_ROUNDOFF) {
+        history->curvature = tvi_larger(second / (first * first), history->curvature);
+    } else {
+        const double most = NEWTON_ROUNDOFF / (first * first);
+        history->bound = history->bound > 0 ? tvi_smaller(most, history->bound) : most;
+    }
 }
 
 /* Adds a pass with a correction of this size. TVI_PASSES_STUCK: the caller measures whether it is roundoff. */

@@ -59,8 +59,9 @@ static tvi_status step_to(tvi_integrator *it, const tvi_plan *plan, double *t, d
     const double t_end = plan->t_end, rest = tvi_time_left(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
     const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(plan->h) + roundoff;
+    const double before_end = t_end - copysign(roundoff, plan->h);
     tvi_status status =
-        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, plan, rest), plan->h, t_end, t, q, p);
+        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, plan, rest), plan->h, before_end, t, q, p);
     const double left = ends ? 0 : tvi_time_left(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (plan->h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten(it, t_end, t, q, p);

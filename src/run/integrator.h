@@ -5,6 +5,8 @@
 #include "method/stepper.h"
 #include "system/energy.h"
 
+#include <math.h>
+
 /* The energy of a run: its size where it began, and its value now. */
 typedef struct {
     double scale, H;
@@ -66,8 +68,11 @@ void tvi_integrator_lend_parameters(tvi_integrator *integrator, const double val
 /* The tangent's memory, for so many columns (tangent.c). */
 TVI_NODISCARD tvi_status tvi_integrator_provide_tangent(tvi_integrator *integrator, int columns);
 
-/* tvi_step so often, or, after the first one, until the time is at t_end but for roundoff, or behind it; t, q and p are
- * written once, after the last step or the one before the first that fails. */
+/* Where a run in the direction of h has no end. */
+static inline double tvi_no_end(double h) { return copysign(INFINITY, h); }
+
+/* tvi_step so often, or, after the first one, until the time is at t_end or behind it; t, q and p are written once,
+ * after the last step or the one before the first that fails. */
 TVI_NODISCARD tvi_status tvi_steps(tvi_integrator *integrator, long steps, double h, double t_end, double *t,
                                    double q[], double p[]);
 /* tvi_step, with a tolerance > 0 of a size that serves it, of at most h (stepper.h); integrator->h is its size. */

@@ -25,7 +25,7 @@ static tvi_status step_of_size(tvi_integrator *it, const tvi_plan *plan, double 
                                bool *is_last)
 {
     (void)is_last;
-    return tvi_steps(it, plan->at_once, plan->h, copysign(INFINITY, plan->h), t, q, p);
+    return tvi_steps(it, plan->at_once, plan->h, tvi_no_end(plan->h), t, q, p);
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,

@@ -187,18 +187,17 @@ static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h,
 
 tvi_status tvi_step(tvi_integrator *it, double h, double *t, double q[], double p[])
 {
-    return go(it, 1, 0, h, copysign(INFINITY, h), t, q, p);
+    return go(it, 1, 0, h, tvi_no_end(h), t, q, p);
 }
 
 tvi_status tvi_steps(tvi_integrator *it, long steps, double h, double t_end, double *t, double q[], double p[])
 {
-    const double roundoff = it && t && isfinite(t_end) ? 4 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t)) : 0;
-    return go(it, steps, 0, h, t_end - copysign(roundoff, h), t, q, p);
+    return go(it, steps, 0, h, t_end, t, q, p);
 }
 
 tvi_status tvi_step_within(tvi_integrator *it, double tolerance, double h, double *t, double q[], double p[])
 {
-    return go(it, 1, tolerance, h, copysign(INFINITY, h), t, q, p);
+    return go(it, 1, tolerance, h, tvi_no_end(h), t, q, p);
 }
 
 void tvi_integrator_take_back(tvi_integrator *it, double *t, double q[], double p[])

@@ -154,7 +154,7 @@ Suite *suite_rows(void)
 {
     Suite *suite = suite_create("rows");
     TCase *tcase = tcase_create("rows");
-    tcase_set_timeout(tcase, 60);
+    tcase_set_timeout(tcase, 600);
     tcase_add_loop_test(tcase, steps_in_a_row_are_those_one_by_one, 0, 11);
     tcase_add_loop_test(tcase, runs_to_a_time_in_rows, 0, 24);
     tcase_add_test(tcase, tails_are_of_the_last_step_that_was_made);
