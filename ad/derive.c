@@ -52,32 +52,27 @@ static jet adjoint_of(adjoints *bar, int index)
     int place = count;
     /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): room was made when the value was added */
     for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--place] = bar->all[i].value;
-    const jet sum = jet_sum(bar->summing, count);
+    const jet sum = jet_gather(bar->summing, count);
     bar->failed |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM; /* also where no input needs it */
     return sum;
 }
 
-/* Takes a constant factor out of the jet, so that factors meet in the sums instead of being multiplied in one by one.
- */
-static double take_factor(jet *x)
+/* Of z = a^2 whose z-bar is c + k a, as where a^3 was written with it: a-bar = 2 c a + 2 k z, without a product. */
+static bool pull_square(adjoints *bar, struct jet_node *z, jet zbar)
 {
-    double factor = 1;
-    if (!x->node) {
-        factor = x->number;
-        *x = jet_const(1);
-    } else if (x->node->op == OP_LINEAR && x->node->count == 1 && x->node->number == 0) {
-        factor = x->node->terms[0].coefficient;
-        *x = jet_of_node(x->node->terms[0].node);
-    }
-    return factor;
+    const struct jet_node *of = zbar.node;
+    if (z->op != OP_SQR || !of || of->op != OP_LINEAR || of->count != 1 || of->terms[0].node != z->a) return false;
+    const double twice[] = {2 * of->number, 2 * of->terms[0].coefficient};
+    contribute(bar, z->a, jet_linear(2, twice, (const jet[]){jet_of_node(z->a), jet_of_node(z)}));
+    return true;
 }
 
 static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
 {
     for (int i = 0; i < z->count; i++) contribute(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
     const jet_rule *rule = jet_rules[z->op];
-    if (!rule) return;
-    const double factor = take_factor(&zbar); /* the rules are linear in z-bar */
+    if (!rule || pull_square(bar, z, zbar)) return;
+    const double factor = jet_take_factor(&zbar); /* the rules are linear in z-bar */
     contribute(bar, z->a, jet_mul(factor, rule->pull(z, zbar, 0)));
     if (z->b) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));
 }

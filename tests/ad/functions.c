@@ -256,7 +256,7 @@ const function compositions[] = {
     {"kepler", record_kepler, 3, 1, 0, {1.2, -0.9, 0.7}, 1e-13},
     {"pendulums", record_pendulums, 4, 1, 0, {0.4, -1.1, 0.8, 1.7}, 1e-13},
     {"sums", record_sums, 7, 3, 0, {0.7, -0.9, 1.1, 0.4, -1.3, 0.8, 0.6}, 1e-14},
-    {"lattice", record_lattice, 4, 1, 0, {0.2, -0.3, 0.5, 0.1}, 1e-13},
+    {"lattice", record_lattice, 4, 1, 0, {0.2, -0.4, 0.5, 0.1}, 1e-13},
     {"relativistic", record_relativistic, 2, 1, 0, {0.3, -0.8}, 1e-13},
     {"medley", record_medley, 3, 2, 0, {0.7, 0.9, 1.1}, 1e-13},
     {"polar", record_polar, 4, 4, 0, {2.1, -1.3, 1.7, 2.2}, 1e-13},
