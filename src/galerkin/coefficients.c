@@ -13,7 +13,7 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
     w->lanes = lanes;
     w->b = tvi_arena_doubles(arena, width);
     w->c = tvi_arena_doubles(arena, width);
-    w->matrix = tvi_arena_doubles(arena, (lanes == 8 ? 2 : 1) * width * width);
+    w->matrix = tvi_arena_doubles(arena, (size_t)galerkin_matrix_size(lanes));
     w->weights.points = points;
     w->weights.pair = tvi_arena_doubles(arena, width * OF_PAIR);
     w->weights.halves = tvi_arena_doubles(arena, 2 * 8);
@@ -89,9 +89,9 @@ static void set_matrix(galerkin_coefficients *w, const galerkin_dense *dense, bo
 }
 
 /* few.h */
-static void set_turned(double *matrix)
+static void set_turned(double *matrix, int lanes)
 {
-    for (int k = 0; k < 8; k++)
+    for (int k = 0; k < 8 && lanes == 8; k++)
         for (int i = 0; i < 8; i++) matrix[(8 + k) * 8 + i] = matrix[(i ^ k) * 8 + i];
 }
 
@@ -101,5 +101,16 @@ void tvi_galerkin_coefficients_prepare(galerkin_coefficients *w, galerkin_dense 
     tvi_galerkin_dense_prepare(dense, w->lanes, w->exact_node);
     set_weights(w, dense);
     set_matrix(w, dense, is_second_order);
-    if (w->lanes == 8) set_turned(w->matrix);
+    set_turned(w->matrix, w->lanes);
+}
+
+void tvi_galerkin_coefficients_fold(const galerkin_coefficients *w, const galerkin_nodes *nodes, double *folded)
+{
+    const int lanes = w->lanes, size = galerkin_matrix_size(lanes);
+    for (int u = 0; u < nodes->unknowns; u++, folded += size) {
+        for (int j = 0; j < lanes; j++)
+            for (int i = 0; i < lanes; i++)
+                folded[j * lanes + i] = nodes->scale[u] * (nodes->weight[j] * w->matrix[j * lanes + i]);
+        set_turned(folded, lanes);
+    }
 }

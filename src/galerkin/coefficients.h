@@ -18,5 +18,7 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
 /* Those of Q'' = F or of Q' = V, P' = F; prepares the dense output, too, which has the integrals that they are made
  * of. */
 void tvi_galerkin_coefficients_prepare(galerkin_coefficients *w, galerkin_dense *dense, bool is_second_order);
+/* [unknowns][j][i] what multiplies the drives (folded.h), of nodes whose weights and scales are set. */
+void tvi_galerkin_coefficients_fold(const galerkin_coefficients *w, const galerkin_nodes *nodes, double *folded);
 
 #endif

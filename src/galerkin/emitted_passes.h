@@ -2,19 +2,20 @@
 #ifndef TVI_SRC_GALERKIN_EMITTED_PASSES_H
 #define TVI_SRC_GALERKIN_EMITTED_PASSES_H
 
-#include "galerkin/few.h"
+#include "galerkin/folded.h"
 #include "galerkin/hamiltonian_passes.h"
 #include "galerkin/lagrangian_passes.h"
 #include "galerkin/steady.h"
 
-/* Sets the impulses at the nodes; false outside the field's domain. */
-typedef bool steady_field(const galerkin_nodes *nodes, int lanes);
+/* Sets the impulses at the nodes, or, where they are not weighed, the drives; false outside the field's domain. */
+typedef bool steady_field(const galerkin_nodes *nodes, bool weighs, int lanes);
 
 /* What a pass is made by: the field, or passes of their own. The rule is of constants where the registers are not the
  * field's. */
 typedef struct {
     const tvi_passes_rule *rule;
     steady_field *drive;
+    bool folds; /* passes that cannot be the last are folded.h's */
     galerkin_sweep *sweep;
     lagrangian_passes *lagrangian;
     hamiltonian_passes *hamiltonian;
@@ -22,12 +23,16 @@ typedef struct {
 
 /* A pass in two parts, between which its impulses are stored. Many unknowns that stayed in registers until the next one
  * would take those that it needs. */
-JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
+JET_INLINE bool steady_drive(const galerkin_nodes *nodes, const steady_form *form, bool weighs, int lanes)
 {
     double *x = nodes->x;
     if (!form->drive) return true;
     if (nodes->unknowns > GALERKIN_FEW) LEAVE_REGISTERS(x);
-    return form->drive(nodes, lanes);
+    return form->drive(nodes, weighs, lanes);
+}
+JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
+{
+    return steady_drive(nodes, form, true, lanes);
 }
 
 JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
@@ -61,49 +66,88 @@ typedef struct {
     double moved[STEADY_SILENT];
 } steady_silence;
 
-/* Of a step so many passes behind the first one are not even measured, as none can be its last: one more than of the
- * step before, or one less, as the second one that was measured again has moved by far more than roundoff, or by no
- * more. The first two of these show how far passes contract. */
+/* Of a step so many passes behind the first one are not even measured, as none can be its last. Of those that are
+ * measured again, the second one shows whether that may be one more of the next step, as it has moved by far more than
+ * roundoff, and the first one whether it has to be fewer, as it has not. */
 enum { STEADY_BLIND = 16 };
-#define STEADY_FAR 0x1p8
+#define STEADY_FAR 0x1p4
 JET_INLINE bool steady_is_blind(int pass, long blind) { return 0 < pass && pass <= blind; }
 /* The first one that is judged: that behind these. */
 JET_INLINE int steady_first(long blind) { return blind > 0 ? (int)blind + 1 : 0; }
 
-JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, double moved)
+JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, const steady_silence *silence)
 {
-    if (moved <= rule->noise) return blind > 0 ? blind - 1 : 0;
-    return moved > STEADY_FAR * rule->noise && blind < STEADY_BLIND ? blind + 1 : blind;
+    const int first = steady_first(blind);
+    if (silence->count <= first || silence->moved[first] <= rule->noise) return blind > 2 ? blind - 2 : 0;
+    const double second = silence->count > first + 1 ? silence->moved[first + 1] : 0;
+    return second > STEADY_FAR * rule->noise && blind < STEADY_BLIND ? blind + 1 : blind;
+}
+
+JET_INLINE bool steady_may_be_silent(const steady_form *form)
+{
+    const tvi_passes_rule *rule = form->rule;
+    return form->drive && rule->exactly == 0 && rule->goal <= rule->noise;
+}
+JET_INLINE long steady_blind_now(const steady_form *form, const galerkin_trial *last)
+{
+    return steady_may_be_silent(form) ? last->pace.blind : 0;
+}
+
+/* The first pass of a step begins, of a few unknowns; of passes that are folded so many are made, and the next one
+ * begins. */
+JET_INLINE bool steady_begin_first(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                                   long blind, galerkin_folding *folding, int lanes)
+{
+    if (nodes->unknowns > GALERKIN_FEW) return true;
+    if (!form->folds) return steady_begin(nodes, form, lanes);
+    if (!steady_drive(nodes, form, false, lanes)) return false;
+    if (blind < 1) {
+        weigh_drives(nodes, lanes);
+        return true;
+    }
+    copy_lanes(folding->change, nodes->x, nodes->unknowns, lanes);
+    follow_folded(nodes, frame->folded, folding->origin, lanes);
+    subtract_from(nodes->x, folding->change, nodes->unknowns, lanes);
+    for (long left = blind; left > 0; left--) {
+        if (!steady_drive(nodes, form, false, lanes)) return false;
+        follow_folded(nodes, frame->folded, folding->origin, lanes);
+    }
+    return steady_begin(nodes, form, lanes);
 }
 
 /* A few unknowns stay in registers from the end of a pass to the beginning of the next one, which follows directly: the
  * first one has begun. Sums of squares are had where they are needed. */
 JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                                   long blind, long most, steady_silence *of, int lanes)
+                                   long blind, long most, const galerkin_folding *folding, steady_silence *of,
+                                   int lanes)
 {
     const bool few = nodes->unknowns <= GALERKIN_FEW;
     jet_v8 squares[STEADY_SILENT];
     of->count = 0;
     of->rests = false;
+    if (form->folds) {
+        of->count = steady_first(blind);
+        if (blind > 0) of->moved[0] = squares_of(nodes, folding->change, lanes);
+    }
     while (of->count < most && !of->rests) {
         const int now = of->count++;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
         if (!ARE_ONE_VECTOR(lanes)) {
             double moved;
             (void)steady_end(frame, nodes, form, &moved, lanes);
-            if (!steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
+            if (form->folds || !steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
         } else {
             jet_v8 moved;
             if (ARE_FEW(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
             else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
-            if (!steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_at_rest(moved);
+            if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_at_rest(moved);
         }
         if (few && !of->rests && !steady_begin(nodes, form, lanes)) return false;
     }
     if (!ARE_ONE_VECTOR(lanes)) return true;
-    const int second = steady_first(blind) + 1, end = of->rests && of->count > second ? second + 1 : of->count;
-    of->moved[0] = sum_of_jet_v8(squares[0]);
-    for (int i = of->rests ? second : second - 1; i < end; i++) of->moved[i] = sum_of_jet_v8(squares[i]);
+    const int first = steady_first(blind), end = of->rests && of->count > first + 2 ? first + 2 : of->count;
+    if (!form->folds || blind < 1) of->moved[0] = sum_of_jet_v8(squares[0]);
+    for (int i = first; i < end; i++) of->moved[i] = sum_of_jet_v8(squares[i]);
     return true;
 }
 
@@ -111,14 +155,14 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
  * makes it wait longer for what it took wrongly. So, if the last step ended like that, only this is asked of so many
  * passes as it took, and of some more: few unknowns rest nearly always, many often do not. If they do not rest, all
  * that were measured are judged. */
-#define STEADY_MORE(unknowns) ((unknowns) <= FEW ? 3 : 1)
+#define STEADY_MORE(unknowns) ((unknowns) <= GALERKIN_FEWEST ? 3 : 1)
 JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                              galerkin_trial *shown, int lanes)
+                              const galerkin_folding *folding, galerkin_trial *shown, int lanes)
 {
     const bool few = nodes->unknowns <= GALERKIN_FEW;
     const tvi_passes_rule *rule = form->rule;
-    const bool may_be_silent = form->drive && rule->exactly == 0 && rule->goal <= rule->noise;
-    const long blind = may_be_silent ? shown->pace.blind : 0;
+    const bool may_be_silent = steady_may_be_silent(form);
+    const long blind = steady_blind_now(form, shown);
     const int first = steady_first(blind);
     tvi_passes passes;
     tvi_passes_verdict verdict = TVI_PASSES_GO_ON;
@@ -127,13 +171,13 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     if (may_be_silent) {
         const long room = rule->most < STEADY_SILENT ? rule->most : STEADY_SILENT;
         const long wanted = shown->pace.silent > first + 2 ? shown->pace.silent : first + 2;
-        if (!steady_keep_silent(frame, nodes, form, blind, wanted < room ? wanted : room, &silence, lanes))
+        if (!steady_keep_silent(frame, nodes, form, blind, wanted < room ? wanted : room, folding, &silence, lanes))
             return false;
         shown->count = silence.count;
         shown->size = 0;
         shown->pace.first = silence.moved[0];
         shown->pace.silent = silence.count + STEADY_MORE(nodes->unknowns);
-        shown->pace.blind = steady_blind(rule, blind, silence.count > first + 1 ? silence.moved[first + 1] : 0);
+        shown->pace.blind = steady_blind(rule, blind, &silence);
         if (silence.rests) return true;
     }
     tvi_passes_begin(&passes);

@@ -25,13 +25,14 @@ JET_INLINE void steady_predict(const galerkin_frame *frame, const galerkin_nodes
     else predict_lanes(nodes, steps, table, impulses, lanes);
 }
 
-/* The increments of a step. */
-JET_INLINE void steady_sum(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_motion *motion,
-                           const tvi_row *row, int lanes)
+/* The increments of a step, by its impulses. */
+JET_INLINE void steady_sum(const galerkin_frame *frame, galerkin_nodes nodes, double *impulses,
+                           const galerkin_motion *motion, const tvi_row *row, int lanes)
 {
-    integrate_lanes(nodes, frame->weights, &motion->sums, lanes);
-    if (motion->has_masses) end_drifting(nodes, &motion->sums, frame->drift, frame->drift_low, row->dq, row->dp);
-    else galerkin_end(nodes, &motion->sums, motion->n, row->dq, row->dp);
+    nodes.impulse = impulses;
+    integrate_lanes(&nodes, frame->weights, &motion->sums, lanes);
+    if (motion->has_masses) end_drifting(&nodes, &motion->sums, frame->drift, frame->drift_low, row->dq, row->dp);
+    else galerkin_end(&nodes, &motion->sums, motion->n, row->dq, row->dp);
 }
 
 JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motion, const tvi_row *row,
@@ -43,18 +44,29 @@ JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motio
     return lanes < 2 || galerkin_tail_is_at_most(&motion, known) ? known : tail(&motion, frame->share, frame->ratio);
 }
 
-#define COPY(V, blocks)                                                                                                \
-    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, to, k) = BLOCK_OF(V, from, k);
-JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
+/* Few unknowns whose nodes are one vector, or fewer whose nodes are two short ones, are predicted for the next step,
+ * and its first pass begins, before the increments of this one are added: that pass waits for them at its end. Of the
+ * fewest, whose first passes are folded, none of these waits: the increments are added up while they wait for each
+ * other. Other steps are made one by one. */
+#define STEADY_LEADS(unknowns, lanes)                                                                                  \
+    ((unknowns) <= GALERKIN_FEW && (lanes) <= ((unknowns) <= GALERKIN_FEWEST && (int)WIDEST < 8 ? 2 : 1) * (int)WIDEST)
+
+/* Leaves behind the impulses of this step, which are `next` then, what the next one begins with. */
+JET_INLINE void steady_lead(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form, int fit,
+                            const double *last, const double *drift, double *next, galerkin_folding *folding, int lanes)
 {
-    for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
+    const int unknowns = nodes->unknowns, numbers = unknowns * lanes;
+    const double *const impulses[] = {nodes->impulse, last};
+    copy_lanes(next, nodes->impulse, unknowns, lanes);
+    predict_steps(nodes, 2, frame->following[fit], impulses, drift, lanes);
+    copy_lanes(next + numbers, nodes->x, unknowns, lanes);
+    if (!form->folds) return;
+    galerkin_nodes risen = *nodes;
+    risen.x = folding->origin;
+    predict_steps(&risen, 1, frame->risen, impulses, drift, lanes);
+    copy_lanes(next + 2 * numbers, folding->origin, unknowns, lanes);
 }
 
-/* Few unknowns whose nodes are one vector, or fewer whose nodes are two short ones, are predicted for the next step,
- * and its first pass begins, before the increments of this one are added: that pass waits for them at its end. Other
- * steps are made one by one. */
-#define STEADY_LEADS(unknowns, lanes)                                                                                  \
-    ((unknowns) <= GALERKIN_FEW && (lanes) <= ((unknowns) <= FEW && (int)WIDEST < 8 ? 2 : 1) * (int)WIDEST)
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
                              const steady_form *form, const tvi_row *row, const tvi_origin *origin,
                              const tvi_run_state *now, galerkin_outcome *to, int lanes)
@@ -62,30 +74,32 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     const bool leads = form->drive && STEADY_LEADS(nodes->unknowns, lanes);
     const int numbers = nodes->unknowns * lanes;
     double *before = to->impulses[0], *last = to->impulses[1], *next = to->impulses[2];
-    const double *const impulses[] = {last, before};
+    const double *const impulses[] = {last, before}, *drift = motion->has_masses ? frame->drift : NULL;
     galerkin_trial tried = {.pace = to->last.pace};
+    galerkin_folding folding;
     long made = 0;
     if (!leads) nodes->impulse = next;
     steady_start(frame, nodes, motion, origin, lanes);
     if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
     else steady_predict(frame, nodes, form, impulses, galerkin_fit(&tried.pace, frame->rough), lanes);
-    bool begins = nodes->unknowns > GALERKIN_FEW || steady_begin(nodes, form, lanes);
+    if (form->folds && to->leads) copy_lanes(folding.origin, last + 2 * numbers, nodes->unknowns, lanes);
+    else if (form->folds) set_origin(nodes, folding.origin, lanes);
+    bool begins = steady_begin_first(frame, nodes, form, steady_blind_now(form, &tried), &folding, lanes);
     while (begins) {
         const double number = to->steps + 1;
         tried.early = tvi_passes_early(form->rule, number);
         galerkin_set_sizes(nodes, motion->n);
-        const bool ends = steady_passes(frame, nodes, form, &tried, lanes);
+        const bool ends = steady_passes(frame, nodes, form, &folding, &tried, lanes);
         tried.factors = form->lagrangian ? form->lagrangian->factors : 0;
         if (!ends) break;
-        steady_sum(frame, nodes, motion, row, lanes);
+        if (!form->folds) steady_sum(frame, *nodes, nodes->impulse, motion, row, lanes);
         if (leads) {
-            const double *const following[] = {next, last};
-            copy_lanes(next, nodes->impulse, nodes->unknowns, lanes);
-            predict_steps(nodes, 2, frame->following[galerkin_fit(&tried.pace, frame->rough)], following,
-                          motion->has_masses ? frame->drift : NULL, lanes);
-            copy_lanes(next + numbers, nodes->x, nodes->unknowns, lanes);
-            begins = made + 1 < row->steps && steady_begin(nodes, form, lanes);
+            const int fit = galerkin_fit(&tried.pace, frame->rough);
+            steady_lead(frame, nodes, form, fit, last, drift, next, &folding, lanes);
+            begins = made + 1 < row->steps &&
+                     steady_begin_first(frame, nodes, form, steady_blind_now(form, &tried), &folding, lanes);
         }
+        if (form->folds) steady_sum(frame, *nodes, next, motion, row, lanes);
         tried.tail = steady_tail(frame, *motion, row, origin, now ? galerkin_known_tail(row, to) : 0, lanes);
         const double t = now ? now->q[motion->n] : origin->t;
         if (now && !galerkin_advance(motion->n, row, now, &tried)) break;
@@ -186,9 +200,13 @@ JET_INLINE void take_rows(double *y, const double *x, int kept, int width, int l
     _Pragma("GCC unroll 256") for (int i = 0; i < kept; i++, y += width, x += lanes) ALL_LANES(width, TAKE)
 }
 
-#define GIVE(V, blocks) BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, y + slot[u] * width, 0);
+#define GIVE(V, blocks)                                                                                                \
+    {                                                                                                                  \
+        if (weighs) BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, y + slot[u] * width, 0);            \
+        else BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, y + slot[u] * width, 0);                                            \
+    }
 JET_INLINE void give_impulses(double *impulse, const double *weight, const double *y, const int slot[], int unknowns,
-                              int width, int lanes)
+                              bool weighs, int width, int lanes)
 {
     _Pragma("GCC unroll 256") for (int u = 0; u < unknowns; u++, impulse += lanes) ALL_LANES(width, GIVE)
 }
@@ -197,7 +215,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
  * lanes after the other, and nothing of it is kept but the impulses. */
 #define GALERKIN_EMITTED_STEADY(NAME, T, UNKNOWNS, KEPT, LANES)                                                        \
     enum { NAME##_width = (LANES) % WIDEST == 0 ? WIDEST : 4 };                                                        \
-    JET_INLINE bool NAME##_drive(const galerkin_nodes *nodes, int lanes)                                               \
+    JET_INLINE bool NAME##_drive(const galerkin_nodes *nodes, bool weighs, int lanes)                                  \
     {                                                                                                                  \
         bool inside = true;                                                                                            \
         if (!T##_is_split) {                                                                                           \
@@ -208,8 +226,8 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
             _Alignas(64) double y[T##_slots * NAME##_width];                                                           \
             take_rows(y, nodes->x + first, (KEPT), NAME##_width, lanes);                                               \
             inside &= T##_values_of(y, NAME##_width);                                                                  \
-            give_impulses(nodes->impulse + first, nodes->weight + first, y, NAME##_slot, (UNKNOWNS), NAME##_width,     \
-                          lanes);                                                                                      \
+            give_impulses(nodes->impulse + first, nodes->weight + first, y, NAME##_slot, (UNKNOWNS), weighs,           \
+                          NAME##_width, lanes);                                                                        \
         }                                                                                                              \
         return inside;                                                                                                 \
     }                                                                                                                  \
@@ -220,7 +238,9 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
         const steady_form form = {.rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
-                                  .drive = NAME##_drive};                                                              \
+                                  .drive = NAME##_drive,                                                               \
+                                  .folds =                                                                             \
+                                      T##_is_split && STEADY_LEADS(UNKNOWNS, LANES) && (UNKNOWNS) <= GALERKIN_FEWEST}; \
         _Alignas(64) double x[IS_SMALL ? (KEPT) * (LANES) : 1];                                                        \
         if (IS_SMALL) {                                                                                                \
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \

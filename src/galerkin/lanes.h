@@ -38,9 +38,6 @@
 #define POINTS_OF(weights) ((weights)->points)
 #endif
 
-/* Of so few unknowns at eight nodes, which are one vector, each operation waits for the one before it. */
-enum { FEW = 4 };
-
 /* All lanes at once: BODY(V, blocks), with the widest vectors of which there are as many as make all lanes. */
 enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };
 #if defined(__AVX512F__)
@@ -74,5 +71,12 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
 /* Block k of them. */
 #define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 #define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
+
+#define COPY(V, blocks)                                                                                                \
+    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, to, k) = BLOCK_OF(V, from, k);
+JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
+{
+    for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
+}
 
 #endif

@@ -16,6 +16,11 @@ enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
 /* The steps whose impulses are kept: the last two, and the one that is made; and where steps of few unknowns leave how
  * the next one begins, behind these. */
 enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
+/* Of so few unknowns at eight nodes, which are one vector, each operation waits for the one before it. */
+enum { GALERKIN_FEWEST = 4 };
+
+/* Numbers of a matrix that multiplies what the lanes have; of eight lanes the same, turned, is behind it (few.h). */
+static inline int galerkin_matrix_size(int lanes) { return (lanes == 8 ? 2 : 1) * lanes * lanes; }
 
 /* How the passes of a step went, which says how those of the next one will. Sizes as the passes have them; 0: not
  * known. */

@@ -114,7 +114,7 @@ JET_INLINE void sum_pair(const galerkin_weights *weights, const double *u, const
     const jet_v4 first = {u[0], u[0], v[0], v[0]}, final = {u[end], u[end], v[end], v[end]};
     sums->reach = JET_ABS(jet_v4, first) + JET_ABS(jet_v4, final);
 #ifdef __AVX2__
-    if ((unknowns <= FEW || WIDEST < 8) && lanes == 8) {
+    if ((unknowns <= GALERKIN_FEWEST || WIDEST < 8) && lanes == 8) {
         sum_as_tree(weights, u, v, sums);
         return;
     }

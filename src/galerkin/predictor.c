@@ -9,12 +9,13 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
 {
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     w->last = tvi_arena_history(arena, sizeof *w->last);
-    const size_t kept = (unknowns <= GALERKIN_FEW ? 2 : 1) * count * width;
+    const size_t kept = (unknowns <= GALERKIN_FEWEST ? 3 : unknowns <= GALERKIN_FEW ? 2 : 1) * count * width;
     for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
     for (int fit = 0; fit < GALERKIN_FITS; fit++) {
         w->extrapolation[fit] = tvi_arena_doubles(arena, 2 * width * width);
         w->following[fit] = tvi_arena_doubles(arena, 2 * width * width);
     }
+    w->risen = tvi_arena_doubles(arena, width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
@@ -68,13 +69,12 @@ static void set_extrapolation(const galerkin_coefficients *a, const double *ahea
         }
 }
 
-/* The same from the start of the last step: its impulses have moved what the next one begins with, too. */
-static void set_following(const galerkin_coefficients *a, bool is_second_order, const double *table, double *following)
+/* What the impulses of the last step have added to where the next one would be without its own. */
+static void set_risen(const galerkin_coefficients *a, bool is_second_order, double *risen)
 {
-    const int m = a->points, lanes = a->lanes;
-    for (int k = 0; k < 2 * lanes * lanes; k++) following[k] = table[k];
-    for (int j = 0; j < m; j++)
-        for (int i = 0; i < lanes; i++) following[j * lanes + i] += is_second_order ? 1 - a->c[j] + a->c[i] : 1;
+    const int lanes = a->lanes;
+    for (int j = 0; j < a->points; j++)
+        for (int i = 0; i < lanes; i++) risen[j * lanes + i] = is_second_order ? 1 - a->c[j] + a->c[i] : 1;
 }
 
 /* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
@@ -83,9 +83,12 @@ void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coeffi
                                     int numbers)
 {
     const int m = a->points, degree[] = {m > 1 ? 3 * m / 2 : 1, m - 1};
+    const int square = a->lanes * a->lanes;
+    set_risen(a, galerkin_is_second_order(field), w->risen);
     for (int fit = 0; fit < GALERKIN_FITS; fit++) {
         set_extrapolation(a, field->ahead, GALERKIN_FITS - fit, degree[fit], w->extrapolation[fit]);
-        set_following(a, galerkin_is_second_order(field), w->extrapolation[fit], w->following[fit]);
+        for (int k = 0; k < 2 * square; k++)
+            w->following[fit][k] = w->extrapolation[fit][k] + (k < square ? w->risen[k] : 0);
     }
     w->rough = numbers * (1e-2 * 1e-2);
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;

@@ -20,7 +20,8 @@ typedef struct galerkin_frame {
     double rough;
     double *drift, *drift_low, *share, *ratio;
     const double *h;
-    void *own; /* of the form of the field: lagrangian_passes of a Lagrangian */
+    void *own;                    /* of the form of the field: lagrangian_passes of a Lagrangian */
+    const double *folded, *risen; /* folded.h, predictor.h */
 } galerkin_frame;
 
 /* The last step, and the size of its last movement. */

@@ -18,6 +18,7 @@ typedef struct {
     double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
     double *share, *ratio;     /* [n] of the tail */
     double *begun;             /* [2n] q and p where the last step of a row began */
+    double *folded;            /* of few unknowns: folded.h; else NULL */
     double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
     galerkin_motion motion;
     galerkin_frame frame; /* of what stands above */

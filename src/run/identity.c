@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { STATE_VERSION = 8 };
+enum { STATE_VERSION = 9 };
 
 static const char MAGIC[] = "tvistate";
 
