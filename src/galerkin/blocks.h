@@ -40,16 +40,12 @@ static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, gal
 #define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
 #endif
 
-/* The unknowns by their drives, which are impulses divided by h b, and unknowns that begin at 0. */
-static inline void galerkin_predict_drives(const galerkin_loops *loops, const galerkin_nodes *nodes,
-                                           const galerkin_nodes *drives, const double *matrix, const int slot[],
-                                           double h, int steps, const double *extrapolation,
-                                           const double *const impulses[])
+/* The drives, which are impulses divided by h b, and unknowns that begin at 0. */
+static inline void galerkin_predict_drives(const galerkin_loops *loops, const galerkin_nodes *drives, double h,
+                                           int steps, const double *extrapolation, const double *const impulses[])
 {
-    for (int u = 0; u < nodes->unknowns; u++) drives->scale[u] = 1 / h;
+    for (int u = 0; u < drives->unknowns; u++) drives->scale[u] = 1 / h;
     GALERKIN_LOOP(loops, predict, drives, steps, extrapolation, impulses);
-    const galerkin_nodes all = galerkin_all_moving(nodes);
-    (void)GALERKIN_LOOP(loops, move, &all, matrix, nodes->x, slot);
 }
 
 #endif

@@ -48,7 +48,7 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
         *moved = form->hamiltonian->moved;
         return is_inside;
     }
-    if (ARE_FEW(nodes, lanes)) {
+    if (ARE_TURNED(nodes, lanes)) {
         jet_v8 squares;
         follow_few(nodes, frame->matrix, &squares);
         *moved = sum_of_jet_v8(squares);
@@ -102,15 +102,15 @@ JET_INLINE bool steady_begin_first(const galerkin_frame *frame, const galerkin_n
     if (!form->folds) return steady_begin(nodes, form, lanes);
     if (!steady_drive(nodes, form, false, lanes)) return false;
     if (blind < 1) {
-        weigh_drives(nodes, lanes);
+        weigh_drives(nodes);
         return true;
     }
-    copy_lanes(folding->change, nodes->x, nodes->unknowns, lanes);
-    follow_folded(nodes, frame->folded, folding->origin, lanes);
-    subtract_from(nodes->x, folding->change, nodes->unknowns, lanes);
+    for (int u = 0; u < nodes->unknowns; u++) folding->change[u] = BLOCK_OF(jet_v8, nodes->x, u);
+    follow_folded(nodes, frame->folded, folding->origin);
+    for (int u = 0; u < nodes->unknowns; u++) folding->change[u] -= BLOCK_OF(jet_v8, nodes->x, u);
     for (long left = blind; left > 0; left--) {
         if (!steady_drive(nodes, form, false, lanes)) return false;
-        follow_folded(nodes, frame->folded, folding->origin, lanes);
+        follow_folded(nodes, frame->folded, folding->origin);
     }
     return steady_begin(nodes, form, lanes);
 }
@@ -127,7 +127,7 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
     of->rests = false;
     if (form->folds) {
         of->count = steady_first(blind);
-        if (blind > 0) of->moved[0] = squares_of(nodes, folding->change, lanes);
+        if (blind > 0) of->moved[0] = squares_of(nodes, folding->change);
     }
     while (of->count < most && !of->rests) {
         const int now = of->count++;
@@ -138,7 +138,7 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
             if (form->folds || !steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
         } else {
             jet_v8 moved;
-            if (ARE_FEW(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
+            if (ARE_TURNED(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
             else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
             if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_at_rest(moved);
         }

@@ -44,10 +44,17 @@ JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motio
     return lanes < 2 || galerkin_tail_is_at_most(&motion, known) ? known : tail(&motion, frame->share, frame->ratio);
 }
 
+#define COPY(V, blocks)                                                                                                \
+    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, to, k) = BLOCK_OF(V, from, k);
+JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
+{
+    for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
+}
+
 /* Few unknowns whose nodes are one vector, or fewer whose nodes are two short ones, are predicted for the next step,
- * and its first pass begins, before the increments of this one are added: that pass waits for them at its end. Of the
- * fewest, whose first passes are folded, none of these waits: the increments are added up while they wait for each
- * other. Other steps are made one by one. */
+ * and its first pass begins, before the increments of this one are added: that pass waits for them at its end. Passes
+ * that are folded (folded.h) do not: the increments are added up while these wait for each other. Other steps are made
+ * one by one. */
 #define STEADY_LEADS(unknowns, lanes)                                                                                  \
     ((unknowns) <= GALERKIN_FEW && (lanes) <= ((unknowns) <= GALERKIN_FEWEST && (int)WIDEST < 8 ? 2 : 1) * (int)WIDEST)
 
@@ -62,9 +69,9 @@ JET_INLINE void steady_lead(const galerkin_frame *frame, const galerkin_nodes *n
     copy_lanes(next + numbers, nodes->x, unknowns, lanes);
     if (!form->folds) return;
     galerkin_nodes risen = *nodes;
-    risen.x = folding->origin;
+    risen.x = (double *)folding->origin;
     predict_steps(&risen, 1, frame->risen, impulses, drift, lanes);
-    copy_lanes(next + 2 * numbers, folding->origin, unknowns, lanes);
+    copy_lanes(next + 2 * numbers, (const double *)folding->origin, unknowns, lanes);
 }
 
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
@@ -82,8 +89,8 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     steady_start(frame, nodes, motion, origin, lanes);
     if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
     else steady_predict(frame, nodes, form, impulses, galerkin_fit(&tried.pace, frame->rough), lanes);
-    if (form->folds && to->leads) copy_lanes(folding.origin, last + 2 * numbers, nodes->unknowns, lanes);
-    else if (form->folds) set_origin(nodes, folding.origin, lanes);
+    if (form->folds && to->leads) copy_lanes((double *)folding.origin, last + 2 * numbers, nodes->unknowns, lanes);
+    else if (form->folds) set_origin(nodes, folding.origin);
     bool begins = steady_begin_first(frame, nodes, form, steady_blind_now(form, &tried), &folding, lanes);
     while (begins) {
         const double number = to->steps + 1;
@@ -239,8 +246,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
         const steady_form form = {.rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
                                   .drive = NAME##_drive,                                                               \
-                                  .folds =                                                                             \
-                                      T##_is_split && STEADY_LEADS(UNKNOWNS, LANES) && (UNKNOWNS) <= GALERKIN_FEWEST}; \
+                                  .folds = T##_is_split && ARE_FEW(&nodes, LANES)};                                    \
         _Alignas(64) double x[IS_SMALL ? (KEPT) * (LANES) : 1];                                                        \
         if (IS_SMALL) {                                                                                                \
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \

@@ -24,8 +24,8 @@
 #define IN_REGISTER true
 #endif
 #define ARE_FEW(nodes, lanes)                                                                                          \
-    (IN_REGISTER && ARE_ONE_VECTOR(lanes) && (nodes)->unknowns <= GALERKIN_FEWEST &&                                   \
-     (nodes)->moving == (nodes)->unknowns)
+    (ARE_ONE_VECTOR(lanes) && (nodes)->unknowns <= GALERKIN_FEWEST && (nodes)->moving == (nodes)->unknowns)
+#define ARE_TURNED(nodes, lanes) (IN_REGISTER && ARE_FEW(nodes, lanes))
 
 #define TURNED_BY_1(x) JET_SHUFFLE_8(x, x, 1, 0, 3, 2, 5, 4, 7, 6)
 #define TURNED_BY_2(x) JET_SHUFFLE_8(x, x, 2, 3, 0, 1, 6, 7, 4, 5)

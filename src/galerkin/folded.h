@@ -1,7 +1,7 @@
-/* folded.h - movements of few unknowns that are not the last of a step. What multiplies their drives is one matrix for
- * each unknown, scale matrix_ji weight_j; so of the operations that wait for each other there are four less than of
- * those that impulses take (few.h), which are rounded once and enter all sums alike. The last movements of the step put
- * right what is rounded otherwise. */
+/* folded.h - movements that are not the last of a step, of few unknowns at eight nodes, which are one vector. What
+ * multiplies the drives is one matrix for each unknown, scale matrix_ji weight_j: so fewer operations wait for each
+ * other than where these are impulses (few.h), which are rounded once and enter all sums alike. What is rounded
+ * otherwise the last movements of the step put right. Shorter vectors would have to read twice as many rows. */
 #ifndef TVI_SRC_GALERKIN_FOLDED_H
 #define TVI_SRC_GALERKIN_FOLDED_H
 
@@ -10,77 +10,47 @@
 /* What a step has of its first movements: where the unknowns would be without what drives them, or nearly, as it stands
  * in one number; and by how much the first movement changed them. */
 typedef struct {
-    _Alignas(64) double origin[GALERKIN_FEWEST * TVI_GALERKIN_MAX_LANES];
-    _Alignas(64) double change[GALERKIN_FEWEST * TVI_GALERKIN_MAX_LANES];
+    _Alignas(64) jet_v8 origin[GALERKIN_FEWEST], change[GALERKIN_FEWEST];
 } galerkin_folding;
 
-#define SET_ORIGIN(V, blocks)                                                                                          \
-    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, origin, k) = BLOCK_OF(V, high, k) + BLOCK_OF(V, base, k);
-JET_INLINE void set_origin(const galerkin_nodes *nodes, double *origin, int lanes)
+JET_INLINE void set_origin(const galerkin_nodes *nodes, jet_v8 *origin)
 {
-    const double *high = nodes->high, *base = nodes->base;
-    for (int u = 0; u < nodes->unknowns; u++, origin += lanes, high += lanes, base += lanes)
-        ALL_LANES(lanes, SET_ORIGIN)
+    for (int u = 0; u < nodes->unknowns; u++)
+        origin[u] = BLOCK_OF(jet_v8, nodes->high, u) + BLOCK_OF(jet_v8, nodes->base, u);
 }
 
-#define FOLLOW_FOLDED(V, blocks)                                                                                       \
-    for (int k = 0; k < (blocks); k++) {                                                                               \
-        V sum[CHAINS] = {BLOCK_OF(V, origin, k)};                                                                      \
-        for (int j = 0; j < lanes; j++) sum[j % CHAINS] += BLOCK_OF(V, folded + j * lanes, k) * drive[j];              \
-        BLOCK_AT(V, x, k) = (sum[0] + sum[1]) + (sum[2] + sum[3]);                                                     \
-    }
-
-/* nodes->impulse: the drives, [unknowns][lanes]. */
-JET_INLINE void follow_folded(const galerkin_nodes *nodes, const double *folded, const double *origin, int lanes)
+/* nodes->impulse: the drives. */
+JET_INLINE void follow_folded(const galerkin_nodes *nodes, const double *folded, const jet_v8 *origin)
 {
-    const bool in_register = ARE_FEW(nodes, lanes);
-    double *x = nodes->x, *drive = nodes->impulse;
-    if (!in_register) LEAVE_REGISTERS(drive);
-    for (int u = 0; u < nodes->unknowns; u++, x += lanes, origin += lanes, drive += lanes) {
-        if (in_register) {
-            jet_v8 sum;
-            sum_of_turned((const jet_v8 *)(folded + 8 * 8), (const jet_v8 *)drive, &sum);
-            *(jet_v8 *)x = *(const jet_v8 *)origin + sum;
-        } else {
-            ALL_LANES(lanes, FOLLOW_FOLDED)
+    const double *drive = nodes->impulse;
+    if (!IN_REGISTER) LEAVE_REGISTERS(drive);
+    for (int u = 0; u < nodes->unknowns; u++, drive += 8, folded += galerkin_matrix_size(8)) {
+        jet_v8 sum[CHAINS] = {origin[u]};
+        if (IN_REGISTER) {
+            sum_of_turned((const jet_v8 *)(folded + 8 * 8), (const jet_v8 *)drive, &sum[1]);
+            BLOCK_AT(jet_v8, nodes->x, u) = sum[0] + sum[1];
+            continue;
         }
-        folded += galerkin_matrix_size(lanes);
+        for (int j = 0; j < 8; j++) sum[j % CHAINS] += BLOCK_OF(jet_v8, folded, j) * drive[j];
+        BLOCK_AT(jet_v8, nodes->x, u) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
     }
 }
 
 /* Drives to impulses. */
-#define WEIGH_DRIVE(V, blocks)                                                                                         \
-    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, impulse, k) *= BLOCK_OF(V, nodes->weight, k);
-JET_INLINE void weigh_drives(const galerkin_nodes *nodes, int lanes)
+JET_INLINE void weigh_drives(const galerkin_nodes *nodes)
 {
-    double *impulse = nodes->impulse;
-    for (int u = 0; u < nodes->unknowns; u++, impulse += lanes) ALL_LANES(lanes, WEIGH_DRIVE)
+    for (int u = 0; u < nodes->unknowns; u++) BLOCK_AT(jet_v8, nodes->impulse, u) *= BLOCK_OF(jet_v8, nodes->weight, 0);
 }
 
-/* y = x - y. */
-#define SUBTRACT_FROM(V, blocks)                                                                                       \
-    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, y, k) = BLOCK_OF(V, x, k) - BLOCK_OF(V, y, k);
-JET_INLINE void subtract_from(const double *x, double *y, int count, int lanes)
+/* The squares of a change, as follow_few has them. */
+JET_INLINE double squares_of(const galerkin_nodes *nodes, const jet_v8 *change)
 {
-    for (int u = 0; u < count; u++, x += lanes, y += lanes) ALL_LANES(lanes, SUBTRACT_FROM)
-}
-
-/* Of changes, as follow_lanes returns them. */
-#define SQUARES_OF(V, blocks)                                                                                          \
-    {                                                                                                                  \
-        V squares = {0};                                                                                               \
-        for (int u = 0; u < nodes->unknowns; u++)                                                                      \
-            for (int k = 0; k < (blocks); k++) {                                                                       \
-                const V relative = BLOCK_OF(V, change + u * lanes, k) * nodes->inverse_size[u];                        \
-                squares += relative * relative;                                                                        \
-            }                                                                                                          \
-        moved = sum_of_##V(squares);                                                                                   \
+    jet_v8 squares = {0};
+    for (int u = 0; u < nodes->unknowns; u++) {
+        const jet_v8 relative = change[u] * nodes->inverse_size[u];
+        squares += relative * relative;
     }
-JET_INLINE double squares_of(const galerkin_nodes *nodes, const double *change, int lanes)
-{
-    double moved;
-    ALL_LANES(lanes, SQUARES_OF)
-    return moved;
+    return sum_of_jet_v8(squares);
 }
 
 #endif

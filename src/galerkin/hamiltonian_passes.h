@@ -33,7 +33,9 @@ typedef struct {
 static inline void hamiltonian_predict(hamiltonian_passes *w, double h, int steps, const double *extrapolation,
                                        const double *const impulses[])
 {
-    galerkin_predict_drives(w->loops, w->nodes, &w->drives, w->matrix, w->of_drives, h, steps, extrapolation, impulses);
+    const galerkin_nodes all = galerkin_all_moving(w->nodes);
+    galerkin_predict_drives(w->loops, &w->drives, h, steps, extrapolation, impulses);
+    (void)GALERKIN_LOOP(w->loops, move, &all, w->matrix, w->nodes->x, w->of_drives);
     w->moved = INFINITY;
 }
 

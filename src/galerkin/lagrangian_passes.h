@@ -73,8 +73,9 @@ static inline double lagrangian_move_positions(const lagrangian_passes *w)
 static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps, const double *extrapolation,
                                       const double *const impulses[])
 {
-    galerkin_predict_drives(w->loops, w->nodes, &w->drives, w->matrix, w->slot, h, steps, extrapolation, impulses);
-    (void)lagrangian_move_positions(w); /* for what they lack */
+    galerkin_predict_drives(w->loops, &w->drives, h, steps, extrapolation, impulses);
+    (void)lagrangian_move_momenta(w);
+    (void)lagrangian_move_positions(w);
     w->moved = INFINITY;
 }
 

@@ -127,7 +127,7 @@ JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                              int lanes)
 {
-    if (ARE_FEW(nodes, lanes)) return move_few(nodes, matrix, drives, slot);
+    if (ARE_TURNED(nodes, lanes)) return move_few(nodes, matrix, drives, slot);
     weigh_lanes(nodes, drives, slot, lanes);
     return follow_lanes(nodes, matrix, NULL, lanes);
 }
