@@ -28,11 +28,12 @@ JET_INLINE void follow_folded(const galerkin_nodes *nodes, const double *folded,
         jet_v8 sum[CHAINS] = {origin[u]};
         if (IN_REGISTER) {
             sum_of_turned((const jet_v8 *)(folded + 8 * 8), (const jet_v8 *)drive, &sum[1]);
-            BLOCK_AT(jet_v8, nodes->x, u) = sum[0] + sum[1];
-            continue;
+        } else {
+            for (int j = 0; j < 8; j++) sum[j % CHAINS] += BLOCK_OF(jet_v8, folded, j) * drive[j];
+            sum[0] += sum[2];
+            sum[1] += sum[3];
         }
-        for (int j = 0; j < 8; j++) sum[j % CHAINS] += BLOCK_OF(jet_v8, folded, j) * drive[j];
-        BLOCK_AT(jet_v8, nodes->x, u) = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+        BLOCK_AT(jet_v8, nodes->x, u) = sum[0] + sum[1];
     }
 }
 

@@ -120,8 +120,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.share = tvi_arena_doubles(arena, (size_t)w.n);
     w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
     w.begun = tvi_arena_doubles(arena, 2 * (size_t)w.n);
-    const size_t folded = unknowns <= GALERKIN_FEWEST ? (size_t)(unknowns * galerkin_matrix_size(lanes)) : 0;
-    if (folded > 0) w.folded = tvi_arena_doubles(arena, folded);
+    if (unknowns <= GALERKIN_FEWEST)
+        w.folded = tvi_arena_doubles(arena, (size_t)(unknowns * galerkin_matrix_size(lanes)));
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
@@ -170,7 +170,6 @@ void tvi_galerkin_set_size(galerkin *w, double h)
         nodes->scale[u] = galerkin_is_second_order(&w->field) ? h / w->field.system->mass[u]
                           : u < w->n                          ? 1
                                                               : w->field.form->force_sign;
-    if (w->folded) tvi_galerkin_coefficients_fold(&w->coefficients, nodes, w->folded);
     for (int i = 0; i < w->n; i++) {
         w->rise[i] = nodes->scale[i];
         w->motion.per_scale[i] = 1 / fabs(nodes->scale[i]);

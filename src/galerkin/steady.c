@@ -1,6 +1,13 @@
 /* steady.c - the steps of steady.h, which generated code makes, one or many in a row. */
 #include "galerkin/step.h"
 
+static void set_folded(galerkin *w)
+{
+    if (!w->folded || w->folded_h == w->field.h) return;
+    tvi_galerkin_coefficients_fold(&w->coefficients, &w->field.nodes, w->folded);
+    w->folded_h = w->field.h;
+}
+
 long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
                                 galerkin_outcome *to)
 {
@@ -11,6 +18,7 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     to->leads = last->leads;
     to->steps = last->steps;
     to->count = to->factors = 0;
+    set_folded(w);
     const long made = w->field.loops->steady(&w->frame, row, origin, now, to);
     if (made < 1) {
         to->count = to->tried.count;

@@ -19,6 +19,7 @@ typedef struct {
     double *share, *ratio;     /* [n] of the tail */
     double *begun;             /* [2n] q and p where the last step of a row began */
     double *folded;            /* of few unknowns: folded.h; else NULL */
+    double folded_h;           /* of steps of this size; 0: none yet */
     double *rise;              /* [2n] what multiplies the integrals of the impulses in q and p */
     galerkin_motion motion;
     galerkin_frame frame; /* of what stands above */
