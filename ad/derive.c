@@ -57,21 +57,11 @@ static jet adjoint_of(adjoints *bar, int index)
     return sum;
 }
 
-/* Of z = a^2 whose z-bar is c + k a, as where a^3 was written with it: a-bar = 2 c a + 2 k z, without a product. */
-static bool pull_square(adjoints *bar, struct jet_node *z, jet zbar)
-{
-    const struct jet_node *of = zbar.node;
-    if (z->op != OP_SQR || !of || of->op != OP_LINEAR || of->count != 1 || of->terms[0].node != z->a) return false;
-    const double twice[] = {2 * of->number, 2 * of->terms[0].coefficient};
-    contribute(bar, z->a, jet_linear(2, twice, (const jet[]){jet_of_node(z->a), jet_of_node(z)}));
-    return true;
-}
-
 static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
 {
     for (int i = 0; i < z->count; i++) contribute(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
     const jet_rule *rule = jet_rules[z->op];
-    if (!rule || pull_square(bar, z, zbar)) return;
+    if (!rule) return;
     const double factor = jet_take_factor(&zbar); /* the rules are linear in z-bar */
     contribute(bar, z->a, jet_mul(factor, rule->pull(z, zbar, 0)));
     if (z->b) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));

@@ -60,6 +60,7 @@ static int by_index(const void *first, const void *second)
     return x->term.node->index - y->term.node->index;
 }
 
+/* Room for all terms, and which of x have one in common. */
 typedef struct {
     part *parts;
     bool *meets;

@@ -19,10 +19,15 @@ JET_RULE_ROW(mul, .operands = 2, .value = mul_value, .pull = mul_pull)
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
+/* Where z-bar is c + k a, as where a^3 was written with z: 2 c a + 2 k z, without a product. */
 static jet sqr_pull(struct jet_node *z, jet zbar, int which)
 {
     (void)which;
-    return jet_mul(2, jet_mul(zbar, jet_of_node(z->a)));
+    const jet a = jet_of_node(z->a);
+    const struct jet_node *of = zbar.node;
+    if (!of || of->op != OP_LINEAR || of->count != 1 || of->terms[0].node != z->a) return jet_mul(2, jet_mul(zbar, a));
+    const double twice[] = {2 * of->number, 2 * of->terms[0].coefficient};
+    return jet_linear(2, twice, (const jet[]){a, jet_of_node(z)});
 }
 
 JET_RULE_ROW(sqr, .operands = 1, .pull = sqr_pull)

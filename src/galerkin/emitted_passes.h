@@ -135,11 +135,12 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
         if (!ARE_ONE_VECTOR(lanes)) {
             double moved;
             (void)steady_end(frame, nodes, form, &moved, lanes);
-            if (form->folds || !steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
+            if (!steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
         } else {
             jet_v8 moved;
             if (ARE_TURNED(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
             else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
+            /* folded passes were all that were blind, which the compiler does not see by itself */
             if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_at_rest(moved);
         }
         if (few && !of->rests && !steady_begin(nodes, form, lanes)) return false;
