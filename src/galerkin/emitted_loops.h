@@ -28,9 +28,9 @@
         return move_lanes(&sized, matrix, drives, slot, (LANES));                                                      \
     }                                                                                                                  \
     static double NAME##_move_in_parts(const galerkin_nodes *nodes, const double *matrix, const double *drives,        \
-                                       const int slot[], double *low)                                                  \
+                                       const int slot[], double *ways)                                                 \
     {                                                                                                                  \
-        return move_in_parts_lanes(nodes, matrix, drives, slot, low, (LANES));                                         \
+        return move_in_parts_lanes(nodes, matrix, drives, slot, ways, (LANES));                                        \
     }                                                                                                                  \
     static double NAME##_move_both(const galerkin_nodes *nodes, const double *matrix, const double *drives,            \
                                    const double *changes, const int slot[])                                            \

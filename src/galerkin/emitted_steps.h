@@ -294,7 +294,9 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
     {                                                                                                                  \
         enum { ALL = NAME##_is_small ? (N) * (LANES) : 1 };                                                            \
         NAME##_room own;                                                                                               \
-        _Alignas(64) double low[ALL], gradient[2 * ALL], moved[2 * ALL], lu[(N)*ALL], scale[2 * ALL], x[ALL];          \
+        _Alignas(64) double low[ALL], ways[ALL], rise[2 * ALL], gradient[2 * ALL], moved[2 * ALL];                     \
+        _Alignas(64) double lu[(N)*ALL], inverse[(N)*ALL];                                                             \
+        _Alignas(64) double scale[2 * ALL], x[ALL];                                                                    \
         int pivot[ALL];                                                                                                \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
         lagrangian_passes w = *(const lagrangian_passes *)frame->own;                                                  \
@@ -312,9 +314,13 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         w.model.end = NAME##_end;                                                                                      \
         if (NAME##_is_small) {                                                                                         \
             w.low = low;                                                                                               \
+            w.ways = ways;                                                                                             \
+            w.rise[0] = rise;                                                                                          \
+            w.rise[1] = rise + ALL;                                                                                    \
             w.model.gradient = w.gradient = gradient;                                                                  \
             w.model.moved = moved;                                                                                     \
             w.mass.lu = lu;                                                                                            \
+            w.mass.inverse = inverse;                                                                                  \
             w.mass.row_scale = scale;                                                                                  \
             w.mass.column_scale = scale + ALL;                                                                         \
             w.mass.pivot = pivot;                                                                                      \

@@ -36,7 +36,9 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     (void)origin;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int i = 0; i < nodes->lanes; i++) nodes->x[u * nodes->lanes + i] = nodes->start[u];
-    return galerkin_evaluate(field);
+    const tvi_status status = galerkin_evaluate(field);
+    if (status == TVI_OK) (void)field->loops->move(nodes, field->matrix, nodes->x, field->slot);
+    return status;
 }
 
 static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])

@@ -37,7 +37,7 @@ struct galerkin_form {
     void (*take)(galerkin_field *field, tvi_arena *arena);
     /* Once the matrix is there. */
     void (*prepare)(galerkin_field *field);
-    /* What drives the unknowns at the start of the step, for all nodes. */
+    /* The unknowns by what drives them at the start of the step, for all nodes. */
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
     /* The unknowns by the impulses of earlier steps: impulses[step][u][j], extrapolation times ahead [steps][j][i]. */
     void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[]);

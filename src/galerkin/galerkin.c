@@ -206,7 +206,6 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
         stats->force_evaluations++;
         const tvi_status status = field->form->start(field, origin);
         if (status != TVI_OK) return status;
-        (void)field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
         if (w->options->passes == TVI_PREDICT_ONLY) return TVI_OK;
     }
     set_times(w, origin, field->h);

@@ -139,6 +139,7 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     if (!drives) return TVI_EDOMAIN;
     for (int u = 0; u < nodes->unknowns; u++)
         memcpy(nodes->x + field->slot[u] * lanes, drives + slot[u] * lanes, (size_t)lanes * sizeof *drives);
+    (void)field->loops->move(nodes, field->matrix, nodes->x, field->slot);
     return TVI_OK;
 }
 

@@ -16,15 +16,16 @@ typedef struct {
     double *velocity; /* [n] at the start */
 } lagrangian;
 
-static void take_factor(lanes_factor *factor, tvi_arena *arena, int n, int lanes)
+static void take_inverse(lanes_inverse *of, tvi_arena *arena, int n, int lanes)
 {
     const size_t numbers = (size_t)n * (size_t)lanes;
-    *factor = (lanes_factor){.n = n, .lanes = lanes};
-    factor->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
-    factor->row_scale = tvi_arena_doubles(arena, numbers);
-    factor->column_scale = tvi_arena_doubles(arena, numbers);
-    factor->pivot = tvi_arena_take(arena, numbers * sizeof(int));
-    factor->x = tvi_arena_doubles(arena, numbers);
+    *of = (lanes_inverse){.n = n, .lanes = lanes};
+    of->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
+    of->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
+    of->row_scale = tvi_arena_doubles(arena, numbers);
+    of->column_scale = tvi_arena_doubles(arena, numbers);
+    of->pivot = tvi_arena_take(arena, numbers * sizeof(int));
+    of->x = tvi_arena_doubles(arena, numbers);
 }
 
 static void take(galerkin_field *field, tvi_arena *arena)
@@ -39,11 +40,12 @@ static void take(galerkin_field *field, tvi_arena *arena)
     tvi_galerkin_model_take(&w.model, arena, field);
     field->inputs = w.model.blocks.values;
     field->ahead = tvi_arena_doubles(arena, lanes * lanes);
-    w.passes.low = tvi_arena_doubles(arena, half_size);
+    double **const rows[] = {&w.passes.low, &w.passes.ways, &w.passes.rise[0], &w.passes.rise[1]};
+    for (size_t i = 0; i < 4; i++) *rows[i] = tvi_arena_doubles(arena, half_size);
     w.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
     tvi_legendre_take(&w.legendre, arena, system);
-    take_factor(&w.passes.mass, arena, n, field->nodes.lanes);
+    take_inverse(&w.passes.mass, arena, n, field->nodes.lanes);
     w.passes.drives = field->nodes;
     w.passes.drives.x = field->nodes.x ? lagrangian_row(&field->nodes, unknowns) : NULL;
     w.passes.drives.high = tvi_arena_doubles(arena, (size_t)unknowns * lanes);
@@ -95,10 +97,9 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     fill(&field->nodes, n, 0, origin->q);
     fill(&field->nodes, n, n, origin->p);
     fill(&field->nodes, n, 2 * n, velocity);
-    memset(w->passes.low, 0, numbers * sizeof *w->passes.low);
-    w->passes.moved = INFINITY;
     if (!lagrangian_evaluate(&w->passes, tvi_galerkin_sweep, false)) return TVI_EDOMAIN;
     memcpy(lagrangian_row(&field->nodes, 3 * n), w->passes.gradient, 2 * numbers * sizeof *w->passes.gradient);
+    lagrangian_place(&w->passes);
     return TVI_OK;
 }
 

@@ -44,21 +44,32 @@ JET_INLINE void exchange(int columns, double *x, double *y, size_t stride)
     }
 }
 
+/* Whether an element below the diagonal of column j is larger than it in any lane. */
+JET_INLINE bool wants_exchange(const double *column, int n, int j, size_t row, size_t stride)
+{
+    int larger = 0;
+    for (int i = j + 1; i < n; i++) {
+        const double *below = column + (size_t)i * row, *diagonal = column + (size_t)j * row;
+        JET_IN_VECTORS
+        EACH_LANE larger |= fabs(below[w]) > fabs(diagonal[w]);
+    }
+    return larger;
+}
+
 /* The row of the largest element on or below the diagonal of column j comes to row j. */
-JET_INLINE void pivot_column(lanes_factor *f, int j, int lanes)
+JET_INLINE void pivot_column(lanes_inverse *f, int j, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     const double *column = f->lu + (size_t)j * stride;
     int *pivot = f->pivot + (size_t)j * stride;
+    EACH_LANE pivot[w] = j;
+    if (!wants_exchange(column, f->n, j, row, stride)) return;
+    f->exchanges = true;
     EACH_LANE
     {
-        int largest = j;
         for (int i = j + 1; i < f->n; i++)
-            if (fabs(column[(size_t)i * row + w]) > fabs(column[(size_t)largest * row + w])) largest = i;
-        pivot[w] = largest;
-        if (largest == j) continue;
-        f->exchanges = true;
-        exchange(f->n, f->lu + (size_t)j * row + w, f->lu + (size_t)largest * row + w, stride);
+            if (fabs(column[(size_t)i * row + w]) > fabs(column[(size_t)pivot[w] * row + w])) pivot[w] = i;
+        if (pivot[w] != j) exchange(f->n, f->lu + (size_t)j * row + w, f->lu + (size_t)pivot[w] * row + w, stride);
     }
 }
 
@@ -77,7 +88,7 @@ JET_INLINE void pivot_column(lanes_factor *f, int j, int lanes)
     }
 
 /* R A C with rows, then columns, of size 1; then L and U in its place, with 1 / U_jj in the diagonal. */
-JET_INLINE double factor_lanes(lanes_factor *f, int lanes)
+JET_INLINE double factor_lanes(lanes_inverse *f, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     double *const a = f->lu, least[TVI_GALERKIN_MAX_LANES], smallest = 1;
@@ -96,9 +107,9 @@ JET_INLINE double factor_lanes(lanes_factor *f, int lanes)
     return smallest;
 }
 
-/* ---- Solutions: A^-1 = C (R A C)^-1 R ---------------------------------------------------------------------------- */
+/* ---- The inverse: A^-1 = C (R A C)^-1 R -------------------------------------------------------------------------- */
 
-#define MISSING(V, S) JET_AT(V, x, i) = JET_OF(V, f->row_scale, i) * (JET_OF(V, P, i) - JET_OF(V, p, i));
+#define UNIT_COLUMN(V, S) JET_AT(V, x, i) = i == column ? JET_OF(V, f->row_scale, i) : (V){0};
 
 #define FORWARD(V, S)                                                                                                  \
     {                                                                                                                  \
@@ -113,15 +124,15 @@ JET_INLINE double factor_lanes(lanes_factor *f, int lanes)
         for (int j = i + 1; j < f->n; j++) sum -= JET_OF(V, a, j) * JET_OF(V, x, j);                                   \
         sum *= JET_OF(V, a, i);                                                                                        \
         JET_AT(V, x, i) = sum;                                                                                         \
-        JET_AT(V, velocity, i) += sum * JET_OF(V, f->column_scale, i);                                                 \
+        JET_AT(V, f->inverse, i * f->n + column) = sum * JET_OF(V, f->column_scale, i);                                \
     }
 
-JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const double *p, double *velocity, int lanes)
+JET_INLINE void invert_column(lanes_inverse *f, int column, int lanes)
 {
     const size_t stride = (size_t)lanes, row = (size_t)f->n * stride;
     double *const x = f->x;
     const double *a = f->lu;
-    for (int i = 0; i < f->n; i++) JET_BLOCKS(lanes, MISSING, );
+    for (int i = 0; i < f->n; i++) JET_BLOCKS(lanes, UNIT_COLUMN, );
     if (f->exchanges)
         for (size_t j = 0; j < (size_t)f->n; j++)
             EACH_LANE exchange(1, x + j * stride + w, x + (size_t)f->pivot[j * stride + w] * stride + w, stride);
@@ -130,6 +141,31 @@ JET_INLINE void correct_lanes(const lanes_factor *f, const double *P, const doub
         a -= row;
         JET_BLOCKS(lanes, BACK, );
     }
+}
+
+JET_INLINE double invert_lanes(lanes_inverse *f, int lanes)
+{
+    const double smallest = factor_lanes(f, lanes);
+    for (int column = 0; column < f->n; column++) invert_column(f, column, lanes);
+    return smallest;
+}
+
+#define MISSING(V, S) JET_AT(V, x, i) = JET_OF(V, P, i) - JET_OF(V, p, i);
+
+#define CORRECT(V, S)                                                                                                  \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        for (int j = 0; j < f->n; j++) sum += JET_OF(V, row, j) * JET_OF(V, x, j);                                     \
+        JET_AT(V, velocity, i) += sum;                                                                                 \
+    }
+
+JET_INLINE void correct_lanes(const lanes_inverse *f, const double *P, const double *p, double *velocity, int lanes)
+{
+    const size_t stride = (size_t)lanes;
+    double *const x = f->x;
+    const double *row = f->inverse;
+    for (int i = 0; i < f->n; i++) JET_BLOCKS(lanes, MISSING, );
+    for (int i = 0; i < f->n; i++, row += (size_t)f->n * stride) JET_BLOCKS(lanes, CORRECT, );
 }
 
 /* ---- The gradient to first order --------------------------------------------------------------------------------- */
@@ -154,16 +190,16 @@ JET_INLINE void linearise_lanes(const lanes_model *m, double *out, int lanes)
 /* ---- For any number of lanes ------------------------------------------------------------------------------------- */
 
 #ifndef JET_EMITTED
-static double factor(lanes_factor *f)
+static double invert(lanes_inverse *f)
 {
-    double least;
-#define CALL(lanes) least = factor_lanes(f, lanes)
+    double smallest;
+#define CALL(lanes) smallest = invert_lanes(f, lanes)
     FOR_LANES(f->lanes, CALL)
 #undef CALL
-    return least;
+    return smallest;
 }
 
-static void correct(const lanes_factor *f, const double *P, const double *p, double *V)
+static void correct(const lanes_inverse *f, const double *P, const double *p, double *V)
 {
 #define CALL(lanes) correct_lanes(f, P, p, V, lanes)
     FOR_LANES(f->lanes, CALL)
@@ -177,5 +213,5 @@ static void linearise(const lanes_model *m, double *out)
 #undef CALL
 }
 
-const lagrangian_loops JET_FOR_ISA(tvi_lagrangian_loops) = {factor, correct, linearise};
+const lagrangian_loops JET_FOR_ISA(tvi_lagrangian_loops) = {invert, correct, linearise};
 #endif

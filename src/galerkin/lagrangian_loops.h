@@ -5,15 +5,16 @@
 
 #include <stdbool.h>
 
-/* A matrix of n rows at each node. */
+/* A matrix A of n rows at each node. */
 typedef struct {
     int n, lanes;
-    double *lu;                       /* [n][n][lanes] fill it, then factor; the factor replaces it */
+    double *lu;                       /* [n][n][lanes] A: fill it, then invert; its factors are there then */
+    double *inverse;                  /* [n][n][lanes] */
     double *row_scale, *column_scale; /* [n][lanes] */
     int *pivot;                       /* [n][lanes] */
     bool exchanges;                   /* there is a row that is not its own pivot */
     double *x;                        /* [n][lanes] scratch */
-} lanes_factor;
+} lanes_inverse;
 
 /* Element (i, column) of a matrix, in a slot of a block. */
 typedef struct {
@@ -48,11 +49,10 @@ typedef struct {
 } lanes_rounds;
 
 typedef struct {
-    /* P L U in every lane. Returns the smallest pivot, relative to rows and columns of size 1; 0 where there is a NaN.
-     */
-    double (*factor)(lanes_factor *factor);
+    /* In every lane. Returns the smallest pivot, relative to rows and columns of size 1; 0 where there is a NaN. */
+    double (*invert)(lanes_inverse *of);
     /* V <- V + A^-1 (P - p), [n][lanes] each. */
-    void (*correct)(const lanes_factor *factor, const double *P, const double *p, double *V);
+    void (*correct)(const lanes_inverse *of, const double *P, const double *p, double *V);
     /* out = the gradient after the movement, [2n][lanes]. */
     void (*linearise)(const lanes_model *model, double *out);
 } lagrangian_loops;

@@ -21,11 +21,13 @@ typedef struct {
     const int *slot;
     galerkin_blocks blocks;
     const int *output[2]; /* [2n] where the gradient is there */
-    double *low;          /* [n][lanes] what Q lacks */
+    double *low;          /* [n][lanes] what Q lacks as a pass begins; */
+    double *ways;         /* [n][lanes] how far Q is from the nodes' high, */
+    double *rise[2];      /* [n][lanes] and that from where the gradient was evaluated, in two parts */
     double *gradient;     /* [2n][lanes] as evaluated */
     lanes_model model;    /* of it, */
-    lanes_factor mass;    /* and of L_vv */
-    int factors;          /* so often was it taken */
+    lanes_inverse mass;   /* and of L_vv */
+    int factors;          /* so often was it inverted */
     double moved;         /* by the last pass, as `move` says; infinite before the first one of a step */
 } lagrangian_passes;
 
@@ -35,7 +37,7 @@ typedef enum { LAGRANGIAN_PASSED, LAGRANGIAN_OUTSIDE, LAGRANGIAN_NO_NUMBER, LAGR
  * drift by what the pass before has left of V. */
 enum { LAGRANGIAN_ITERATIONS = 3, LAGRANGIAN_LEAST_ITERATIONS = 2 };
 /* The square of a relative movement after which second derivatives serve again. */
-#define LAGRANGIAN_SERVES 1e-6
+#define LAGRANGIAN_SERVES 1e-8
 /* That of one which is roundoff: no other one follows from it. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 
@@ -67,16 +69,35 @@ static inline double lagrangian_move_momenta(const lagrangian_passes *w)
 static inline double lagrangian_move_positions(const lagrangian_passes *w)
 {
     const galerkin_nodes positions = lagrangian_half(w->nodes, 0);
-    return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->low);
+    return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->ways);
+}
+
+/* What the rounded Q lacks. */
+static inline void lagrangian_set_low(lagrangian_passes *w)
+{
+    const galerkin_nodes *nodes = w->nodes;
+    const int half = nodes->unknowns / 2 * nodes->lanes;
+    const double *Q = nodes->x, *high = nodes->high;
+    for (int i = 0; i < half; i++) {
+        const double added = Q[i] - high[i];
+        w->low[i] = (high[i] - (Q[i] - added)) + (w->ways[i] - added);
+    }
+}
+
+/* By V and F that are there. */
+static inline void lagrangian_place(lagrangian_passes *w)
+{
+    (void)lagrangian_move_momenta(w);
+    (void)lagrangian_move_positions(w);
+    lagrangian_set_low(w);
+    w->moved = INFINITY;
 }
 
 static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps, const double *extrapolation,
                                       const double *const impulses[])
 {
     galerkin_predict_drives(w->loops, &w->drives, h, steps, extrapolation, impulses);
-    (void)lagrangian_move_momenta(w);
-    (void)lagrangian_move_positions(w);
-    w->moved = INFINITY;
+    lagrangian_place(w);
 }
 
 static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_second)
@@ -91,8 +112,8 @@ static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *swe
     return true;
 }
 
-/* L_vv of the block of second derivatives, factored. */
-static inline lagrangian_passed lagrangian_factor(lagrangian_passes *w)
+/* L_vv of the block of second derivatives, inverted. */
+static inline lagrangian_passed lagrangian_invert(lagrangian_passes *w)
 {
     const lanes_model *model = &w->model;
     const int n = model->n, lanes = model->lanes;
@@ -105,7 +126,7 @@ static inline lagrangian_passed lagrangian_factor(lagrangian_passes *w)
             if (term->column >= n) memcpy(element, w->blocks.second + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
     w->factors++;
-    if (GALERKIN_LOOP(w->algebra, factor, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
+    if (GALERKIN_LOOP(w->algebra, invert, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
     for (int k = model->end[n - 1]; k < model->end[2 * n - 1]; k++)
         if (!tvi_all_finite(lanes, w->blocks.second + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
     return LAGRANGIAN_SINGULAR;
@@ -122,16 +143,45 @@ static inline double lagrangian_iterate(lagrangian_passes *w)
     return moved + lagrangian_move_positions(w);
 }
 
-/* The gradient to first order, where (Q, V) have moved from where it was evaluated, and for what Q lacks. */
+/* From where the gradient was evaluated to the nodes' high. */
+static inline void lagrangian_set_rise(lagrangian_passes *w)
+{
+    const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
+    const double *high = w->nodes->high, *from = w->blocks.values;
+    for (int i = 0; i < half; i++) {
+        const double rise = high[i] - from[i], less = high[i] - rise;
+        w->rise[0][i] = rise;
+        w->rise[1][i] = (high[i] - (rise + less)) + (less - from[i]);
+    }
+}
+
+/* The gradient to first order, where V, and Q by `moved`, have moved from where it was evaluated. */
 static inline void lagrangian_linearise(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int half = nodes->unknowns / 2 * nodes->lanes;
-    const double *Q = nodes->x, *V = nodes->x + 2 * half, *from = w->blocks.values;
+    const double *V = nodes->x + 2 * half, *from = w->blocks.values;
     double *moved = w->model.moved;
-    for (int i = 0; i < half; i++) moved[i] = (Q[i] - from[i]) + w->low[i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
     GALERKIN_LOOP(w->algebra, linearise, &w->model, nodes->x + 3 * half);
+}
+
+/* At the beginning of a pass, for what the rounded Q lacks. */
+static inline void lagrangian_begin(lagrangian_passes *w)
+{
+    const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
+    lagrangian_set_rise(w);
+    memcpy(w->model.moved, w->low, (size_t)half * sizeof *w->low);
+    lagrangian_linearise(w);
+}
+
+/* What a movement has made of Q is known before it is rounded. */
+static inline void lagrangian_follow(lagrangian_passes *w)
+{
+    const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
+    double *moved = w->model.moved;
+    for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->ways[i]) + w->rise[1][i];
+    lagrangian_linearise(w);
 }
 
 /* New second derivatives are taken where those at hand do not serve. */
@@ -143,16 +193,17 @@ static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, galerkin_s
         if (!lagrangian_evaluate(w, sweep, false)) return LAGRANGIAN_OUTSIDE;
     } else {
         if (!lagrangian_evaluate(w, sweep, true)) return LAGRANGIAN_OUTSIDE;
-        const lagrangian_passed factored = lagrangian_factor(w);
-        if (factored != LAGRANGIAN_PASSED) return factored;
+        const lagrangian_passed inverted = lagrangian_invert(w);
+        if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
-    lagrangian_linearise(w);
+    lagrangian_begin(w);
     double moved = w->moved = lagrangian_iterate(w);
     for (int i = 1; i < LAGRANGIAN_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_LEAST_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
-        lagrangian_linearise(w);
+        lagrangian_follow(w);
         w->moved += moved = lagrangian_iterate(w);
     }
+    lagrangian_set_low(w);
     return LAGRANGIAN_PASSED;
 }
 

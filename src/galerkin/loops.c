@@ -76,11 +76,11 @@ enum { SUMS_OF_SQUARES = 2 };
         for (int i = 0; i < (units); i++, u++, x += lanes, high += lanes, base += lanes, impulse += lanes) {           \
             for (int k = 0; k < (blocks); k++) {                                                                       \
                 const V from = BLOCK_OF(V, high, k), way = BLOCK_OF(V, base, k) + scale[u] * sum[i][0][k];             \
-                const V place = from + way, added = place - from;                                                      \
+                const V place = from + way;                                                                            \
                 const V change = (place - BLOCK_OF(V, x, k)) * inverse_size[u];                                        \
                 squares[k % SUMS_OF_SQUARES] += change * change;                                                       \
                 BLOCK_AT(V, x, k) = place;                                                                             \
-                if (low) BLOCK_AT(V, low + u * lanes, k) = (from - (place - added)) + (way - added);                   \
+                if (ways) BLOCK_AT(V, ways + u * lanes, k) = way;                                                      \
             }                                                                                                          \
         }                                                                                                              \
     }
@@ -99,7 +99,7 @@ enum { SUMS_OF_SQUARES = 2 };
         if (moving < nodes->unknowns) {                                                                                \
             const int half = nodes->half, gap = (half - moving) * lanes;                                               \
             x += gap, high += gap, base += gap, impulse += gap, scale += half, inverse_size += half;                   \
-            low = low ? low + half * lanes : NULL;                                                                     \
+            ways = ways ? ways + half * lanes : NULL;                                                                  \
             FOLLOW_ROWS(V, blocks, moving)                                                                             \
         }                                                                                                              \
         if ((blocks) > 1) squares[0] += squares[1];                                                                    \
@@ -107,9 +107,9 @@ enum { SUMS_OF_SQUARES = 2 };
         else moved = sum_of_##V(squares[0]);                                                                           \
     }
 
-/* Once all impulses are there, and none waits for the one before it. low: what x lacks, or NULL. left: of eight nodes
- * that are one vector, instead of the sum of the squares these; or NULL. */
-JET_INLINE double follow_to(const galerkin_nodes *nodes, const double *matrix, double *low, double *left, int lanes)
+/* Once all impulses are there, and none waits for the one before it. ways: how far x is from high, or NULL. left: of
+ * eight nodes that are one vector, instead of the sum of the squares these; or NULL. */
+JET_INLINE double follow_to(const galerkin_nodes *nodes, const double *matrix, double *ways, double *left, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
     const int moving = nodes->moving;
@@ -119,9 +119,9 @@ JET_INLINE double follow_to(const galerkin_nodes *nodes, const double *matrix, d
     return moved;
 }
 
-JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, double *low, int lanes)
+JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix, double *ways, int lanes)
 {
-    return follow_to(nodes, matrix, low, NULL, lanes);
+    return follow_to(nodes, matrix, ways, NULL, lanes);
 }
 
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
@@ -137,15 +137,15 @@ BY_LANES(double, return, move,
          drives, slot)
 
 JET_INLINE double move_in_parts_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives,
-                                      const int slot[], double *low, int lanes)
+                                      const int slot[], double *ways, int lanes)
 {
     weigh_lanes(nodes, drives, slot, lanes);
-    return follow_lanes(nodes, matrix, low, lanes);
+    return follow_lanes(nodes, matrix, ways, lanes);
 }
 
 BY_LANES(double, return, move_in_parts,
-         (const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[], double *low),
-         nodes, matrix, drives, slot, low)
+         (const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[], double *ways),
+         nodes, matrix, drives, slot, ways)
 
 /* a b + c, rounded once where c is small beside a b; without fused operations by Dekker's product. */
 JET_INLINE double product_and(double a, double b, double c)

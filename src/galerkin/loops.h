@@ -130,9 +130,9 @@ typedef struct galerkin_loops {
     /* x = high + (base + scale sum_j matrix_ji L_j), the matrix as coefficients.h has it. Returns the sum of the
      * squares of (change of x) inverse_size, a NaN where there is one. */
     double (*move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[]);
-    /* The same, and low [unknowns][lanes] is what x lacks. */
+    /* The same, and ways [unknowns][lanes]: x is high + ways, rounded. */
     double (*move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
-                            double *low);
+                            double *ways);
     /* The same as move with L_j = weight_j F_j + changes[u][j], rounded once. */
     double (*move_both)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const double *changes,
                         const int slot[]);

@@ -14,7 +14,12 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
     model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
 }
 
-/* The rows of the symmetric matrix of second derivatives. */
+static void add_term(lanes_term *term, int *end, int row, int column, int slot)
+{
+    term[end[row]++] = (lanes_term){column, slot};
+}
+
+/* The rows of the symmetric matrix of second derivatives: the columns of the second half first, as V moves before Q. */
 static void set_terms(const tvi_system *system, lanes_term *term, int *end)
 {
     const int rows = 2 * system->n;
@@ -27,12 +32,13 @@ static void set_terms(const tvi_system *system, lanes_term *term, int *end)
         end[i] = before;
         before += count;
     }
-    for (int k = 0; k < system->seconds; k++) {
-        const int i = system->second[k].row, j = system->second[k].column;
-        const int slot = system->second_values->output[rows + k];
-        term[end[i]++] = (lanes_term){j, slot};
-        if (i != j) term[end[j]++] = (lanes_term){i, slot};
-    }
+    for (int first = system->n; first >= 0; first -= system->n)
+        for (int k = 0; k < system->seconds; k++) {
+            const int i = system->second[k].row, j = system->second[k].column;
+            const int slot = system->second_values->output[rows + k];
+            if (j / system->n == first / system->n) add_term(term, end, i, j, slot);
+            if (i != j && i / system->n == first / system->n) add_term(term, end, j, i, slot);
+        }
 }
 
 void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *field)

@@ -199,22 +199,24 @@ static const lagrangian_loops *loops_at(int i)
 }
 
 typedef struct {
-    double lu[MOST * MOST * LANES], row_scale[MOST * LANES], column_scale[MOST * LANES], x[MOST * LANES];
+    double lu[MOST * MOST * LANES], inverse[MOST * MOST * LANES], row_scale[MOST * LANES], column_scale[MOST * LANES],
+        x[MOST * LANES];
     int pivot[MOST * LANES];
 } lanes_room;
 
-static lanes_factor lanes_factor_in(lanes_room *room, int n, int lanes)
+static lanes_inverse lanes_inverse_in(lanes_room *room, int n, int lanes)
 {
-    return (lanes_factor){.n = n,
-                          .lanes = lanes,
-                          .lu = room->lu,
-                          .row_scale = room->row_scale,
-                          .column_scale = room->column_scale,
-                          .pivot = room->pivot,
-                          .x = room->x};
+    return (lanes_inverse){.n = n,
+                           .lanes = lanes,
+                           .lu = room->lu,
+                           .inverse = room->inverse,
+                           .row_scale = room->row_scale,
+                           .column_scale = room->column_scale,
+                           .pivot = room->pivot,
+                           .x = room->x};
 }
 
-static void put_lane(const lanes_factor *f, int lane, const double A[])
+static void put_lane(const lanes_inverse *f, int lane, const double A[])
 {
     for (int i = 0; i < f->n * f->n; i++) f->lu[i * f->lanes + lane] = A[i];
 }
@@ -224,7 +226,7 @@ START_TEST(lanes_are_solved_alone)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_factor f = lanes_factor_in(&room, n, lanes);
+    lanes_inverse f = lanes_inverse_in(&room, n, lanes);
     double A[LANES][MOST * MOST], P[MOST * LANES], p[MOST * LANES] = {0}, V[MOST * LANES];
     const lagrangian_loops *loops;
     for (int isa = 0; (loops = loops_at(isa)); isa++) {
@@ -234,7 +236,7 @@ START_TEST(lanes_are_solved_alone)
             put_lane(&f, lane, A[lane]);
             for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
         }
-        ck_assert_double_gt(loops->factor(&f), n * DBL_EPSILON);
+        ck_assert_double_gt(loops->invert(&f), n * DBL_EPSILON);
         for (int i = 0; i < n * lanes; i++) V[i] = 0;
         loops->correct(&f, P, p, V);
         for (int lane = 0; lane < lanes; lane++) {
@@ -255,7 +257,7 @@ START_TEST(singular_lanes_are_seen)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_factor f = lanes_factor_in(&room, n, lanes);
+    lanes_inverse f = lanes_inverse_in(&room, n, lanes);
     double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST];
     for (int i = 0; i < n * n; i++) {
         regular[i] = broken[i] = i % (n + 1) ? 0.5 : n;
@@ -267,7 +269,7 @@ START_TEST(singular_lanes_are_seen)
     for (int isa = 0; (loops = loops_at(isa)); isa++)
         for (int kind = 0; kind < 4; kind++) {
             for (int lane = 0; lane < lanes; lane++) put_lane(&f, lane, lane == lanes / 2 ? bad[kind] : regular);
-            const double least = loops->factor(&f);
+            const double least = loops->invert(&f);
             if (kind == 0) ck_assert_double_gt(least, 0.1);
             else ck_assert_double_le(least, n * DBL_EPSILON);
         }
