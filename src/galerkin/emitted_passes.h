@@ -13,6 +13,7 @@ typedef bool steady_field(const galerkin_nodes *nodes, bool weighs, int lanes);
 /* What a pass is made by: the field, or passes of their own. The rule is of constants where the registers are not the
  * field's. */
 typedef struct {
+    int rows; /* of the nodes' x, that it begins with */
     const tvi_passes_rule *rule;
     steady_field *drive;
     bool folds; /* passes that cannot be the last are folded.h's */

@@ -87,7 +87,8 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     long made = 0;
     if (!leads) nodes->impulse = next;
     steady_start(frame, nodes, motion, origin, lanes);
-    if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
+    if (to->is_predicted) copy_lanes(nodes->x, frame->nodes->x, nodes->x == frame->nodes->x ? 0 : form->rows, lanes);
+    else if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
     else steady_predict(frame, nodes, form, impulses, galerkin_fit(&tried.pace, frame->rough), lanes);
     if (form->folds && to->leads) copy_lanes((double *)folding.origin, last + 2 * numbers, nodes->unknowns, lanes);
     else if (form->folds) set_origin(nodes, folding.origin);
@@ -244,7 +245,8 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         enum { IS_SMALL = T##_is_split && (KEPT) * (LANES) <= STEADY_MOST };                                           \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
         galerkin_nodes nodes = NAME##_sized(frame->nodes);                                                             \
-        const steady_form form = {.rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
+        const steady_form form = {.rows = (UNKNOWNS),                                                                  \
+                                  .rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
                                   .drive = NAME##_drive,                                                               \
                                   .folds = T##_is_split && ARE_FEW(&nodes, LANES)};                                    \
         _Alignas(64) double x[IS_SMALL ? (KEPT) * (LANES) : 1];                                                        \
@@ -313,6 +315,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         w.model.term = NAME##_term;                                                                                    \
         w.model.end = NAME##_end;                                                                                      \
         if (NAME##_is_small) {                                                                                         \
+            keep_rows(low, w.low, 0, to->is_predicted ? (N) : 0, (LANES));                                             \
             w.low = low;                                                                                               \
             w.ways = ways;                                                                                             \
             w.rise[0] = rise;                                                                                          \
@@ -327,7 +330,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
             w.mass.x = x;                                                                                              \
         }                                                                                                              \
         w.factors = 0;                                                                                                 \
-        const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .lagrangian = &w};                       \
+        const steady_form form = {3 * (N), .rule = frame->rule, .sweep = NAME##_sweep, .lagrangian = &w};              \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
         return steady_lanes(frame, &nodes, &motion, &form, row, origin, now, to, (LANES));                             \
     }
@@ -367,7 +370,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
             w.rounds.impulse = impulse;                                                                                \
             w.rounds.all = all;                                                                                        \
         }                                                                                                              \
-        const steady_form form = {.rule = frame->rule, .sweep = NAME##_sweep, .hamiltonian = &w};                      \
+        const steady_form form = {UNKNOWNS, .rule = frame->rule, .sweep = NAME##_sweep, .hamiltonian = &w};            \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
         return steady_lanes(frame, &nodes, &motion, &form, row, origin, now, to, (LANES));                             \
     }

@@ -194,11 +194,12 @@ static void set_start(galerkin *w, const tvi_origin *origin)
     else loops->start(&w->field.nodes, w->n, origin);
 }
 
-/* From the steps before, beginning after `part` of the last one; NULL: the field at the start is that at all nodes. */
-static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, galerkin_pace *pace,
-                        tvi_stats *stats)
+/* The unknowns, by the steps before, beginning after `part` of the last one; NULL: by the field at the start. */
+static tvi_status predict(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
 {
     galerkin_field *field = &w->field;
+    field->nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
+    set_start(w, origin);
     if (part) {
         tvi_galerkin_extrapolate(&w->predictor, &w->coefficients, &w->dense, field, *part);
     } else {
@@ -206,12 +207,19 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
         stats->force_evaluations++;
         const tvi_status status = field->form->start(field, origin);
         if (status != TVI_OK) return status;
-        if (w->options->passes == TVI_PREDICT_ONLY) return TVI_OK;
     }
     set_times(w, origin, field->h);
-    galerkin_set_sizes(&field->nodes, w->n);
+    return TVI_OK;
+}
+
+static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, galerkin_pace *pace,
+                        tvi_stats *stats)
+{
+    const tvi_status status = predict(w, origin, part, stats);
+    if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
+    galerkin_set_sizes(&w->field.nodes, w->n);
     const double early = tvi_passes_early(&w->rule, w->predictor.last->steps + 1);
-    return tvi_galerkin_iterate(field, &w->probe, &w->rule, origin, early, pace, stats);
+    return tvi_galerkin_iterate(&w->field, &w->probe, &w->rule, origin, early, pace, stats);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
@@ -236,12 +244,13 @@ double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[
     return w->field.points < 2 ? 0 : w->field.loops->tail(motion, w->share, w->ratio);
 }
 
-/* By generated code; false where it is to be made in another way. */
-static bool step_steadily(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+/* By generated code, which predicts the unknowns, too, where they are not yet; false where it is to be made in another
+ * way. */
+static bool step_generated(galerkin *w, const tvi_origin *origin, bool is_predicted, double dq[], double dp[],
+                           tvi_stats *stats)
 {
     const tvi_row row = {.h = w->field.h, .steps = 1, .dq = dq, .dp = dp};
-    galerkin_outcome to = {.largest_tail = 0};
-    set_times(w, origin, w->field.h);
+    galerkin_outcome to = {.is_predicted = is_predicted, .largest_tail = 0};
     const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;
     tvi_galerkin_count(w, &to, stats);
     if (!is_made) return false;
@@ -254,16 +263,19 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 {
     galerkin *w = work;
     tvi_galerkin_set_size(w, h);
-    double part;
-    const bool extrapolates = w->options->passes != TVI_PREDICT_ONLY &&
-                              tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
-    const bool is_steady = extrapolates && tvi_galerkin_is_steady(&w->predictor, &w->field, part);
-    if (is_steady && w->field.loops->steady && step_steadily(w, origin, dq, dp, stats)) return TVI_OK;
-    w->field.nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
-    set_start(w, origin);
+    double place;
+    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
+    const double *part =
+        iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place) ? &place : NULL;
+    if (w->field.loops->steady && iterates) {
+        const bool is_steady = part && tvi_galerkin_is_steady(&w->predictor, &w->field, *part);
+        if (is_steady) set_times(w, origin, h);
+        const tvi_status predicted = is_steady ? TVI_OK : predict(w, origin, part, stats);
+        if (predicted == TVI_OK && step_generated(w, origin, !is_steady, dq, dp, stats)) return TVI_OK;
+    }
     galerkin_pace pace = galerkin_pace_before(w);
-    tvi_status status = solve(w, origin, extrapolates ? &part : NULL, &pace, stats);
-    if (status != TVI_OK && extrapolates) status = solve(w, origin, NULL, &pace, stats);
+    tvi_status status = solve(w, origin, part, &pace, stats);
+    if (status != TVI_OK && part) status = solve(w, origin, NULL, &pace, stats);
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
     tvi_galerkin_remember(&w->predictor, h, origin->t, pace);

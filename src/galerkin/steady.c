@@ -14,8 +14,8 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     galerkin_predictor *before = &w->predictor;
     galerkin_history *last = before->last;
     for (int i = 0; i < GALERKIN_TURNS; i++) to->impulses[i] = tvi_galerkin_impulses(before, i - 1);
-    to->last = (galerkin_trial){.pace = last->pace};
-    to->leads = last->leads;
+    to->last = (galerkin_trial){.pace = galerkin_pace_before(w)};
+    to->leads = last->leads && !to->is_predicted;
     to->steps = last->steps;
     to->count = to->factors = 0;
     set_folded(w);

@@ -1,5 +1,6 @@
-/* steady.h - steps in one function, with every size a constant, which generated code has (emitted_loops.h): those that
- * begin where the last two ended, all of one size, and whose passes end at the goal. All others are galerkin.c's. */
+/* steady.h - steps in one function, with every size a constant, which generated code has (emitted_loops.h): those whose
+ * passes end at the goal. It predicts those that begin where the last two ended, all of one size; galerkin.c predicts
+ * the others, and makes all that are not made here. */
 #ifndef TVI_SRC_GALERKIN_STEADY_H
 #define TVI_SRC_GALERKIN_STEADY_H
 
@@ -35,6 +36,7 @@ typedef struct {
 /* What steps made, but for what they added to the state. */
 typedef struct galerkin_outcome {
     double *impulses[GALERKIN_TURNS]; /* of the step before the last, of the last one and of the next, in turns */
+    bool is_predicted;                /* the first one's unknowns are those of the frame's nodes; or: */
     bool leads;                       /* behind those of the last one is what the next one begins with */
     double t;                         /* where the last one began */
     double steps;                     /* that were made, and before these */
