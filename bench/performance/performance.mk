@@ -15,7 +15,7 @@ performance: need-bench need-check
 	        $(PERFORMANCE_DIR)/work_precision.csv; } >$(PERFORMANCE_DIR)/machine.md
 	@[ -n "$(ONE)" ] || bench/performance/profile.sh $(BUILD)/bench/steps/steps >$(PERFORMANCE_DIR)/profile.md
 	@[ -n "$(ONE)" ] || gnuplot -c bench/performance/performance.gp $(PERFORMANCE_DIR) bench/experiments
-	@for file in $(or $(ONE:%=$(PERFORMANCE_DIR)/%.md),$(PERFORMANCE_DIR)/*.md); do echo && cat $$file; done
+	@for file in $(PERFORMANCE_DIR)/$(ONE)*.md; do echo && cat $$file; done
 
 .PHONY: performance
 

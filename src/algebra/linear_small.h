@@ -23,6 +23,7 @@ enum { LINEAR_SMALL = 16 };
     switch (n) {                                                                                                       \
     case 1: call(1); break;                                                                                            \
     case 2: call(2); break;                                                                                            \
+    case 3: call(3); break;                                                                                            \
     case 4: call(4); break;                                                                                            \
     default: call(n);                                                                                                  \
     }
