@@ -135,7 +135,12 @@ static void write_small(const experiment *e)
                                    "problem|method (h), error|tape, ms (time)|compiled, ms (time)|times faster (time)|"
                                    "at least|met (time)");
     for (size_t i = 0; i < sizeof small / sizeof *small; i++) {
-        const race r = {small[i], small[i]->title, "midpoint", 20, position_error, 1e-10, NULL, 0, 0, 0};
+        const race r = {.scene = small[i],
+                        .title = small[i]->title,
+                        .method = "midpoint",
+                        .order = 20,
+                        .error = position_error,
+                        .target = 1e-10};
         both ours;
         open_both(&ours, e, &r);
         const double times = ours.seconds[0] / ours.seconds[1];

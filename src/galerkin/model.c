@@ -14,11 +14,6 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
     model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
 }
 
-static void add_term(lanes_term *term, int *end, int row, int column, int slot)
-{
-    term[end[row]++] = (lanes_term){column, slot};
-}
-
 /* The rows of the symmetric matrix of second derivatives: the columns of the second half first, as V moves before Q. */
 static void set_terms(const tvi_system *system, lanes_term *term, int *end)
 {
@@ -32,12 +27,12 @@ static void set_terms(const tvi_system *system, lanes_term *term, int *end)
         end[i] = before;
         before += count;
     }
-    for (int first = system->n; first >= 0; first -= system->n)
+    for (int half = 1; half >= 0; half--)
         for (int k = 0; k < system->seconds; k++) {
             const int i = system->second[k].row, j = system->second[k].column;
             const int slot = system->second_values->output[rows + k];
-            if (j / system->n == first / system->n) add_term(term, end, i, j, slot);
-            if (i != j && i / system->n == first / system->n) add_term(term, end, j, i, slot);
+            if (j / system->n == half) term[end[i]++] = (lanes_term){j, slot};
+            if (i != j && i / system->n == half) term[end[j]++] = (lanes_term){i, slot};
         }
 }
 
