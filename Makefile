@@ -152,7 +152,7 @@ $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 EMBEDDED_CURVE := include/tvi.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
-                      $(addprefix generating/,series.h taylor_sweep.h reach.h advance.h tangents.h seeds.h closure.h newton.h refine.h matrices.h \
+                      $(addprefix generating/,series.h taylor_sweep.h reach.h advance.h tangents.h lagrangian_orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
                           curve_stepper.h curve_step.h emitted_curve.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE)
 	@mkdir -p $(@D)

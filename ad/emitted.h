@@ -68,6 +68,19 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 #define TANGENTS_TWINS(T, i, next)   TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
+/* Of order 0, of one direction along each lane of x. */
+#define IN_LANES_RULE(T, i, name)                                                                                      \
+    {                                                                                                                  \
+        const jet_run all = jet_spread(&T##_run[i], lanes);                                                            \
+        name##_tangent(&all, x, dx, 0, (size_t)(T.slots * lanes), 1);                                                  \
+    }
+#define IN_LANES_ANGLES(T, i, next) IN_LANES_RULE(T, i, sin) IN_LANES_RULE(T, next, cos)
+#define IN_LANES_PRODUCTS(T, i, squares, terms)                                                                        \
+    tangents_of(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
+#define IN_LANES_TWINS(T, i, next)         IN_LANES_PRODUCTS(T, i, false, 1) IN_LANES_PRODUCTS(T, next, false, 1)
+#define IN_LANES_LINEAR(T, i, terms)       linear_order_of(&T, &T##_run[i], dx, lanes, terms);
+#define IN_LANES_EIGHT(T, i, count, terms) ORDER_EIGHT(T, i, count, dx, terms)
+
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
@@ -104,6 +117,10 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
     {                                                                                                                  \
         T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, TANGENTS_TWINS, TANGENTS_LINEAR,                   \
                  TANGENTS_EIGHT) return true;                                                                          \
+    }                                                                                                                  \
+    JET_INLINE void T##_tangents_in_lanes_of(const double *x, double *dx, int lanes)                                   \
+    {                                                                                                                  \
+        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, IN_LANES_TWINS, IN_LANES_LINEAR, IN_LANES_EIGHT);  \
     }                                                                                                                  \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \

@@ -107,6 +107,18 @@ static inline bool jet_needs_positive(const jet_run *run)
     return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->c != __builtin_floor(run->c));
 }
 
+/* The members of a run and their lanes stand side by side, as if all were members of one lane. */
+JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
+{
+    return (jet_run){.op = run->op,
+                     .count = run->count * lanes,
+                     .z = run->z * lanes,
+                     .a = run->a * lanes,
+                     .b = run->b * lanes,
+                     .w = run->w * lanes,
+                     .c = run->c};
+}
+
 /* ---- Frames ------------------------------------------------------------------------------------------------------ */
 
 /* Defines name_series from SERIES(V, S), which sets JET_AT(V, z, k). */

@@ -62,18 +62,6 @@ static void tangents(const jet_tape *tape, const double *x, double *dx, int k, i
     }
 }
 
-/* The members of a run and their lanes stand side by side, as if all were members of one lane. */
-static jet_run spread(const jet_run *run, int lanes)
-{
-    return (jet_run){.op = run->op,
-                     .count = run->count * lanes,
-                     .z = run->z * lanes,
-                     .a = run->a * lanes,
-                     .b = run->b * lanes,
-                     .w = run->w * lanes,
-                     .c = run->c};
-}
-
 static void tangents_in_lanes(const jet_tape *tape, const double *x, double *dx, int k, int lanes)
 {
     const size_t stride = (size_t)tape->slots * (size_t)lanes;
@@ -81,7 +69,7 @@ static void tangents_in_lanes(const jet_tape *tape, const double *x, double *dx,
         if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, lanes, lanes);
         else if (run->op == OP_LINEAR) jet_linear_order(tape, run, dx + (size_t)k * stride, lanes);
         else {
-            const jet_run all = spread(run, lanes);
+            const jet_run all = jet_spread(run, lanes);
             jet_rules[run->op]->tangent(&all, x, dx, k, stride, 1);
         }
     }

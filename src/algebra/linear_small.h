@@ -211,26 +211,39 @@ JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transpo
     else linear_small_solve_transposed(n, factor->lu, factor->pivot, x);
 }
 
-/* ---- Factors without exchanges of rows, of matrices that are I + O(h) in some units ------------------------------ */
+/* ---- Without exchanges of rows, of matrices that are I + O(h) in some units -------------------------------------- */
 
-/* Smaller pivots are left to those that exchange rows. */
-static const double LINEAR_LEAST_PIVOT = 1.0 / 16;
+/* Pivots that are so much smaller or larger than what stood on the diagonal are left to those that exchange rows; and a
+ * diagonal of a row in the unit of its column that is so small. */
+static const double LINEAR_LEAST_PIVOT = 0x1p-10;
 
 /* Whole loops, so that the unknowns stay in registers. */
 #define LINEAR_UNROLLED _Pragma("GCC unroll 16")
 
 #define LINEAR_ELIMINATE(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
 
+/* A pivot, by what stood in its place. */
+JET_INLINE bool linear_is_plain(double pivot, double before)
+{
+    const double size = fabs(pivot), most = fabs(before);
+    return size > LINEAR_LEAST_PIVOT * most && LINEAR_LEAST_PIVOT * size < most;
+}
+
 /* A = L U, row-major: U in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
- * factor->row_scale, so that no row is written to but as a whole. false: a pivot is small, or no number. */
-JET_INLINE bool linear_plain_factor(int n, tvi_factor *factor)
+ * factor->row_scale, so that no row is written to but as a whole. The first rows, so many, are in the units of their
+ * columns. false: a pivot is not plain, or no number. */
+JET_INLINE bool linear_plain_factor(int n, int in_units, tvi_factor *factor)
 {
     const size_t stride = (size_t)n;
-    bool is_large = true;
+    bool is_plain = true;
+    double before[LINEAR_SMALL] = {0};
+    LINEAR_UNROLLED
+    for (int j = 0; j < n; j++) before[j] = factor->lu[j * n + j];
     LINEAR_UNROLLED
     for (int j = 0; j < n; j++) {
         const double *row = factor->lu + j * n, pivot = row[j], inverse = 1 / pivot;
-        is_large &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
+        is_plain &= linear_is_plain(pivot, before[j]);
+        if (j < in_units) is_plain &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
         factor->row_scale[j] = inverse;
         LINEAR_UNROLLED
         for (int i = j + 1; i < n; i++) {
@@ -242,7 +255,7 @@ JET_INLINE bool linear_plain_factor(int n, tvi_factor *factor)
             for (int k = j + 1; n < 4 && k < n; k++) other[k] -= part * row[k];
         }
     }
-    return is_large;
+    return is_plain;
 }
 
 /* x <- A^-1 x; what is known last is subtracted last. */
@@ -273,6 +286,35 @@ JET_INLINE void linear_plain_solve_transposed(int n, const tvi_factor *factor, d
     LINEAR_UNROLLED
     for (int i = n - 1; i >= 0; i--) LINEAR_UNROLLED
     for (int j = n - 1; j > i; j--) x[i] -= l[j * n + i] * x[j];
+}
+
+#define LINEAR_CLEAR(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
+
+/* A <- A^-1, row-major; false: pivots are not plain, and what stands there is nothing. */
+JET_INLINE bool linear_plain_invert(int n, double a[])
+{
+    const size_t stride = (size_t)n;
+    bool is_plain = true;
+    double before[LINEAR_SMALL] = {0};
+    LINEAR_UNROLLED
+    for (int j = 0; j < n; j++) before[j] = a[j * n + j];
+    LINEAR_UNROLLED
+    for (int j = 0; j < n; j++) {
+        double *row = a + j * n;
+        const double pivot = row[j], inverse = 1 / pivot;
+        is_plain &= linear_is_plain(pivot, before[j]);
+        row[j] = 1;
+        for (int k = 0; k < n; k++) row[k] *= inverse;
+        LINEAR_UNROLLED
+        for (int i = 0; i < n; i++) {
+            double *other = a + i * n;
+            const double part = other[j];
+            if (i == j) continue;
+            other[j] = 0;
+            JET_BLOCKS(n, LINEAR_CLEAR, );
+        }
+    }
+    return is_plain;
 }
 
 #undef LINEAR_UNROLLED

@@ -10,6 +10,8 @@
 
 /* Its sizes alone: those of the step of one curve, which generated code knows. */
 tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options);
+/* The tape of the field at its nodes. */
+const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind);
 /* Degrees of the curve that the action uses; everything in the options is resolved. mirrors: the span is
  * symmetric, and nodes may be there twice (seeds.h). */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
@@ -21,7 +23,7 @@ void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span
 TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 
 /* seeds_plainly (seeds.h), by the instructions of one set each. */
-typedef tvi_status tvi_seeds_fn(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[]);
+typedef tvi_status tvi_seeds_fn(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 tvi_seeds_fn tvi_seeds_plainly_base, tvi_seeds_plainly_avx2, tvi_seeds_plainly_avx512;
 
 /* The Lagrangian at nodes that lie on no single curve, at its times: from positions q, velocities v and momenta p,

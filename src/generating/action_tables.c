@@ -47,6 +47,11 @@ tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options)
                     expanded->span.from == -expanded->span.to);
 }
 
+const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind)
+{
+    return system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_LAGRANGE ? system->field_series : system->field_values;
+}
+
 static void take_table(tvi_node_table *table, tvi_arena *arena, size_t rows, size_t columns, size_t half_rows, int half)
 {
     const size_t halves = half_rows * (size_t)seeds_width(half);
@@ -61,7 +66,8 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     const size_t orders = (size_t)top + 1, n = (size_t)system->n;
     *action = shape_of(system, options, kind, q_degree, p_degree, top, mirrors);
     const size_t points = (size_t)action->points;
-    action->sweeps = system->field_values->sweeps;
+    action->field = tvi_action_field(system, kind);
+    action->sweeps = action->field->sweeps;
     action->s = tvi_arena_doubles(arena, points);
     action->weight = tvi_arena_doubles(arena, points);
     tvi_node_table *const at_nodes[] = {&action->power, &action->slope, &action->second_slope, &action->node_power};
@@ -70,13 +76,17 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     take_table(&action->weighted_slope, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
     action->row = tvi_arena_doubles(arena, orders);
     if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
-    action->x = tvi_arena_block(arena, system->field_values, 1, action->points, 0);
+    action->x = tvi_arena_block(arena, action->field, 1, action->points, 0);
     if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->truncated)
         action->bend = tvi_arena_block(arena, system->bend_values, 1, action->points, 0);
     action->P = tvi_arena_doubles(arena, orders * n);
     double **const panels[] = {&action->momentum, &action->force, &action->on_q, &action->on_v, &action->on_p};
     for (size_t i = 0; i < sizeof panels / sizeof *panels; i++) *panels[i] = tvi_arena_doubles(arena, n * points);
-    action->correction = tvi_arena_doubles(arena, n);
+    action->correction = tvi_arena_doubles(arena, n * points);
+    if (action->field != system->field_values) {
+        action->H_pp = tvi_arena_doubles(arena, n * n * points);
+        action->dx = tvi_arena_doubles(arena, (size_t)action->field->slots * points);
+    }
     tvi_roundoff_take(&action->roundoff, arena, system);
 }
 

@@ -9,6 +9,7 @@
  *
  * each with the field evaluated as a power series along the curve, one order after the other. */
 #include "generating/curve.h"
+#include "generating/lagrangian_orders.h"
 #include "generating/seeds.h"
 
 #include <math.h>
@@ -53,6 +54,8 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     if (system->form != TVI_SEPARABLE) {
         tvi_factor_take(&curve->slope, arena, system->n);
         curve->columns = tvi_arena_doubles(arena, tvi_curve_slots(curve) * n);
+        curve->rest = tvi_arena_doubles(arena, n * tvi_curve_lanes(curve));
+        curve->column = tvi_arena_doubles(arena, n);
     }
 }
 
@@ -109,6 +112,14 @@ static tvi_status expand_by_orders(tvi_curve *curve)
     return TVI_OK;
 }
 
+/* Velocity V = (1/tau) dQ/ds. */
+static tvi_status expand_lagrangian(tvi_curve *curve)
+{
+    tvi_status status = TVI_OK;
+    for (int k = 0; k <= curve->top && status == TVI_OK; k++) status = orders_expand(curve, k);
+    return status;
+}
+
 static tvi_status expand_by_code(tvi_curve *curve)
 {
     const tvi_status status = curve->code->expand(curve);
@@ -116,43 +127,11 @@ static tvi_status expand_by_code(tvi_curve *curve)
     return status;
 }
 
-/* By tangents of order 0 along the second input. */
 tvi_status tvi_curve_factor_slope(tvi_curve *curve)
 {
-    const jet_tape *tape = curve->system->field_series;
-    const size_t n = (size_t)curve->n;
-    memset(curve->columns, 0, 2 * n * n * sizeof *curve->columns);
-    for (size_t i = 0; i < n; i++) curve->columns[(n + i) * n + i] = 1;
-    if (curve->system->uses_time) memset(curve->columns + 2 * n * n, 0, n * sizeof *curve->columns);
-    jet_sweep_tangents(tape, curve->x, curve->columns, 0, curve->n);
-    for (size_t i = 0; i < n; i++)
-        memcpy(curve->slope.lu + i * n, curve->columns + (size_t)tape->output[n + i] * n, n * sizeof(double));
+    orders_find_columns(curve);
+    orders_place_slope(curve);
     return tvi_factor_compute(&curve->slope);
-}
-
-/* Velocity V = (1/tau) dQ/ds. Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v; the
- * missing part is solved for and the order run again. */
-static tvi_status expand_lagrangian(tvi_curve *curve)
-{
-    const jet_tape *tape = curve->system->field_series;
-    const int n = curve->n;
-    double *rest = curve->columns;
-    if (!jet_sweep_series(tape, curve->x, 0, 1)) return TVI_EDOMAIN;
-    const tvi_status status = tvi_curve_factor_slope(curve);
-    if (status != TVI_OK) return status;
-    for (int k = 1; k <= curve->top; k++) {
-        for (int i = 0; i < n; i++) {
-            tvi_curve_input(curve, k)[i] = curve->tau * (tvi_curve_input(curve, k - 1) + curve->n)[i] / k;
-            (tvi_curve_input(curve, k) + curve->n)[i] = 0;
-        }
-        (void)jet_sweep_series(tape, curve->x, k, 1);
-        for (int i = 0; i < n; i++)
-            rest[i] = curve->tau * tvi_curve_field(curve, k - 1, i) / k - tvi_curve_field(curve, k, n + i);
-        tvi_factor_solve(&curve->slope, rest);
-        memcpy((tvi_curve_input(curve, k) + curve->n), rest, (size_t)n * sizeof *rest);
-        if (k < curve->top) (void)jet_sweep_series(tape, curve->x, k, 1);
-    }
-    return TVI_OK;
 }
 
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)

@@ -5,6 +5,7 @@
 
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
+#include "generating/lagrangian_orders.h"
 #include "generating/matrices.h"
 
 /* The time about which the curve of the step is expanded. */
@@ -81,10 +82,16 @@ static inline void step_increments(const tvi_curve_work *w, const tvi_combinatio
     }
 }
 
-/* From the curve to what the step returns; and its tail. */
-static inline double step_finish(const tvi_curve_work *w, double dq[], double dp[])
+/* From the curve to what the step returns; and its tail. A Lagrangian's velocity at the end is where that of the next
+ * step is looked for. */
+static inline double step_finish(const tvi_curve_work *w, double tau, double dq[], double dp[])
 {
+    const tvi_curve *curve = &w->closure.curve;
     step_increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
+    if (curve_form(curve) == TVI_LAGRANGIAN) {
+        CURVE_CALL(sum, curve, &w->v_end, w->velocity);
+        for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= tau;
+    }
     CURVE_CALL(measure, &w->closure.curve);
     return CURVE_CALL(tail, &w->closure.curve);
 }
@@ -93,7 +100,7 @@ static inline double step_finish(const tvi_curve_work *w, double dq[], double dp
 
 /* The functions of a curve's code that are not of one place: series, with Jacobians or without, finite or not. */
 typedef struct {
-    bool (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
+    tvi_status (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 } step_makers;
 
@@ -104,17 +111,21 @@ typedef struct {
     int factorisations;
 } step_quick;
 
-/* The factors of new Jacobians. */
+/* The factors of new Jacobians. The second half of what generating functions solve, where it is of the coordinates, is
+ * in another unit than a Hamiltonian's p, and that of the corrector, of momenta, than a Lagrangian's tau v. */
 static inline bool step_factor(step_quick *a, const double z[])
 {
     const tvi_closure *c = &a->work->closure;
-    const int size = 2 * curve_n(&c->curve);
+    const tvi_form form = curve_form(&c->curve);
+    const int n = curve_n(&c->curve), size = 2 * n;
+    const bool has_momenta = c->mean->has_momenta;
     tvi_factor *full = &matrices_of(c)->full, *back = &a->work->newton.factor;
     matrices_take(c, z);
-    matrices_join(c, &c->q_mean, c->mean->has_momenta ? &c->u_mean : &c->q_rise, full->lu);
-    const bool has_back = matrices_jacobian(c, back->lu), is_large = linear_plain_factor(size, full);
+    matrices_join(c, &c->q_mean, has_momenta ? &c->u_mean : &c->q_rise, full->lu);
+    const bool has_back = matrices_jacobian(c, back->lu);
+    const bool is_plain = linear_plain_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, full);
     a->factorisations += 1 + has_back;
-    return is_large && (!has_back || linear_plain_factor(size, back));
+    return is_plain && (!has_back || linear_plain_factor(size, form != TVI_LAGRANGIAN ? size : n, back));
 }
 
 /* The correction of a pass at x, and its size; false: it is not one that the quick step makes, as where anything on the
@@ -128,7 +139,7 @@ static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_fi
     double *x = newton->x, *r = newton->correction;
     const bool is_due = matrices_are_due(c, x, newton->scale);
     curve_place(&c->curve, x);
-    if (!(is_due ? a->by->expand_all : a->by->expand)(&c->curve)) return false;
+    if ((is_due ? a->by->expand_all : a->by->expand)(&c->curve) != TVI_OK) return false;
     if (a->by->seed(&w->action, &c->curve, c->seed_Q, c->seed_U) != TVI_OK) return false;
     if (is_due && !step_factor(a, x)) return false;
     CURVE_CALL(pull, &c->curve, c->seed_Q, c->seed_U, c->D);
@@ -170,31 +181,63 @@ static inline int step_passes(step_quick *a, const tvi_origin *origin, double *s
     return 0;
 }
 
+/* The velocity of a Lagrangian that goes with the momentum, by Newton's method from that at the end of the step before,
+ * as nearly as predictors need it; false: that was far away. */
+static inline bool step_find_velocity(tvi_curve_work *w, const double p[], double v[])
+{
+    enum { MOST = 4 };
+    static const double near = 1e-8;
+    tvi_curve *curve = &w->closure.curve;
+    const int n = curve_n(curve);
+    double largest = INFINITY, size = 0;
+    for (int i = 0; i < n; i++) v[i] = w->velocity[i];
+    for (int count = 0; count < MOST && !(largest <= near * size); count++) {
+        if (orders_expand(curve, 0) != TVI_OK) return false;
+        for (int i = 0; i < n; i++) curve->rest[i] = p[i] - tvi_curve_field(curve, 0, n + i);
+        orders_divide(curve, 1, curve->rest, w->shift);
+        largest = size = 0;
+        for (int i = 0; i < n; i++) {
+            v[i] += w->shift[i];
+            largest = tvi_larger(fabs(w->shift[i]), largest);
+            size = tvi_larger(fabs(v[i]), size);
+        }
+    }
+    return largest <= near * size;
+}
+
+/* The centre data of the curve from the start of the step, where they stand. */
+static inline bool step_place_start(tvi_curve_work *w, const tvi_origin *origin)
+{
+    tvi_curve *curve = &w->closure.curve;
+    const int n = curve_n(curve);
+    double *z = w->newton.x;
+    curve->centre = origin->t + origin->t_low;
+    for (int i = 0; i < n; i++) {
+        z[i] = origin->q[i];
+        z[n + i] = curve->kappa[i] * origin->p[i];
+    }
+    curve_place(curve, z);
+    curve_place_time(curve);
+    if (curve_form(curve) != TVI_LAGRANGIAN) return true;
+    return step_find_velocity(w, origin->p, tvi_curve_input(curve, 0) + n);
+}
+
 /* A step whose passes converge as they mostly do, of the generating functions of tvi_close_mean; false: nothing is
  * made, and the step is one of curve_stepper.c. */
 static inline bool step_quickly(tvi_curve_work *w, const step_makers *by, double tau, const tvi_origin *origin,
                                 double dq[], double dp[], tvi_stats *stats)
 {
     tvi_curve *curve = &w->closure.curve;
-    const int n = curve_n(curve);
-    double *x = w->newton.x;
     curve_set_step(curve, tau);
-    for (int i = 0; i < n; i++) {
-        x[i] = origin->q[i];
-        x[n + i] = curve->kappa[i] * origin->p[i];
-    }
-    curve->centre = origin->t + origin->t_low;
-    curve_place(curve, x);
-    curve_place_time(curve);
-    if (!by->expand(curve)) return false;
-    step_move_to_centre(w, x);
+    if (!step_place_start(w, origin) || by->expand(curve) != TVI_OK) return false;
+    step_move_to_centre(w, w->newton.x);
     curve->centre = step_centre(w, origin, tau);
     curve_place_time(curve);
     step_quick at_hand = {w, by, 0};
     const int passes = step_passes(&at_hand, origin, &stats->residual);
     if (passes == 0) return false;
-    for (int i = 0; i < 2 * n; i++) curve->dz[i] = w->newton.correction[i];
-    stats->tail = step_finish(w, dq, dp);
+    for (int i = 0; i < 2 * curve_n(curve); i++) curve->dz[i] = w->newton.correction[i];
+    stats->tail = step_finish(w, tau, dq, dp);
     stats->passes += passes;
     stats->expansions += 1 + passes;
     stats->factorisations += at_hand.factorisations;

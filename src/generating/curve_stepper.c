@@ -66,7 +66,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     work w = {.corrects = corrects, .is_rough = expanded->is_rough, .options = options, .q_degree = degree};
     take_closure(&w.closure, arena, system, expanded, degree, corrects);
     const tvi_curve *curve = &w.closure.curve;
-    tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.dense_q, &w.dense_u};
+    tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.v_end, &w.dense_q, &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(curve, arena);
     if (system->form == TVI_LAGRANGIAN) {
@@ -101,6 +101,8 @@ static void set_centre(work *w)
     for (int k = 0; k <= curve->top; k++) weight[k] = hamiltonian ? pow(s, k) : k > 0 ? k * pow(s, k - 1) : 0;
     tvi_combination_set(&w->z_centre, curve, hamiltonian, weight);
     tvi_combination_set_powers(&w->q_centre, curve, false, curve->top, 1, s, 0, 0);
+    for (int k = 0; k <= curve->top; k++) weight[k] = k > 0 ? k * pow(w->closure.span.to, k - 1) : 0;
+    tvi_combination_set(&w->v_end, curve, false, weight);
 }
 
 static void prepare(void *taken)
@@ -248,7 +250,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
-    stats->tail = step_finish(w, dq, dp);
+    stats->tail = step_finish(w, a.tau, dq, dp);
     return TVI_OK;
 }
 

@@ -19,10 +19,11 @@ typedef struct tvi_curve_work {
     tvi_legendre legendre;
     tvi_combination q_back;             /* q- - Q_0 */
     tvi_combination q_centre, z_centre; /* the centre data, of the curve that starts at (q0, p0) */
+    tvi_combination v_end;              /* tau v at the end of the step, of a Lagrangian */
     tvi_combination dense_q, dense_u;   /* for one point of dense output */
     double *z;                          /* [2n] predictor */
     double *dz;                         /* [2n] what z lacks at the end of the passes */
-    double *velocity;                   /* [n] of the last predictor, Lagrangian; in the history */
+    double *velocity;                   /* [n] where the next predictor's is looked for, Lagrangian; in the history */
     double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
     double tolerance, log_tolerance;    /* of the last step that adapted */
     double *shift;                      /* [n] */

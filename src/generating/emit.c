@@ -32,6 +32,9 @@ static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_optio
                  system->form == TVI_SEPARABLE ? 2 : 1, lanes, lanes > 0 ? 2 * system->n % lanes : 0, system->n,
                  system->inputs, system->uses_time, options->degree, p_degree, form_of);
     jet_text_add(text, "#define CURVE_ADVANCE tvi_advance_%s\n#define CURVE_TANGENTS tvi_tangents_%s\n", form, form);
+    const char *recurrence = system->form == TVI_LAGRANGIAN ? "LAGRANGIAN" : "EXPLICIT";
+    jet_text_add(text, "#define CURVE_EXPAND CURVE_EXPAND_%s\n#define CURVE_DIFFERENTIATE CURVE_DIFFERENTIATE_%s\n",
+                 recurrence, recurrence);
 }
 
 /* The compiler's flags leave alone what stands side by side outside of loops, since most code has vectors of its own;
@@ -43,26 +46,37 @@ static void emit_slp(jet_text *text)
 }
 
 /* How the seeds have the field at the nodes, of which code without seeds has no sweep. */
-static void emit_values(jet_text *text, bool has_seed)
+static void emit_field(jet_text *text, const char *name, const tvi_system *system, const tvi_action *a, bool has_seed)
 {
-    jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), %s)\n",
-                 has_seed ? "tvi_values_values_of(x, lanes)" : "(void)(x), (void)(lanes), false");
+    const jet_tape *field = tvi_action_field(system, a->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
+    const char *tape = field == system->field_series ? "tvi_series" : "tvi_values";
+    emit_output(text, field, name, "values", "CURVE_VALUES_SLOT");
+    if (has_seed)
+        jet_text_add(
+            text,
+            "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), %s_values_of(x, lanes))\n"
+            "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), %s_tangents_in_lanes_of(x, dx, lanes))\n",
+            tape, tape);
+    else
+        jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), (void)(lanes), false)\n"
+                           "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(x), (void)(dx))\n");
 }
 
 static void emit_shape(jet_text *text, const tvi_action *a, const char *name)
 {
-    jet_text_add(text,
-                 "static const tvi_action %s_shape = {.is_hamilton = %d, .truncated = %d, .has_momentum_defect = %d, "
-                 ".q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half = %d};\n",
-                 name, a->is_hamilton, a->truncated, a->has_momentum_defect, a->q_degree, a->p_degree, a->points,
-                 a->orders, a->half);
+    jet_text_add(
+        text,
+        "static const tvi_action %s_shape = {.is_hamilton = %d, .truncated = %d, .has_velocity_defect = %d, "
+        ".has_momentum_defect = %d, .q_degree = %d, .p_degree = %d, .points = %d, .orders = %d, .half = %d};\n",
+        name, a->is_hamilton, a->truncated, a->has_velocity_defect, a->has_momentum_defect, a->q_degree, a->p_degree,
+        a->points, a->orders, a->half);
 }
 
 /* Tangents of a block, and of what is left of the directions. */
 static void emit_blocks(jet_text *text, const char *name, int rest)
 {
-    jet_text_add(text, "CURVE_EMITTED_BLOCK(%s, CURVE_LANES, CURVE_DIFFERENTIATE)\n", name);
-    if (rest > 0) jet_text_add(text, "CURVE_EMITTED_BLOCK(%s, CURVE_REST, CURVE_DIFFERENTIATE_REST)\n", name);
+    jet_text_add(text, "CURVE_EMITTED_BLOCK(%s, CURVE_LANES)\n", name);
+    if (rest > 0) jet_text_add(text, "CURVE_EMITTED_BLOCK(%s, CURVE_REST)\n", name);
     else jet_text_add(text, "#define %s_differentiate_CURVE_REST(curve, first)\n", name);
     jet_text_add(text, "CURVE_EMITTED_DIFFERENTIATE(%s)\n", name);
 }
@@ -98,8 +112,7 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     if (has_step) emit_slp(text);
     emit_sizes(text, system, options, lanes);
     emit_output(text, system->field_series, name, "output", "CURVE_SLOT");
-    emit_output(text, system->field_values, name, "values", "CURVE_VALUES_SLOT");
-    emit_values(text, has_seed);
+    emit_field(text, name, system, &shape, has_seed);
     emit_text(text, tvi_embedded_curve);
     jet_text_add(text, "CURVE_EMITTED_EXPAND(%s)\nCURVE_EMITTED_SUMS(%s)\n", name, name);
     if (lanes > 0) jet_text_add(text, "CURVE_EMITTED_MATRICES(%s)\n", name);

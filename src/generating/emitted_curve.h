@@ -7,41 +7,44 @@
 
 #include "generating/advance.h"
 #include "generating/curve_step.h"
+#include "generating/lagrangian_orders.h"
 #include "generating/reach.h"
 #include "generating/seeds.h"
 #include "generating/tangents.h"
 
-#define CURVE_EXPAND(k)                                                                                                \
+/* Order k of a recurrence, of which CURVE_EXPAND and CURVE_DIFFERENTIATE are those of the system's form. */
+#define CURVE_EXPAND_EXPLICIT(k)                                                                                       \
     if ((k) + CURVE_RISE <= tvi_series_top) {                                                                          \
-        inside &= tvi_series_series_of(x, (k), 1);                                                                     \
+        if (!tvi_series_series_of(x, (k), 1)) status = TVI_EDOMAIN;                                                    \
         CURVE_ADVANCE(&of, (k));                                                                                       \
     }
-
-#define CURVE_DIFFERENTIATE(k)                                                                                         \
-    if ((k) + CURVE_RISE <= tvi_series_top) {                                                                          \
-        tvi_series_tangents_of(x, dx, (k), CURVE_LANES);                                                               \
-        CURVE_TANGENTS(&of, (k), CURVE_LANES);                                                                         \
+#define CURVE_EXPAND_LAGRANGIAN(k)                                                                                     \
+    {                                                                                                                  \
+        const tvi_status of_order = orders_expand(curve, (k));                                                         \
+        if (status == TVI_OK) status = of_order;                                                                       \
     }
-#define CURVE_DIFFERENTIATE_REST(k)                                                                                    \
+#define CURVE_DIFFERENTIATE_EXPLICIT(k)                                                                                \
     if ((k) + CURVE_RISE <= tvi_series_top) {                                                                          \
-        tvi_series_tangents_of(x, dx, (k), CURVE_REST);                                                                \
-        CURVE_TANGENTS(&of, (k), CURVE_REST);                                                                          \
+        tvi_series_tangents_of(x, dx, (k), (int)block.lanes);                                                          \
+        CURVE_TANGENTS(&tangents, (k), (int)block.lanes);                                                              \
     }
+#define CURVE_DIFFERENTIATE_LAGRANGIAN(k) orders_differentiate(curve, &block, (k));
 
-/* false: outside of the domain. Finite or not. */
+/* TVI_EDOMAIN, TVI_ESINGULAR; else finite or not. */
 #define CURVE_EMITTED_EXPAND(NAME)                                                                                     \
-    static bool NAME##_series(tvi_curve *curve)                                                                        \
+    static tvi_status NAME##_series(tvi_curve *curve)                                                                  \
     {                                                                                                                  \
         const size_t order = (size_t)tvi_series.slots;                                                                 \
         double *const x = curve->x;                                                                                    \
         const tvi_recurrence of = {CURVE_N, order, NAME##_output, x, curve->kappa, curve->tau};                        \
-        bool inside = true;                                                                                            \
-        tvi_series_ORDERS(CURVE_EXPAND) return inside;                                                                 \
+        tvi_status status = TVI_OK;                                                                                    \
+        (void)of;                                                                                                      \
+        tvi_series_ORDERS(CURVE_EXPAND) return status;                                                                 \
     }                                                                                                                  \
     static tvi_status NAME##_expand(tvi_curve *curve)                                                                  \
     {                                                                                                                  \
-        if (!NAME##_series(curve)) return TVI_EDOMAIN;                                                                 \
-        return curve_is_finite(curve) ? TVI_OK : TVI_ENONFINITE;                                                       \
+        const tvi_status status = NAME##_series(curve);                                                                \
+        return status != TVI_OK || curve_is_finite(curve) ? status : TVI_ENONFINITE;                                   \
     }
 
 #define CURVE_EMITTED_SUMS(NAME)                                                                                       \
@@ -80,38 +83,37 @@
 
 #define CURVE_EXPAND_ALL(k)                                                                                            \
     CURVE_EXPAND(k)                                                                                                    \
-    if ((k) + CURVE_RISE <= tvi_series_top) {                                                                          \
-        tvi_series_tangents_of(x, dx, (k), CURVE_LANES);                                                               \
-        CURVE_TANGENTS(&tangents, (k), CURVE_LANES);                                                                   \
-    }
+    CURVE_DIFFERENTIATE(k)
 
 /* The whole series, each order with that of its tangents in all directions, which do not wait for each other. */
 #define CURVE_EMITTED_EXPAND_ALL(NAME)                                                                                 \
-    static bool NAME##_series_and_tangents(tvi_curve *curve)                                                           \
+    static tvi_status NAME##_series_and_tangents(tvi_curve *curve)                                                     \
     {                                                                                                                  \
         const size_t order = (size_t)tvi_series.slots;                                                                 \
         double *const x = curve->x, *const dx = curve->dx;                                                             \
         const tvi_recurrence of = {CURVE_N, order, NAME##_output, x, curve->kappa, curve->tau},                        \
                              tangents = {CURVE_N, order * CURVE_LANES, NAME##_output, dx, curve->kappa, curve->tau};   \
         const curve_block block = {CURVE_LANES, order * CURVE_LANES, 0};                                               \
-        bool inside = true;                                                                                            \
+        tvi_status status = TVI_OK;                                                                                    \
+        (void)of, (void)tangents;                                                                                      \
         curve_begin_block(curve, &block);                                                                              \
         tvi_series_ORDERS(CURVE_EXPAND_ALL) curve_end_block(curve, &block);                                            \
-        return inside;                                                                                                 \
+        return status;                                                                                                 \
     }                                                                                                                  \
     static void NAME##_differentiate(tvi_curve *curve) { (void)NAME##_series_and_tangents(curve); }
 
 /* Blocks of all directions, in the order of them. */
-#define CURVE_EMITTED_BLOCK(NAME, lanes, DIFFERENTIATE)                                                                \
-    static void NAME##_differentiate_##lanes(tvi_curve *curve, int first)                                              \
+#define CURVE_EMITTED_BLOCK(NAME, LANES)                                                                               \
+    static void NAME##_differentiate_##LANES(tvi_curve *curve, int first)                                              \
     {                                                                                                                  \
-        const size_t order = (size_t)(tvi_series.slots * lanes);                                                       \
+        const size_t order = (size_t)(tvi_series.slots * LANES);                                                       \
         const double *const x = curve->x;                                                                              \
         double *const dx = curve->dx;                                                                                  \
-        const tvi_recurrence of = {CURVE_N, order, NAME##_output, dx, curve->kappa, curve->tau};                       \
-        const curve_block block = {lanes, order, 2 * CURVE_N > lanes ? first : 0};                                     \
+        const tvi_recurrence tangents = {CURVE_N, order, NAME##_output, dx, curve->kappa, curve->tau};                 \
+        const curve_block block = {LANES, order, 2 * CURVE_N > LANES ? first : 0};                                     \
+        (void)x, (void)tangents;                                                                                       \
         curve_begin_block(curve, &block);                                                                              \
-        tvi_series_ORDERS(DIFFERENTIATE) curve_end_block(curve, &block);                                               \
+        tvi_series_ORDERS(CURVE_DIFFERENTIATE) curve_end_block(curve, &block);                                         \
     }
 #define CURVE_EMITTED_DIFFERENTIATE(NAME)                                                                              \
     static void NAME##_differentiate(tvi_curve *curve)                                                                 \
@@ -147,7 +149,7 @@
     {                                                                                                                  \
         action->is_hamilton = NAME##_shape.is_hamilton;                                                                \
         action->truncated = NAME##_shape.truncated;                                                                    \
-        action->has_velocity_defect = false;                                                                           \
+        action->has_velocity_defect = NAME##_shape.has_velocity_defect;                                                \
         action->has_momentum_defect = NAME##_shape.has_momentum_defect;                                                \
         action->q_degree = NAME##_shape.q_degree;                                                                      \
         action->p_degree = NAME##_shape.p_degree;                                                                      \

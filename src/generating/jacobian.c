@@ -1,6 +1,8 @@
 /* jacobian.c - the Jacobians of a curve with respect to its centre data, as matrices, by tangents in all directions;
  * what is made of them, or of products.h. */
+#include "algebra/linear_small.h"
 #include "generating/curve.h"
+#include "generating/lagrangian_orders.h"
 #include "generating/products.h"
 #include "generating/seeds.h"
 #include "generating/tangents.h"
@@ -18,36 +20,6 @@ tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
 
 /* ---- Matrices ---------------------------------------------------------------------------------------------------- */
 
-static const double *field_tangent(const tvi_curve *curve, const curve_block *b, int k, int i)
-{
-    return curve_tangent(curve, b, k, curve->system->field_series->output[i]);
-}
-
-/* The tangent of the recurrence, whose matrix at the highest order is L_vv again. */
-static void differentiate_lagrangian(tvi_curve *curve, const curve_block *b)
-{
-    const jet_tape *tape = curve->system->field_series;
-    const int n = curve->n;
-    double *rest = curve->columns;
-    jet_sweep_tangents(tape, curve->x, curve->dx, 0, (int)b->lanes);
-    for (int k = 1; k <= curve->top; k++) {
-        for (int i = 0; i < n; i++) {
-            curve_scale_lanes(b->lanes, curve->tau / k, curve_tangent(curve, b, k - 1, n + i),
-                              curve_tangent(curve, b, k, i));
-            curve_scale_lanes(b->lanes, 0, curve_tangent(curve, b, k, i), curve_tangent(curve, b, k, n + i));
-        }
-        jet_sweep_tangents(tape, curve->x, curve->dx, k, (int)b->lanes);
-        for (size_t lane = 0; lane < b->lanes; lane++) {
-            for (int i = 0; i < n; i++)
-                rest[i] =
-                    curve->tau / k * field_tangent(curve, b, k - 1, i)[lane] - field_tangent(curve, b, k, n + i)[lane];
-            tvi_factor_solve(&curve->slope, rest);
-            for (int i = 0; i < n; i++) curve_tangent(curve, b, k, n + i)[lane] = rest[i];
-        }
-        if (k < curve->top) jet_sweep_tangents(tape, curve->x, curve->dx, k, (int)b->lanes);
-    }
-}
-
 static void differentiate_explicit(tvi_curve *curve, const curve_block *b)
 {
     const jet_tape *tape = curve->system->field_series;
@@ -64,7 +36,8 @@ static void differentiate_explicit(tvi_curve *curve, const curve_block *b)
 static void differentiate_block(tvi_curve *curve, const curve_block *b)
 {
     curve_begin_block(curve, b);
-    if (curve->system->form == TVI_LAGRANGIAN) differentiate_lagrangian(curve, b);
+    if (curve->system->form == TVI_LAGRANGIAN)
+        for (int k = 0; k <= curve->top; k++) orders_differentiate(curve, b, k);
     else differentiate_explicit(curve, b);
     curve_end_block(curve, b);
 }
@@ -94,7 +67,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
                         tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
-    const bool is_whole = system->form != TVI_LAGRANGIAN;
+    const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
     tvi_uses used = {.series = {.name = "tvi_series", .lanes = {1}, .top = top, .has_series = !is_whole},
                      .member = "curve",
                      .emit_loops = is_whole ? tvi_curve_emit_series : NULL};

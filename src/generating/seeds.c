@@ -4,7 +4,7 @@
 
 #include "generating/action.h"
 
-tvi_status JET_FOR_ISA(tvi_seeds_plainly)(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+tvi_status JET_FOR_ISA(tvi_seeds_plainly)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     return seeds_plainly(action, curve, seed_Q, seed_U);
 }

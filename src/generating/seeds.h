@@ -12,176 +12,44 @@
 #ifndef TVI_SRC_GENERATING_SEEDS_H
 #define TVI_SRC_GENERATING_SEEDS_H
 
-#include "algebra/sizes.h"
-#include "generating/series.h"
+#include "generating/node_momenta.h"
 #include "method/origin.h"
-#include "system/roundoff.h"
-#include "vector.h"
-
-#ifndef JET_EMITTED
-#define SEEDS_VALUES(tape, x, lanes) jet_sweep_values(tape, x, lanes)
-#endif
-
-/* What the orders are at the nodes, [top + 1][points]. Where nodes mirror each other, the even and the odd orders at
- * the first half of them, [orders / 2][half]: at the other half these are the same but for a sign. Sums over the nodes
- * have their tables the other way round, [points][top + 1] and [half][seeds_width(orders / 2)]. */
-typedef struct {
-    double *full, *even, *odd;
-    double mirrored; /* what even orders are multiplied by, 1 or -1 */
-} tvi_node_table;
-
-typedef struct tvi_action {
-    bool is_hamilton; /* TVI_ACTION_HAMILTON */
-    bool truncated;
-    const jet_sweeps *sweeps;
-    bool has_velocity_defect;               /* L_v - p is not 0 by construction */
-    bool has_momentum_defect;               /* g. - tau H_p is not 0 by construction */
-    int q_degree, p_degree, points, orders; /* orders: top + 1 */
-    double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
-    /* Nodes mirror each other: points first .. half - 1, and the others from there on. One at the centre is there
-     * twice, with half its weight each; what is left of a half is the first node without weight. 0: they do not, or the
-     * action is not plain. */
-    int half;
-    tvi_node_table power, slope; /* s_i^k and its derivative, 0 above q_degree */
-    tvi_node_table second_slope; /* the second one, of all orders */
-    tvi_node_table node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
-    tvi_node_table weighted_power, weighted_slope; /* times the weight, for sums over the nodes */
-    double *row;                                   /* [top + 1] */
-    double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
-    double *x;        /* block of the field's values at the nodes, a lane each */
-    double *bend;     /* truncated Hamiltonian: block of the bend's values */
-    double *P;        /* [p_degree + 1][n] */
-    double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
-    double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
-    double *correction;         /* [n] */
-    tvi_roundoff roundoff;      /* of the field at the nodes */
-} tvi_action;
-
-/* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
-
-/* Whole vectors. */
-enum { SEEDS_MOST_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
-static inline int seeds_width(int count) { return (count + 3) / 4 * 4; }
-
-/* row[node] = sum_{k <= degree} coefficient_k table_k(node), coefficient_k at first + k * stride. */
-static inline void seeds_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
-                                  const tvi_node_table *table, double row[])
-{
-    const int half = action->half;
-    double even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
-    if (half == 0) {
-        CURVE_COMBINE(action, degree + 1, first, stride, action->points, table->full, row);
-        return;
-    }
-    CURVE_COMBINE(action, degree / 2 + 1, first, 2 * stride, half, table->even, even);
-    CURVE_COMBINE(action, (degree + 1) / 2, first + stride, 2 * stride, half, table->odd, odd);
-    JET_IN_VECTORS
-    for (int i = 0; i < half; i++) row[i] = even[i] + odd[i];
-    JET_IN_VECTORS
-    for (int i = 0; i < half; i++) row[half + i] = table->mirrored * (even[i] - odd[i]);
-}
-
-static inline void seeds_place_times(const tvi_action *action, const tvi_curve *curve, double *x)
-{
-    double *t = x + curve_inputs(curve) * action->points;
-    if (!curve_uses_time(curve)) return;
-    for (int node = 0; node < action->points; node++) t[node] = curve->centre + curve->tau * action->s[node];
-}
-
-/* q at the nodes into the inputs of a block; the time too. */
-static inline void seeds_place_positions(const tvi_action *action, const tvi_curve *curve, double *x)
-{
-    const tvi_system *system = curve->system;
-    const size_t stride = (size_t)system->field_series->slots;
-    for (int i = 0; i < curve_n(curve); i++)
-        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, &action->node_power,
-                       x + i * action->points);
-    seeds_place_times(action, curve, x);
-}
-
-/* v = g./tau at the nodes into the second input. */
-static inline void seeds_place_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
-{
-    const int points = action->points;
-    const size_t stride = tvi_curve_slots(curve);
-    for (int i = 0; i < curve_n(curve); i++) {
-        seeds_at_nodes(action, action->q_degree, tvi_curve_Q(curve, 0) + i, stride, &action->slope, v + i * points);
-        for (int node = 0; node < points; node++) v[i * points + node] /= curve->tau;
-    }
-}
-
-/* The momentum of the curve, where it is needed. */
-static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *curve)
-{
-    const int n = curve_n(curve), points = action->points, degree = action->p_degree;
-    const bool has_momenta = action->is_hamilton || action->has_velocity_defect;
-    if (!has_momenta && !action->by_parts && curve_form(curve) == TVI_SEPARABLE) return;
-    curve_momenta(curve, degree, action->P);
-    for (int i = 0; i < n && has_momenta; i++)
-        seeds_at_nodes(action, degree, action->P + i, (size_t)n, &action->power, action->momentum + i * points);
-}
-
-/* row /= divisor, by its inverse and what that leaves: many quotients take long. */
-static inline void seeds_divide(int points, double divisor, double row[])
-{
-    const double inverse = 1 / divisor;
-    JET_IN_VECTORS
-    for (int node = 0; node < points; node++) {
-        const double quotient = row[node] * inverse;
-        row[node] = quotient + inverse * (row[node] - quotient * divisor);
-    }
-}
-
-/* Its derivative, which is M q'' / tau of a separable system. */
-static inline void seeds_forces_at_nodes(tvi_action *action, const tvi_curve *curve)
-{
-    const int n = curve_n(curve), points = action->points, degree = action->p_degree;
-    const size_t stride = tvi_curve_slots(curve);
-    double *force = action->force;
-    for (int i = 0; i < n; i++, force += points)
-        if (curve_form(curve) == TVI_SEPARABLE) {
-            seeds_at_nodes(action, degree + 1, tvi_curve_Q(curve, 0) + i, stride, &action->second_slope, force);
-            seeds_divide(points, curve->kappa[i], force);
-        } else {
-            seeds_at_nodes(action, degree, action->P + i, (size_t)n, &action->slope, force);
-        }
-}
-
-static inline const double *seeds_output_row(const tvi_action *action, const jet_tape *tape, const double *x, int i)
-{
-    (void)tape;
-    return x + (size_t)CURVE_SIZE(CURVE_VALUES_SLOT, tape->output)[i] * (size_t)action->points;
-}
 
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
-
-static inline tvi_status seeds_run_field(const tvi_action *action, const tvi_curve *curve)
-{
-    return SEEDS_VALUES(curve->system->field_values, action->x, action->points) ? TVI_OK : TVI_EDOMAIN;
-}
-
-/* panel = factor * outputs first .. first + n - 1 of the field. */
-static inline void seeds_copy_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
-                                      double *restrict panel)
-{
-    for (int i = 0; i < curve_n(curve); i++) {
-        const double *row = seeds_output_row(action, curve->system->field_values, action->x, first + i);
-        JET_IN_VECTORS
-        for (int node = 0; node < action->points; node++) panel[i * action->points + node] = factor * row[node];
-    }
-}
-
-/* panel -= other. */
-static inline void seeds_subtract(const tvi_action *action, int n, const double *other, double *restrict panel)
-{
-    for (int i = 0; i < n * action->points; i++) panel[i] -= other[i];
-}
 
 /* Separable: on_q = tau F; L_v = p on the curve. */
 static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *curve)
 {
-    const tvi_status status = seeds_run_field(action, curve);
+    const tvi_status status = seeds_run_field(action);
     seeds_copy_outputs(action, curve, 0, curve->tau, action->on_q);
+    return status;
+}
+
+/* From the positions in action->x, the velocities in on_v and the momenta: on_q = tau L_q, on_v = L_v - p. */
+static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *curve)
+{
+    const int n = curve_n(curve), points = action->points;
+    const size_t panel = (size_t)(n * points) * sizeof(double);
+    double *second = action->x + n * points;
+    tvi_status status = TVI_OK;
+    switch (curve_form(curve)) {
+    case TVI_SEPARABLE:
+        status = seeds_force_terms(action, curve);
+        for (int i = 0; i < n * points; i++) action->on_v[i] *= curve->system->mass[i / points];
+        break;
+    case TVI_LAGRANGIAN:
+        memcpy(second, action->on_v, panel);
+        status = seeds_run_field(action);
+        seeds_copy_outputs(action, curve, 0, curve->tau, action->on_q);
+        seeds_copy_outputs(action, curve, n, 1, action->on_v);
+        break;
+    case TVI_HAMILTONIAN:
+        status = momenta_find(action, curve);
+        seeds_copy_outputs(action, curve, 0, -curve->tau, action->on_q);
+        memcpy(action->on_v, second, panel);
+        break;
+    }
+    seeds_subtract(action, n, action->momentum, action->on_v);
     return status;
 }
 
@@ -191,13 +59,13 @@ static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curv
     const int n = curve_n(curve), points = action->points;
     const bool separable = curve_form(curve) == TVI_SEPARABLE;
     if (!separable) memcpy(action->x + n * points, action->momentum, (size_t)(n * points) * sizeof(double));
-    const tvi_status status = seeds_run_field(action, curve);
+    const tvi_status status = seeds_run_field(action);
     if (status != TVI_OK) return status;
     seeds_copy_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->on_q);
     if (!action->has_momentum_defect) return TVI_OK;
     seeds_place_velocities(action, curve, action->on_p);
     for (int i = 0; i < n; i++) {
-        const double *H_p = separable ? NULL : seeds_output_row(action, curve->system->field_values, action->x, n + i);
+        const double *H_p = separable ? NULL : seeds_output_row(action, action->field, action->x, n + i);
         for (int node = 0; node < points; node++) {
             const int place = i * points + node;
             const double rate = separable ? action->momentum[place] / curve->system->mass[i] : H_p[node];
@@ -304,17 +172,16 @@ static inline void seeds_end(tvi_action *action, const tvi_curve *curve, double 
     if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
 }
 
-/* Of a field at nodes on the curve that has no velocity defect. */
-static inline bool seeds_are_plain(const tvi_action *action)
-{
-    return !action->has_velocity_defect && !(action->is_hamilton && action->truncated);
-}
+/* Of the field alone. */
+static inline bool seeds_are_plain(const tvi_action *action) { return !(action->is_hamilton && action->truncated); }
 
-static inline tvi_status seeds_plainly(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
+static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     seeds_begin(action, curve, seed_Q, seed_U);
-    const tvi_status status =
-        action->is_hamilton ? seeds_hamilton_terms(action, curve) : seeds_force_terms(action, curve);
+    if (action->has_velocity_defect) seeds_place_velocities(action, curve, action->on_v);
+    const tvi_status status = action->is_hamilton           ? seeds_hamilton_terms(action, curve)
+                              : action->has_velocity_defect ? seeds_lagrange_terms(action, curve)
+                                                            : seeds_force_terms(action, curve);
     if (status == TVI_OK) seeds_end(action, curve, seed_Q, seed_U);
     return status;
 }

@@ -46,6 +46,7 @@ typedef struct {
     double *kappa;          /* [n] */
     double *x;              /* block of the field's series, orders 0 .. top */
     double *dx;             /* the same for CURVE_LANES directions; products: for one */
+    size_t lanes;           /* of the block that stands there; 0: none */
     double *bar;            /* products: the same for adjoints */
     double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
     double *dz;             /* [2n] the direction of pushes */
@@ -55,8 +56,10 @@ typedef struct {
     int q_degree, p_degree; /* of the tail, */
     tvi_combination q_sizes, u_sizes;
     double *movement, *momentum; /* [n] and what these sums are */
-    tvi_factor slope;            /* not separable: L_vv or H_pp at the centre, see tvi_curve_factor_slope */
-    double *columns;             /* scratch of the slope: its directions, and right sides */
+    tvi_factor slope;            /* not separable: L_vv or H_pp at the centre */
+    bool has_inverse;            /* slope.lu is its inverse */
+    double *columns;             /* [slots][n] derivatives of all slots in the second input at the centre */
+    double *rest, *column;       /* scratch of its solutions, [n][lanes] and [n] */
 } tvi_curve;
 
 static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve->jacobians == TVI_JACOBIAN_PRODUCTS; }
@@ -99,6 +102,12 @@ static inline int curve_inputs(const tvi_curve *curve)
 {
     (void)curve;
     return CURVE_SIZE(CURVE_INPUTS, curve->system->inputs);
+}
+
+static inline int curve_constants(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_SIZE(tvi_series.constants, curve->system->field_series->constants);
 }
 
 static inline bool curve_uses_time(const tvi_curve *curve)

@@ -36,13 +36,17 @@ static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
     }
 }
 
-/* Inputs and constants are 0, but for the direction. */
+/* Inputs that no order before gives are 0, but for the direction; so are all orders of the time and of constants, which
+ * stand where the number of lanes says. */
 static inline void curve_begin_block(tvi_curve *curve, const curve_block *b)
 {
-    const int constants = CURVE_SIZE(tvi_series.constants, curve->system->field_series->constants);
-    /* the layout depends on the number of lanes, so that constants too must be cleared */
-    const size_t fixed = (size_t)(curve_inputs(curve) + curve_uses_time(curve) + constants) * b->lanes;
-    for (int k = 0; k <= curve_top(curve); k++) memset(curve_tangent(curve, b, k, 0), 0, fixed * sizeof(double));
+    const size_t inputs = (size_t)curve_inputs(curve) * b->lanes * sizeof(double);
+    const size_t others = (size_t)(curve_uses_time(curve) + curve_constants(curve)) * b->lanes * sizeof(double);
+    const int given = curve_form(curve) == TVI_SEPARABLE ? 2 : 1;
+    for (int k = 0; k < given && k <= curve_top(curve); k++) memset(curve_tangent(curve, b, k, 0), 0, inputs);
+    for (int k = 0; k <= curve_top(curve) && curve->lanes != b->lanes; k++)
+        memset(curve_tangent(curve, b, k, curve_inputs(curve)), 0, others);
+    curve->lanes = b->lanes;
     curve_seed_directions(curve, b);
 }
 

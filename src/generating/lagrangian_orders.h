@@ -1,0 +1,164 @@
+/* lagrangian_orders.h - one order of a Lagrangian's curve and of its tangents (curve.c): part of the text of generated
+ * code, where every size is a constant.
+ *
+ * Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v. V_k is solved for, and what it adds
+ * to each slot is its product with the slot's derivatives in the velocity at the centre: for all orders the same. */
+#ifndef TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
+#define TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
+
+#include "algebra/linear_small.h"
+#include "generating/advance.h"
+#include "generating/tangents.h"
+
+#ifdef JET_EMITTED
+#define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->x, k, 1)
+#define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->x, dx, k, lanes)
+#define ORDERS_FACTOR(factor)                linear_small_compute(CURVE_N, factor)
+#define ORDERS_SOLVE(factor, x)              linear_solve_scaled(CURVE_N, factor, false, linear_small_apply, x)
+#else
+#define ORDERS_SERIES(curve, k)              jet_sweep_series((curve)->system->field_series, (curve)->x, k, 1)
+#define ORDERS_TANGENTS(curve, dx, k, lanes) jet_sweep_tangents((curve)->system->field_series, (curve)->x, dx, k, lanes)
+#define ORDERS_FACTOR                        tvi_factor_compute
+#define ORDERS_SOLVE                         tvi_factor_solve
+#endif
+
+/* Where the slots begin that are computed. */
+static inline int orders_first_slot(const tvi_curve *curve)
+{
+    return curve_inputs(curve) + curve_uses_time(curve) + curve_constants(curve);
+}
+
+/* ---- The centre -------------------------------------------------------------------------------------------------- */
+
+/* The derivatives of all slots in the second input, [slots][n]: tangents of order 0. */
+static inline void orders_find_columns(tvi_curve *curve)
+{
+    const int n = curve_n(curve);
+    memset(curve->columns, 0, (size_t)(orders_first_slot(curve) * n) * sizeof *curve->columns);
+    for (int i = 0; i < n; i++) curve->columns[(n + i) * n + i] = 1;
+    ORDERS_TANGENTS(curve, curve->columns, 0, n);
+}
+
+static inline void orders_place_slope(const tvi_curve *curve)
+{
+    const int n = curve_n(curve);
+    for (int i = 0; i < n; i++)
+        memcpy(curve->slope.lu + i * n, curve->columns + curve_slot(curve, n + i) * n, (size_t)n * sizeof(double));
+}
+
+/* L_vv at the centre is inverted where it is small and needs no exchanges, else factored. */
+static inline tvi_status orders_solve_slope(tvi_curve *curve)
+{
+    orders_find_columns(curve);
+    orders_place_slope(curve);
+    curve->has_inverse = curve_n(curve) <= LINEAR_SMALL && linear_plain_invert(curve_n(curve), curve->slope.lu);
+    if (curve->has_inverse) return TVI_OK;
+    orders_place_slope(curve);
+    return ORDERS_FACTOR(&curve->slope);
+}
+
+/* ---- Orders of all lanes ----------------------------------------------------------------------------------------- */
+
+#define ORDERS_DIVIDE(V, S)                                                                                            \
+    {                                                                                                                  \
+        V sum = inverse[0] * JET_OF(V, rest, 0);                                                                       \
+        for (int j = 1; j < n; j++) sum += inverse[j] * JET_OF(V, rest, j);                                            \
+        JET_AT(V, out, 0) = sum;                                                                                       \
+    }
+
+/* out = L_vv^-1 rest, [n][lanes]. */
+static inline void orders_divide(const tvi_curve *curve, int lanes, double rest[], double out[])
+{
+    const int n = curve_n(curve);
+    const size_t stride = (size_t)lanes;
+    const double *inverse = curve->slope.lu;
+    for (int i = 0; i < n && curve->has_inverse; i++, inverse += n, out += lanes) JET_BLOCKS(lanes, ORDERS_DIVIDE, );
+    for (int lane = 0; lane < lanes && !curve->has_inverse; lane++) {
+        double *column = curve->column;
+        for (int i = 0; i < n; i++) column[i] = rest[i * lanes + lane];
+        ORDERS_SOLVE(&curve->slope, column);
+        for (int i = 0; i < n; i++) out[i * lanes + lane] = column[i];
+    }
+}
+
+#define ORDERS_ADD(V, S)                                                                                               \
+    {                                                                                                                  \
+        V sum = JET_OF(V, row, 0);                                                                                     \
+        for (int i = 0; i < n; i++) sum += column[i] * JET_OF(V, added, i);                                            \
+        JET_AT(V, row, 0) = sum;                                                                                       \
+    }
+
+/* What V_k adds to all slots of the order, [slots][lanes]. */
+static inline void orders_add(const tvi_curve *curve, int lanes, const double added[], double order[])
+{
+    const int n = curve_n(curve), slots = (int)tvi_curve_slots(curve);
+    const size_t stride = (size_t)lanes;
+    for (int slot = orders_first_slot(curve); slot < slots; slot++) {
+        const double *column = curve->columns + slot * n;
+        double *row = order + slot * lanes;
+        JET_BLOCKS(lanes, ORDERS_ADD, );
+    }
+}
+
+/* Q_k = tau V_{k-1} / k, and V_k = 0. */
+#define ORDERS_BEGIN(V, S)                                                                                             \
+    {                                                                                                                  \
+        TVI_QUOTIENT(V, JET_AT(V, order, 0), tau *JET_OF(V, before, n), divisor)                                       \
+        JET_AT(V, order, n) = (V){0};                                                                                  \
+    }
+
+/* tau [s^{k-1}] L_q / k - [s^k] L_v of component i, which is L_vv V_k. */
+#define ORDERS_LEAVE(V, S)                                                                                             \
+    {                                                                                                                  \
+        V part;                                                                                                        \
+        TVI_QUOTIENT(V, part, tau *JET_OF(V, before, force), divisor)                                                  \
+        JET_AT(V, rest, 0) = part - JET_OF(V, order, momentum);                                                        \
+    }
+
+static inline void orders_begin(const tvi_curve *curve, int k, int lanes, const double *before, double *order)
+{
+    const int n = curve_n(curve);
+    const double tau = curve->tau, divisor = k;
+    const size_t stride = (size_t)lanes;
+    for (int i = 0; i < n; i++, before += lanes, order += lanes) JET_BLOCKS(lanes, ORDERS_BEGIN, );
+}
+
+static inline void orders_end(const tvi_curve *curve, int k, int lanes, const double *before, double *order)
+{
+    const int n = curve_n(curve);
+    const double tau = curve->tau, divisor = k;
+    const size_t stride = (size_t)lanes;
+    double *rest = curve->rest;
+    for (int i = 0; i < n; i++, rest += lanes) {
+        const int force = curve_slot(curve, i), momentum = curve_slot(curve, n + i);
+        JET_BLOCKS(lanes, ORDERS_LEAVE, );
+    }
+    orders_divide(curve, lanes, curve->rest, order + n * lanes);
+    if (k < curve_top(curve)) orders_add(curve, lanes, order + n * lanes, order);
+}
+
+/* ---- The recurrence ---------------------------------------------------------------------------------------------- */
+
+/* TVI_EDOMAIN, TVI_ESINGULAR: of order 0. */
+static inline tvi_status orders_expand(tvi_curve *curve, int k)
+{
+    const size_t slots = tvi_curve_slots(curve);
+    double *order = curve->x + (size_t)k * slots;
+    if (k == 0) return ORDERS_SERIES(curve, 0) ? orders_solve_slope(curve) : TVI_EDOMAIN;
+    orders_begin(curve, k, 1, order - slots, order);
+    (void)ORDERS_SERIES(curve, k);
+    orders_end(curve, k, 1, order - slots, order);
+    return TVI_OK;
+}
+
+/* The tangent of the recurrence, whose matrix at the highest order is L_vv again. */
+static inline void orders_differentiate(tvi_curve *curve, const curve_block *b, int k)
+{
+    const int lanes = (int)b->lanes;
+    double *order = curve->dx + (size_t)k * b->order;
+    if (k > 0) orders_begin(curve, k, lanes, order - b->order, order);
+    ORDERS_TANGENTS(curve, curve->dx, k, lanes);
+    if (k > 0) orders_end(curve, k, lanes, order - b->order, order);
+}
+
+#endif

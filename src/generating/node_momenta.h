@@ -1,0 +1,151 @@
+/* node_momenta.h - the momenta that go with a Hamiltonian's velocities at the nodes: part of the text of generated code
+ * (emit.c), where every size is a constant. */
+#ifndef TVI_SRC_GENERATING_NODE_MOMENTA_H
+#define TVI_SRC_GENERATING_NODE_MOMENTA_H
+
+#include "algebra/passes.h"
+#include "generating/lagrangian_orders.h"
+#include "generating/nodes.h"
+
+/* The roundoff of the corrections, by that of the H_p that was last evaluated (action.c); generated code leaves those
+ * that are stuck to the library. */
+#ifdef JET_EMITTED
+#define MOMENTA_ROUNDOFF(action, curve) 0
+#else
+double tvi_action_momenta_roundoff(tvi_action *action, tvi_curve *curve);
+#define MOMENTA_ROUNDOFF tvi_action_momenta_roundoff
+#endif
+
+enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_MOST_HALF };
+/* Corrections that no longer shrink are roundoff: below this part of the largest momentum, or below this many units of
+ * what the roundoff of H_p and v makes of them. */
+static const double MOMENTA_STALLED = 1e-13;
+/* H_pp serves passes that leave less than this. */
+static const double MOMENTA_SERVES = 1e-3;
+
+/* H_pp at the nodes, [n][n][points]. */
+static inline void momenta_find_slope(const tvi_action *action, const tvi_curve *curve)
+{
+    const int n = curve_n(curve), points = action->points;
+    const jet_tape *tape = action->field;
+    (void)tape;
+    for (int j = 0; j < n; j++) {
+        double *direction = action->dx + (n + j) * points;
+        for (int node = 0; node < points; node++) direction[node] = 1;
+        SEEDS_TANGENTS(tape, action->x, action->dx, points);
+        for (int i = 0; i < n; i++)
+            memcpy(action->H_pp + (i * n + j) * points, seeds_output_row(action, tape, action->dx, n + i),
+                   (size_t)points * sizeof(double));
+        for (int node = 0; node < points; node++) direction[node] = 0;
+    }
+}
+
+/* H_pp <- H_pp^-1 at all nodes at once, as linear_plain_invert; false: at one of them pivots are not plain. */
+static inline bool momenta_invert_plainly(const tvi_action *action, int n)
+{
+    const int points = action->points;
+    double inverse[MOMENTA_MOST_NODES], part[MOMENTA_MOST_NODES], *before = action->correction;
+    int plain = 0;
+    for (int j = 0; j < n; j++)
+        memcpy(before + j * points, action->H_pp + (j * n + j) * points, (size_t)points * sizeof *before);
+    for (int j = 0; j < n; j++) {
+        double *row = action->H_pp + j * n * points, *pivot = row + j * points;
+        for (int node = 0; node < points; node++) plain += linear_is_plain(pivot[node], before[j * points + node]);
+        JET_IN_VECTORS
+        for (int node = 0; node < points; node++) {
+            inverse[node] = 1 / pivot[node];
+            pivot[node] = 1;
+        }
+        for (int k = 0; k < n; k++) JET_IN_VECTORS
+        for (int node = 0; node < points; node++) row[k * points + node] *= inverse[node];
+        for (int i = 0; i < n; i++) {
+            double *other = action->H_pp + i * n * points;
+            if (i == j) continue;
+            JET_IN_VECTORS
+            for (int node = 0; node < points; node++) {
+                part[node] = other[j * points + node];
+                other[j * points + node] = 0;
+            }
+            for (int k = 0; k < n; k++) JET_IN_VECTORS
+            for (int node = 0; node < points; node++) other[k * points + node] -= part[node] * row[k * points + node];
+        }
+    }
+    return plain == n * points;
+}
+
+/* The same at one node after the other, with exchanges. TVI_ESINGULAR, TVI_ENONFINITE. */
+static inline tvi_status momenta_invert_each(const tvi_action *action, tvi_curve *curve)
+{
+    const int n = curve_n(curve), points = action->points;
+    for (int node = 0; node < points; node++) {
+        for (int i = 0; i < n * n; i++) curve->slope.lu[i] = action->H_pp[i * points + node];
+        const tvi_status status = ORDERS_FACTOR(&curve->slope);
+        if (status != TVI_OK) return status;
+        for (int j = 0; j < n; j++) {
+            for (int i = 0; i < n; i++) curve->column[i] = i == j;
+            ORDERS_SOLVE(&curve->slope, curve->column);
+            for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * points + node] = curve->column[i];
+        }
+    }
+    return TVI_OK;
+}
+
+static inline tvi_status momenta_solve_slope(const tvi_action *action, tvi_curve *curve)
+{
+    momenta_find_slope(action, curve);
+    if (momenta_invert_plainly(action, curve_n(curve))) return TVI_OK;
+    momenta_find_slope(action, curve);
+    return momenta_invert_each(action, curve);
+}
+
+/* correction = H_pp^-1 (v - H_p); returns the largest. v is in on_v, which is left alone. */
+static inline double momenta_correct(const tvi_action *action, const tvi_curve *curve)
+{
+    const int n = curve_n(curve), points = action->points;
+    double *correction = action->correction, rest[MOMENTA_MOST_NODES];
+    memset(correction, 0, (size_t)(n * points) * sizeof *correction);
+    for (int j = 0; j < n; j++) {
+        const double *H_p = seeds_output_row(action, action->field, action->x, n + j);
+        JET_IN_VECTORS
+        for (int node = 0; node < points; node++) rest[node] = action->on_v[j * points + node] - H_p[node];
+        for (int i = 0; i < n; i++) JET_IN_VECTORS
+        for (int node = 0; node < points; node++)
+            correction[i * points + node] += action->H_pp[(i * n + j) * points + node] * rest[node];
+    }
+    return tvi_largest(n * points, correction, 1);
+}
+
+/* Momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method: they are left in the
+ * second input, and the field is that of them. */
+static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
+{
+    const int count = curve_n(curve) * action->points;
+    double *p = action->x + count;
+    tvi_passes passes;
+    tvi_passes_begin(&passes);
+    memcpy(p, action->momentum, (size_t)count * sizeof *p);
+    const double size = tvi_largest(count, p, 1);
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size,
+                                  .memory = 1,
+                                  .contraction = 1,
+                                  .far = INFINITY,
+                                  .stuck = TVI_PASSES_ALL,
+                                  .roundoff = MOMENTA_STALLED * size};
+    for (int step = 0; step < MOMENTA_STEPS; step++) {
+        tvi_status status = seeds_run_field(action);
+        if (status == TVI_OK && (step == 0 || passes.part > MOMENTA_SERVES))
+            status = momenta_solve_slope(action, curve);
+        if (status != TVI_OK) return status;
+        const double largest = momenta_correct(action, curve);
+        if (!isfinite(largest)) return TVI_ENONFINITE;
+        const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, largest);
+        if (largest <= rule.goal) return TVI_OK;
+        for (int i = 0; i < count; i++) p[i] += action->correction[i];
+        if (verdict == TVI_PASSES_MAY_END ||
+            (verdict == TVI_PASSES_STUCK && tvi_passes_are_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve))))
+            return seeds_run_field(action);
+    }
+    return TVI_ENOCONV;
+}
+
+#endif
