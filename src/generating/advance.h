@@ -57,7 +57,7 @@ static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
 }
 
 /* The same for tangents of `lanes` directions, of which x is the block; as vectors, of which the orders that follow
- * read them. */
+ * read them. Their roundoff is that of small corrections, so that quotients may be of tau. */
 #define TVI_ADVANCE_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
 static inline void tvi_advance_tangent(int lanes, double factor, const double *field, double *next)
 {
@@ -67,11 +67,10 @@ static inline void tvi_advance_tangent(int lanes, double factor, const double *f
 
 static inline void tvi_tangents_separable(const tvi_recurrence *of, int k, int lanes)
 {
-    const double *field = of->x + (size_t)k * of->stride;
+    const double factor = of->tau / ((k + 1) * (k + 2)), *field = of->x + (size_t)k * of->stride;
     double *next = of->x + (size_t)(k + 2) * of->stride;
     for (int i = 0; i < of->n; i++)
-        tvi_advance_tangent(lanes, of->kappa[i] * of->tau / ((k + 1) * (k + 2)), field + of->output[i] * lanes,
-                            next + i * lanes);
+        tvi_advance_tangent(lanes, of->kappa[i] * factor, field + of->output[i] * lanes, next + i * lanes);
 }
 
 static inline void tvi_tangents_hamiltonian(const tvi_recurrence *of, int k, int lanes)

@@ -19,6 +19,12 @@ static void emit_output(jet_text *text, const jet_tape *tape, const char *name, 
     jet_text_add(text, "};\n#define %s %s_%s\n", macro, name, what);
 }
 
+/* Directions that are left of blocks of so many lanes; 0: none, or there is one block. */
+static int rest_of(const tvi_system *system, int lanes)
+{
+    return lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0;
+}
+
 static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes)
 {
     static const char *const name[] = {"separable", "lagrangian", "hamiltonian"};
@@ -29,8 +35,8 @@ static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_optio
                  "enum {\n    CURVE_RISE = %d, CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d,\n"
                  "    CURVE_TOP = tvi_series_top, CURVE_INPUTS = %d, CURVE_USES_TIME = %d,\n"
                  "    CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d\n};\n#define CURVE_FORM %s\n",
-                 system->form == TVI_SEPARABLE ? 2 : 1, lanes, lanes > 0 ? 2 * system->n % lanes : 0, system->n,
-                 system->inputs, system->uses_time, options->degree, p_degree, form_of);
+                 system->form == TVI_SEPARABLE ? 2 : 1, lanes, rest_of(system, lanes), system->n, system->inputs,
+                 system->uses_time, options->degree, p_degree, form_of);
     jet_text_add(text, "#define CURVE_ADVANCE tvi_advance_%s\n#define CURVE_TANGENTS tvi_tangents_%s\n", form, form);
     const char *recurrence = system->form == TVI_LAGRANGIAN ? "LAGRANGIAN" : "EXPLICIT";
     jet_text_add(text, "#define CURVE_EXPAND CURVE_EXPAND_%s\n#define CURVE_DIFFERENTIATE CURVE_DIFFERENTIATE_%s\n",
@@ -118,7 +124,7 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     if (lanes > 0) jet_text_add(text, "CURVE_EMITTED_MATRICES(%s)\n", name);
     if (has_products) emit_text(text, tvi_embedded_products), jet_text_add(text, "CURVE_EMITTED_PRODUCTS(%s)\n", name);
     if (has_step) jet_text_add(text, "CURVE_EMITTED_EXPAND_ALL(%s)\n", name);
-    else if (lanes > 0) emit_blocks(text, name, 2 * system->n % lanes);
+    else if (lanes > 0) emit_blocks(text, name, rest_of(system, lanes));
     if (has_seed) emit_shape(text, &shape, name), jet_text_add(text, "CURVE_EMITTED_SEED(%s)\n", name);
     if (has_step) jet_text_add(text, "CURVE_EMITTED_STEP(%s)\n", name);
     if (has_reach) jet_text_add(text, "CURVE_EMITTED_REACH(%s)\n", name);

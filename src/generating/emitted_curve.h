@@ -119,7 +119,7 @@
     static void NAME##_differentiate(tvi_curve *curve)                                                                 \
     {                                                                                                                  \
         int first = 0;                                                                                                 \
-        for (; first + CURVE_LANES <= 2 * CURVE_N; first += CURVE_LANES)                                               \
+        for (; first == 0 || first + CURVE_LANES <= 2 * CURVE_N; first += CURVE_LANES)                                 \
             NAME##_differentiate_CURVE_LANES(curve, first);                                                            \
         if (CURVE_REST > 0) {                                                                                          \
             NAME##_differentiate_CURVE_REST(curve, first);                                                             \

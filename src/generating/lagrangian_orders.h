@@ -6,20 +6,15 @@
 #ifndef TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
 #define TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
 
-#include "algebra/linear_small.h"
 #include "generating/advance.h"
 #include "generating/tangents.h"
 
 #ifdef JET_EMITTED
 #define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->x, k, 1)
 #define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->x, dx, k, lanes)
-#define ORDERS_FACTOR(factor)                linear_small_compute(CURVE_N, factor)
-#define ORDERS_SOLVE(factor, x)              linear_solve_scaled(CURVE_N, factor, false, linear_small_apply, x)
 #else
 #define ORDERS_SERIES(curve, k)              jet_sweep_series((curve)->system->field_series, (curve)->x, k, 1)
 #define ORDERS_TANGENTS(curve, dx, k, lanes) jet_sweep_tangents((curve)->system->field_series, (curve)->x, dx, k, lanes)
-#define ORDERS_FACTOR                        tvi_factor_compute
-#define ORDERS_SOLVE                         tvi_factor_solve
 #endif
 
 /* Where the slots begin that are computed. */
@@ -54,7 +49,7 @@ static inline tvi_status orders_solve_slope(tvi_curve *curve)
     curve->has_inverse = curve_n(curve) <= LINEAR_SMALL && linear_plain_invert(curve_n(curve), curve->slope.lu);
     if (curve->has_inverse) return TVI_OK;
     orders_place_slope(curve);
-    return ORDERS_FACTOR(&curve->slope);
+    return CURVE_FACTOR(&curve->slope);
 }
 
 /* ---- Orders of all lanes ----------------------------------------------------------------------------------------- */
@@ -76,7 +71,7 @@ static inline void orders_divide(const tvi_curve *curve, int lanes, double rest[
     for (int lane = 0; lane < lanes && !curve->has_inverse; lane++) {
         double *column = curve->column;
         for (int i = 0; i < n; i++) column[i] = rest[i * lanes + lane];
-        ORDERS_SOLVE(&curve->slope, column);
+        CURVE_SOLVE(&curve->slope, column);
         for (int i = 0; i < n; i++) out[i * lanes + lane] = column[i];
     }
 }

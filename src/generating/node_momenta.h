@@ -4,7 +4,6 @@
 #define TVI_SRC_GENERATING_NODE_MOMENTA_H
 
 #include "algebra/passes.h"
-#include "generating/lagrangian_orders.h"
 #include "generating/nodes.h"
 
 /* The roundoff of the corrections, by that of the H_p that was last evaluated (action.c); generated code leaves those
@@ -79,11 +78,11 @@ static inline tvi_status momenta_invert_each(const tvi_action *action, tvi_curve
     const int n = curve_n(curve), points = action->points;
     for (int node = 0; node < points; node++) {
         for (int i = 0; i < n * n; i++) curve->slope.lu[i] = action->H_pp[i * points + node];
-        const tvi_status status = ORDERS_FACTOR(&curve->slope);
+        const tvi_status status = CURVE_FACTOR(&curve->slope);
         if (status != TVI_OK) return status;
         for (int j = 0; j < n; j++) {
             for (int i = 0; i < n; i++) curve->column[i] = i == j;
-            ORDERS_SOLVE(&curve->slope, curve->column);
+            CURVE_SOLVE(&curve->slope, curve->column);
             for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * points + node] = curve->column[i];
         }
     }

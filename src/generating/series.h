@@ -3,7 +3,7 @@
 #ifndef TVI_SRC_GENERATING_SERIES_H
 #define TVI_SRC_GENERATING_SERIES_H
 
-#include "algebra/linear.h"
+#include "algebra/linear_small.h"
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "algebra/weigh.h"
@@ -22,6 +22,15 @@
 #define CURVE_CALL(function, ...) curve_##function(__VA_ARGS__)
 #else
 #define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
+#endif
+
+/* Factors of n rows, which generated code has where they are few. */
+#ifdef JET_EMITTED
+#define CURVE_FACTOR(factor)   linear_small_compute(CURVE_N, factor)
+#define CURVE_SOLVE(factor, x) linear_solve_scaled(CURVE_N, factor, false, linear_small_apply, x)
+#else
+#define CURVE_FACTOR tvi_factor_compute
+#define CURVE_SOLVE  tvi_factor_solve
 #endif
 
 /* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
@@ -147,10 +156,12 @@ static inline size_t tvi_curve_slots(const tvi_curve *curve)
     return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots);
 }
 
-/* The same of generated code, whose small systems have one sweep. */
+/* The same of generated code, whose small systems have one sweep; a whole vector costs less than two parts. */
 static inline int tvi_curve_lanes_of(const tvi_system *system)
 {
-    return 2 * system->n <= 2 * TVI_CURVE_LANES ? 2 * system->n : TVI_CURVE_LANES;
+    const int directions = 2 * system->n;
+    const bool is_small = directions <= 4 || (directions > TVI_CURVE_LANES && directions <= 2 * TVI_CURVE_LANES);
+    return is_small ? directions : TVI_CURVE_LANES;
 }
 
 static inline size_t tvi_curve_lanes(const tvi_curve *curve) { return (size_t)tvi_curve_lanes_of(curve->system); }

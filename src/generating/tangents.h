@@ -11,6 +11,13 @@ typedef struct {
     int first;
 } curve_block;
 
+/* Of which so many are directions: the last block may be wider. */
+static inline int curve_directions(const tvi_curve *curve, const curve_block *b)
+{
+    const int left = 2 * curve_n(curve) - b->first;
+    return left < (int)b->lanes ? left : (int)b->lanes;
+}
+
 static inline double *curve_tangent(const tvi_curve *curve, const curve_block *b, int k, int slot)
 {
     return curve->dx + (size_t)k * b->order + (size_t)slot * b->lanes;
@@ -27,7 +34,7 @@ static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
 {
     const tvi_form form = curve_form(curve);
     const int n = curve_n(curve);
-    for (int d = b->first; d < b->first + (int)b->lanes; d++) {
+    for (int d = b->first; d < b->first + curve_directions(curve, b); d++) {
         const bool is_second = d >= n;
         double *row =
             is_second && form == TVI_SEPARABLE ? curve_tangent(curve, b, 1, d - n) : curve_tangent(curve, b, 0, d);
@@ -58,7 +65,7 @@ static inline void curve_store(const tvi_curve *curve, const curve_block *b, con
     for (int k = 0; k <= curve_top(curve); k++)
         for (size_t i = 0; i < n; i++) {
             const int slot = slot_of_component ? slot_of_component[i] : first_slot + (int)i;
-            curve_scale_lanes(b->lanes, 1, curve_tangent(curve, b, k, slot),
+            curve_scale_lanes((size_t)curve_directions(curve, b), 1, curve_tangent(curve, b, k, slot),
                               jacobian + ((size_t)k * n + i) * 2 * n + b->first);
         }
 }
