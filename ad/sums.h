@@ -43,11 +43,15 @@ void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double 
         JET_AT(V, out, 0) = sum;                                                                                       \
     }
 
-/* What the sweep of this name does (tape.h). */
+/* What the sweep of this name does (tape.h); of rows that stand farther apart than they are wide. */
+JET_INLINE void jet_combine_apart(int count, const double *c, size_t of_c, int width, size_t stride,
+                                  const double *table, double *out)
+{
+    JET_BLOCKS(width, JET_COMBINE, JET_OF);
+}
 JET_INLINE void jet_combine(int count, const double *c, size_t of_c, int width, const double *table, double *out)
 {
-    const size_t stride = (size_t)width;
-    JET_BLOCKS(width, JET_COMBINE, JET_OF);
+    jet_combine_apart(count, c, of_c, width, (size_t)width, table, out);
 }
 
 #endif

@@ -34,9 +34,10 @@ static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_optio
     jet_text_add(text,
                  "enum {\n    CURVE_RISE = %d, CURVE_LANES = %d, CURVE_REST = %d, CURVE_N = %d,\n"
                  "    CURVE_TOP = tvi_series_top, CURVE_INPUTS = %d, CURVE_USES_TIME = %d,\n"
-                 "    CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d\n};\n#define CURVE_FORM %s\n",
+                 "    CURVE_Q_DEGREE = %d, CURVE_P_DEGREE = %d, CURVE_IN_PLACE = %d\n};\n#define CURVE_FORM %s\n",
                  system->form == TVI_SEPARABLE ? 2 : 1, lanes, rest_of(system, lanes), system->n, system->inputs,
-                 system->uses_time, options->degree, p_degree, form_of);
+                 system->uses_time, options->degree, p_degree, lanes == 2 * system->n && system->form != TVI_LAGRANGIAN,
+                 form_of);
     jet_text_add(text, "#define CURVE_ADVANCE tvi_advance_%s\n#define CURVE_TANGENTS tvi_tangents_%s\n", form, form);
     const char *recurrence = system->form == TVI_LAGRANGIAN ? "LAGRANGIAN" : "EXPLICIT";
     jet_text_add(text, "#define CURVE_EXPAND CURVE_EXPAND_%s\n#define CURVE_DIFFERENTIATE CURVE_DIFFERENTIATE_%s\n",

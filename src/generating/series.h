@@ -16,6 +16,14 @@
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
 #endif
+/* The same of rows that stand so far apart: in the library, which copies them, as far as they are wide. */
+#ifdef JET_EMITTED
+#define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
+    ((void)(tape), jet_combine_apart(count, c, of_c, width, apart, table, out))
+#else
+#define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
+    ((void)(apart), CURVE_COMBINE(tape, count, c, of_c, width, table, out))
+#endif
 
 /* A function of curve.h. */
 #ifdef JET_EMITTED

@@ -70,25 +70,39 @@ static inline void curve_store(const tvi_curve *curve, const curve_block *b, con
         }
 }
 
+/* Where one block has all directions, generated code reads the Jacobians where its tangents stand, if these stand in
+ * rows. */
+static inline bool curve_is_in_place(void) { return CURVE_SIZE(CURVE_IN_PLACE, false); }
+
 static inline void curve_end_block(tvi_curve *curve, const curve_block *b)
 {
     const tvi_form form = curve_form(curve);
     const int n = curve_n(curve);
+    if (curve_is_in_place()) return;
     if (form == TVI_LAGRANGIAN)
         curve_store(curve, b, CURVE_SIZE(CURVE_SLOT, curve->system->field_series->output) + n, 0, curve->dU);
     if (form == TVI_HAMILTONIAN) curve_store(curve, b, NULL, n, curve->dU);
     curve_store(curve, b, NULL, 0, curve->dQ);
 }
 
-static inline const double *curve_jacobians(const tvi_curve *curve, const tvi_combination *combination)
+static inline const double *curve_jacobians(const tvi_curve *curve, bool of_momentum)
 {
-    return curve_is_of_momentum(curve, combination) ? curve->dU : curve->dQ;
+    if (curve_is_in_place()) return curve->dx + (of_momentum ? 2 * curve_n(curve) * curve_n(curve) : 0);
+    return of_momentum ? curve->dU : curve->dQ;
+}
+
+/* From one order to the next. */
+static inline size_t curve_apart(const tvi_curve *curve)
+{
+    const size_t n = (size_t)curve_n(curve);
+    return 2 * n * (curve_is_in_place() ? tvi_curve_slots(curve) : n);
 }
 
 static inline void curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])
 {
-    CURVE_COMBINE(curve->system->field_series, curve_top(curve) + 1, combination->weight, 1,
-                  2 * curve_n(curve) * curve_n(curve), curve_jacobians(curve, combination), matrix);
+    CURVE_COMBINE_APART(curve->system->field_series, curve_top(curve) + 1, combination->weight, 1,
+                        2 * curve_n(curve) * curve_n(curve), curve_apart(curve),
+                        curve_jacobians(curve, curve_is_of_momentum(curve, combination)), matrix);
 }
 
 static inline void curve_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
@@ -102,14 +116,34 @@ static inline void curve_push(const tvi_curve *curve, const tvi_combination *com
     }
 }
 
+/* out = sum_k J_k^T seed[k], where they stand. */
+#define CURVE_PULL(V, S)                                                                                               \
+    {                                                                                                                  \
+        V sum = {0}, odd = {0};                                                                                        \
+        for (int k = curve_top(curve); k >= 0; k--)                                                                    \
+            for (int i = 0; i < n; i++) {                                                                              \
+                const V term = seed[k * n + i] * JET_OF(V, J + (size_t)k * curve_apart(curve), i);                     \
+                if (i % 2 == 0) sum += term;                                                                           \
+                else odd += term;                                                                                      \
+            }                                                                                                          \
+        JET_AT(V, out, 0) = sum + odd;                                                                                 \
+    }
+
+static inline void curve_pull_by(const tvi_curve *curve, bool of_momentum, const double seed[], double out[])
+{
+    const int n = curve_n(curve), directions = 2 * n, rows = (curve_top(curve) + 1) * n;
+    const size_t stride = (size_t)directions;
+    const double *J = curve_jacobians(curve, of_momentum);
+    if (curve_is_in_place()) JET_BLOCKS(directions, CURVE_PULL, );
+    else CURVE_COMBINE(curve->system->field_series, rows, seed, 1, directions, J, out);
+}
+
 static inline void curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[])
 {
-    const jet_tape *tape = curve->system->field_series;
-    const int directions = 2 * curve_n(curve), rows = (curve_top(curve) + 1) * curve_n(curve);
-    CURVE_COMBINE(tape, rows, seed_Q, 1, directions, curve->dQ, out);
+    curve_pull_by(curve, false, seed_Q, out);
     if (curve_form(curve) == TVI_SEPARABLE || !seed_U) return;
-    CURVE_COMBINE(tape, rows, seed_U, 1, directions, curve->dU, curve->by_U);
-    for (int d = 0; d < directions; d++) out[d] += curve->by_U[d];
+    curve_pull_by(curve, true, seed_U, curve->by_U);
+    for (int d = 0; d < 2 * curve_n(curve); d++) out[d] += curve->by_U[d];
 }
 
 #endif

@@ -87,15 +87,19 @@ static tvi_status move(tvi_legendre *legendre, double t, const double q[], const
     return status;
 }
 
-/* The Newton correction at x. Where the slope is singular, as for v^4 at rest, that of the identity. */
-static tvi_status find_correction(tvi_legendre *legendre, const double y[])
+/* The Newton correction at x, by a new slope or by the last one. Where the slope is singular, as for v^4 at rest, that
+ * of the identity. */
+static tvi_status find_correction(tvi_legendre *legendre, const double y[], bool is_new)
 {
     const int n = legendre->system->n;
     for (int i = 0; i < n; i++) legendre->correction[i] = y[i] - legendre->value[i];
-    const tvi_status status = factor_slope(legendre);
+    const tvi_status status = is_new ? factor_slope(legendre) : TVI_OK;
     if (status == TVI_OK) tvi_factor_solve(&legendre->slope, legendre->correction);
     return status;
 }
+
+/* The slope serves after corrections that leave less than this. */
+static const double SERVES = 1e-3;
 
 /* Corrections that no longer shrink are roundoff: below this part of x, or below this many units of what the roundoff
  * of y and f(x) makes of them. */
@@ -131,19 +135,23 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
         return TVI_OK;
     }
-    double reach = tvi_largest(n, y, 1);
+    double reach = tvi_largest(n, y, 1), before = 0;
     tvi_passes passes = TVI_NO_PASSES;
     bool was_singular = false;
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
     if (status == TVI_OK) reach = fmax(reach, tvi_largest(n, legendre->value, 1));
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
-        status = find_correction(legendre, y);
-        const bool is_singular = status == TVI_ESINGULAR && !was_singular && distance(legendre, y) > 0;
+        const double left = distance(legendre, y);
+        status = find_correction(legendre, y, !(left <= SERVES * before));
+        const bool is_singular = status == TVI_ESINGULAR && !was_singular && left > 0;
         if (status != TVI_OK && !is_singular) return status;
         was_singular |= is_singular;
-        const bool last = !is_singular && is_last(legendre, x, y, &passes);
-        status = move(legendre, t, q, y, last ? INFINITY : distance(legendre, y), x);
-        if (last && status == TVI_OK) return distance(legendre, y) <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
+        before = is_singular ? 0 : left;
+        if (!is_singular && is_last(legendre, x, y, &passes)) {
+            for (int i = 0; i < n; i++) x[i] += legendre->correction[i];
+            return left <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
+        }
+        status = move(legendre, t, q, y, left, x);
     }
     return status == TVI_OK ? TVI_ENOCONV : status;
 }

@@ -1,7 +1,7 @@
 /* test_linear.c - dense factors: small systems, which are solved without LAPACK, against LAPACK, and the residuals of
  * all, also of those that are the lanes of one. */
 #include "galerkin/loops.h"
-#include "algebra/linear.h"
+#include "algebra/linear_small.h"
 #include "suites.h"
 
 #include <check.h>
@@ -276,6 +276,78 @@ START_TEST(singular_lanes_are_seen)
 }
 END_TEST
 
+/* ---- Without exchanges of rows ----------------------------------------------------------------------------------- */
+
+/* n <= MOST: I + a part of other numbers, of which rows and columns are in units of their own. */
+static void fill_plainly(int n, double part, bool has_units, double A[])
+{
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++) {
+            const double unit = has_units ? ldexp(1, 9 * i - 7 * j) : 1;
+            A[i * n + j] = unit * ((i == j) + part * cos(1 + i * 3.7 + j * 1.3 + i * j));
+        }
+}
+
+START_TEST(plain_factors_solve)
+{
+    const int n = 1 + _i / 2;
+    const bool has_units = _i % 2;
+    open_factor x = open_of_size(n);
+    double A[MOST * MOST], inverse[MOST * MOST], b[MOST], got[MOST], product[MOST];
+    fill_plainly(n, 0.2, has_units, A);
+    memcpy(x.factor.lu, A, (size_t)(n * n) * sizeof *A);
+    memcpy(inverse, A, (size_t)(n * n) * sizeof *A);
+    ck_assert(linear_plain_factor(n, has_units ? 0 : n, &x.factor));
+    ck_assert(linear_plain_invert(n, inverse));
+    for (int transposed = 0; transposed < 2; transposed++) {
+        for (int i = 0; i < n; i++) b[i] = got[i] = sin(1 + i) * ldexp(1, !has_units ? 0 : transposed ? -7 * i : 9 * i);
+        (transposed ? linear_plain_solve_transposed : linear_plain_solve)(n, &x.factor, got);
+        check_residual(n, A, transposed, got, b);
+        if (transposed) continue;
+        for (int i = 0; i < n; i++) {
+            product[i] = 0;
+            for (int j = 0; j < n; j++) product[i] += inverse[i * n + j] * b[j];
+        }
+        check_residual(n, A, false, product, b);
+    }
+    free(x.memory);
+}
+END_TEST
+
+/* What has no other pivots than by exchanges: the diagonal is small, or nothing is left of it. */
+static const struct {
+    const char *name;
+    double A[4];
+    int in_units;
+    bool is_plain;
+} pivots[] = {
+    {"the identity", {1, 0, 0, 1}, 2, true},
+    {"of other units", {0x1p40, 0x1p20, 0x1p-20, 0x1p-38}, 0, true},
+    {"of other units, said to be of one", {0x1p40, 0x1p20, 0x1p-20, 0x1p-38}, 2, false},
+    {"a resonance that is near", {0.01, 0, 0, 2}, 2, true},
+    {"a resonance", {1e-6, 0, 0, 2}, 2, false},
+    {"a quarter of a turn", {0.01, 1, -1, 0.01}, 2, false},
+    {"the same in other units", {0.01, 0x1p30, -0x1p-30, 0.01}, 0, false},
+    {"coordinates and columns beside each other", {0, 1, 1, 0}, 0, false},
+    {"rank one", {1, 1, 1, 1 + 1e-9}, 2, false},
+    {"zero", {0, 0, 0, 0}, 0, false},
+    {"no number", {1, 0, 0, NAN}, 0, false},
+};
+enum { PIVOTS = sizeof pivots / sizeof *pivots };
+
+START_TEST(plain_factors_refuse_what_needs_exchanges)
+{
+    open_factor x = open_of_size(2);
+    double A[4];
+    memcpy(x.factor.lu, pivots[_i].A, sizeof A);
+    memcpy(A, pivots[_i].A, sizeof A);
+    ck_assert_msg(linear_plain_factor(2, pivots[_i].in_units, &x.factor) == pivots[_i].is_plain, "%s", pivots[_i].name);
+    if (pivots[_i].in_units == 0)
+        ck_assert_msg(linear_plain_invert(2, A) == pivots[_i].is_plain, "the inverse: %s", pivots[_i].name);
+    free(x.memory);
+}
+END_TEST
+
 Suite *suite_linear(void)
 {
     Suite *suite = suite_create("linear");
@@ -286,6 +358,8 @@ Suite *suite_linear(void)
     tcase_add_loop_test(linear, lone_entries_are_scaled, 1, MOST + 1);
     tcase_add_loop_test(linear, units_of_columns_show_nowhere, 2, MOST + 1);
     tcase_add_loop_test(linear, small_unknowns_have_their_own_roundoff, 2, MOST + 1);
+    tcase_add_loop_test(linear, plain_factors_solve, 0, 2 * MOST);
+    tcase_add_loop_test(linear, plain_factors_refuse_what_needs_exchanges, 0, PIVOTS);
     tcase_add_loop_test(linear, lanes_are_solved_alone, 0, MOST * LANE_COUNTS);
     tcase_add_loop_test(linear, singular_lanes_are_seen, 0, MOST * LANE_COUNTS);
     suite_add_tcase(suite, linear);
