@@ -1,5 +1,6 @@
 /* emit.c - see emit.h. */
 #include "emit.h"
+#include "emit_cubes.h"
 #include "emit_eights.h"
 #include "rule.h"
 #include "split.h"
@@ -94,7 +95,12 @@ static void emit_line(const emission *e, const jet_run *run)
 {
     const char *name = e->wanted->name;
     const int index = (int)(run - e->tape->run);
+    const jet_cubes cubes = jet_are_cubes(e->tape, run);
     if (run->op == OP_LINEAR) jet_text_add(e->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
+    else if (cubes != JET_NO_CUBES)
+        jet_text_add(e->text, " \\\n    CUBES(%s, %d, %d)", name, index, cubes == JET_SQUARES_FIRST);
+    else if (!e->wanted->has_inner_tangents && jet_are_bases(e->tape, run))
+        jet_text_add(e->text, " \\\n    BASES(%s, %d)", name, index);
     else if (rule_name[run->op]) jet_text_add(e->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_name[run->op]);
     else jet_text_add(e->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
 }
@@ -104,11 +110,12 @@ static bool begins_angles(const jet_tape *tape, const jet_run *run)
     return run >= tape->run && run->op == OP_SIN && run->together > 1;
 }
 
-/* One product each, of neighbours, of which none is the other's result, with the same factor. */
+/* One product each, no cube, of neighbours, of which none is the other's result, with the same factor. */
 static bool are_twins(const jet_tape *tape, const jet_run *run, const jet_run *next)
 {
     const int a = tape->term_slot[run->term], b = tape->term_slot[next->term];
-    const bool are_products = run->op == OP_PRODUCTS && next->op == OP_PRODUCTS;
+    const bool are_products = run->op == OP_PRODUCTS && next->op == OP_PRODUCTS &&
+                              jet_are_cubes(tape, run) == JET_NO_CUBES && jet_are_cubes(tape, next) == JET_NO_CUBES;
     return are_products && run->count * run->terms == 1 && next->count * next->terms == 1 && abs(a - b) == 1 &&
            b != run->z && tape->term_second[run->term] == tape->term_second[next->term] &&
            tape->term_coefficient[run->term] == tape->term_coefficient[next->term];
@@ -244,9 +251,11 @@ static void emit_lists(const emission *e)
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
     emit_eights(e);
     if (e->wanted->has_adjoints) emit_sums_back(e);
-    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, LINEAR, EIGHT)", e->wanted->name);
+    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, CUBES, BASES, LINEAR, EIGHT)",
+                 e->wanted->name);
     for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
-    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, LINEAR, SUMS)", e->wanted->name);
+    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, CUBES, BASES, LINEAR, SUMS)",
+                 e->wanted->name);
     for (const jet_run *run = end; run-- > begin && e->wanted->has_adjoints;) emit_line_back(e, run);
     jet_text_add(e->text, "\nJET_EMITTED_SWEEPS(%s)\n", e->wanted->name);
 }

@@ -158,6 +158,17 @@ static void record_inverse_roots(double c, const jet x[], jet z[])
         for (int i = 0; i < 3; i++) *z++ = jet_pow(x[i], power);
 }
 
+/* Cubes of neighbours and of multiples, whose squares nothing else needs, and one whose square something does. */
+static void record_cubes(double c, const jet x[], jet z[])
+{
+    (void)c;
+    for (int i = 0; i < 3; i++) {
+        const jet d = jet_sub(x[i], x[(i + 1) % 3]);
+        z[i] = jet_mul(jet_mul(4, d), jet_sqr(d));
+    }
+    z[3] = jet_add(jet_mul(x[0], jet_sqr(x[0])), jet_mul(x[1], jet_sqr(x[0])));
+}
+
 /* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one
  * more, and with a product that something else needs, too. */
 static void record_products(double c, const jet x[], jet z[])
@@ -264,6 +275,7 @@ const function compositions[] = {
     {"inverse_roots", record_inverse_roots, 3, 6, -1.5, {0.7, 1.3, 2.1}, 1e-13},
     {"inverse_roots", record_inverse_roots, 3, 9, -2.5, {0.7, 1.3, 2.1}, 1e-13},
     {"inverse_roots", record_inverse_roots, 3, 12, -3.5, {0.7, 1.3, 2.1}, 1e-13},
+    {"cubes", record_cubes, 3, 4, 0, {0.7, -0.9, 1.3}, 1e-13},
     {"gravity",
      record_gravity,
      18,

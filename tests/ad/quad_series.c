@@ -119,6 +119,16 @@ static void quad_polar(double c, const quad x[], quad z[])
     z[3] = erf_of(x[1]) * casinhq(x[0] * x[3]);
 }
 
+static void quad_cubes(double c, const quad x[], quad z[])
+{
+    (void)c;
+    for (int i = 0; i < 3; i++) {
+        const quad d = x[i] - x[(i + 1) % 3];
+        z[i] = 4 * d * d * d;
+    }
+    z[3] = x[0] * x[0] * (x[0] + x[1]);
+}
+
 /* The force on body i: sum over the others of m_i m_j (x_j - x_i) / r^3. */
 static void quad_gravity(double c, const quad x[], quad z[])
 {
@@ -178,7 +188,7 @@ static const struct {
     NAMED(atan),      NAMED(sinh),          NAMED(cosh),         NAMED(tanh),   NAMED(asinh),    NAMED(acosh),
     NAMED(atanh),     NAMED(erf),           NAMED(atan2),        NAMED(hypot),  NAMED(polar),    NAMED(kepler),
     NAMED(pendulums), NAMED(lattice),       NAMED(relativistic), NAMED(medley), NAMED(products), NAMED(gravity),
-    NAMED(sums),      NAMED(inverse_roots),
+    NAMED(sums),      NAMED(inverse_roots), NAMED(cubes),
 };
 
 static quad_fn *find_function(const char *name)
