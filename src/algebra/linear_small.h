@@ -216,6 +216,8 @@ JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transpo
 /* Pivots that are so much smaller or larger than what stood on the diagonal are left to those that exchange rows; and a
  * diagonal of a row in the unit of its column that is so small. */
 static const double LINEAR_LEAST_PIVOT = 0x1p-10;
+/* The same of an inverse, which rounds more than a factor does. */
+static const double LINEAR_LEAST_INVERTED = 1.0 / 16;
 
 /* Whole loops, so that the unknowns stay in registers. */
 #define LINEAR_UNROLLED _Pragma("GCC unroll 16")
@@ -223,10 +225,10 @@ static const double LINEAR_LEAST_PIVOT = 0x1p-10;
 #define LINEAR_ELIMINATE(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
 
 /* A pivot, by what stood in its place. */
-JET_INLINE bool linear_is_plain(double pivot, double before)
+JET_INLINE bool linear_is_plain(double pivot, double before, double least)
 {
     const double size = fabs(pivot), most = fabs(before);
-    return size > LINEAR_LEAST_PIVOT * most && LINEAR_LEAST_PIVOT * size < most;
+    return size > least * most && least * size < most;
 }
 
 /* A = L U, row-major: U in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
@@ -242,7 +244,7 @@ JET_INLINE bool linear_plain_factor(int n, int in_units, tvi_factor *factor)
     LINEAR_UNROLLED
     for (int j = 0; j < n; j++) {
         const double *row = factor->lu + j * n, pivot = row[j], inverse = 1 / pivot;
-        is_plain &= linear_is_plain(pivot, before[j]);
+        is_plain &= linear_is_plain(pivot, before[j], LINEAR_LEAST_PIVOT);
         if (j < in_units) is_plain &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
         factor->row_scale[j] = inverse;
         LINEAR_UNROLLED
@@ -302,7 +304,7 @@ JET_INLINE bool linear_plain_invert(int n, double a[])
     for (int j = 0; j < n; j++) {
         double *row = a + j * n;
         const double pivot = row[j], inverse = 1 / pivot;
-        is_plain &= linear_is_plain(pivot, before[j]);
+        is_plain &= linear_is_plain(pivot, before[j], LINEAR_LEAST_INVERTED);
         row[j] = 1;
         for (int k = 0; k < n; k++) row[k] *= inverse;
         LINEAR_UNROLLED

@@ -49,7 +49,8 @@ static inline bool momenta_invert_plainly(const tvi_action *action, int n)
         memcpy(before + j * points, action->H_pp + (j * n + j) * points, (size_t)points * sizeof *before);
     for (int j = 0; j < n; j++) {
         double *row = action->H_pp + j * n * points, *pivot = row + j * points;
-        for (int node = 0; node < points; node++) plain += linear_is_plain(pivot[node], before[j * points + node]);
+        for (int node = 0; node < points; node++)
+            plain += linear_is_plain(pivot[node], before[j * points + node], LINEAR_LEAST_INVERTED);
         JET_IN_VECTORS
         for (int node = 0; node < points; node++) {
             inverse[node] = 1 / pivot[node];

@@ -135,18 +135,18 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
         return TVI_OK;
     }
-    double reach = tvi_largest(n, y, 1), before = 0;
+    double reach = tvi_largest(n, y, 1), served = -1; /* what is left when the last slope still serves; below 0: none */
     tvi_passes passes = TVI_NO_PASSES;
     bool was_singular = false;
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
     if (status == TVI_OK) reach = fmax(reach, tvi_largest(n, legendre->value, 1));
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {
         const double left = distance(legendre, y);
-        status = find_correction(legendre, y, !(left <= SERVES * before));
+        status = find_correction(legendre, y, !(left <= served));
         const bool is_singular = status == TVI_ESINGULAR && !was_singular && left > 0;
         if (status != TVI_OK && !is_singular) return status;
         was_singular |= is_singular;
-        before = is_singular ? 0 : left;
+        served = is_singular ? -1 : SERVES * left;
         if (!is_singular && is_last(legendre, x, y, &passes)) {
             for (int i = 0; i < n; i++) x[i] += legendre->correction[i];
             return left <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
