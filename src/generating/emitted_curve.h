@@ -19,16 +19,14 @@
         CURVE_ADVANCE(&of, (k));                                                                                       \
     }
 #define CURVE_EXPAND_LAGRANGIAN(k)                                                                                     \
-    {                                                                                                                  \
-        const tvi_status of_order = orders_expand(curve, (k));                                                         \
-        if (status == TVI_OK) status = of_order;                                                                       \
-    }
+    if (status == TVI_OK) status = orders_expand(curve, (k));
 #define CURVE_DIFFERENTIATE_EXPLICIT(k)                                                                                \
     if ((k) + CURVE_RISE <= tvi_series_top) {                                                                          \
         tvi_series_tangents_of(x, dx, (k), (int)block.lanes);                                                          \
         CURVE_TANGENTS(&tangents, (k), (int)block.lanes);                                                              \
     }
-#define CURVE_DIFFERENTIATE_LAGRANGIAN(k) orders_differentiate(curve, &block, (k));
+#define CURVE_DIFFERENTIATE_LAGRANGIAN(k)                                                                              \
+    if (status == TVI_OK) orders_differentiate(curve, &block, (k));
 
 /* TVI_EDOMAIN, TVI_ESINGULAR; else finite or not. */
 #define CURVE_EMITTED_EXPAND(NAME)                                                                                     \
@@ -111,7 +109,8 @@
         double *const dx = curve->dx;                                                                                  \
         const tvi_recurrence tangents = {CURVE_N, order, NAME##_output, dx, curve->kappa, curve->tau};                 \
         const curve_block block = {LANES, order, 2 * CURVE_N > LANES ? first : 0};                                     \
-        (void)x, (void)tangents;                                                                                       \
+        const tvi_status status = TVI_OK; /* of the curve, which has been expanded */                                  \
+        (void)x, (void)tangents, (void)status;                                                                         \
         curve_begin_block(curve, &block);                                                                              \
         tvi_series_ORDERS(CURVE_DIFFERENTIATE) curve_end_block(curve, &block);                                         \
     }

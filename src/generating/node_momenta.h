@@ -125,21 +125,16 @@ static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
     tvi_passes_begin(&passes);
     memcpy(p, action->momentum, (size_t)count * sizeof *p);
     const double size = tvi_largest(count, p, 1);
-    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size,
-                                  .memory = 1,
-                                  .contraction = 1,
-                                  .far = INFINITY,
-                                  .stuck = TVI_PASSES_ALL,
-                                  .roundoff = MOMENTA_STALLED * size};
+    const tvi_passes_rule rule = {
+        .goal = DBL_EPSILON * size, .stuck = TVI_PASSES_ALL, .roundoff = MOMENTA_STALLED * size};
     for (int step = 0; step < MOMENTA_STEPS; step++) {
         tvi_status status = seeds_run_field(action);
-        if (status == TVI_OK && (step == 0 || passes.part > MOMENTA_SERVES))
+        if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_SERVES * passes.before)))
             status = momenta_solve_slope(action, curve);
         if (status != TVI_OK) return status;
         const double largest = momenta_correct(action, curve);
         if (!isfinite(largest)) return TVI_ENONFINITE;
         const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, largest);
-        if (largest <= rule.goal) return TVI_OK;
         for (int i = 0; i < count; i++) p[i] += action->correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
             (verdict == TVI_PASSES_STUCK && tvi_passes_are_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve))))

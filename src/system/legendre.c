@@ -149,6 +149,7 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         served = is_singular ? -1 : SERVES * left;
         if (!is_singular && is_last(legendre, x, y, &passes)) {
             for (int i = 0; i < n; i++) x[i] += legendre->correction[i];
+            if (!tvi_all_finite(n, x)) return TVI_ENONFINITE;
             return left <= SOLVED * reach ? TVI_OK : TVI_ENOCONV;
         }
         status = move(legendre, t, q, y, left, x);
@@ -169,7 +170,12 @@ tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, 
     case TVI_HAMILTONIAN: memcpy(second, p, (size_t)n * sizeof *second); return TVI_OK;
     default: break;
     }
-    const tvi_status status = tvi_legendre_solve(legendre, t, q, p, velocity);
+    const bool is_at_rest = tvi_largest(n, velocity, 1) == 0;
+    tvi_status status = tvi_legendre_solve(legendre, t, q, p, velocity);
+    if (status != TVI_OK && !is_at_rest) { /* the end of a curve may be where the Lagrangian has no value */
+        memset(velocity, 0, (size_t)n * sizeof *velocity);
+        status = tvi_legendre_solve(legendre, t, q, p, velocity);
+    }
     for (int i = 0; i < n; i++) {
         second[i] = tau * velocity[i];
         if (status != TVI_OK) velocity[i] = 0; /* do not start from there again */

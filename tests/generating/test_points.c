@@ -196,6 +196,33 @@ START_TEST(energies_are_those_by_hand)
 }
 END_TEST
 
+/* L = -sqrt(1 - v^2) + q, so that p grows by h: the curve of a step ends faster than light, where no velocity is looked
+ * for; the next step begins from rest. */
+static jet pushed(const jet q[], const jet v[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_sub(q[0], jet_sqrt(jet_sub(1, jet_sqr(v[0]))));
+}
+
+START_TEST(velocities_are_not_looked_for_beyond_light)
+{
+    tvi_system *system;
+    tvi_integrator *integrator;
+    tvi_options options;
+    double q = 0, p = 2, t = 0;
+    ck_assert_int_eq(tvi_system_lagrangian(&system, 1, pushed, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_options_named("taylor", 1, &options), TVI_OK);
+    options.max_tail = -1;
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    for (int i = 1; i <= 3; i++) {
+        ck_assert_int_eq(tvi_step(integrator, 1.3, &t, &q, &p), TVI_OK);
+        ck_assert_double_eq_tol(p, 2 + 1.3 * i, 1e-14);
+    }
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_points(void)
 {
     Suite *suite = suite_create("points");
@@ -206,6 +233,7 @@ Suite *suite_points(void)
     tcase_add_test(tcase, degenerate_has_velocities_only);
     tcase_add_loop_test(tcase, relativistic_mechanics, 0, 5);
     tcase_add_test(tcase, relativistic_motion);
+    tcase_add_test(tcase, velocities_are_not_looked_for_beyond_light);
     tcase_add_loop_test(tcase, statements_have_one_energy, 0, 3);
     tcase_add_loop_test(tcase, energies_are_those_by_hand, 0, 4);
     suite_add_tcase(suite, tcase);
