@@ -115,6 +115,17 @@ static inline double momenta_correct(const tvi_action *action, const tvi_curve *
     return tvi_largest(n * points, correction, 1);
 }
 
+/* Whether the last correction is below a unit of roundoff of every momentum. */
+static inline bool momenta_are_settled(const tvi_action *action, int n, const double p[])
+{
+    const int points = action->points;
+    for (int i = 0; i < n; i++)
+        if (tvi_largest(points, action->correction + i * points, 1) >
+            DBL_EPSILON * tvi_largest(points, p + i * points, 1))
+            return false;
+    return true;
+}
+
 /* Momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method: they are left in the
  * second input, and the field is that of them. */
 static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
@@ -134,6 +145,7 @@ static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
         if (status != TVI_OK) return status;
         const double largest = momenta_correct(action, curve);
         if (!isfinite(largest)) return TVI_ENONFINITE;
+        if (step > 0 && momenta_are_settled(action, curve_n(curve), p)) return TVI_OK;
         const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, largest);
         for (int i = 0; i < count; i++) p[i] += action->correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
