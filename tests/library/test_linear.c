@@ -292,8 +292,8 @@ START_TEST(plain_factors_solve)
 {
     const int n = 1 + _i / 2;
     const bool has_units = _i % 2;
-    open_factor x = open_of_size(n);
-    double A[MOST * MOST], inverse[MOST * MOST], b[MOST], got[MOST], product[MOST];
+    open_factor x = open_of_size(n), y = open_of_size(n);
+    double A[MOST * MOST] = {0}, b[MOST] = {0}, got[MOST] = {0}, product[MOST] = {0}, *inverse = y.factor.lu;
     fill_plainly(n, 0.2, has_units, A);
     memcpy(x.factor.lu, A, (size_t)(n * n) * sizeof *A);
     memcpy(inverse, A, (size_t)(n * n) * sizeof *A);
@@ -311,6 +311,7 @@ START_TEST(plain_factors_solve)
         check_residual(n, A, false, product, b);
     }
     free(x.memory);
+    free(y.memory);
 }
 END_TEST
 
