@@ -1,5 +1,6 @@
 /* emit_cubes.c - see emit_cubes.h. */
 #include "emit_cubes.h"
+#include "split.h"
 
 /* What a slot is a multiple of. */
 static int root_of(const jet_tape *tape, int slot)
@@ -41,39 +42,29 @@ jet_cubes jet_are_cubes(const jet_tape *tape, const jet_run *run)
     return is_square_of(tape, second, first, run->count) ? JET_SQUARES_SECOND : JET_NO_CUBES;
 }
 
-/* Whether one of the slots from `first` on, so many, lies in the run's slots of one operand. */
-static bool meets(int first, int count, int operand, int members)
+/* As an operand or, as tangents do, as a partner. */
+static bool reads(const jet_tape *tape, const jet_run *run, int slot)
 {
-    return first < operand + members && operand < first + count;
+    for (int i = 0; i < run->count; i++)
+        for (int k = 0, a; (a = jet_read_by(tape, run, i, k)) >= 0; k++)
+            if (a == slot) return true;
+    return run->terms == 0 && run->w <= slot && slot < run->w + run->count;
 }
 
-static bool reads(const jet_tape *tape, const jet_run *run, int first, int count)
+/* An output, or read by anything but cubes. */
+static bool is_read(const jet_tape *tape, int slot)
 {
-    if (run->op == OP_LINEAR) {
-        for (int term = run->term; term < run->term + run->count * run->terms; term++)
-            if (meets(first, count, tape->term_slot[term], 1)) return true;
-        return false;
-    }
-    if (run->op != OP_PRODUCTS && run->op != OP_SQUARES)
-        return meets(first, count, run->a, run->count) || meets(first, count, run->b, run->count) ||
-               meets(first, count, run->w, run->count);
-    for (int term = run->term; term < run->term + run->terms; term++) {
-        if (meets(first, count, tape->term_slot[term], run->count)) return true;
-        if (run->op == OP_PRODUCTS && meets(first, count, tape->term_second[term], run->count)) return true;
-    }
+    for (int i = 0; i < tape->outputs; i++)
+        if (tape->output[i] == slot) return true;
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        if (reads(tape, run, slot) && jet_are_cubes(tape, run) == JET_NO_CUBES) return true;
     return false;
 }
 
 bool jet_are_bases(const jet_tape *tape, const jet_run *run)
 {
     if (run->op != OP_SQUARES || run->terms != 1) return false;
-    for (int i = 0; i < tape->outputs; i++)
-        if (meets(run->z, run->count, tape->output[i], 1)) return false;
-    bool is_base = false;
-    for (const jet_run *next = tape->run; next < tape->run + tape->runs; next++) {
-        if (!reads(tape, next, run->z, run->count)) continue;
-        if (jet_are_cubes(tape, next) == JET_NO_CUBES) return false;
-        is_base = true;
-    }
-    return is_base;
+    for (int i = 0; i < run->count; i++)
+        if (is_read(tape, run->z + i)) return false;
+    return true;
 }

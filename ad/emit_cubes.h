@@ -9,7 +9,7 @@
 typedef enum { JET_NO_CUBES, JET_SQUARES_FIRST, JET_SQUARES_SECOND } jet_cubes;
 jet_cubes jet_are_cubes(const jet_tape *tape, const jet_run *run);
 
-/* Squares that nothing else reads. */
+/* Squares that nothing else reads, and that are no outputs. */
 bool jet_are_bases(const jet_tape *tape, const jet_run *run);
 
 #endif

@@ -18,4 +18,7 @@ typedef enum {
 bool jet_tape_split(jet_tape *split, const jet_tape *tape, jet_split which);
 void jet_tape_free_split(jet_tape *split);
 
+/* The slot that the run's operation i reads as its k-th one; -1: there are no more. */
+int jet_read_by(const jet_tape *tape, const jet_run *run, int i, int k);
+
 #endif

@@ -53,8 +53,7 @@ static void split_in_place(const splitting *s, jet_split which)
 
 /* ---- One by one, as they are wanted ------------------------------------------------------------------------------ */
 
-/* The slot that the run's operation i reads as its k-th one; -1: there are no more. */
-static int read_by(const jet_tape *tape, const jet_run *run, int i, int k)
+int jet_read_by(const jet_tape *tape, const jet_run *run, int i, int k)
 {
     const int reads = run->terms > 0 ? run->terms : 1, which = k % reads;
     if (k >= (run->op == OP_LINEAR ? reads : 2 * reads)) return -1;
@@ -68,7 +67,7 @@ static bool waits_for(const splitting *s, int slot, int made)
 {
     const jet_run *run = s->maker[slot];
     bool reads = false;
-    for (int k = 0, a; (a = read_by(s->tape, run, slot - run->z, k)) >= 0; k++) {
+    for (int k = 0, a; (a = jet_read_by(s->tape, run, slot - run->z, k)) >= 0; k++) {
         if (s->maker[a]) return false;
         reads |= a == made;
     }
@@ -85,7 +84,7 @@ static void make(const splitting *s, int slot)
         make(s, run[-1].z + i);
         return;
     }
-    for (int k = 0, a; (a = read_by(s->tape, run, i, k)) >= 0; k++) make(s, a);
+    for (int k = 0, a; (a = jet_read_by(s->tape, run, i, k)) >= 0; k++) make(s, a);
     if (!s->maker[slot]) return;
     const bool has_cosine = run->op == OP_SIN && run->together == 2;
     for (const jet_run *made = run; made <= run + has_cosine; made++) {
@@ -108,7 +107,7 @@ static double size_in_sums(const jet_tape *split, int slot)
     double size = 0;
     int sums = 0;
     for (const jet_run *run = split->run; run < split->run + split->runs; run++) {
-        for (int k = 0, a; (a = read_by(split, run, 0, k)) >= 0; k++) {
+        for (int k = 0, a; (a = jet_read_by(split, run, 0, k)) >= 0; k++) {
             if (a != slot) continue;
             const double one = run->op == OP_LINEAR ? fabs(split->term_coefficient[run->term + k]) : 0;
             if (one == 0 || (size != 0 && one != size)) return 0;

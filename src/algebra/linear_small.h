@@ -290,8 +290,6 @@ JET_INLINE void linear_plain_solve_transposed(int n, const tvi_factor *factor, d
     for (int j = n - 1; j > i; j--) x[i] -= l[j * n + i] * x[j];
 }
 
-#define LINEAR_CLEAR(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
-
 /* A <- A^-1, row-major; false: pivots are not plain, and what stands there is nothing. */
 JET_INLINE bool linear_plain_invert(int n, double a[])
 {
@@ -313,7 +311,7 @@ JET_INLINE bool linear_plain_invert(int n, double a[])
             const double part = other[j];
             if (i == j) continue;
             other[j] = 0;
-            JET_BLOCKS(n, LINEAR_CLEAR, );
+            JET_BLOCKS(n, LINEAR_ELIMINATE, );
         }
     }
     return is_plain;

@@ -80,6 +80,7 @@ static tvi_status seed(tvi_action *action, tvi_curve *curve, double seed_Q[], do
     if (seeds_are_plain(action)) {
         if (!curve->code || !curve->code->seed) return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
         const tvi_status status = curve->code->seed(action, curve, seed_Q, seed_U);
+        /* momenta that are stuck: whether by roundoff is measured */
         if (status == TVI_ENOCONV) return plainly_of[action->sweeps->isa](action, curve, seed_Q, seed_U);
         if (status == TVI_EDOMAIN) (void)jet_refuse_sweep(action->field, action->x, action->points);
         return status;

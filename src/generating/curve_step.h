@@ -84,16 +84,16 @@ static inline void step_increments(const tvi_curve_work *w, const tvi_combinatio
 
 /* From the curve to what the step returns; and its tail. A Lagrangian's velocity at the end is where that of the next
  * step is looked for. */
-static inline double step_finish(const tvi_curve_work *w, double tau, double dq[], double dp[])
+static inline double step_finish(const tvi_curve_work *w, double dq[], double dp[])
 {
     const tvi_curve *curve = &w->closure.curve;
     step_increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
     if (curve_form(curve) == TVI_LAGRANGIAN) {
         CURVE_CALL(sum, curve, &w->v_end, w->velocity);
-        for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= tau;
+        for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= curve->tau;
     }
-    CURVE_CALL(measure, &w->closure.curve);
-    return CURVE_CALL(tail, &w->closure.curve);
+    CURVE_CALL(measure, curve);
+    return CURVE_CALL(tail, curve);
 }
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
@@ -237,7 +237,7 @@ static inline bool step_quickly(tvi_curve_work *w, const step_makers *by, double
     const int passes = step_passes(&at_hand, origin, &stats->residual);
     if (passes == 0) return false;
     for (int i = 0; i < 2 * curve_n(curve); i++) curve->dz[i] = w->newton.correction[i];
-    stats->tail = step_finish(w, tau, dq, dp);
+    stats->tail = step_finish(w, dq, dp);
     stats->passes += passes;
     stats->expansions += 1 + passes;
     stats->factorisations += at_hand.factorisations;

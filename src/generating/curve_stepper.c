@@ -250,7 +250,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
-    stats->tail = step_finish(w, a.tau, dq, dp);
+    stats->tail = step_finish(w, dq, dp);
     return TVI_OK;
 }
 

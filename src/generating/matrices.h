@@ -59,6 +59,14 @@ static inline bool matrices_jacobian(const tvi_closure *c, double matrix[])
     return true;
 }
 
+/* sum_k |seed_k| of component i. */
+static inline double matrices_seed_size(const tvi_closure *c, const double seed[], int i)
+{
+    double size = 0;
+    for (int k = 0; k <= curve_top(&c->curve); k++) size += fabs(seed[k * curve_n(&c->curve) + i]);
+    return size;
+}
+
 /* How far z is from where the Jacobians were taken, relative to its size. */
 static inline double matrices_distance(const tvi_closure *c, const double z[], const double scale[])
 {
@@ -69,36 +77,21 @@ static inline double matrices_distance(const tvi_closure *c, const double z[], c
     return distance;
 }
 
-/* sum_k |seed_k| of component i. */
-static inline double matrices_seed_size(const tvi_closure *c, const double seed[], int i)
+/* Jacobians that were taken at another z are wrong by about the relative distance to it. They multiply the seeds, which
+ * need not be as small as the D_z that they add up to, and the corrections: this bounds what that does to the state,
+ * relative to the state. */
+static inline double matrices_staleness(const tvi_closure *c, double distance, const double scale[])
 {
-    double size = 0;
-    for (int k = 0; k <= curve_top(&c->curve); k++) size += fabs(seed[k * curve_n(&c->curve) + i]);
-    return size;
-}
-
-/* The corrections, with their seeds or without, relative to the state. */
-static inline double matrices_part(const tvi_closure *c, bool with_seeds, const double scale[])
-{
-    const bool has_U = curve_form(&c->curve) != TVI_SEPARABLE && with_seeds;
+    const bool has_U = curve_form(&c->curve) != TVI_SEPARABLE;
     double part = 0;
+    closure_measure(c);
     for (int i = 0; i < curve_n(&c->curve); i++) {
         const double of_q = has_U ? fabs(c->curve.kappa[i]) * matrices_seed_size(c, c->seed_U, i) : 0,
-                     of_p = with_seeds ? matrices_seed_size(c, c->seed_Q, i) : 0;
+                     of_p = matrices_seed_size(c, c->seed_Q, i);
         part = tvi_larger(tvi_ratio(fabs(c->from_q[i]) + fabs(c->rise_q[i]) + of_q, scale[i]), part);
         part = tvi_larger(tvi_ratio(fabs(c->from_p[i]) + fabs(c->rise_p[i]) + of_p, c->p_size[i]), part);
     }
-    return part;
-}
-
-/* Jacobians that were taken at another z are wrong by about the relative distance to it. They multiply the seeds, which
- * need not be as small as the D_z that they add up to, and the corrections: whether what that does to the state shows,
- * which the corrections alone may tell. */
-static inline bool matrices_are_stale(const tvi_closure *c, double distance, const double scale[])
-{
-    closure_measure(c);
-    return !(distance * matrices_part(c, false, scale) <= MATRICES_STALE) ||
-           !(distance * matrices_part(c, true, scale) <= MATRICES_STALE);
+    return distance * part;
 }
 
 /* Whether the Jacobians are to be taken at z: those of the first pass serve the later ones as long as that shows
@@ -108,7 +101,7 @@ static inline bool matrices_are_due(const tvi_closure *c, const double z[], cons
     tvi_matrices *m = matrices_of(c);
     if (m->taken == 0) return true;
     const double distance = matrices_distance(c, z, scale);
-    if (!matrices_are_stale(c, distance, scale)) return false;
+    if (matrices_staleness(c, distance, scale) <= MATRICES_STALE) return false;
     m->moved += distance;
     return true;
 }

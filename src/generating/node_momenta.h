@@ -39,63 +39,42 @@ static inline void momenta_find_slope(const tvi_action *action, const tvi_curve 
     }
 }
 
-/* H_pp <- H_pp^-1 at all nodes at once, as linear_plain_invert; false: at one of them pivots are not plain. */
-static inline bool momenta_invert_plainly(const tvi_action *action, int n)
+/* curve->slope of a node. */
+static inline void momenta_place_slope(const tvi_action *action, const tvi_curve *curve, int node)
 {
-    const int points = action->points;
-    double inverse[MOMENTA_MOST_NODES], part[MOMENTA_MOST_NODES], *before = action->correction;
-    int plain = 0;
-    for (int j = 0; j < n; j++)
-        memcpy(before + j * points, action->H_pp + (j * n + j) * points, (size_t)points * sizeof *before);
-    for (int j = 0; j < n; j++) {
-        double *row = action->H_pp + j * n * points, *pivot = row + j * points;
-        for (int node = 0; node < points; node++)
-            plain += linear_is_plain(pivot[node], before[j * points + node], LINEAR_LEAST_INVERTED);
-        JET_IN_VECTORS
-        for (int node = 0; node < points; node++) {
-            inverse[node] = 1 / pivot[node];
-            pivot[node] = 1;
-        }
-        for (int k = 0; k < n; k++) JET_IN_VECTORS
-        for (int node = 0; node < points; node++) row[k * points + node] *= inverse[node];
-        for (int i = 0; i < n; i++) {
-            double *other = action->H_pp + i * n * points;
-            if (i == j) continue;
-            JET_IN_VECTORS
-            for (int node = 0; node < points; node++) {
-                part[node] = other[j * points + node];
-                other[j * points + node] = 0;
-            }
-            for (int k = 0; k < n; k++) JET_IN_VECTORS
-            for (int node = 0; node < points; node++) other[k * points + node] -= part[node] * row[k * points + node];
-        }
-    }
-    return plain == n * points;
+    for (int i = 0; i < curve_n(curve) * curve_n(curve); i++)
+        curve->slope.lu[i] = action->H_pp[i * action->points + node];
 }
 
-/* The same at one node after the other, with exchanges. TVI_ESINGULAR, TVI_ENONFINITE. */
-static inline tvi_status momenta_invert_each(const tvi_action *action, tvi_curve *curve)
+/* Its inverse where that needs exchanges, column by column. TVI_ESINGULAR, TVI_ENONFINITE. */
+static inline tvi_status momenta_invert_by_columns(const tvi_action *action, tvi_curve *curve, int node)
 {
-    const int n = curve_n(curve), points = action->points;
-    for (int node = 0; node < points; node++) {
-        for (int i = 0; i < n * n; i++) curve->slope.lu[i] = action->H_pp[i * points + node];
-        const tvi_status status = CURVE_FACTOR(&curve->slope);
-        if (status != TVI_OK) return status;
-        for (int j = 0; j < n; j++) {
-            for (int i = 0; i < n; i++) curve->column[i] = i == j;
-            CURVE_SOLVE(&curve->slope, curve->column);
-            for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * points + node] = curve->column[i];
-        }
+    const int n = curve_n(curve);
+    const tvi_status status = CURVE_FACTOR(&curve->slope);
+    for (int j = 0; j < n && status == TVI_OK; j++) {
+        for (int i = 0; i < n; i++) curve->column[i] = i == j;
+        CURVE_SOLVE(&curve->slope, curve->column);
+        for (int i = 0; i < n; i++) action->H_pp[(i * n + j) * action->points + node] = curve->column[i];
     }
-    return TVI_OK;
+    return status;
 }
 
+/* H_pp <- H_pp^-1 at all nodes. */
 static inline tvi_status momenta_solve_slope(const tvi_action *action, tvi_curve *curve)
 {
+    const int n = curve_n(curve), points = action->points;
+    tvi_status status = TVI_OK;
     momenta_find_slope(action, curve);
-    if (momenta_invert_plainly(action, curve_n(curve))) return TVI_OK;
-    momenta_find_slope(action, curve);
-    return momenta_invert_each(action, curve);
+    for (int node = 0; node < points && status == TVI_OK; node++) {
+        momenta_place_slope(action, curve, node);
+        if (n <= LINEAR_SMALL && linear_plain_invert(n, curve->slope.lu)) {
+            for (int i = 0; i < n * n; i++) action->H_pp[i * points + node] = curve->slope.lu[i];
+        } else {
+            momenta_place_slope(action, curve, node);
+            status = momenta_invert_by_columns(action, curve, node);
+        }
+    }
+    return status;
 }
 
 /* correction = H_pp^-1 (v - H_p); returns the largest. v is in on_v, which is left alone. */
