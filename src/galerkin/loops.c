@@ -181,11 +181,12 @@ BY_LANES(double, return, move_both,
           const int slot[]),
          nodes, matrix, drives, changes, slot)
 
+/* What is known last is added last. */
 #define PREDICT_UNITS(V, blocks, units)                                                                                \
     {                                                                                                                  \
-        SET_PRODUCT(V, blocks, units, row, matrix, last)                                                               \
-        if ((blocks) > 1) LEAVE_REGISTERS(of_before);                                                                  \
-        if (steps > 1) ADD_PRODUCT(V, blocks, units, row_before, of_before, before, 0)                                 \
+        SET_PRODUCT(V, blocks, units, row_before, of_before, before)                                                   \
+        if ((blocks) > 1) LEAVE_REGISTERS(matrix);                                                                     \
+        if (steps > 1) ADD_PRODUCT(V, blocks, units, row, matrix, last, 0)                                             \
         ADD_CHAINS(blocks, units)                                                                                      \
         for (int i = 0; i < (units);                                                                                   \
              i++, u++, x += lanes, high += lanes, base += lanes, last += lanes, before += lanes)                       \
