@@ -13,6 +13,8 @@ static const double shortest_pair = 0.03, longest_pair = 0.4;
 /* What is timed at once: a run, or as many as take this long, beside which reading the clock takes nothing. */
 static const double shortest_timing = 1e-4;
 
+const double run_before_timing = 3e-3;
+
 double run_clock(void)
 {
     struct timespec t;
@@ -65,14 +67,21 @@ static double time_runs(runner *r, long count)
     return status == TVI_OK ? run_clock() - begin : INFINITY;
 }
 
-/* CPU time of one run, of as many as are timed at once; infinite where one fails. Adds all of it to the total. */
+/* CPU time of one run, of as many as are timed at once; infinite where one fails. Adds all that it took to the total.
+ * Before a run that is long none is needed that is not timed. */
 static double time_once(runner *r, double *total)
 {
-    double all;
-    if (r->at_once == 0) r->at_once = 1;
-    while ((all = time_runs(r, r->at_once)) < shortest_timing) r->at_once *= 2;
-    *total += all;
-    return all / (double)r->at_once;
+    const double begin = run_clock();
+    double once = time_runs(r, 1);
+    if (once < 10 * run_before_timing) {
+        while (run_clock() - begin < run_before_timing) (void)time_runs(r, 1);
+        if (r->at_once == 0) r->at_once = 1;
+        double all;
+        while ((all = time_runs(r, r->at_once)) < shortest_timing) r->at_once *= 2;
+        once = all / (double)r->at_once;
+    }
+    *total += run_clock() - begin;
+    return once;
 }
 
 /* ---- Errors ------------------------------------------------------------------------------------------------------ */
