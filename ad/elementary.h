@@ -68,7 +68,7 @@ JET_INLINE void jet_all_pow(double c, int width, const double *a, double *restri
 
 #else
 
-#if defined(__AVX512F__)
+#ifdef JET_WIDE
 enum { JET_NATIVE = 8 };
 #define JET_SLEEF_OF(name) Sleef_##name##d8_u10avx512f
 #elif defined(__AVX2__)

@@ -27,7 +27,14 @@ const jet_sweeps *jet_sweeps_choose(void)
 }
 
 bool jet_reads_sooner(void) { return __builtin_cpu_is("intel"); }
+
+bool jet_slows_for_wide(void)
+{
+    return __builtin_cpu_is("skylake-avx512") || __builtin_cpu_is("cascadelake") || __builtin_cpu_is("cooperlake") ||
+           __builtin_cpu_is("icelake-server");
+}
 #else
 const jet_sweeps *jet_sweeps_choose(void) { return &jet_sweeps_base; }
 bool jet_reads_sooner(void) { return false; }
+bool jet_slows_for_wide(void) { return false; }
 #endif

@@ -1,27 +1,37 @@
-/* roots.h - vectors whose inverse roots are had from an estimate (rule_power.c). Narrower ones have none in double
- * precision, and their roots and quotients take no longer. */
+/* roots.h - vectors whose inverse roots are had from an estimate (rule_power.c). Before AVX-512 there is none in double
+ * precision, and roots and quotients take no longer. */
 #ifndef TVI_AD_ROOTS_H
 #define TVI_AD_ROOTS_H
 
 #include "vector.h"
 
-#if defined(__AVX512F__)
+#if defined(__AVX512VL__) || defined(JET_WIDE)
 #include <immintrin.h>
 #define HAS_ROOTS
+#ifdef JET_WIDE
 typedef __m512d roots;
-typedef __mmask8 roots_mask;
 enum { ROOTS = 8 };
-#define OF_ROOTS(name)           _mm512_##name
-#define ROOTS_WHERE(a, is, b)    _mm512_cmp_pd_mask(a, b, is)
-#define ROOTS_CHOOSE(mask, a, b) _mm512_mask_blend_pd(mask, b, a)
+#define OF_ROOTS(name)      _mm512_##name
+#define ROOTS_AND(a, bits)  _mm512_castsi512_pd(_mm512_and_si512(_mm512_castpd_si512(a), bits))
+#define ROOTS_ALL_BITS(one) _mm512_set1_epi64(one)
+#else
+typedef __m256d roots;
+enum { ROOTS = 4 };
+#define OF_ROOTS(name)      _mm256_##name
+#define ROOTS_AND(a, bits)  _mm256_castsi256_pd(_mm256_and_si256(_mm256_castpd_si256(a), bits))
+#define ROOTS_ALL_BITS(one) _mm256_set1_epi64x(one)
+#endif
+typedef __mmask8 roots_mask;
+#define ROOTS_WHERE(a, is, b)    OF_ROOTS(cmp_pd_mask)(a, b, is)
+#define ROOTS_CHOOSE(mask, a, b) OF_ROOTS(mask_blend_pd)(mask, b, a)
 #define ROOTS_ARE(mask)          (mask)
 #define ROOTS_FIRST(count)       ((roots_mask)((1 << (count)) - 1))
-#define ROOTS_LOAD(mask, a)      _mm512_maskz_loadu_pd(mask, a)
-#define ROOTS_STORE(mask, z, a)  _mm512_mask_storeu_pd(z, mask, a)
-#define ROOTS_BITS(a, bits)      _mm512_castsi512_pd(_mm512_and_epi64(_mm512_castpd_si512(a), _mm512_set1_epi64(bits)))
+#define ROOTS_LOAD(mask, a)      OF_ROOTS(maskz_loadu_pd)(mask, a)
+#define ROOTS_STORE(mask, z, a)  OF_ROOTS(mask_storeu_pd)(z, mask, a)
+#define ROOTS_BITS(a, bits)      ROOTS_AND(a, ROOTS_ALL_BITS(bits))
 
 /* Near a^(-1/2). */
-JET_INLINE roots roots_estimate(roots a) { return _mm512_rsqrt14_pd(a); }
+JET_INLINE roots roots_estimate(roots a) { return OF_ROOTS(rsqrt14_pd)(a); }
 
 #endif
 

@@ -12,6 +12,11 @@
 
 #define JET_INLINE static inline __attribute__((always_inline))
 
+/* Whether eight numbers are one vector. Generated code has JET_NARROW 1 where vectors of four serve it better. */
+#if defined(__AVX512F__) && !(JET_NARROW + 0)
+#define JET_WIDE
+#endif
+
 typedef double jet_v8 __attribute__((vector_size(64), aligned(8), may_alias));
 typedef double jet_v4 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef double jet_v2 __attribute__((vector_size(16), aligned(8), may_alias));
@@ -43,7 +48,7 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
 #endif
 
 /* Of a block of slots; of two of them. Where eight numbers are one vector. */
-#ifdef __AVX512F__
+#ifdef JET_WIDE
 #define JET_EIGHT_AT(x, slot) (*(jet_v8 *)((x) + (slot)))
 #define JET_TWO_AT(x, slot)   ((jet_v8){(x)[slot], (x)[(slot) + 1]})
 #endif
@@ -57,7 +62,7 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
     for (; here + 2 <= (width); here += 2) BODY(jet_v2, S)
 #define JET_BLOCKS_1(width, BODY, S)                                                                                   \
     for (; here < (width); here++) BODY(jet_v1, S)
-#if defined(__AVX512F__)
+#ifdef JET_WIDE
 #define JET_WIDE_BLOCKS(width, BODY, S)                                                                                \
     JET_BLOCKS_8(width, BODY, S)                                                                                       \
     JET_BLOCKS_4(width, BODY, S)
@@ -76,7 +81,7 @@ typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8),
 
 /* The same where the width is a multiple of 8. Unrolled where eight lanes are two vectors: a loop costs as much as its
  * body. */
-#if defined(__AVX512F__)
+#ifdef JET_WIDE
 #define JET_EIGHTS(width, BODY, S)                                                                                     \
     for (int here = 0; here < (width); here += 8) BODY(jet_v8, S)
 #elif defined(__AVX__)
@@ -115,7 +120,7 @@ JET_INLINE jet_v4 jet_fma_jet_v4(jet_v4 a, jet_v4 b, jet_v4 c)
 {
     return (jet_v4)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
 }
-#ifdef __AVX512F__
+#ifdef JET_WIDE
 JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
 {
     return (jet_v8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);

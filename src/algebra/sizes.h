@@ -10,7 +10,7 @@
 
 /* Of each number that a loop sets, where it is one of a few that were just stored in parts: a vector of them would wait
  * for that. Generated code with vectors of eight has not stored them in parts. */
-#if defined(JET_EMITTED) && defined(__AVX512F__)
+#if defined(JET_EMITTED) && defined(JET_WIDE)
 #define TVI_ONE_BY_ONE(count, number) ((void)(count), (void)(number))
 #else
 #define TVI_ONE_BY_ONE(count, number)                                                                                  \

@@ -5,7 +5,7 @@
 
 #include "galerkin/pairs.h"
 
-#ifdef __AVX512F__
+#ifdef JET_WIDE
 /* Of pairs of vectors a, b: their even or odd numbers in turns; their halves of 256 bits, the even or the odd quarters
  * of each. */
 #define TURN_EVEN(a, b)     JET_SHUFFLE_8(a, b, 0, 8, 2, 10, 4, 12, 6, 14)

@@ -7,7 +7,7 @@
 #include "rule.h"
 #include "vector.h"
 
-#if defined(__AVX512F__)
+#ifdef JET_WIDE
 #include <immintrin.h>
 #endif
 
@@ -19,7 +19,7 @@
 #define ROW_OF(V, array, row) (*(const V *)((array) + (size_t)(row)*width + here))
 
 /* Which members of the block: what comparisons give, in registers of masks where there are such. */
-#if defined(__AVX512F__)
+#ifdef JET_WIDE
 typedef __mmask8 which_of_jet_v8;
 #define WHICH(V)                  which_of_##V
 #define COMPARED(V, a, op, b)     _mm512_cmp_pd_mask((__m512d)(a), (__m512d)(b), op)

@@ -11,7 +11,7 @@
 #include "galerkin/lanes.h"
 
 /* Whether they are; without such vectors never. */
-#ifdef __AVX512F__
+#ifdef JET_WIDE
 #include <immintrin.h>
 #define ARE_ONE_VECTOR(lanes) ((lanes) == 8)
 #else
@@ -77,7 +77,7 @@ JET_INLINE void follow_few(const galerkin_nodes *nodes, const double *matrix, je
 /* Whether none has moved: known before the sum would be. */
 JET_INLINE bool are_at_rest(jet_v8 squares)
 {
-#ifdef __AVX512F__
+#ifdef JET_WIDE
     return _mm512_test_epi64_mask((__m512i)squares, (__m512i)squares) == 0;
 #else
     return sum_of_jet_v8(squares) == 0;

@@ -40,7 +40,7 @@
 
 /* All lanes at once: BODY(V, blocks), with the widest vectors of which there are as many as make all lanes. */
 enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };
-#if defined(__AVX512F__)
+#ifdef JET_WIDE
 enum { WIDEST = 8 };
 #elif defined(__AVX__)
 enum { WIDEST = 4 };

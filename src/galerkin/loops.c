@@ -239,7 +239,7 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weig
     double *const once = sums->once, *const twice = sums->twice, *const last = sums->last, *const reach = sums->reach;
     const double *impulse = nodes->impulse;
     const int unknowns = nodes->unknowns;
-#ifdef __AVX512F__
+#ifdef JET_WIDE
     if (lanes == 8 && unknowns > GALERKIN_FEWEST) {
         for (int u = 0; u < unknowns; u += 8) sum_columns(weights, impulse, u, unknowns, sums);
         return;

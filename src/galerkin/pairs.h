@@ -37,7 +37,7 @@ JET_INLINE void sum_in_chains(const galerkin_weights *weights, const double *u, 
     sums->last = last[0] + last[1];
 }
 
-#ifdef __AVX512F__
+#ifdef JET_WIDE
 ADD_TWO_SUM(jet_v8)
 
 /* Of two vectors side by side the numbers at even places, and at odd ones; and those of the other pair of each half. */

@@ -45,9 +45,10 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
         {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS}, {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS},
         {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS},   {{&scene_henon_heiles_12, 2, false}, 0, STEPS, STEPS},
         {{&scene_fpu, 0.078125, false}, 0, STEPS, STEPS}};
-    static const char *const compilers[] = {NULL, "cc -DGALERKIN_IN_REGISTER=0", "cc -DGALERKIN_IN_REGISTER=1"};
+    static const char *const compilers[] = {NULL, "cc -DGALERKIN_IN_REGISTER=0 -DJET_NARROW=0",
+                                            "cc -DGALERKIN_IN_REGISTER=1 -DJET_NARROW=0", "cc -DJET_NARROW=1"};
     enum { ROWS = sizeof rows / sizeof *rows };
-    const int own = _i < ROWS ? _i : 0; /* then the first row, in both ways */
+    const int own = _i < ROWS ? _i : 0; /* then the first row, in all ways */
     const whose *of = &rows[own].of;
     const tvi_compiler how = {compilers[_i < ROWS ? 0 : _i - ROWS + 1], usual.flags, usual.cache};
     systems its;
