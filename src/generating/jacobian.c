@@ -62,7 +62,7 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     else curve_sum_jacobian(curve, combination, matrix);
 }
 
-/* Of more coordinates operations do not wait for each other. */
+/* tvi_steps_are_short */
 enum { MOST_OF_SHORT = 8 };
 
 /* Matrices take their directions in blocks, the last one of what is left. */
@@ -78,7 +78,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
                                 .has_inner_tangents = system->form == TVI_LAGRANGIAN},
                      .member = "curve",
                      .emit_loops = is_whole ? tvi_curve_emit_series : NULL,
-                     .is_short = system->form == TVI_SEPARABLE && system->n > 1 && system->n <= MOST_OF_SHORT};
+                     .is_short = tvi_steps_are_short(system, MOST_OF_SHORT)};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
     if (used.series.has_adjoints) used.series.directions[0] = 1;
