@@ -50,9 +50,9 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
         return is_inside;
     }
     if (ARE_TURNED(nodes, lanes)) {
-        jet_v8 squares;
+        few_vector squares;
         follow_few(nodes, frame->matrix, &squares);
-        *moved = sum_of_jet_v8(squares);
+        *moved = sum_of_few(squares);
     } else {
         *moved = follow_lanes(nodes, frame->matrix, NULL, lanes);
     }
@@ -68,20 +68,21 @@ typedef struct {
 } steady_silence;
 
 /* Of a step so many passes behind the first one are not even measured, as none can be its last. Of those that are
- * measured again, the second one shows whether that may be one more of the next step, as it has moved by far more than
- * roundoff, and the first one whether it has to be fewer, as it has not. */
+ * measured again, the second one shows whether that may be one more of the next step, as it has moved by more than
+ * roundoff, and the first one whether it has to be one fewer, as it may have put right no more than how those that are
+ * folded are rounded. */
 enum { STEADY_BLIND = 16 };
-#define STEADY_FAR 0x1p4
+#define STEADY_NEAR 0x1p-4
 JET_INLINE bool steady_is_blind(int pass, long blind) { return 0 < pass && pass <= blind; }
 /* The first one that is judged: that behind these. */
 JET_INLINE int steady_first(long blind) { return blind > 0 ? (int)blind + 1 : 0; }
 
 JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, const steady_silence *silence)
 {
-    const int first = steady_first(blind);
-    if (silence->count <= first || silence->moved[first] <= rule->noise) return blind > 2 ? blind - 2 : 0;
-    const double second = silence->count > first + 1 ? silence->moved[first + 1] : 0;
-    return second > STEADY_FAR * rule->noise && blind < STEADY_BLIND ? blind + 1 : blind;
+    const int first = steady_first(blind), second = first + 1;
+    if (silence->count <= first || silence->moved[first] <= STEADY_NEAR * rule->noise) return blind > 1 ? blind - 1 : 0;
+    const bool may_be_more = silence->count > second && silence->moved[second] > rule->noise;
+    return may_be_more && blind < STEADY_BLIND ? blind + 1 : blind;
 }
 
 JET_INLINE bool steady_may_be_silent(const steady_form *form)
@@ -94,21 +95,30 @@ JET_INLINE long steady_blind_now(const steady_form *form, const galerkin_trial *
     return steady_may_be_silent(form) ? last->pace.blind : 0;
 }
 
-/* The first pass of a step begins, of a few unknowns; of passes that are folded so many are made, and the next one
- * begins. */
+/* The first pass of a step begins, of a few unknowns; one that is folded is made. */
 JET_INLINE bool steady_begin_first(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                                   long blind, galerkin_folding *folding, int lanes)
+                                   const galerkin_trial *last, galerkin_folding *folding, int lanes)
 {
     if (nodes->unknowns > GALERKIN_FEW) return true;
     if (!form->folds) return steady_begin(nodes, form, lanes);
     if (!steady_drive(nodes, form, false, lanes)) return false;
-    if (blind < 1) {
+    if (steady_blind_now(form, last) < 1) {
         weigh_drives(nodes);
         return true;
     }
-    for (int u = 0; u < nodes->unknowns; u++) folding->change[u] = BLOCK_OF(jet_v8, nodes->x, u);
+    const int blocks = nodes->unknowns * OF_EIGHT;
+    for (int k = 0; k < blocks; k++) folding->change[k] = BLOCK_OF(few_vector, nodes->x, k);
     follow_folded(nodes, frame->folded, folding->origin);
-    for (int u = 0; u < nodes->unknowns; u++) folding->change[u] -= BLOCK_OF(jet_v8, nodes->x, u);
+    for (int k = 0; k < blocks; k++) folding->change[k] -= BLOCK_OF(few_vector, nodes->x, k);
+    return true;
+}
+
+/* So are the other passes that are folded, and the one behind them begins. */
+JET_INLINE bool steady_begin_others(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                                    const galerkin_trial *last, const galerkin_folding *folding, int lanes)
+{
+    const long blind = steady_blind_now(form, last);
+    if (!form->folds || blind < 1) return true;
     for (long left = blind; left > 0; left--) {
         if (!steady_drive(nodes, form, false, lanes)) return false;
         follow_folded(nodes, frame->folded, folding->origin);
@@ -123,7 +133,7 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
                                    int lanes)
 {
     const bool few = nodes->unknowns <= GALERKIN_FEW;
-    jet_v8 squares[STEADY_SILENT];
+    few_vector squares[STEADY_SILENT];
     of->count = 0;
     of->rests = false;
     if (form->folds) {
@@ -133,23 +143,23 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
     while (of->count < most && !of->rests) {
         const int now = of->count++;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
-        if (!ARE_ONE_VECTOR(lanes)) {
+        if (!ARE_EIGHT(lanes)) {
             double moved;
             (void)steady_end(frame, nodes, form, &moved, lanes);
             if (!steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
         } else {
-            jet_v8 moved;
+            few_vector moved;
             if (ARE_TURNED(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
             else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
             /* folded passes were all that were blind, which the compiler does not see by itself */
-            if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_at_rest(moved);
+            if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_zero(moved);
         }
         if (few && !of->rests && !steady_begin(nodes, form, lanes)) return false;
     }
-    if (!ARE_ONE_VECTOR(lanes)) return true;
+    if (!ARE_EIGHT(lanes)) return true;
     const int first = steady_first(blind), end = of->rests && of->count > first + 2 ? first + 2 : of->count;
-    if (!form->folds || blind < 1) of->moved[0] = sum_of_jet_v8(squares[0]);
-    for (int i = first; i < end; i++) of->moved[i] = sum_of_jet_v8(squares[i]);
+    if (!form->folds || blind < 1) of->moved[0] = sum_of_few(squares[0]);
+    for (int i = first; i < end; i++) of->moved[i] = sum_of_few(squares[i]);
     return true;
 }
 

@@ -53,8 +53,8 @@ JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
 
 /* Few unknowns whose nodes are one vector, or fewer whose nodes are two short ones, are predicted for the next step,
  * and its first pass begins, before the increments of this one are added: that pass waits for them at its end. Passes
- * that are folded (folded.h) do not: the increments are added up while these wait for each other. Other steps are made
- * one by one. */
+ * that are folded (folded.h) do not: the increments are summed behind the first of these, where both wait for less than
+ * in any other order. Other steps are made one by one. */
 #define STEADY_LEADS(unknowns, lanes)                                                                                  \
     ((unknowns) <= GALERKIN_FEW && (lanes) <= ((unknowns) <= GALERKIN_FEWEST && (int)WIDEST < 8 ? 2 : 1) * (int)WIDEST)
 
@@ -68,9 +68,7 @@ JET_INLINE void steady_lead(const galerkin_frame *frame, const galerkin_nodes *n
     predict_steps(nodes, 2, frame->following[fit], impulses, drift, lanes);
     copy_lanes(next + numbers, nodes->x, unknowns, lanes);
     if (!form->folds) return;
-    galerkin_nodes risen = *nodes;
-    risen.x = (double *)folding->origin;
-    predict_steps(&risen, 1, frame->risen, impulses, drift, lanes);
+    set_next_origin(nodes, frame->c, drift, folding->origin);
     copy_lanes(next + 2 * numbers, (const double *)folding->origin, unknowns, lanes);
 }
 
@@ -84,15 +82,17 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     const double *const impulses[] = {last, before}, *drift = motion->has_masses ? frame->drift : NULL;
     galerkin_trial tried = {.pace = to->last.pace};
     galerkin_folding folding;
+    int known = to->known;
     long made = 0;
     if (!leads) nodes->impulse = next;
     steady_start(frame, nodes, motion, origin, lanes);
-    if (to->is_predicted) copy_lanes(nodes->x, frame->nodes->x, nodes->x == frame->nodes->x ? 0 : form->rows, lanes);
+    if (to->known < 1) copy_lanes(nodes->x, frame->nodes->x, nodes->x == frame->nodes->x ? 0 : form->rows, lanes);
     else if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
-    else steady_predict(frame, nodes, form, impulses, galerkin_fit(&tried.pace, frame->rough), lanes);
+    else steady_predict(frame, nodes, form, impulses, galerkin_fit(to->known, &tried.pace, frame->rough), lanes);
     if (form->folds && to->leads) copy_lanes((double *)folding.origin, last + 2 * numbers, nodes->unknowns, lanes);
     else if (form->folds) set_origin(nodes, folding.origin);
-    bool begins = steady_begin_first(frame, nodes, form, steady_blind_now(form, &tried), &folding, lanes);
+    bool begins = steady_begin_first(frame, nodes, form, &tried, &folding, lanes) &&
+                  steady_begin_others(frame, nodes, form, &tried, &folding, lanes);
     while (begins) {
         const double number = to->steps + 1;
         tried.early = tvi_passes_early(form->rule, number);
@@ -102,16 +102,19 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         if (!ends) break;
         if (!form->folds) steady_sum(frame, *nodes, nodes->impulse, motion, row, lanes);
         if (leads) {
-            const int fit = galerkin_fit(&tried.pace, frame->rough);
-            steady_lead(frame, nodes, form, fit, last, drift, next, &folding, lanes);
-            begins = made + 1 < row->steps &&
-                     steady_begin_first(frame, nodes, form, steady_blind_now(form, &tried), &folding, lanes);
+            const int fit = galerkin_fit(known + 1, &tried.pace, frame->rough);
+            steady_lead(frame, nodes, form, fit, known > 0 ? last : nodes->impulse, drift, next, &folding, lanes);
+            begins = made + 1 < row->steps && steady_begin_first(frame, nodes, form, &tried, &folding, lanes);
         }
-        if (form->folds) steady_sum(frame, *nodes, next, motion, row, lanes);
+        if (form->folds) {
+            steady_sum(frame, *nodes, next, motion, row, lanes);
+            begins = begins && steady_begin_others(frame, nodes, form, &tried, &folding, lanes);
+        }
         tried.tail = steady_tail(frame, *motion, row, origin, now ? galerkin_known_tail(row, to) : 0, lanes);
         const double t = now ? now->q[motion->n] : origin->t;
         if (now && !galerkin_advance(motion->n, row, now, &tried)) break;
         made++;
+        known += known < 2;
         to->steps = number;
         to->t = t;
         to->last = tried;
@@ -126,6 +129,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     to->impulses[0] = before;
     to->impulses[1] = last;
     to->impulses[2] = next;
+    to->known = known;
     to->leads = leads && (made > 0 || to->leads);
     if (made == 0) to->tried = tried;
     return made;
@@ -248,7 +252,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         const steady_form form = {.rows = (UNKNOWNS),                                                                  \
                                   .rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
                                   .drive = NAME##_drive,                                                               \
-                                  .folds = T##_is_split && ARE_FEW(&nodes, LANES)};                                    \
+                                  .folds = T##_is_split && motion.has_masses && ARE_FEW(&nodes, LANES)};               \
         _Alignas(64) double x[IS_SMALL ? (KEPT) * (LANES) : 1];                                                        \
         if (IS_SMALL) {                                                                                                \
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \
@@ -315,7 +319,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         w.model.term = NAME##_term;                                                                                    \
         w.model.end = NAME##_end;                                                                                      \
         if (NAME##_is_small) {                                                                                         \
-            keep_rows(low, w.low, 0, to->is_predicted ? (N) : 0, (LANES));                                             \
+            keep_rows(low, w.low, 0, to->known < 1 ? (N) : 0, (LANES));                                                \
             w.low = low;                                                                                               \
             w.ways = ways;                                                                                             \
             w.rise[0] = rise;                                                                                          \

@@ -1,7 +1,7 @@
-/* folded.h - movements that are not the last of a step, of few unknowns at eight nodes, which are one vector. What
- * multiplies the drives is one matrix for each unknown, scale matrix_ji weight_j: so fewer operations wait for each
- * other than where these are impulses (few.h), which are rounded once and enter all sums alike. What is rounded
- * otherwise the last movements of the step put right. Shorter vectors would have to read twice as many rows. */
+/* folded.h - movements that are not the last of a step, of few unknowns at eight nodes (few.h). What multiplies the
+ * drives is one matrix for each unknown, scale matrix_ji weight_j: so fewer operations wait for each other than where
+ * these are impulses, which are rounded once and enter all sums alike. What is rounded otherwise the last movements of
+ * the step put right. */
 #ifndef TVI_SRC_GALERKIN_FOLDED_H
 #define TVI_SRC_GALERKIN_FOLDED_H
 
@@ -10,48 +10,71 @@
 /* What a step has of its first movements: where the unknowns would be without what drives them, or nearly, as it stands
  * in one number; and by how much the first movement changed them. */
 typedef struct {
-    _Alignas(64) jet_v8 origin[GALERKIN_FEWEST], change[GALERKIN_FEWEST];
+    _Alignas(64) few_vector origin[GALERKIN_FEWEST * OF_EIGHT], change[GALERKIN_FEWEST * OF_EIGHT];
 } galerkin_folding;
 
-JET_INLINE void set_origin(const galerkin_nodes *nodes, jet_v8 *origin)
+JET_INLINE void set_origin(const galerkin_nodes *nodes, few_vector *origin)
 {
-    for (int u = 0; u < nodes->unknowns; u++)
-        origin[u] = BLOCK_OF(jet_v8, nodes->high, u) + BLOCK_OF(jet_v8, nodes->base, u);
+    for (int k = 0; k < nodes->unknowns * OF_EIGHT; k++)
+        origin[k] = BLOCK_OF(few_vector, nodes->high, k) + BLOCK_OF(few_vector, nodes->base, k);
+}
+
+/* Of the next step, by the impulses of this one, which add sum_j (1 - c_j + c_i) L_j there, and the drift. */
+JET_INLINE void set_next_origin(const galerkin_nodes *nodes, const double *c, const double *drift, few_vector *origin)
+{
+    for (int u = 0; u < nodes->unknowns; u++) {
+        const int first = u * OF_EIGHT;
+        few_vector once = {0}, twice = {0};
+        for (int k = 0; k < OF_EIGHT; k++) {
+            const few_vector impulse = BLOCK_OF(few_vector, nodes->impulse, first + k);
+            once += impulse;
+            twice += (1 - BLOCK_OF(few_vector, c, k)) * impulse;
+        }
+        const double slope = nodes->scale[u] * sum_of_few(once), rise = drift[u] + nodes->scale[u] * sum_of_few(twice);
+        for (int k = 0; k < OF_EIGHT; k++)
+            origin[first + k] =
+                (BLOCK_OF(few_vector, nodes->high, first + k) + rise) + BLOCK_OF(few_vector, c, k) * slope;
+    }
+}
+
+/* sum = from + what drives one unknown, read where it is stored. */
+JET_INLINE void sum_of_stored(const double *matrix, const double *drive, const few_vector *from, few_vector *sum)
+{
+    for (int k = 0; k < OF_EIGHT; k++) {
+        few_vector part[CHAINS] = {from[k]};
+        for (int j = 0; j < 8; j++) part[j % CHAINS] += BLOCK_OF(few_vector, matrix, j * OF_EIGHT + k) * drive[j];
+        sum[k] = (part[0] + part[2]) + (part[1] + part[3]);
+    }
 }
 
 /* nodes->impulse: the drives. */
-JET_INLINE void follow_folded(const galerkin_nodes *nodes, const double *folded, const jet_v8 *origin)
+JET_INLINE void follow_folded(const galerkin_nodes *nodes, const double *folded, const few_vector *origin)
 {
     const double *drive = nodes->impulse;
     if (!IN_REGISTER) LEAVE_REGISTERS(drive);
-    for (int u = 0; u < nodes->unknowns; u++, drive += 8, folded += galerkin_matrix_size(8)) {
-        jet_v8 sum[CHAINS] = {origin[u]};
-        if (IN_REGISTER) {
-            sum_of_turned((const jet_v8 *)(folded + 8 * 8), (const jet_v8 *)drive, &sum[1]);
-        } else {
-            for (int j = 0; j < 8; j++) sum[j % CHAINS] += BLOCK_OF(jet_v8, folded, j) * drive[j];
-            sum[0] += sum[2];
-            sum[1] += sum[3];
-        }
-        BLOCK_AT(jet_v8, nodes->x, u) = sum[0] + sum[1];
+    for (int u = 0; u < nodes->unknowns; u++, drive += 8, origin += OF_EIGHT, folded += galerkin_matrix_size(8)) {
+        few_vector *x = &BLOCK_AT(few_vector, nodes->x, u * OF_EIGHT);
+        if (IN_REGISTER) sum_of_turned(folded + 8 * 8, (const few_vector *)drive, origin, x);
+        else sum_of_stored(folded, drive, origin, x);
     }
 }
 
 /* Drives to impulses. */
 JET_INLINE void weigh_drives(const galerkin_nodes *nodes)
 {
-    for (int u = 0; u < nodes->unknowns; u++) BLOCK_AT(jet_v8, nodes->impulse, u) *= BLOCK_OF(jet_v8, nodes->weight, 0);
+    for (int k = 0; k < nodes->unknowns * OF_EIGHT; k++)
+        BLOCK_AT(few_vector, nodes->impulse, k) *= BLOCK_OF(few_vector, nodes->weight, k % OF_EIGHT);
 }
 
 /* The squares of a change, as follow_few has them. */
-JET_INLINE double squares_of(const galerkin_nodes *nodes, const jet_v8 *change)
+JET_INLINE double squares_of(const galerkin_nodes *nodes, const few_vector *change)
 {
-    jet_v8 squares = {0};
-    for (int u = 0; u < nodes->unknowns; u++) {
-        const jet_v8 relative = change[u] * nodes->inverse_size[u];
+    few_vector squares = {0};
+    for (int k = 0; k < nodes->unknowns * OF_EIGHT; k++) {
+        const few_vector relative = change[k] * nodes->inverse_size[k / OF_EIGHT];
         squares += relative * relative;
     }
-    return sum_of_jet_v8(squares);
+    return sum_of_few(squares);
 }
 
 #endif

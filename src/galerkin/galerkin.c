@@ -146,7 +146,6 @@ static void prepare(void *work)
                                 .matrix = w->field.matrix,
                                 .c = w->coefficients.c,
                                 .folded = w->folded,
-                                .risen = w->predictor.risen,
                                 .extrapolation = (const double *const *)w->predictor.extrapolation,
                                 .following = (const double *const *)w->predictor.following,
                                 .rough = w->predictor.rough,
@@ -244,13 +243,23 @@ double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[
     return w->field.points < 2 ? 0 : w->field.loops->tail(motion, w->share, w->ratio);
 }
 
-/* By generated code, which predicts the unknowns, too, where they are not yet; false where it is to be made in another
- * way. */
-static bool step_generated(galerkin *w, const tvi_origin *origin, bool is_predicted, double dq[], double dp[],
-                           tvi_stats *stats)
+tvi_status tvi_galerkin_begin(galerkin *w, double h, const tvi_origin *origin, int *known, tvi_stats *stats)
 {
-    const tvi_row row = {.h = w->field.h, .steps = 1, .dq = dq, .dp = dp};
-    galerkin_outcome to = {.is_predicted = is_predicted, .largest_tail = 0};
+    double part;
+    tvi_galerkin_set_size(w, h);
+    const bool follows = tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
+    *known = follows ? tvi_galerkin_known(&w->predictor, &w->field, part) : 0;
+    if (*known == 0) return predict(w, origin, follows ? &part : NULL, stats);
+    set_times(w, origin, h);
+    return TVI_OK;
+}
+
+/* By generated code; false where it is to be made in another way. */
+static bool step_generated(galerkin *w, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+{
+    const tvi_row row = {.h = h, .steps = 1, .dq = dq, .dp = dp};
+    galerkin_outcome to = {.largest_tail = 0};
+    if (tvi_galerkin_begin(w, h, origin, &to.known, stats) != TVI_OK) return false;
     const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;
     tvi_galerkin_count(w, &to, stats);
     if (!is_made) return false;
@@ -262,17 +271,12 @@ static bool step_generated(galerkin *w, const tvi_origin *origin, bool is_predic
 static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
     galerkin *w = work;
+    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
+    if (w->field.loops->steady && iterates && step_generated(w, h, origin, dq, dp, stats)) return TVI_OK;
     tvi_galerkin_set_size(w, h);
     double place;
-    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
     const double *part =
         iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place) ? &place : NULL;
-    if (w->field.loops->steady && iterates) {
-        const bool is_steady = part && tvi_galerkin_is_steady(&w->predictor, &w->field, *part);
-        if (is_steady) set_times(w, origin, h);
-        const tvi_status predicted = is_steady ? TVI_OK : predict(w, origin, part, stats);
-        if (predicted == TVI_OK && step_generated(w, origin, !is_steady, dq, dp, stats)) return TVI_OK;
-    }
     galerkin_pace pace = galerkin_pace_before(w);
     tvi_status status = solve(w, origin, part, &pace, stats);
     if (status != TVI_OK && part) status = solve(w, origin, NULL, &pace, stats);

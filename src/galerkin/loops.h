@@ -31,12 +31,13 @@ typedef struct {
     long blind;     /* so many behind the first one are not measured */
 } galerkin_pace;
 
-/* What a step is predicted from: the impulses of the last two, or, where predictions are rough, of the last one. */
+/* What a step is predicted from: the impulses of the last two, or, where predictions are rough or only the last one is
+ * known, of that. */
 enum { GALERKIN_FROM_TWO, GALERKIN_FROM_LAST, GALERKIN_FITS };
 
-static inline int galerkin_fit(const galerkin_pace *pace, double rough)
+static inline int galerkin_fit(int known, const galerkin_pace *pace, double rough)
 {
-    return pace->first > rough ? GALERKIN_FROM_LAST : GALERKIN_FROM_TWO;
+    return known < 2 || pace->first > rough ? GALERKIN_FROM_LAST : GALERKIN_FROM_TWO;
 }
 
 /* What multiplies the impulses in their sums over the nodes: 1 and 1 - c_j, and these for a second unknown beside the

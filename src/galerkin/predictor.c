@@ -15,7 +15,6 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
         w->extrapolation[fit] = tvi_arena_doubles(arena, 2 * width * width);
         w->following[fit] = tvi_arena_doubles(arena, 2 * width * width);
     }
-    w->risen = tvi_arena_doubles(arena, width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
@@ -69,12 +68,15 @@ static void set_extrapolation(const galerkin_coefficients *a, const double *ahea
         }
 }
 
-/* What the impulses of the last step have added to where the next one would be without its own. */
-static void set_risen(const galerkin_coefficients *a, bool is_second_order, double *risen)
+/* The same, where the next step begins as the last one did: what the impulses of that have added to where the next one
+ * would be without its own comes in. */
+static void set_following(const galerkin_coefficients *a, bool is_second_order, const double *extrapolation,
+                          double *following)
 {
-    const int lanes = a->lanes;
+    const int lanes = a->lanes, square = lanes * lanes;
+    for (int k = 0; k < 2 * square; k++) following[k] = extrapolation[k];
     for (int j = 0; j < a->points; j++)
-        for (int i = 0; i < lanes; i++) risen[j * lanes + i] = is_second_order ? 1 - a->c[j] + a->c[i] : 1;
+        for (int i = 0; i < lanes; i++) following[j * lanes + i] += is_second_order ? 1 - a->c[j] + a->c[i] : 1;
 }
 
 /* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
@@ -83,12 +85,9 @@ void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coeffi
                                     int numbers)
 {
     const int m = a->points, degree[] = {m > 1 ? 3 * m / 2 : 1, m - 1};
-    const int square = a->lanes * a->lanes;
-    set_risen(a, galerkin_is_second_order(field), w->risen);
     for (int fit = 0; fit < GALERKIN_FITS; fit++) {
         set_extrapolation(a, field->ahead, GALERKIN_FITS - fit, degree[fit], w->extrapolation[fit]);
-        for (int k = 0; k < 2 * square; k++)
-            w->following[fit][k] = w->extrapolation[fit][k] + (k < square ? w->risen[k] : 0);
+        set_following(a, galerkin_is_second_order(field), w->extrapolation[fit], w->following[fit]);
     }
     w->rough = numbers * (1e-2 * 1e-2);
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
@@ -123,9 +122,11 @@ bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_fi
     return ratio <= 1.5 && (is_next ? ratio >= -2 : t == last->t && ratio > 0);
 }
 
-bool tvi_galerkin_is_steady(const galerkin_predictor *w, const galerkin_field *field, double part)
+int tvi_galerkin_known(const galerkin_predictor *w, const galerkin_field *field, double part)
 {
-    return part == 1 && field->h == w->last->h && field->h == w->last->h_before;
+    const galerkin_history *last = w->last;
+    if (part != 1 || field->h != last->h) return 0;
+    return field->h == last->h_before ? 2 : 1;
 }
 
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
@@ -133,8 +134,9 @@ void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients
 {
     const galerkin_history *last = w->last;
     const double *const impulses[] = {tvi_galerkin_impulses(w, 0), tvi_galerkin_impulses(w, -1)};
-    if (tvi_galerkin_is_steady(w, field, part)) {
-        field->form->predict(field, 2, w->extrapolation[galerkin_fit(&last->pace, w->rough)], impulses);
+    const int known = tvi_galerkin_known(w, field, part);
+    if (known == 2) {
+        field->form->predict(field, 2, w->extrapolation[galerkin_fit(known, &last->pace, w->rough)], impulses);
     } else {
         const galerkin_places to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};
         const double *const led[] = {w->led};

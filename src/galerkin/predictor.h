@@ -23,7 +23,6 @@ typedef struct {
     /* [2][j][i] of each fit, where the two steps before have the size of this one: the extrapolation from them, and the
      * same, beginning where the last one did. */
     double *extrapolation[GALERKIN_FITS], *following[GALERKIN_FITS];
-    double *risen;      /* [j][i] of the latter without the former */
     double rough;       /* of the first movement */
     double *from_one;   /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
     double ratio, part; /* ratio 0: none yet */
@@ -45,8 +44,8 @@ static inline bool galerkin_is_next(const galerkin_history *last, double h, doub
 /* Whether the step of the field's size from t begins where the last one ended, or began, after `part` of it, and its
  * nodes are near those of that one. */
 bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part);
-/* Whether both steps before have the size of this one, which begins where the last one ended. */
-bool tvi_galerkin_is_steady(const galerkin_predictor *w, const galerkin_field *field, double part);
+/* How many of the last two steps have the size of this one, which begins where the last one ended. */
+int tvi_galerkin_known(const galerkin_predictor *w, const galerkin_field *field, double part);
 /* Sets the field's unknowns. */
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part);

@@ -15,7 +15,7 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     galerkin_history *last = before->last;
     for (int i = 0; i < GALERKIN_TURNS; i++) to->impulses[i] = tvi_galerkin_impulses(before, i - 1);
     to->last = (galerkin_trial){.pace = galerkin_pace_before(w)};
-    to->leads = last->leads && !to->is_predicted;
+    to->leads = last->leads && to->known > 0;
     to->steps = last->steps;
     to->count = to->factors = 0;
     set_folded(w);
@@ -26,19 +26,11 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
         return 0;
     }
     last->turn = (int)((last->turn + made - 1) % GALERKIN_TURNS);
+    if (made > 1) last->h = row->h;
     tvi_galerkin_remember(before, row->h, to->t, to->last.pace);
     last->steps = to->steps;
     last->leads = to->leads;
     return made;
-}
-
-/* Whether the step that begins at t is one of these. */
-static bool is_steady(const galerkin *w, double h, double t)
-{
-    double part;
-    return h == w->field.h && !w->field.system->uses_time && w->options->passes != TVI_PREDICT_ONLY &&
-           tvi_galerkin_can_extrapolate(&w->predictor, &w->field, t, &part) &&
-           tvi_galerkin_is_steady(&w->predictor, &w->field, part);
 }
 
 void tvi_galerkin_count(const galerkin *w, const galerkin_outcome *to, tvi_stats *stats)
@@ -71,11 +63,14 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
 {
     galerkin *w = work;
     galerkin_outcome to = {.largest_tail = stats->largest_tail};
-    if (!w->field.loops->steady || !is_steady(w, row->h, now->q[w->n])) return 0;
+    tvi_stats counted = *stats;
+    if (!w->field.loops->steady || w->field.system->uses_time || w->options->passes == TVI_PREDICT_ONLY) return 0;
+    const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
+    if (tvi_galerkin_begin(w, row->h, &origin, &to.known, &counted) != TVI_OK) return 0;
     row->dq[w->n] = row->h;
-    const tvi_origin origin = {.q = now->q, .q_low = now->q_low, .p = now->p, .p_low = now->p_low};
     const long made = tvi_galerkin_make_steadily(w, row, &origin, now, &to);
     if (made < 1) return 0;
+    *stats = counted;
     tvi_galerkin_count(w, &to, stats);
     stats->residual = sqrt(to.last.size);
     stats->tail = tail_of_last(w, row, now);

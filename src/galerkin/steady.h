@@ -1,6 +1,6 @@
 /* steady.h - steps in one function, with every size a constant, which generated code has (emitted_loops.h): those whose
- * passes end at the goal. It predicts those that begin where the last two ended, all of one size; galerkin.c predicts
- * the others, and makes all that are not made here. */
+ * passes end at the goal. It predicts those that begin where the last one of their size ended; galerkin.c predicts the
+ * others, and makes all that are not made here. */
 #ifndef TVI_SRC_GALERKIN_STEADY_H
 #define TVI_SRC_GALERKIN_STEADY_H
 
@@ -22,8 +22,8 @@ typedef struct galerkin_frame {
     double rough;
     double *drift, *drift_low, *share, *ratio;
     const double *h;
-    void *own;                    /* of the form of the field: lagrangian_passes of a Lagrangian */
-    const double *folded, *risen; /* folded.h, predictor.h */
+    void *own;            /* of the form of the field: lagrangian_passes of a Lagrangian */
+    const double *folded; /* folded.h */
 } galerkin_frame;
 
 /* The last step, and the size of its last movement. */
@@ -37,7 +37,8 @@ typedef struct {
 /* What steps made, but for what they added to the state. */
 typedef struct galerkin_outcome {
     double *impulses[GALERKIN_TURNS]; /* of the step before the last, of the last one and of the next, in turns */
-    bool is_predicted;                /* the first one's unknowns are those of the frame's nodes; or: */
+    int known;                        /* so many of the first two are of steps of this size; where none is, the first
+                                         one's unknowns are those of the frame's nodes; else: */
     bool leads;                       /* behind those of the last one is what the next one begins with */
     double t;                         /* where the last one began */
     double steps;                     /* that were made, and before these */

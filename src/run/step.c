@@ -162,6 +162,7 @@ static long make_row(tvi_integrator *it, long steps, double h, double t_end)
     const tvi_row row = {h, steps, sure, tvi_is_rescaled(it) ? n : -1, t_end, it->dq, it->dp};
     const long made = it->stepper->run(it->work, &row, &it->now, &it->stats);
     it->stats.steps += made;
+    *it->continues |= made > 0;
     return made;
 }
 
