@@ -110,20 +110,31 @@ JET_INLINE void follow_few(const galerkin_nodes *nodes, const double *matrix, fe
     }
 }
 
-/* What move_lanes does. */
+#ifdef JET_WIDE
+#define ALL_OF_LANE(x, j) JET_SHUFFLE_8(x, x, j, j, j, j, j, j, j, j)
+#define TERMS(j, next)    (row[j] * ALL_OF_LANE(impulse, j) + row[next] * ALL_OF_LANE(impulse, next))
+
+/* The sum over j: passes that do more than a field, or that an interpreter makes, gain nothing by turns. */
+JET_INLINE void sum_of_lanes(const jet_v8 *row, const jet_v8 *of, jet_v8 *sum)
+{
+    const jet_v8 impulse = *of;
+    *sum = (TERMS(0, 4) + TERMS(2, 6)) + (TERMS(1, 5) + TERMS(3, 7));
+}
+
+/* What move_lanes does, one unknown after the other: where one itself is what drives another, that has moved then. */
 JET_INLINE double move_few(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[])
 {
-    few_vector squares = {0};
+    const jet_v8 weight = *(const jet_v8 *)nodes->weight;
+    jet_v8 squares = {0}, *impulses = (jet_v8 *)nodes->impulse;
     for (int u = 0; u < nodes->unknowns; u++) {
-        few_vector impulse[OF_EIGHT], sum[OF_EIGHT];
-        for (int k = 0; k < OF_EIGHT; k++) {
-            impulse[k] = BLOCK_OF(few_vector, nodes->weight, k) * BLOCK_OF(few_vector, drives + slot[u] * 8, k);
-            BLOCK_AT(few_vector, nodes->impulse, u * OF_EIGHT + k) = impulse[k];
-        }
-        sum_of_turned(matrix + 8 * 8, impulse, NULL, sum);
-        follow_one(nodes, u, sum, &squares);
+        const jet_v8 impulse = weight * *(const jet_v8 *)(drives + slot[u] * 8);
+        jet_v8 sum;
+        sum_of_lanes((const jet_v8 *)matrix, &impulse, &sum);
+        follow_one(nodes, u, &sum, &squares);
+        impulses[u] = impulse;
     }
-    return sum_of_few(squares);
+    return sum_of_jet_v8(squares);
 }
+#endif
 
 #endif

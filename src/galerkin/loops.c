@@ -5,7 +5,6 @@
 #include "galerkin/few.h"
 #include "galerkin/rounds.h"
 #include "rule.h"
-#include "vector.h"
 
 #include <math.h>
 
@@ -107,8 +106,8 @@ enum { SUMS_OF_SQUARES = 2 };
         else moved = sum_of_##V(squares[0]);                                                                           \
     }
 
-/* Once all impulses are there, and none waits for the one before it. ways: how far x is from high, or NULL. left: of
- * eight nodes that are one vector, instead of the sum of the squares these; or NULL. */
+/* Once all impulses are there, and none waits for the one before it. ways: how far x is from high, or NULL. left:
+ * instead of the sum of the squares their sums in the lanes of a vector, of the widest; or NULL. */
 JET_INLINE double follow_to(const galerkin_nodes *nodes, const double *matrix, double *ways, double *left, int lanes)
 {
     const double *high = nodes->high, *base = nodes->base, *scale = nodes->scale, *inverse_size = nodes->inverse_size;
@@ -127,7 +126,9 @@ JET_INLINE double follow_lanes(const galerkin_nodes *nodes, const double *matrix
 JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
                              int lanes)
 {
+#ifdef JET_WIDE
     if (ARE_TURNED(nodes, lanes)) return move_few(nodes, matrix, drives, slot);
+#endif
     weigh_lanes(nodes, drives, slot, lanes);
     return follow_lanes(nodes, matrix, NULL, lanes);
 }

@@ -16,7 +16,7 @@ enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
 /* The steps whose impulses are kept: the last two, and the one that is made; and where steps of few unknowns leave how
  * the next one begins, behind these. */
 enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
-/* Of so few unknowns at eight nodes, which are one vector, each operation waits for the one before it. */
+/* Of so few unknowns at eight nodes each operation waits for the one before it (few.h). */
 enum { GALERKIN_FEWEST = 4 };
 
 /* Numbers of a matrix that multiplies what the lanes have; of eight lanes the same, turned, is behind it (few.h). */

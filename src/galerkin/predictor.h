@@ -12,15 +12,15 @@ typedef struct {
     galerkin_pace pace; /* of its passes; or, what they do not show, of those before it */
     double steps;       /* so many were made */
     int turn;           /* where its impulses are */
-    int leads;          /* what the next step begins with, if it is steady, is behind these: the unknowns, and where the
-                           fewest of them rise to */
+    int leads; /* what the next step begins with, if it has the same size, is behind these: the unknowns, and where
+                           the fewest of them rise to */
 } galerkin_history;
 
 typedef struct {
     galerkin_history *last;
     double *impulses[GALERKIN_TURNS]; /* in the history, filled in turns: [unknowns][lanes] of a step, and
                                          once or twice as many where it leads */
-    /* [2][j][i] of each fit, where the two steps before have the size of this one: the extrapolation from them, and the
+    /* [2][j][i] of each fit, where the steps before have the size of this one: the extrapolation from them, and the
      * same, beginning where the last one did. */
     double *extrapolation[GALERKIN_FITS], *following[GALERKIN_FITS];
     double rough;       /* of the first movement */
