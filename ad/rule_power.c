@@ -193,36 +193,32 @@ JET_INLINE bool gravity(int k, int powers, int width, const double *a, double *r
 #endif
 }
 
-JET_INLINE bool is_by_roots(double c) { return c == 0.75 || c == -0.25 || c == -0.75 || c == -1.25; }
-
-JET_INLINE bool power_by_roots(double c, int width, const double *a, double *restrict z)
+JET_INLINE bool other_power(double c, int width, const double *a, double *restrict z)
 {
 #ifdef HAS_ROOTS
-    return in_blocks(odd_quarters, (int)(4 * c), 1, width, a, z);
-#else
-    power_by_quarters((int)(4 * c), width, a, z);
-    return is_positive(width, a);
+    if (c == 0.75 || c == -0.25 || c == -0.75 || c == -1.25)
+        return in_blocks(odd_quarters, (int)(4 * c), 1, width, a, z);
 #endif
-}
-
-/* Apart, so that gravity does not pay for the registers of all the others; but where the compiler knows the power. */
-static __attribute__((noinline)) bool other_power(double c, int width, const double *a, double *restrict z)
-{
-    if (is_by_roots(c)) return power_by_roots(c, width, a, z);
     if (fabs(4 * c) <= QUARTERS_MAX && 4 * c == floor(4 * c)) power_by_quarters((int)(4 * c), width, a, z);
     else jet_all_pow(c, width, a, z);
     return c == floor(c) ? is_nonzero(width, a) : is_positive(width, a);
 }
 
+/* Where the compiler does not know which, apart, so that gravity does not pay for the registers of all the others. */
+static __attribute__((noinline)) bool any_power(double c, int width, const double *a, double *restrict z)
+{
+    return other_power(c, width, a, z);
+}
+
 static bool pow_value(double c, int width, const double *a, const double *b, double *restrict z)
 {
     (void)b;
-    return c == -0.5                                   ? gravity(1, 1, width, a, z)
-           : c == -1.5                                 ? gravity(3, 1, width, a, z)
-           : c == -2.5                                 ? gravity(5, 1, width, a, z)
-           : c == -3.5                                 ? gravity(7, 1, width, a, z)
-           : __builtin_constant_p(c) && is_by_roots(c) ? power_by_roots(c, width, a, z)
-                                                       : other_power(c, width, a, z);
+    return c == -0.5      ? gravity(1, 1, width, a, z)
+           : c == -1.5    ? gravity(3, 1, width, a, z)
+           : c == -2.5    ? gravity(5, 1, width, a, z)
+           : c == -3.5    ? gravity(7, 1, width, a, z)
+           : JET_KNOWS(c) ? other_power(c, width, a, z)
+                          : any_power(c, width, a, z);
 }
 
 bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)

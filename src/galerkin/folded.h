@@ -1,7 +1,7 @@
-/* folded.h - movements that are not the last of a step, of few unknowns at eight nodes (few.h). What multiplies the
- * drives is one matrix for each unknown, scale matrix_ji weight_j: so fewer operations wait for each other than where
- * these are impulses, which are rounded once and enter all sums alike. What is rounded otherwise the last movements of
- * the step put right. */
+/* folded.h - movements that are not the last of a step, of few unknowns with masses at eight nodes (few.h). What
+ * multiplies the drives is one matrix for each unknown, scale matrix_ji weight_j: so fewer operations wait for each
+ * other than where these are impulses, which are rounded once and enter all sums alike. What is rounded otherwise the
+ * last movements of the step put right. */
 #ifndef TVI_SRC_GALERKIN_FOLDED_H
 #define TVI_SRC_GALERKIN_FOLDED_H
 
@@ -19,8 +19,7 @@ JET_INLINE void set_origin(const galerkin_nodes *nodes, few_vector *origin)
         origin[k] = BLOCK_OF(few_vector, nodes->high, k) + BLOCK_OF(few_vector, nodes->base, k);
 }
 
-/* Of the next step, by the impulses of this one. With masses these add sum_j (1 - c_j + c_i) L_j to q, and the drift is
- * added, too; without them drift is NULL, and they add sum_j L_j. */
+/* Of the next step, by the impulses of this one, which add sum_j (1 - c_j + c_i) L_j there, and the drift. */
 JET_INLINE void set_next_origin(const galerkin_nodes *nodes, const double *c, const double *drift, few_vector *origin)
 {
     for (int u = 0; u < nodes->unknowns; u++) {
@@ -31,13 +30,10 @@ JET_INLINE void set_next_origin(const galerkin_nodes *nodes, const double *c, co
             once += impulse;
             twice += (1 - BLOCK_OF(few_vector, c, k)) * impulse;
         }
-        const double sum = nodes->scale[u] * sum_of_few(once), slope = drift ? sum : 0;
-        const double rise = drift ? drift[u] + nodes->scale[u] * sum_of_few(twice) : sum;
-        for (int k = 0; k < OF_EIGHT; k++) {
-            few_vector from = BLOCK_OF(few_vector, nodes->high, first + k);
-            if (!drift) from += BLOCK_OF(few_vector, nodes->base, first + k);
-            origin[first + k] = (from + rise) + BLOCK_OF(few_vector, c, k) * slope;
-        }
+        const double slope = nodes->scale[u] * sum_of_few(once), rise = drift[u] + nodes->scale[u] * sum_of_few(twice);
+        for (int k = 0; k < OF_EIGHT; k++)
+            origin[first + k] =
+                (BLOCK_OF(few_vector, nodes->high, first + k) + rise) + BLOCK_OF(few_vector, c, k) * slope;
     }
 }
 

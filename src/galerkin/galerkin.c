@@ -243,23 +243,22 @@ double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[
     return w->field.points < 2 ? 0 : w->field.loops->tail(motion, w->share, w->ratio);
 }
 
-tvi_status tvi_galerkin_begin(galerkin *w, double h, const tvi_origin *origin, int *known, tvi_stats *stats)
+tvi_status tvi_galerkin_begin(galerkin *w, const tvi_origin *origin, int *known, tvi_stats *stats)
 {
     double part;
-    tvi_galerkin_set_size(w, h);
     const bool follows = tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
     *known = follows ? tvi_galerkin_known(&w->predictor, &w->field, part) : 0;
     if (*known == 0) return predict(w, origin, follows ? &part : NULL, stats);
-    set_times(w, origin, h);
+    set_times(w, origin, w->field.h);
     return TVI_OK;
 }
 
 /* By generated code; false where it is to be made in another way. */
-static bool step_generated(galerkin *w, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+static bool step_generated(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
 {
-    const tvi_row row = {.h = h, .steps = 1, .dq = dq, .dp = dp};
+    const tvi_row row = {.h = w->field.h, .steps = 1, .dq = dq, .dp = dp};
     galerkin_outcome to = {.largest_tail = 0};
-    if (tvi_galerkin_begin(w, h, origin, &to.known, stats) != TVI_OK) return false;
+    if (tvi_galerkin_begin(w, origin, &to.known, stats) != TVI_OK) return false;
     const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;
     tvi_galerkin_count(w, &to, stats);
     if (!is_made) return false;
@@ -272,8 +271,8 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
 {
     galerkin *w = work;
     const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
-    if (w->field.loops->steady && iterates && step_generated(w, h, origin, dq, dp, stats)) return TVI_OK;
     tvi_galerkin_set_size(w, h);
+    if (w->field.loops->steady && iterates && step_generated(w, origin, dq, dp, stats)) return TVI_OK;
     double place;
     const double *part =
         iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place) ? &place : NULL;

@@ -12,8 +12,8 @@ typedef struct {
     galerkin_pace pace; /* of its passes; or, what they do not show, of those before it */
     double steps;       /* so many were made */
     int turn;           /* where its impulses are */
-    int leads; /* what the next step begins with, if it has the same size, is behind these: the unknowns, and where
-                           the fewest of them rise to */
+    int leads;          /* behind these is what the next step of this size begins with: the unknowns, and where the
+                           fewest of them rise to */
 } galerkin_history;
 
 typedef struct {

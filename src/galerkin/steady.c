@@ -66,7 +66,8 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
     tvi_stats counted = *stats;
     if (!w->field.loops->steady || w->field.system->uses_time || w->options->passes == TVI_PREDICT_ONLY) return 0;
     const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
-    if (tvi_galerkin_begin(w, row->h, &origin, &to.known, &counted) != TVI_OK) return 0;
+    tvi_galerkin_set_size(w, row->h);
+    if (tvi_galerkin_begin(w, &origin, &to.known, &counted) != TVI_OK) return 0;
     row->dq[w->n] = row->h;
     const long made = tvi_galerkin_make_steadily(w, row, &origin, now, &to);
     if (made < 1) return 0;

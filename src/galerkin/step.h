@@ -37,9 +37,9 @@ static inline galerkin_pace galerkin_pace_before(const galerkin *w)
 
 /* Of the step whose sums are there, from the origin. */
 double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[]);
-/* What generated code begins a step from the origin with: how many steps before it are known and, where none is, its
+/* What generated code begins a step of the field's size with: how many before it are known and, where none is, the
  * unknowns. */
-tvi_status tvi_galerkin_begin(galerkin *w, double h, const tvi_origin *origin, int *known, tvi_stats *stats);
+tvi_status tvi_galerkin_begin(galerkin *w, const tvi_origin *origin, int *known, tvi_stats *stats);
 /* Steps by generated code, of the history, which remembers them; how many. */
 long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
                                 galerkin_outcome *to);
