@@ -26,7 +26,7 @@ const jet_sweeps *jet_sweeps_choose(void)
     return has_avx2() ? &jet_sweeps_avx2 : &jet_sweeps_base;
 }
 
-bool jet_reads_sooner(void) { return __builtin_cpu_is("intel"); }
+bool jet_reads_sooner(void) { return __builtin_cpu_is("intel") && !__builtin_cpu_is("icelake-server"); }
 
 bool jet_slows_for_wide(void)
 {

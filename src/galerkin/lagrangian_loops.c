@@ -5,6 +5,7 @@
 #include "rule.h"
 
 #include <math.h>
+#include <string.h>
 
 #define EACH_LANE for (size_t w = 0; w < stride; w++)
 
@@ -143,8 +144,48 @@ JET_INLINE void invert_column(lanes_inverse *f, int column, int lanes)
     }
 }
 
+/* ---- Without scales and exchanges, of matrices that are plain ---------------------------------------------------- */
+
+/* What stood on the diagonal as a part of the pivot: no less than this, and no more than 1 / this. */
+#define LEAST_PLAIN (1.0 / 16)
+
+#define PLAIN_PIVOT(V, S)                                                                                              \
+    {                                                                                                                  \
+        const V inverse = 1 / JET_OF(V, row, j), part = SIZE(V, JET_OF(V, a, j * f->n + j) * inverse);                 \
+        JET_AT(V, worst, 0) = LARGER(V, LARGER(V, LEAST_PLAIN - part, part - 1 / LEAST_PLAIN), JET_OF(V, worst, 0));   \
+        for (int k = 0; k < f->n; k++) JET_AT(V, row, k) *= inverse;                                                   \
+        JET_AT(V, row, j) = inverse;                                                                                   \
+    }
+
+#define PLAIN_OTHER(V, S)                                                                                              \
+    {                                                                                                                  \
+        const V part = JET_OF(V, other, j);                                                                            \
+        JET_AT(V, other, j) = (V){0};                                                                                  \
+        for (int k = 0; k < f->n; k++) JET_AT(V, other, k) -= part * JET_OF(V, row, k);                                \
+    }
+
+/* Gauss and Jordan's, in the inverse's place; false: some pivot is not plain, and nothing stands there. */
+JET_INLINE bool invert_plainly(lanes_inverse *f, int lanes)
+{
+    const size_t stride = (size_t)lanes, count = (size_t)f->n * stride;
+    const double *const a = f->lu;
+    double worst[TVI_GALERKIN_MAX_LANES];
+    bool is_plain = true;
+    memcpy(f->inverse, a, (size_t)f->n * count * sizeof *a);
+    EACH_LANE worst[w] = -INFINITY;
+    for (int j = 0; j < f->n; j++) {
+        double *const row = f->inverse + (size_t)j * count, *other = f->inverse;
+        JET_BLOCKS(lanes, PLAIN_PIVOT, );
+        for (int i = 0; i < f->n; i++, other += count)
+            if (i != j) JET_BLOCKS(lanes, PLAIN_OTHER, );
+    }
+    EACH_LANE is_plain &= worst[w] < 0;
+    return is_plain;
+}
+
 JET_INLINE double invert_lanes(lanes_inverse *f, int lanes)
 {
+    if (invert_plainly(f, lanes)) return 1;
     const double smallest = factor_lanes(f, lanes);
     for (int column = 0; column < f->n; column++) invert_column(f, column, lanes);
     return smallest;

@@ -49,7 +49,8 @@ typedef struct {
 } lanes_rounds;
 
 typedef struct {
-    /* In every lane. Returns the smallest pivot, relative to rows and columns of size 1; 0 where there is a NaN. */
+    /* In every lane. Returns the smallest pivot, relative to rows and columns of size 1, or 1 where all pivots are as
+     * large as what stood on the diagonal, or nearly; 0 where there is a NaN. */
     double (*invert)(lanes_inverse *of);
     /* V <- V + A^-1 (P - p), [n][lanes] each. */
     void (*correct)(const lanes_inverse *of, const double *P, const double *p, double *V);

@@ -37,7 +37,7 @@ typedef enum { LAGRANGIAN_PASSED, LAGRANGIAN_OUTSIDE, LAGRANGIAN_NO_NUMBER, LAGR
  * drift by what the pass before has left of V. */
 enum { LAGRANGIAN_ITERATIONS = 3, LAGRANGIAN_LEAST_ITERATIONS = 2 };
 /* The square of a relative movement after which second derivatives serve again. */
-#define LAGRANGIAN_SERVES 1e-6
+#define LAGRANGIAN_SERVES 1e-8
 /* That of one which is roundoff: no other one follows from it. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 

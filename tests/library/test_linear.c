@@ -221,34 +221,38 @@ static void put_lane(const lanes_inverse *f, int lane, const double A[])
     for (int i = 0; i < f->n * f->n; i++) f->lu[i * f->lanes + lane] = A[i];
 }
 
-/* V <- V + A^-1 (P - p), a matrix of its own in each lane, the last of them with no need to exchange rows. */
+/* V <- V + A^-1 (P - p), a matrix of its own in each lane: all with no need to exchange rows, or the last of 16. */
+static void check_lanes(const lagrangian_loops *loops, lanes_inverse *f, bool are_plain)
+{
+    const int n = f->n, lanes = f->lanes;
+    double A[LANES][MOST * MOST], P[MOST * LANES], p[MOST * LANES] = {0}, V[MOST * LANES] = {0}, back[MOST * LANES];
+    for (int lane = 0; lane < lanes; lane++) {
+        fill(n, lane, A[lane]);
+        for (int i = 0; (are_plain || lane == LANES - 1) && i < n * n; i++)
+            A[lane][i] = i % (n + 1) ? cos(1 + i + lane) : 3 * n;
+        put_lane(f, lane, A[lane]);
+        for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
+    }
+    ck_assert_double_gt(loops->invert(f), n * DBL_EPSILON);
+    loops->correct(f, P, p, V);
+    for (int lane = 0; lane < lanes; lane++) {
+        double x[MOST], b[MOST];
+        for (int i = 0; i < n; i++) x[i] = V[i * lanes + lane], b[i] = P[i * lanes + lane];
+        check_residual(n, A[lane], false, x, b);
+    }
+    memcpy(back, V, sizeof back);
+    loops->correct(f, p, P, back);
+    for (int i = 0; i < n * lanes; i++) ck_assert_double_le(fabs(back[i]), DBL_EPSILON * fabs(V[i]));
+}
+
 START_TEST(lanes_are_solved_alone)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
     lanes_inverse f = lanes_inverse_in(&room, n, lanes);
-    double A[LANES][MOST * MOST], P[MOST * LANES], p[MOST * LANES] = {0}, V[MOST * LANES];
     const lagrangian_loops *loops;
-    for (int isa = 0; (loops = loops_at(isa)); isa++) {
-        for (int lane = 0; lane < lanes; lane++) {
-            fill(n, lane, A[lane]);
-            for (int i = 0; lane == LANES - 1 && i < n * n; i++) A[lane][i] = i % (n + 1) ? 1 : 3 * n;
-            put_lane(&f, lane, A[lane]);
-            for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
-        }
-        ck_assert_double_gt(loops->invert(&f), n * DBL_EPSILON);
-        for (int i = 0; i < n * lanes; i++) V[i] = 0;
-        loops->correct(&f, P, p, V);
-        for (int lane = 0; lane < lanes; lane++) {
-            double x[MOST], b[MOST];
-            for (int i = 0; i < n; i++) x[i] = V[i * lanes + lane], b[i] = P[i * lanes + lane];
-            check_residual(n, A[lane], false, x, b);
-        }
-        double back[MOST * LANES];
-        memcpy(back, V, sizeof back);
-        loops->correct(&f, p, P, back);
-        for (int i = 0; i < n * lanes; i++) ck_assert_double_le(fabs(back[i]), DBL_EPSILON * fabs(V[i]));
-    }
+    for (int isa = 0; (loops = loops_at(isa)); isa++)
+        for (int are_plain = 0; are_plain < 2; are_plain++) check_lanes(loops, &f, are_plain);
 }
 END_TEST
 
@@ -258,16 +262,18 @@ START_TEST(singular_lanes_are_seen)
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
     lanes_inverse f = lanes_inverse_in(&room, n, lanes);
-    double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST];
+    double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST],
+        endless[MOST * MOST];
     for (int i = 0; i < n * n; i++) {
-        regular[i] = broken[i] = i % (n + 1) ? 0.5 : n;
+        regular[i] = broken[i] = endless[i] = i % (n + 1) ? 0.5 : n;
         rank_one[i] = n > 1 ? (1 + i / n) * (2.0 + i % n) : 0;
     }
     broken[n * n - 1] = NAN;
-    const double *const bad[] = {regular, rank_one, zero, broken};
+    endless[n * n - 1] = INFINITY;
+    const double *const bad[] = {regular, rank_one, zero, broken, endless};
     const lagrangian_loops *loops;
     for (int isa = 0; (loops = loops_at(isa)); isa++)
-        for (int kind = 0; kind < 4; kind++) {
+        for (int kind = 0; kind < 5; kind++) {
             for (int lane = 0; lane < lanes; lane++) put_lane(&f, lane, lane == lanes / 2 ? bad[kind] : regular);
             const double least = loops->invert(&f);
             if (kind == 0) ck_assert_double_gt(least, 0.1);
