@@ -262,8 +262,8 @@ START_TEST(singular_lanes_are_seen)
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
     lanes_inverse f = lanes_inverse_in(&room, n, lanes);
-    double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST],
-        endless[MOST * MOST];
+    double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST];
+    double endless[MOST * MOST];
     for (int i = 0; i < n * n; i++) {
         regular[i] = broken[i] = endless[i] = i % (n + 1) ? 0.5 : n;
         rank_one[i] = n > 1 ? (1 + i / n) * (2.0 + i % n) : 0;
