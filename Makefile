@@ -1,7 +1,7 @@
 # make help       these lines
 # make            build/libtvi.a and build/libtvi.so
 # make libs       what a program with build/libtvi.a is linked with, before it is installed
-# make check      the tests (installs what they need from Debian, as root), less than six minutes of two cores
+# make check      the tests (installs what they need from Debian, as root), six to twelve minutes of two cores
 # make check-long what takes longer: sanitizers, coverage, the base instruction set, warnings of gcc as it optimizes
 # make check-generated  generated code on every scene with every method, and the suites of other programs with it: some
 #                 minutes of the compiler, once
