@@ -146,7 +146,8 @@ JET_INLINE void invert_column(lanes_inverse *f, int column, int lanes)
 
 /* ---- Without scales and exchanges, of matrices that are plain ---------------------------------------------------- */
 
-/* What stood on the diagonal as a part of the pivot: no less than this, and no more than 1 / this. */
+/* What stood on the diagonal as a part of the pivot: no less than this, and no more than 1 / this, as in the inverses
+ * of algebra/linear_small.h. */
 #define LEAST_PLAIN (1.0 / 16)
 
 #define PLAIN_PIVOT(V, S)                                                                                              \

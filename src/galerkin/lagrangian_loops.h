@@ -8,7 +8,7 @@
 /* A matrix A of n rows at each node. */
 typedef struct {
     int n, lanes;
-    double *lu;                       /* [n][n][lanes] A: fill it, then invert; its factors are there then */
+    double *lu;                       /* [n][n][lanes] A: fill it, then invert, which may leave its factors there */
     double *inverse;                  /* [n][n][lanes] */
     double *row_scale, *column_scale; /* [n][lanes] */
     int *pivot;                       /* [n][lanes] */
