@@ -29,8 +29,8 @@ JET_INLINE void turn_over(const jet_v8 row[8], jet_v8 column[8])
     }
 }
 
-/* sum = sum_j term(j), compensated, in two chains, which do not wait for each other. */
-#define SUM_OF_COLUMNS(sum, term)                                                                                      \
+/* sum + low = sum_j term(j), compensated, in two chains, which do not wait for each other. */
+#define SUM_OF_COLUMNS(sum, low, term)                                                                                 \
     {                                                                                                                  \
         jet_v8 total[2], lost[2] = {{0}};                                                                              \
         for (int j = 0; j < 8; j++) {                                                                                  \
@@ -39,7 +39,9 @@ JET_INLINE void turn_over(const jet_v8 row[8], jet_v8 column[8])
             else add_two_sum_of_jet_v8(&total[j % 2], &lost[j % 2], &one);                                             \
         }                                                                                                              \
         add_two_sum_of_jet_v8(&total[0], &lost[0], &total[1]);                                                         \
-        *(jet_v8 *)(sum) = total[0] + (lost[0] + lost[1]);                                                             \
+        lost[0] += lost[1];                                                                                            \
+        *(jet_v8 *)(sum) = total[0] + lost[0];                                                                         \
+        *(jet_v8 *)(low) = lost[0] - (*(jet_v8 *)(sum)-total[0]);                                                      \
     }
 
 /* Of the unknowns from u on; the sums have room for eight. */
@@ -50,8 +52,8 @@ JET_INLINE void sum_columns(const galerkin_weights *weights, const double *impul
     for (int i = 0; i < 8; i++) row[i] = *(const jet_v8 *)(impulses + 8 * (u + i < unknowns ? u + i : unknowns - 1));
     turn_over(row, L);
     for (int j = 0; j < 8; j++) last += weights->last[j] * L[j];
-    SUM_OF_COLUMNS(sums->once + u, L[j])
-    SUM_OF_COLUMNS(sums->twice + u, weights->pair[j * OF_PAIR + 1] * L[j])
+    SUM_OF_COLUMNS(sums->once + u, sums->once_low + u, L[j])
+    SUM_OF_COLUMNS(sums->twice + u, sums->twice_low + u, weights->pair[j * OF_PAIR + 1] * L[j])
     *(jet_v8 *)(sums->last + u) = JET_ABS(jet_v8, last);
     *(jet_v8 *)(sums->reach + u) = JET_ABS(jet_v8, L[0]) + JET_ABS(jet_v8, L[POINTS_OF(weights) - 1]);
 }

@@ -25,12 +25,13 @@ typedef struct {
     galerkin_halves halves;
     tvi_passes_rule rule;
     bool are_all_in_lanes;
-    int *slot;                       /* [unknowns] as of the field; or behind the tape's slots the copy of an output */
-    int copies, *copied;             /* [copies] that is an input */
-    double *dq, *dp, *share, *ratio; /* [n][width] */
-    double *moved;                   /* [width] */
-    galerkin_crowd_passes passes;    /* [width] */
-    galerkin_crowd_history last;     /* in the history, as the impulses and where the last ones are */
+    int *slot;                    /* [unknowns] as of the field; or behind the tape's slots the copy of an output */
+    int copies, *copied;          /* [copies] that is an input */
+    tvi_increments by;            /* [n][width] each, */
+    double *share, *ratio;        /* [n][width] */
+    double *moved;                /* [width] */
+    galerkin_crowd_passes passes; /* [width] */
+    galerkin_crowd_history last;  /* in the history, as the impulses and where the last ones are */
     int *turn;
     double *impulses[GALERKIN_TURNS]; /* [unknowns][points][width] of the last step, of the one before, of the next */
 } crowd;
@@ -80,10 +81,11 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     take_nodes(&w.nodes, arena, system, options->degree, width);
     const size_t count = (size_t)width, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
     galerkin_sums *sums = &w.motion.sums;
-    double **const of_unknowns[] = {&sums->once, &sums->twice, &sums->last, &sums->reach, &w.drift.high, &w.drift.low};
-    double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio};
-    for (size_t i = 0; i < 6; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
-    for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, n);
+    double **const of_unknowns[] = {&sums->once,     &sums->twice,     &sums->last,   &sums->reach,
+                                    &sums->once_low, &sums->twice_low, &w.drift.high, &w.drift.low};
+    double **const of_n[] = {&w.by.dq, &w.by.dp, &w.by.dq_low, &w.by.dp_low, &w.share, &w.ratio};
+    for (size_t i = 0; i < 8; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
+    for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_doubles(arena, n);
     w.moved = tvi_arena_doubles(arena, count);
     w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
     w.copied = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.copied);
@@ -282,19 +284,25 @@ static void iterate(crowd *w, int count, tvi_stats *stats)
 
 /* ---- The end of a step ------------------------------------------------------------------------------------------- */
 
-static void integrate(crowd *w)
+/* Of all members. */
+static tvi_increments integrate(const crowd *w)
 {
     const galerkin_sums *sums = &w->motion.sums;
-    const int n = w->single->n, width = w->nodes.width;
-    w->loops->integrate(&w->nodes, &w->single->coefficients.weights, sums);
+    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const int n = w->single->n, momenta = n * nodes->width;
+    tvi_increments by = w->by;
+    w->loops->integrate(nodes, &w->single->coefficients.weights, sums);
     if (galerkin_is_second_order(&w->single->field)) {
-        w->loops->end_drifting(&w->nodes, sums, &w->drift, w->dq);
-        w->motion.dp = sums->once;
+        w->loops->end_drifting(nodes, sums, &w->drift, by.dq, by.dq_low);
+        by.dp = sums->once;
+        by.dp_low = sums->once_low;
     } else {
-        w->loops->end(&w->nodes, 0, n, sums->once, w->dq);
-        w->loops->end(&w->nodes, n, n, sums->once + n * width, w->dp);
-        w->motion.dp = w->dp;
+        w->loops->end(nodes, 0, n, sums->once, by.dq);
+        w->loops->end(nodes, 0, n, sums->once_low, by.dq_low);
+        w->loops->end(nodes, n, n, sums->once + momenta, by.dp);
+        w->loops->end(nodes, n, n, sums->once_low + momenta, by.dp_low);
     }
+    return by;
 }
 
 /* What goes by itself, or not at all, has the impulses that it had. */
@@ -315,12 +323,15 @@ static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end
 {
     const galerkin_crowd_nodes *nodes = &w->nodes;
     const int n = w->single->n;
-    integrate(w);
+    const tvi_increments by = integrate(w);
     w->motion.q = origin->q;
     w->motion.p = origin->p;
+    w->motion.dp = by.dp;
     remember(w);
-    w->loops->choose(nodes, n, w->dq, end->dq);
-    w->loops->choose(nodes, n, w->motion.dp, end->dp);
+    w->loops->choose(nodes, n, by.dq, end->by.dq);
+    w->loops->choose(nodes, n, by.dp, end->by.dp);
+    w->loops->choose(nodes, n, by.dq_low, end->by.dq_low);
+    w->loops->choose(nodes, n, by.dp_low, end->by.dp_low);
     w->loops->tail(&w->motion, nodes->width, w->share, w->ratio, w->moved);
     w->loops->choose(nodes, 1, w->moved, end->tail);
     w->loops->choose(nodes, 1, origin->t, w->last.t);

@@ -191,16 +191,20 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
         }                                                                                                              \
     }
 
-#define SUM_UP(V, row, total, lost)                                                                                    \
-    ADD_TWO_SUM(V, total[0], lost[0], total[1])                                                                        \
-    ROW_AT(V, row, u) = total[0] + (lost[0] + lost[1]);
+#define SUM_UP(V, row, row_low, total, lost)                                                                           \
+    {                                                                                                                  \
+        ADD_TWO_SUM(V, total[0], lost[0], total[1])                                                                    \
+        const V less = lost[0] + lost[1], whole = total[0] + less;                                                     \
+        ROW_AT(V, row, u) = whole;                                                                                     \
+        ROW_AT(V, row_low, u) = less - (whole - total[0]);                                                             \
+    }
 
 #define INTEGRATE(V, S)                                                                                                \
     for (int u = 0; u < unknowns; u++) {                                                                               \
         V sum = {0}, once[2] = {0}, once_lost[2] = {0}, twice[2] = {0}, twice_lost[2] = {0};                           \
         for (int j = 0; j < points; j++) ADD_NODE(V)                                                                   \
-        SUM_UP(V, sums->once, once, once_lost)                                                                         \
-        SUM_UP(V, sums->twice, twice, twice_lost)                                                                      \
+        SUM_UP(V, sums->once, sums->once_low, once, once_lost)                                                         \
+        SUM_UP(V, sums->twice, sums->twice_low, twice, twice_lost)                                                     \
         ROW_AT(V, sums->last, u) = JET_ABS(V, sum);                                                                    \
         ROW_AT(V, sums->reach, u) =                                                                                    \
             JET_ABS(V, ROW_OF(V, impulse, u * points)) + JET_ABS(V, ROW_OF(V, impulse, (u + 1) * points - 1));         \
@@ -230,14 +234,17 @@ static void choose(const galerkin_crowd_nodes *nodes, int rows, const double *fr
 
 /* Products with the size of the step are exact, as in loops.c. */
 static void end_drifting(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,
-                         const galerkin_crowd_drift *drift, double *dq)
+                         const galerkin_crowd_drift *drift, double *restrict dq, double *restrict dq_low)
 {
     const size_t width = (size_t)nodes->width, unknowns = (size_t)nodes->unknowns;
     for (size_t u = 0; u < unknowns; u++) {
-        const double scale = nodes->scale[u], *high = drift->high + u * width, *low = drift->low + u * width;
-        const double *twice = sums->twice + u * width;
-        double *restrict to = dq + u * width;
-        for (size_t m = 0; m < width; m++) to[m] = high[m] + fma(scale, twice[m], low[m]);
+        const double scale = nodes->scale[u];
+        for (size_t at = u * width; at < (u + 1) * width; at++) {
+            const double twice = sums->twice[at], rise = scale * twice;
+            double rest;
+            dq[at] = tvi_two_sum(drift->high[at], rise, &rest);
+            dq_low[at] = rest + (fma(scale, twice, -rise) + fma(scale, sums->twice_low[at], drift->low[at]));
+        }
     }
 }
 

@@ -67,7 +67,7 @@ typedef struct {
     void (*choose)(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to);
     void (*end)(const galerkin_crowd_nodes *nodes, int first, int count, const double *once, double *rise);
     void (*end_drifting)(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,
-                         const galerkin_crowd_drift *drift, double *dq);
+                         const galerkin_crowd_drift *drift, double *dq, double *dq_low);
     /* q, p, dp, tail: [n][width]; share, ratio: scratch. */
     void (*tail)(const galerkin_motion *of, int width, double *share, double *ratio, double tail[]);
 } galerkin_crowd_loops;

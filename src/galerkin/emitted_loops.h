@@ -67,10 +67,10 @@
         start_drifting_lanes(&sized, c, origin, drift, drift_low, (LANES));                                            \
     }                                                                                                                  \
     static void NAME##_end_drifting(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,       \
-                                    const double *drift_low, double dq[], double dp[])                                 \
+                                    const double *drift_low, const tvi_increments *by)                                 \
     {                                                                                                                  \
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
-        end_drifting(&sized, sums, drift, drift_low, dq, dp);                                                          \
+        end_drifting(&sized, sums, drift, drift_low, by);                                                              \
     }                                                                                                                  \
     JET_INLINE galerkin_motion NAME##_motion(const galerkin_motion *of)                                                \
     {                                                                                                                  \

@@ -31,8 +31,8 @@ JET_INLINE void steady_sum(const galerkin_frame *frame, galerkin_nodes nodes, do
 {
     nodes.impulse = impulses;
     integrate_lanes(&nodes, frame->weights, &motion->sums, lanes);
-    if (motion->has_masses) end_drifting(&nodes, &motion->sums, frame->drift, frame->drift_low, row->dq, row->dp);
-    else galerkin_end(&nodes, &motion->sums, motion->n, row->dq, row->dp);
+    if (motion->has_masses) end_drifting(&nodes, &motion->sums, frame->drift, frame->drift_low, &row->by);
+    else galerkin_end(&nodes, &motion->sums, motion->n, &row->by);
 }
 
 JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motion, const tvi_row *row,
@@ -40,7 +40,7 @@ JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motio
 {
     motion.q = origin->q;
     motion.p = origin->p;
-    motion.dp = row->dp;
+    motion.dp = row->by.dp;
     return lanes < 2 || galerkin_tail_is_at_most(&motion, known) ? known : tail(&motion, frame->share, frame->ratio);
 }
 
@@ -147,20 +147,23 @@ JET_INLINE long steady_own(const galerkin_frame *frame, galerkin_nodes *nodes, c
                            const tvi_run_state *now, galerkin_outcome *to, int lanes)
 {
     double q[GALERKIN_OWN + 1], q_low[GALERKIN_OWN + 1], p[GALERKIN_OWN], p_low[GALERKIN_OWN];
-    double dq[GALERKIN_OWN + 1], dp[GALERKIN_OWN];
+    double dq[GALERKIN_OWN + 1], dp[GALERKIN_OWN], dq_low[GALERKIN_OWN + 1], dp_low[GALERKIN_OWN];
     const int n = motion->n, numbers = now ? n + 1 : n;
     const tvi_run_state own = {q, q_low, p, p_low};
     const tvi_origin origin = {begin->t, begin->t_low, q, q_low, p, p_low};
-    const tvi_row row = {of->h, of->steps, of->sure, of->time, of->t_end, dq, dp};
+    const tvi_row row = {of->h, of->steps, of->sure, of->time, of->t_end, {dq, dp, dq_low, dp_low}};
     keep_rows(q, begin->q, 0, numbers, 1);
     keep_rows(q_low, begin->q_low, 0, numbers, 1);
     keep_rows(p, begin->p, 0, n, 1);
     keep_rows(p_low, begin->p_low, 0, n, 1);
     dq[n] = of->h;
+    dq_low[n] = 0;
     const long made = steady_lanes(frame, nodes, motion, form, &row, &origin, now ? &own : NULL, to, lanes);
     const int increments = made > 0 ? n : 0;
-    keep_rows(of->dq, dq, 0, increments, 1);
-    keep_rows(of->dp, dp, 0, increments, 1);
+    keep_rows(of->by.dq, dq, 0, increments, 1);
+    keep_rows(of->by.dp, dp, 0, increments, 1);
+    keep_rows(of->by.dq_low, dq_low, 0, increments, 1);
+    keep_rows(of->by.dp_low, dp_low, 0, increments, 1);
     if (!now) return made;
     keep_rows(now->q, q, 0, n + 1, 1);
     keep_rows(now->q_low, q_low, 0, n + 1, 1);
@@ -178,6 +181,7 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
     _Alignas(64) double high[BLOCK], base[BLOCK], impulse[BLOCK];
     double start[GALERKIN_FEW], inverse_size[GALERKIN_FEW], drift[GALERKIN_FEW], drift_low[GALERKIN_FEW];
     double once[GALERKIN_FEW], twice[GALERKIN_FEW], last[GALERKIN_FEW], reach[GALERKIN_FEW];
+    double once_low[GALERKIN_FEW], twice_low[GALERKIN_FEW];
     double share[GALERKIN_FEW], ratio[GALERKIN_FEW];
     galerkin_frame frame = *of;
     nodes->high = high;
@@ -185,7 +189,7 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
     nodes->impulse = impulse;
     nodes->start = start;
     nodes->inverse_size = inverse_size;
-    motion.sums = (galerkin_sums){once, twice, last, reach};
+    motion.sums = (galerkin_sums){once, twice, last, reach, once_low, twice_low};
     frame.drift = drift;
     frame.drift_low = drift_low;
     frame.share = share;

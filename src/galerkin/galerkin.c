@@ -96,8 +96,9 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
 static void take_motion(galerkin_motion *motion, tvi_arena *arena, const tvi_system *system, double *scale)
 {
     galerkin_sums *sums = &motion->sums;
-    double **const vectors[] = {&sums->once, &sums->twice, &sums->last, &sums->reach};
-    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
+    double **const vectors[] = {&sums->once,  &sums->twice,    &sums->last,
+                                &sums->reach, &sums->once_low, &sums->twice_low};
+    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
     motion->n = system->n;
     motion->has_masses = system->form == TVI_SEPARABLE;
     motion->scale = scale;
@@ -223,15 +224,12 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-static void set_increments(const galerkin *w, double dq[], double dp[])
+static void set_increments(const galerkin *w, const tvi_increments *by)
 {
     const galerkin_nodes *nodes = &w->field.nodes;
     const galerkin_sums *sums = &w->motion.sums;
-    if (galerkin_is_second_order(&w->field)) {
-        w->field.loops->end_drifting(nodes, sums, w->drift, w->drift_low, dq, dp);
-        return;
-    }
-    galerkin_end(nodes, sums, w->n, dq, dp);
+    if (galerkin_is_second_order(&w->field)) w->field.loops->end_drifting(nodes, sums, w->drift, w->drift_low, by);
+    else galerkin_end(nodes, sums, w->n, by);
 }
 
 double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[])
@@ -254,9 +252,9 @@ tvi_status tvi_galerkin_begin(galerkin *w, const tvi_origin *origin, int *known,
 }
 
 /* By generated code; false where it is to be made in another way. */
-static bool step_generated(galerkin *w, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+static bool step_generated(galerkin *w, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
-    const tvi_row row = {.h = w->field.h, .steps = 1, .dq = dq, .dp = dp};
+    const tvi_row row = {.h = w->field.h, .steps = 1, .by = *by};
     galerkin_outcome to = {.largest_tail = 0};
     if (tvi_galerkin_begin(w, origin, &to.known, stats) != TVI_OK) return false;
     const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;
@@ -267,12 +265,12 @@ static bool step_generated(galerkin *w, const tvi_origin *origin, double dq[], d
     return true;
 }
 
-static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     galerkin *w = work;
     const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
     tvi_galerkin_set_size(w, h);
-    if (w->field.loops->steady && iterates && step_generated(w, origin, dq, dp, stats)) return TVI_OK;
+    if (w->field.loops->steady && iterates && step_generated(w, origin, by, stats)) return TVI_OK;
     double place;
     const double *part =
         iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place) ? &place : NULL;
@@ -282,8 +280,8 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, double dq
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
     tvi_galerkin_remember(&w->predictor, h, origin->t, pace);
-    set_increments(w, dq, dp);
-    stats->tail = tvi_galerkin_tail(w, origin, dp);
+    set_increments(w, by);
+    stats->tail = tvi_galerkin_tail(w, origin, by->dp);
     return TVI_OK;
 }
 

@@ -237,7 +237,6 @@ BY_LANES(void, , go_round,
 JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums,
                                 int lanes)
 {
-    double *const once = sums->once, *const twice = sums->twice, *const last = sums->last, *const reach = sums->reach;
     const double *impulse = nodes->impulse;
     const int unknowns = nodes->unknowns;
 #ifdef JET_WIDE
@@ -250,12 +249,7 @@ JET_INLINE void integrate_lanes(const galerkin_nodes *nodes, const galerkin_weig
         const int v = u + 1 < unknowns ? u + 1 : u;
         pair_sums sum;
         sum_pair(weights, impulse + u * lanes, impulse + v * lanes, unknowns, lanes, &sum);
-        for (int i = u; i <= v; i++) {
-            once[i] = sum.of_pair[2 * (i - u)];
-            twice[i] = sum.of_pair[2 * (i - u) + 1];
-            last[i] = fabs(sum.last[2 * (i - u)]);
-            reach[i] = sum.reach[2 * (i - u)];
-        }
+        for (int i = u; i <= v; i++) put_sums(&sum, 2 * (i - u), sums, i);
     }
 }
 
@@ -348,12 +342,15 @@ BY_LANES(void, , start_drifting,
          nodes, c, origin, drift, drift_low)
 
 static void end_drifting(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
-                         const double *drift_low, double dq[], double dp[])
+                         const double *drift_low, const tvi_increments *by)
 {
-    const double *scale = nodes->scale, *once = sums->once, *twice = sums->twice;
     for (int u = 0, unknowns = nodes->unknowns; u < unknowns; u++) {
-        dq[u] = drift[u] + fma(scale[u], twice[u], drift_low[u]);
-        dp[u] = once[u];
+        const double scale = nodes->scale[u], twice = sums->twice[u], rise = scale * twice;
+        double rest;
+        by->dq[u] = tvi_two_sum(drift[u], rise, &rest);
+        by->dq_low[u] = rest + (fma(scale, twice, -rise) + fma(scale, sums->twice_low[u], drift_low[u]));
+        by->dp[u] = sums->once[u];
+        by->dp_low[u] = sums->once_low[u];
     }
 }
 

@@ -50,10 +50,10 @@ typedef struct {
     double *last;   /* [lanes] */
 } galerkin_weights;
 
-/* [unknowns] of each, and room for seven more: the sums, the last one without sign, and |L| at the first and the last
- * node together. */
+/* [unknowns] of each, and room for seven more: the sums, the last one without sign, |L| at the first and the last node
+ * together, and what the first two sums lack. */
 typedef struct {
-    double *once, *twice, *last, *reach;
+    double *once, *twice, *last, *reach, *once_low, *twice_low;
 } galerkin_sums;
 
 /* A step, as its tail sees it (algebra/tail.h). */
@@ -144,7 +144,7 @@ typedef struct galerkin_loops {
      * not. moved: that of the pass whose second derivatives serve again, unless they are new. */
     void (*go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives, const int slot[],
                      bool is_new, double moved, double least, double *changes);
-    /* Of the last movement; `once` and `twice` are compensated. */
+    /* Of the last movement. */
     void (*integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
     /* start = high = (q, p) and base = (q_low, p_low) of the origin, n of each. */
     void (*start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin);
@@ -154,7 +154,7 @@ typedef struct galerkin_loops {
                            double *drift_low);
     /* dq = drift + drift_low + scale twice, dp = once, from what `integrate` made. */
     void (*end_drifting)(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
-                         const double *drift_low, double dq[], double dp[]);
+                         const double *drift_low, const tvi_increments *by);
     /* share, ratio [n]: scratch. */
     double (*tail)(const galerkin_motion *of, double *share, double *ratio);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);

@@ -1,5 +1,5 @@
 /* pairs.h - the sums over the nodes that a step ends with, of two unknowns at a time (loops.c). They are compensated by
- * two-sums: what an addition loses is added up by itself. */
+ * two-sums: what an addition loses is added up by itself, and what the sum of both loses is its second part. */
 #ifndef TVI_SRC_GALERKIN_PAIRS_H
 #define TVI_SRC_GALERKIN_PAIRS_H
 
@@ -7,7 +7,7 @@
 
 /* Of u, u, v, v: once and twice in turns, as galerkin_sums has them, and last and reach, last with its sign. */
 typedef struct {
-    jet_v4 of_pair, last, reach;
+    jet_v4 of_pair, low, last, reach;
 } pair_sums;
 
 /* *total += *term; *lost += what that loses. */
@@ -33,7 +33,9 @@ JET_INLINE void sum_in_chains(const galerkin_weights *weights, const double *u, 
         else add_two_sum_of_jet_v4(&total[j % 2], &lost[j % 2], &term);
     }
     add_two_sum_of_jet_v4(&total[0], &lost[0], &total[1]);
-    sums->of_pair = total[0] + (lost[0] + lost[1]);
+    lost[0] += lost[1];
+    sums->of_pair = total[0] + lost[0];
+    sums->low = lost[0] - (sums->of_pair - total[0]);
     sums->last = last[0] + last[1];
 }
 
@@ -64,10 +66,11 @@ JET_INLINE void sum_as_tree(const galerkin_weights *weights, const double *u, co
     less += SWAPPED(less);
     const jet_v8 other = SWAPPED(total);
     add_two_sum_of_jet_v8(&total, &less, &other);
-    total += less;
+    const jet_v8 whole = total + less, low = less - (whole - total);
     const jet_v8 of_both = EVEN_OF(last) + ODD_OF(last), of_half = of_both + SWAPPED(of_both);
     const double last_of_u = of_half[0] + of_half[4], last_of_v = of_half[1] + of_half[5];
-    sums->of_pair = (jet_v4){total[0], total[4], total[1], total[5]};
+    sums->of_pair = (jet_v4){whole[0], whole[4], whole[1], whole[5]};
+    sums->low = (jet_v4){low[0], low[4], low[1], low[5]};
     sums->last = (jet_v4){last_of_u, last_of_u, last_of_v, last_of_v};
 }
 #elif defined(__AVX2__)
@@ -100,6 +103,7 @@ JET_INLINE void sum_as_tree(const galerkin_weights *weights, const double *u, co
     const jet_v4 other = LAST_OF(pair[0], pair[1]);
     add_two_sum_of_jet_v4(&total, &lost, &other);
     sums->of_pair = total + lost;
+    sums->low = lost - (sums->of_pair - total);
     const jet_v4 of_both = EVEN_OF(last[0], last[1]) + ODD_OF(last[0], last[1]);
     const double last_of_u = of_both[0] + of_both[2], last_of_v = of_both[1] + of_both[3];
     sums->last = (jet_v4){last_of_u, last_of_u, last_of_v, last_of_v};
@@ -121,6 +125,17 @@ JET_INLINE void sum_pair(const galerkin_weights *weights, const double *u, const
 #endif
     (void)unknowns;
     sum_in_chains(weights, u, v, lanes, sums);
+}
+
+/* Those that stand there, of unknown u. */
+JET_INLINE void put_sums(const pair_sums *pair, int at, const galerkin_sums *sums, int u)
+{
+    sums->once[u] = pair->of_pair[at];
+    sums->twice[u] = pair->of_pair[at + 1];
+    sums->once_low[u] = pair->low[at];
+    sums->twice_low[u] = pair->low[at + 1];
+    sums->last[u] = fabs(pair->last[at]);
+    sums->reach[u] = pair->reach[at];
 }
 
 #endif

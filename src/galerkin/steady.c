@@ -49,14 +49,14 @@ static double tail_of_last(galerkin *w, const tvi_row *row, const tvi_run_state 
     double *q = w->begun, *p = q + w->n;
     nodes.impulse = tvi_galerkin_impulses(&w->predictor, 0);
     w->field.loops->integrate(&nodes, &w->coefficients.weights, sums);
-    if (!has_masses) galerkin_end(&nodes, sums, w->n, row->dq, row->dp);
+    if (!has_masses) galerkin_end(&nodes, sums, w->n, &row->by);
     for (int i = 0; i < w->n; i++) {
-        if (has_masses) row->dp[i] = sums->once[i];
-        p[i] = now->p[i] - row->dp[i];
-        if (has_masses) row->dq[i] = nodes.scale[i] * (p[i] + sums->twice[i]);
-        q[i] = now->q[i] - row->dq[i];
+        if (has_masses) row->by.dp[i] = sums->once[i];
+        p[i] = now->p[i] - row->by.dp[i];
+        if (has_masses) row->by.dq[i] = nodes.scale[i] * (p[i] + sums->twice[i]);
+        q[i] = now->q[i] - row->by.dq[i];
     }
-    return tvi_galerkin_tail(w, &(tvi_origin){.q = q, .p = p}, row->dp);
+    return tvi_galerkin_tail(w, &(tvi_origin){.q = q, .p = p}, row->by.dp);
 }
 
 long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats)
@@ -68,7 +68,7 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
     const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
     tvi_galerkin_set_size(w, row->h);
     if (tvi_galerkin_begin(w, &origin, &to.known, &counted) != TVI_OK) return 0;
-    row->dq[w->n] = row->h;
+    row->by.dq[w->n] = row->h;
     const long made = tvi_galerkin_make_steadily(w, row, &origin, now, &to);
     if (made < 1) return 0;
     *stats = counted;

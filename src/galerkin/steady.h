@@ -85,11 +85,13 @@ static inline bool galerkin_tail_is_at_most(const galerkin_motion *of, double mo
 }
 
 /* Of equations of first order. */
-static inline void galerkin_end(const galerkin_nodes *nodes, const galerkin_sums *sums, int n, double dq[], double dp[])
+static inline void galerkin_end(const galerkin_nodes *nodes, const galerkin_sums *sums, int n, const tvi_increments *by)
 {
     for (int i = 0; i < n; i++) {
-        dq[i] = nodes->scale[i] * sums->once[i];
-        dp[i] = nodes->scale[n + i] * sums->once[n + i];
+        by->dq[i] = nodes->scale[i] * sums->once[i];
+        by->dq_low[i] = nodes->scale[i] * sums->once_low[i];
+        by->dp[i] = nodes->scale[n + i] * sums->once[n + i];
+        by->dp_low[i] = nodes->scale[n + i] * sums->once_low[n + i];
     }
 }
 
@@ -101,25 +103,25 @@ static inline bool galerkin_sums_are_finite(int count, const double *x, const do
 }
 
 /* What tvi_add_compensated does, of two. */
-static inline void galerkin_add_two(double *x, double *low, const double *d)
+static inline void galerkin_add_two(double *x, double *low, const double *d, const double *d_low)
 {
     const jet_v2 a = *(const jet_v2 *)x, l = *(const jet_v2 *)low, e = *(const jet_v2 *)d;
     const jet_v2 small = l + e, of_e = small - l, rest = (l - (small - of_e)) + (e - of_e);
     const jet_v2 sum = a + small, of_small = sum - a;
-    *(jet_v2 *)low = ((a - (sum - of_small)) + (small - of_small)) + rest;
+    *(jet_v2 *)low = ((a - (sum - of_small)) + (small - of_small)) + (rest + *(const jet_v2 *)d_low);
     *(jet_v2 *)x = sum;
 }
 
 /* Numbers that are in registers stay there. */
-static inline void galerkin_add(int count, double *x, double *low, const double *d)
+static inline void galerkin_add(int count, double *x, double *low, const double *d, const double *d_low)
 {
     if (count > GALERKIN_OWN + 1) {
-        (void)tvi_add_all_compensated(count, x, low, d);
+        (void)tvi_add_all_compensated(count, x, low, d, d_low);
         return;
     }
     int i = 0;
-    for (; i + 2 <= count; i += 2) galerkin_add_two(x + i, low + i, d + i);
-    if (i < count) x[i] = tvi_add_compensated(x[i], &low[i], d[i]);
+    for (; i + 2 <= count; i += 2) galerkin_add_two(x + i, low + i, d + i, d_low + i);
+    if (i < count) x[i] = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
 }
 
 /* Adds the step to the state; false where it is not sure, or not finite. */
@@ -127,10 +129,10 @@ static inline bool galerkin_advance(int n, const tvi_row *row, const tvi_run_sta
 {
     if (!(tried->tail <= row->sure.tail && tried->count <= row->sure.passes)) return false;
     if (!tvi_row_is_in_time(row, now->q)) return false;
-    if (!galerkin_sums_are_finite(n + 1, now->q, row->dq)) return false;
-    if (!galerkin_sums_are_finite(n, now->p, row->dp)) return false;
-    galerkin_add(n + 1, now->q, now->q_low, row->dq);
-    galerkin_add(n, now->p, now->p_low, row->dp);
+    if (!galerkin_sums_are_finite(n + 1, now->q, row->by.dq)) return false;
+    if (!galerkin_sums_are_finite(n, now->p, row->by.dp)) return false;
+    galerkin_add(n + 1, now->q, now->q_low, row->by.dq, row->by.dq_low);
+    galerkin_add(n, now->p, now->p_low, row->by.dp, row->by.dp_low);
     return true;
 }
 

@@ -284,10 +284,10 @@ static void increments(tvi_both_ends *w, double dq[], double dp[])
     for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->shift[i]) / w->a.curve.kappa[i] + w->rise_p[i];
 }
 
-static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     tvi_both_ends *w = taken;
-    const size_t bytes = (size_t)w->n * sizeof *dq;
+    const size_t bytes = (size_t)w->n * sizeof *by->dq;
     attempt a = {w, origin, h, stats};
     const tvi_equations equations = {
         .self = &a, .residual = residual, .scale = set_scale, .jacobian = jacobian, .roundoff = residual_roundoff};
@@ -295,9 +295,9 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, double d
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, w->options, stats);
     if (status != TVI_OK) return status;
     keep_missing(w, origin);
-    increments(w, dq, dp);
-    memcpy(w->dq, dq, bytes);
-    memcpy(w->dp, dp, bytes);
+    increments(w, by->dq, by->dp);
+    memcpy(w->dq, by->dq, bytes);
+    memcpy(w->dp, by->dp, bytes);
     tvi_curve_measure(&w->a.curve);
     tvi_curve_measure(&w->b.curve);
     stats->tail = fmax(tvi_curve_tail(&w->a.curve), tvi_curve_tail(&w->b.curve));

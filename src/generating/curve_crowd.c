@@ -271,8 +271,8 @@ static void finish(crowd *w, const tvi_crowd_end *end, tvi_stats *stats)
     for (int m = 0; m < of->width; m++) {
         if (w->now[m] != TVI_DONE) continue;
         for (int at = m; at < half; at += of->width) {
-            end->dq[at] = w->dq[at];
-            end->dp[at] = w->dp[at];
+            end->by.dq[at] = w->dq[at];
+            end->by.dp[at] = w->dp[at];
         }
         end->tail[m] = stats->tail = w->tail[m];
         end->passes[m] = w->passes[m].of_each.count;

@@ -242,15 +242,15 @@ static bool step_by_code(const attempt *a, double dq[], double dp[])
     return false;
 }
 
-static tvi_status step(void *taken, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     work *w = taken;
     attempt a = {w, origin, w->closure.span.tau * h, stats};
-    if (w->corrects && step_by_code(&a, dq, dp)) return TVI_OK;
+    if (w->corrects && step_by_code(&a, by->dq, by->dp)) return TVI_OK;
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
-    stats->tail = step_finish(w, dq, dp);
+    stats->tail = step_finish(w, by->dq, by->dp);
     return TVI_OK;
 }
 
@@ -284,8 +284,8 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
     return TVI_ENOCONV;
 }
 
-static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin, double dq[],
-                              double dp[], double dq_low[], double dp_low[], tvi_stats *stats)
+static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin,
+                              const tvi_increments *by, tvi_stats *stats)
 {
     work *w = taken;
     tvi_curve *curve = &w->closure.curve;
@@ -302,11 +302,10 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
         *w->chosen = reach;
         if (origin->t + *h == origin->t) return TVI_ENOCONV;
     }
-    tvi_curve_end_at(curve, *h / a.tau, dq, dp);
-    for (int i = 0; i < curve->n; i++) dp[i] /= curve->kappa[i];
+    tvi_curve_end_at(curve, *h / a.tau, by->dq, by->dp);
+    for (int i = 0; i < curve->n; i++) by->dp[i] /= curve->kappa[i];
     stats->tail = tvi_curve_tail(curve);
-    if (tvi_refines(w->closure.system, tolerance))
-        tvi_refine(&w->refinement, curve, *h, origin, dq, dp, dq_low, dp_low);
+    if (tvi_refines(w->closure.system, tolerance)) tvi_refine(&w->refinement, curve, *h, origin, by);
     return TVI_OK;
 }
 

@@ -136,8 +136,8 @@ static void split(long double x, double *high, double *low)
     *low = (double)(x - *high);
 }
 
-void tvi_refine(const tvi_refinement *r, const tvi_curve *curve, double h, const tvi_origin *origin, double dq[],
-                double dp[], double dq_low[], double dp_low[])
+void tvi_refine(const tvi_refinement *r, const tvi_curve *curve, double h, const tvi_origin *origin,
+                const tvi_increments *by)
 {
     const tvi_system *system = curve->system;
     const attempt a = {r, curve, system, origin, h};
@@ -146,11 +146,11 @@ void tvi_refine(const tvi_refinement *r, const tvi_curve *curve, double h, const
     integrate_defect(&a);
     const bool separable = system->form == TVI_SEPARABLE;
     const long double *sum = sum_of(&a, END), *of_q = separable ? r->twice : r->once;
-    for (int i = 0; i < n; i++) split(r->drift[i] + (sum[i] + of_q[i]), &dq[i], &dq_low[i]);
+    for (int i = 0; i < n; i++) split(r->drift[i] + (sum[i] + of_q[i]), &by->dq[i], &by->dq_low[i]);
     if (separable) sum = sum_of(&a, SLOPE);
     for (int i = 0; i < n; i++) {
         const int at = separable ? i : n + i;
         const long double rise = sum[at] + r->once[at];
-        split(separable ? system->mass[i] / a.h * rise : rise, &dp[i], &dp_low[i]);
+        split(separable ? system->mass[i] / a.h * rise : rise, &by->dp[i], &by->dp_low[i]);
     }
 }

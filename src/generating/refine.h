@@ -24,8 +24,8 @@ void tvi_refinement_prepare(tvi_refinement *refinement, const tvi_curve *curve);
 /* Whether the increments to this tolerance are to be had so. */
 bool tvi_refines(const tvi_system *system, double tolerance);
 
-/* dq + dq_low and dp + dp_low [n] of the curve's step of size h = tau from the origin. */
+/* The increments of the curve's step of size h = tau from the origin. */
 void tvi_refine(const tvi_refinement *refinement, const tvi_curve *curve, double h, const tvi_origin *origin,
-                double dq[], double dp[], double dq_low[], double dp_low[]);
+                const tvi_increments *by);
 
 #endif

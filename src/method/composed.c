@@ -11,15 +11,14 @@ typedef struct {
     const tvi_stepper *stepper[2];
     void *work[2];
     double *q, *q_low, *p, *p_low; /* [n] the state between the halves */
-    double *dq, *dp;               /* [n] */
-    double *half_q, *half_p;       /* [n] increments of the first half */
+    tvi_increments half;           /* the first half's */
 } composed;
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
 {
     composed *taken = tvi_arena_take(arena, sizeof *taken);
     composed c = {.n = system->n, .options = {*options, tvi_method_adjoint(options)}};
-    double **const vectors[] = {&c.q, &c.q_low, &c.p, &c.p_low, &c.dq, &c.dp, &c.half_q, &c.half_p};
+    double **const vectors[] = {&c.q, &c.q_low, &c.p, &c.p_low, &c.half.dq, &c.half.dp, &c.half.dq_low, &c.half.dp_low};
     for (size_t i = 0; i < sizeof vectors / sizeof *vectors; i++)
         *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
     for (int half = 0; half < 2; half++) {
@@ -38,32 +37,32 @@ static void prepare(void *work)
     for (int half = 0; half < 2; half++) c->stepper[half]->prepare(c->work[half]); /* of curves */
 }
 
-/* (sum, low) of (x, x_low) + d. */
-static void add(int n, const double x[], const double x_low[], const double d[], double sum[], double low[])
+/* (sum, low) of (x, x_low) + (d, d_low). */
+static void add(int n, const double x[], const double x_low[], const double d[], const double d_low[], double sum[],
+                double low[])
 {
     for (int i = 0; i < n; i++) {
         low[i] = x_low[i];
-        sum[i] = tvi_add_compensated(x[i], &low[i], d[i]);
+        sum[i] = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
     }
 }
 
-static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     composed *c = work;
+    const tvi_increments *half = &c->half;
     const int n = c->n;
-    tvi_status status = c->stepper[0]->step(c->work[0], h / 2, origin, c->half_q, c->half_p, stats);
+    tvi_status status = c->stepper[0]->step(c->work[0], h / 2, origin, half, stats);
     if (status != TVI_OK) return status;
     const double first_tail = stats->tail;
-    add(n, origin->q, origin->q_low, c->half_q, c->q, c->q_low);
-    add(n, origin->p, origin->p_low, c->half_p, c->p, c->p_low);
+    add(n, origin->q, origin->q_low, half->dq, half->dq_low, c->q, c->q_low);
+    add(n, origin->p, origin->p_low, half->dp, half->dp_low, c->p, c->p_low);
     tvi_origin middle = {origin->t, origin->t_low, c->q, c->q_low, c->p, c->p_low};
-    middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2);
-    status = c->stepper[1]->step(c->work[1], h / 2, &middle, dq, dp, stats);
+    middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2, 0);
+    status = c->stepper[1]->step(c->work[1], h / 2, &middle, by, stats);
     stats->tail = fmax(stats->tail, first_tail);
-    for (int i = 0; i < n; i++) {
-        dq[i] += c->half_q[i];
-        dp[i] += c->half_p[i];
-    }
+    add(n, by->dq, by->dq_low, half->dq, half->dq_low, by->dq, by->dq_low);
+    add(n, by->dp, by->dp_low, half->dp, half->dp_low, by->dp, by->dp_low);
     return status;
 }
 
@@ -74,8 +73,8 @@ static void dense(void *work, double theta, double dq[], double dp[])
     c->stepper[half]->dense(c->work[half], 2 * theta - half, dq, dp);
     if (half == 0) return;
     for (int i = 0; i < c->n; i++) {
-        dq[i] += c->half_q[i];
-        dp[i] += c->half_p[i];
+        dq[i] += c->half.dq[i];
+        dp[i] += c->half.dp[i];
     }
 }
 

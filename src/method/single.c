@@ -12,8 +12,10 @@ void tvi_single_take(tvi_single *single, tvi_arena *arena, const tvi_stepper *st
     single->blocks = arena->blocks;
     arena->blocks = others;
     single->parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
-    double **const vectors[] = {&single->q, &single->q_low, &single->p, &single->p_low, &single->dq, &single->dp};
-    for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
+    tvi_increments *by = &single->by;
+    double **const vectors[] = {&single->q, &single->q_low, &single->p,  &single->p_low,
+                                &by->dq,    &by->dp,        &by->dq_low, &by->dp_low};
+    for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
     single->inside = tvi_arena_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
 }
 
@@ -52,10 +54,12 @@ bool tvi_single_step(const tvi_single *single, const jet_tape *tape, const doubl
     tvi_gather(n, width, origin->p_low, member, single->p_low);
     jet_tape_read_parameters(tape, x, points * width, member, single->parameters);
     tvi_blocks_set_parameters(single->blocks, tvi_system_parameters(single->system), 1, single->parameters);
-    end->status[member] = single->stepper->step(single->work, h, &from, single->dq, single->dp, stats);
+    end->status[member] = single->stepper->step(single->work, h, &from, &single->by, stats);
     if (end->status[member] != TVI_OK) return false;
-    tvi_scatter(n, width, single->dq, member, end->dq);
-    tvi_scatter(n, width, single->dp, member, end->dp);
+    tvi_scatter(n, width, single->by.dq, member, end->by.dq);
+    tvi_scatter(n, width, single->by.dp, member, end->by.dp);
+    tvi_scatter(n, width, single->by.dq_low, member, end->by.dq_low);
+    tvi_scatter(n, width, single->by.dp_low, member, end->by.dp_low);
     end->tail[member] = stats->tail;
     end->passes[member] = (int)(stats->passes - passes);
     return true;

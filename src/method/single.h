@@ -12,8 +12,9 @@ typedef struct {
     const tvi_block *blocks; /* its own: they have the parameters of the member whose step it makes */
     int width;
     double *parameters;
-    double *q, *q_low, *p, *p_low, *dq, *dp; /* [n] of the member */
-    double *inside;                          /* [slots][points] */
+    double *q, *q_low, *p, *p_low; /* [n] of the member, */
+    tvi_increments by;             /* and of its step */
+    double *inside;                /* [slots][points] */
 } tvi_single;
 
 /* points: of one member in a sweep of all, each with a lane for each member: point * width + member. */

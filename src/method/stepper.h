@@ -29,7 +29,7 @@ static inline bool tvi_steps_are_short(const tvi_system *system, int most)
 
 /* What a step made of the members: all that the stepper writes, but its own work. */
 typedef struct {
-    double *dq, *dp;    /* [components][width] */
+    tvi_increments by;  /* [components][width] each */
     tvi_status *status; /* [width] a lane with another one than TVI_OK is left alone: nothing of it is written */
     double *tail;       /* [width] tvi_stats.tail of the lane */
     int *passes;        /* [width] of this step */
@@ -61,9 +61,9 @@ typedef struct {
     void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options);
     /* Fills the tables of the work, once the memory is there. NULL: it has none. */
     void (*prepare)(void *work);
-    /* dq = q1 - q0 and dp = p1 - p0 over the step h, formed from small quantities, never as end minus start. On failure
-     * dq and dp are undefined. */
-    tvi_status (*step)(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats);
+    /* The increments over the step h, formed from small quantities, never as end minus start; their second parts are
+     * zeros beforehand. On failure they are undefined. */
+    tvi_status (*step)(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats);
     /* Steps from `now`, which moves on, each as `step` makes it; how many: one that is not to be made so is not begun.
      * NULL: there are none. */
     long (*run)(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats);
@@ -76,10 +76,10 @@ typedef struct {
     /* The end of a step, and its derivative by the step's size, are those of the solution but for parts of the size of
      * the square of the tail, where the degree is more than 1. */
     bool is_superconvergent;
-    /* A step whose error serves the relative tolerance, of at most *h, which becomes its size. dq_low and dp_low, zeros
-     * beforehand: what dq and dp lack of the increments. NULL: the method has no such step. */
-    tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin, double dq[],
-                              double dp[], double dq_low[], double dp_low[], tvi_stats *stats);
+    /* The same of a step whose error serves the relative tolerance, of at most *h, which becomes its size. NULL: the
+     * method has no such step. */
+    tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin,
+                              const tvi_increments *by, tvi_stats *stats);
     /* More than the last step changes the energy by, where the forces grow or shrink all along it, and terms that are
      * left out become smaller. NULL, and in s: the tail says whether the energy is looked at (guard.c). */
     double (*most_change)(const void *work);

@@ -40,8 +40,9 @@ static tvi_status kick(verlet *w, double t, double out[], tvi_stats *stats)
 }
 
 /* dq = h M^-1 (p0 + h/2 F0),  dp = h/2 (F0 + F1). */
-static tvi_status step(void *work, double h, const tvi_origin *origin, double dq[], double dp[], tvi_stats *stats)
+static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
+    double *dq = by->dq, *dp = by->dp;
     verlet *w = work;
     const int n = w->system->n;
     memcpy(w->x, origin->q, (size_t)n * sizeof *w->x);

@@ -90,8 +90,8 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
             continue;
         }
         for (int at = m; at < n * width; at += width) {
-            end->dq[at] = w->dq[at];
-            end->dp[at] = w->dp[at];
+            end->by.dq[at] = w->dq[at];
+            end->by.dp[at] = w->dp[at];
         }
         stats->force_evaluations += 2;
     }

@@ -28,8 +28,8 @@ static tvi_crowd *lay_out(tvi_arena *arena, tvi_integrator *one, int width)
     laid.begun = tvi_arena_history(arena, (2 * (size_t)one->system->n + 1) * row);
     laid.kept = tvi_arena_history(arena, (size_t)width * sizeof *laid.kept);
     laid.continues = tvi_arena_history(arena, (size_t)width * sizeof *laid.continues);
-    laid.end.dq = tvi_arena_take(arena, (rows + 1) * row);
-    laid.end.dp = tvi_arena_take(arena, rows * row);
+    double **const of_step[] = {&laid.end.by.dp, &laid.end.by.dq, &laid.end.by.dp_low, &laid.end.by.dq_low};
+    for (size_t i = 0; i < 4; i++) *of_step[i] = tvi_arena_take(arena, (rows + i % 2) * row);
     laid.end.status = tvi_arena_take(arena, (size_t)width * sizeof *laid.end.status);
     laid.end.tail = tvi_arena_take(arena, row);
     laid.end.passes = tvi_arena_take(arena, (size_t)width * sizeof *laid.end.passes);
@@ -172,8 +172,8 @@ static tvi_guarded guarded(const tvi_crowd *crowd, int lane)
         .stride = crowd->width,
         .q = crowd->now.q + lane,
         .p = crowd->now.p + lane,
-        .dq = end->dq + lane,
-        .dp = end->dp + lane,
+        .dq = end->by.dq + lane,
+        .dp = end->by.dp + lane,
     };
 }
 
@@ -189,7 +189,7 @@ static tvi_status judge(const tvi_crowd *crowd, int lane, double h)
 {
     const int n = crowd->one->system->n, time = n * crowd->width + lane;
     if (crowd->overflows[lane] != 0) return TVI_ENONFINITE;
-    const tvi_status status = crowd->dimension > n ? check_time(crowd->now.q[time], crowd->end.dq[time], h) : TVI_OK;
+    const tvi_status status = crowd->dimension > n ? check_time(crowd->now.q[time], crowd->end.by.dq[time], h) : TVI_OK;
     return status == TVI_OK ? tvi_guard_tail(crowd->one, crowd->end.tail[lane]) : status;
 }
 
@@ -234,8 +234,8 @@ static void look_at_energies(tvi_crowd *crowd)
     }
     if (!has_scales) find_scales(crowd);
     if (!knows_all) find_energies(crowd, crowd->now.q, crowd->now.p, crowd->before);
-    for (int k = 0; k < (n + 1) * width; k++) crowd->q[k] = crowd->now.q[k] + end->dq[k];
-    for (int k = 0; k < n * width; k++) crowd->p[k] = crowd->now.p[k] + end->dp[k];
+    for (int k = 0; k < (n + 1) * width; k++) crowd->q[k] = crowd->now.q[k] + end->by.dq[k];
+    for (int k = 0; k < n * width; k++) crowd->p[k] = crowd->now.p[k] + end->by.dp[k];
     find_energies(crowd, crowd->q, crowd->p, crowd->after);
     for (int lane = 0; lane < width; lane++) {
         tvi_kept_energy *kept = &crowd->kept[lane];
@@ -297,14 +297,14 @@ static int step(tvi_crowd *crowd, double h)
     const long expansions = crowd->stats.expansions;
     int made = 0;
     crowd->stepper->step(crowd->work, h, &origin, end, &crowd->stats);
-    for (int lane = 0; lane < width; lane++) end->dq[time + lane] = h;
+    for (int lane = 0; lane < width; lane++) end->by.dq[time + lane] = h;
     memset(crowd->overflows, 0, (size_t)width * sizeof *crowd->overflows);
-    crowd->loops->check(rows + 1, width, now->q, end->dq, crowd->overflows);
-    crowd->loops->check(rows, width, now->p, end->dp, crowd->overflows);
+    crowd->loops->check(rows + 1, width, now->q, end->by.dq, crowd->overflows);
+    crowd->loops->check(rows, width, now->p, end->by.dp, crowd->overflows);
     if (crowd->stepper->most_change) crowd->stepper->most_change(crowd->work, crowd->change);
     check_lanes(crowd, h, crowd->stats.expansions != expansions);
-    crowd->loops->advance(rows + 1, width, now->q, now->q_low, end->dq, end->status);
-    crowd->loops->advance(rows, width, now->p, now->p_low, end->dp, end->status);
+    crowd->loops->advance(rows + 1, width, now->q, now->q_low, end->by.dq, end->by.dq_low, end->status);
+    crowd->loops->advance(rows, width, now->p, now->p_low, end->by.dp, end->by.dp_low, end->status);
     for (int lane = 0; lane < width; lane++) {
         if (end->status[lane] == TVI_OK) crowd->continues[lane] = true;
         made += end->status[lane] == TVI_OK;

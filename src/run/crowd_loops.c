@@ -13,12 +13,12 @@ static void check(int rows, int width, const double *x, const double *dx, double
 }
 
 static void advance(int rows, int width, double *restrict x, double *restrict low, const double *restrict dx,
-                    const tvi_status *restrict status)
+                    const double *restrict dx_low, const tvi_status *restrict status)
 {
-    for (int row = 0; row < rows; row++, x += width, low += width, dx += width)
+    for (int row = 0; row < rows; row++, x += width, low += width, dx += width, dx_low += width)
         for (int lane = 0; lane < width; lane++) {
             double rest = low[lane];
-            const double sum = tvi_add_compensated(x[lane], &rest, dx[lane]);
+            const double sum = tvi_add_compensated(x[lane], &rest, dx[lane], dx_low[lane]);
             x[lane] = status[lane] == TVI_OK ? sum : x[lane];
             low[lane] = status[lane] == TVI_OK ? rest : low[lane];
         }

@@ -8,8 +8,9 @@
 typedef struct {
     /* overflows[lane] is set where x + dx is not finite in some row. */
     void (*check)(int rows, int width, const double *x, const double *dx, double *overflows);
-    /* (x, low) <- x + low + dx in lanes that are TVI_OK. */
-    void (*advance)(int rows, int width, double *x, double *low, const double *dx, const tvi_status *status);
+    /* (x, low) <- x + low + dx + dx_low in lanes that are TVI_OK. */
+    void (*advance)(int rows, int width, double *x, double *low, const double *dx, const double *dx_low,
+                    const tvi_status *status);
 } tvi_crowd_loops;
 
 extern const tvi_crowd_loops tvi_crowd_loops_base, tvi_crowd_loops_avx2, tvi_crowd_loops_avx512;

@@ -12,17 +12,17 @@ tvi_status tvi_state_at(tvi_integrator *it, double theta, double *t, double q[],
         tvi_state_now(it, t, q, p);
         return TVI_OK;
     }
-    it->stepper->dense(it->work, theta, it->dq, it->dp);
-    it->dq[it->stepped->n] = theta * it->h;
+    it->stepper->dense(it->work, theta, it->by.dq, it->by.dp);
+    it->by.dq[it->stepped->n] = theta * it->h;
     for (int i = 0; i < n; i++) {
-        it->dq[i] += it->start.q[i];
-        it->dp[i] += it->start.p[i];
+        it->by.dq[i] += it->start.q[i];
+        it->by.dp[i] += it->start.p[i];
     }
-    if (!tvi_all_finite(n, it->dq) || !tvi_all_finite(n, it->dp))
+    if (!tvi_all_finite(n, it->by.dq) || !tvi_all_finite(n, it->by.dp))
         return jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
-    memcpy(q, it->dq, (size_t)n * sizeof *q);
-    memcpy(p, it->dp, (size_t)n * sizeof *p);
-    *t = it->start.q[n] + (it->start.q_low[n] + it->dq[n]);
+    memcpy(q, it->by.dq, (size_t)n * sizeof *q);
+    memcpy(p, it->by.dp, (size_t)n * sizeof *p);
+    *t = it->start.q[n] + (it->start.q_low[n] + it->by.dq[n]);
     return TVI_OK;
 }
 
@@ -44,13 +44,13 @@ static void sample_by_dense(tvi_integrator *it, double *q, double *p, double *t)
 {
     const int n = it->system->n;
     for (int k = 0; k < TVI_SAMPLES; k++) {
-        it->stepper->dense(it->work, tvi_sample_place[k], it->dq, it->dp);
-        it->dq[it->stepped->n] = tvi_sample_place[k] * it->h;
+        it->stepper->dense(it->work, tvi_sample_place[k], it->by.dq, it->by.dp);
+        it->by.dq[it->stepped->n] = tvi_sample_place[k] * it->h;
         for (int i = 0; i < n; i++) {
-            q[i * TVI_SAMPLES + k] = it->start.q[i] + it->dq[i];
-            p[i * TVI_SAMPLES + k] = it->start.p[i] + it->dp[i];
+            q[i * TVI_SAMPLES + k] = it->start.q[i] + it->by.dq[i];
+            p[i * TVI_SAMPLES + k] = it->start.p[i] + it->by.dp[i];
         }
-        t[k] = it->start.q[n] + (it->start.q_low[n] + it->dq[n]);
+        t[k] = it->start.q[n] + (it->start.q_low[n] + it->by.dq[n]);
     }
 }
 

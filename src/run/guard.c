@@ -116,7 +116,7 @@ tvi_status tvi_guard_tail(const tvi_integrator *it, double tail)
 static bool loses_energy(tvi_integrator *it)
 {
     const int n = it->system->n, dimension = it->stepped->n;
-    const tvi_guarded s = {n, dimension, 1, it->start.q, it->start.p, it->dq, it->dp};
+    const tvi_guarded s = {n, dimension, 1, it->start.q, it->start.p, it->by.dq, it->by.dp};
     double *q = it->end, *p = q + dimension + 1, after = 0;
     tvi_kept_energy *kept = it->kept;
     for (int i = 0; i <= n; i++) q[i] = s.q[i] + s.dq[i];

@@ -22,9 +22,9 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     laid.stepped = tvi_compiled_system(arena, system->stepped, options->compiled);
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
     const size_t dimension = (size_t)laid.stepped->n;
-    double **const vectors[] = {&laid.dp, &laid.dq};
+    double **const vectors[] = {&laid.by.dp, &laid.by.dq, &laid.by.dp_low, &laid.by.dq_low};
     double **const history[] = {&laid.now.p, &laid.now.q, &laid.now.p_low, &laid.now.q_low};
-    for (size_t i = 0; i < 2; i++) *vectors[i] = tvi_arena_doubles(arena, dimension + i);
+    for (size_t i = 0; i < 4; i++) *vectors[i] = tvi_arena_doubles(arena, dimension + i % 2);
     for (size_t i = 0; i < 4; i++) *history[i] = tvi_arena_history(arena, (dimension + i % 2) * sizeof(double));
     laid.continues = tvi_arena_history(arena, sizeof *laid.continues);
     laid.begun = tvi_arena_turn(arena, (2 * (size_t)system->n + 1) * sizeof *laid.begun);
@@ -33,7 +33,6 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
     if (system->stepped != system) tvi_energy_take_precise(&laid.transformed, arena, laid.stepped);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
-    laid.low = tvi_arena_doubles(arena, 2 * dimension);
     laid.parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
     laid.of_state = arena->marked;
     laid.work = stepper->take(arena, laid.stepped, options);

@@ -33,8 +33,7 @@ struct tvi_integrator {
     tvi_run_state now, start;            /* in the history; where the last step started, in what was before it */
     bool has_dense;                      /* the work holds the last step */
     double h, covered;                   /* its size, and the time that it covers */
-    double *dq, *dp;                     /* [N + 1], [N] */
-    double *low;                         /* [2 N] what they lack, of a step to a tolerance */
+    tvi_increments by;                   /* of the step that is made */
     tvi_energy_work energy;              /* its block is NULL where no step asks for it */
     tvi_energy_work transformed;         /* of a rescaled system: K */
     double *end;                         /* [2 N + 1] q and p at the end of a step (guard.c) */

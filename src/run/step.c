@@ -83,7 +83,7 @@ void tvi_state_now(const tvi_integrator *it, double *t, double q[], double p[])
 /* Of a rescaled system the time goes the way of h, and moves. */
 static tvi_status check_time(const tvi_integrator *it, double h)
 {
-    const double dt = it->dq[it->system->n], t = it->now.q[it->system->n];
+    const double dt = it->by.dq[it->system->n], t = it->now.q[it->system->n];
     if (fabs(dt) <= tvi_least_time(t)) return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
     return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
@@ -103,45 +103,44 @@ static tvi_status advance(tvi_integrator *it, double h)
 {
     const tvi_run_state *now = &it->now;
     const int dimension = it->stepped->n;
-    const uint64_t q = tvi_add_all_compensated(dimension + 1, now->q, now->q_low, it->dq),
-                   p = tvi_add_all_compensated(dimension, now->p, now->p_low, it->dp);
+    const tvi_increments *by = &it->by;
+    const uint64_t q = tvi_add_all_compensated(dimension + 1, now->q, now->q_low, by->dq, by->dq_low),
+                   p = tvi_add_all_compensated(dimension, now->p, now->p_low, by->dp, by->dp_low);
     const tvi_status status = (q | p) == 0 ? TVI_OK : check_sums(it);
     if (status != TVI_OK) return status;
     return tvi_is_rescaled(it) ? check_time(it, h) : TVI_OK;
 }
 
-/* The increments of a step whose size is chosen, and what they lack, which becomes a part of the state. */
-static tvi_status increments_within(tvi_integrator *it, double tolerance, double *h, const tvi_origin *origin)
+/* The increments of a step; with a tolerance its size is chosen, and *h is the farthest it may go. */
+static tvi_status find_increments(tvi_integrator *it, double tolerance, double *h)
 {
-    const size_t dimension = (size_t)it->stepped->n;
-    double *dq_low = it->low, *dp_low = dq_low + dimension;
-    memset(it->low, 0, 2 * dimension * sizeof *it->low);
-    const tvi_status status =
-        it->stepper->step_within(it->work, tolerance, h, origin, it->dq, it->dp, dq_low, dp_low, &it->stats);
-    for (size_t i = 0; i < dimension; i++) it->now.q_low[i] += dq_low[i];
-    for (size_t i = 0; i < dimension; i++) it->now.p_low[i] += dp_low[i];
+    const tvi_stepper *stepper = it->stepper;
+    const tvi_run_state *now = &it->now;
+    const tvi_increments *by = &it->by;
+    const int dimension = it->stepped->n;
+    const size_t bytes = (size_t)dimension * sizeof *by->dq_low;
+    const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
+    memset(by->dq_low, 0, bytes);
+    memset(by->dp_low, 0, bytes);
+    const tvi_status status = tolerance > 0 ? stepper->step_within(it->work, tolerance, h, &origin, by, &it->stats)
+                                            : stepper->step(it->work, *h, &origin, by, &it->stats);
+    by->dq[dimension] = *h;
     return status;
 }
 
 /* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
 static tvi_status step(tvi_integrator *it, double tolerance, double h)
 {
-    const tvi_stepper *stepper = it->stepper;
-    const tvi_run_state *now = &it->now;
-    const int dimension = it->stepped->n;
     const long passes = it->stats.passes, expansions = it->stats.expansions;
     it->has_dense = false;
     tvi_arena_copy(it->before, it->history, it->marked);
-    const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
-    tvi_status status = tolerance > 0 ? increments_within(it, tolerance, &h, &origin)
-                                      : stepper->step(it->work, h, &origin, it->dq, it->dp, &it->stats);
-    it->dq[dimension] = h;
+    tvi_status status = find_increments(it, tolerance, &h);
     if (status != TVI_OK) status = tvi_refuse_as("its equations", status);
     if (status == TVI_OK) status = advance(it, h);
     if (status == TVI_OK) status = tvi_guard_step(it, passes, expansions);
     if (status == TVI_OK) {
         it->h = h;
-        it->covered = it->dq[it->system->n];
+        it->covered = it->by.dq[it->system->n];
         *it->continues = true;
         it->has_dense = true;
         it->stats.steps++;
@@ -149,7 +148,7 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     }
     tvi_arena_copy(it->history, it->before, it->marked);
     const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
-    return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, now->q[it->system->n], jet_refusal());
+    return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, it->now.q[it->system->n], jet_refusal());
 }
 
 /* Steps of generated code of which nothing is asked, all but the last one of a run. */
@@ -159,7 +158,7 @@ static long make_row(tvi_integrator *it, long steps, double h, double t_end)
     const tvi_sure sure = tvi_guard_sure(it);
     const bool is_sure = !it->kept->is_known && it->stats.tail <= sure.tail;
     if (!it->stepper->run || !is_sure || steps < 1) return 0;
-    const tvi_row row = {h, steps, sure, tvi_is_rescaled(it) ? n : -1, t_end, it->dq, it->dp};
+    const tvi_row row = {h, steps, sure, tvi_is_rescaled(it) ? n : -1, t_end, it->by};
     const long made = it->stepper->run(it->work, &row, &it->now, &it->stats);
     it->stats.steps += made;
     *it->continues |= made > 0;

@@ -38,13 +38,16 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
     static const struct {
         whose of;
         double max_tail;
-        long least, most; /* steps */
-    } rows[] = {
-        {{&scene_kepler, 0.25, false}, 0, STEPS, STEPS}, {{&scene_kepler, 0.25, false}, 1e-6, 4, 20},
-        {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS}, {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS},
-        {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS}, {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS},
-        {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS},   {{&scene_henon_heiles_12, 2, false}, 0, STEPS, STEPS},
-        {{&scene_fpu, 0.078125, false}, 0, STEPS, STEPS}};
+        long least, most, passes; /* steps; passes more or less than those of the tape */
+    } rows[] = {{{&scene_kepler, 0.25, false}, 0, STEPS, STEPS, 20},
+                {{&scene_kepler, 0.25, false}, 1e-6, 4, 20, 0},
+                {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS, 90},
+                {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS, 20},
+                {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS, 20},
+                {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS, 20},
+                {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS, 20},
+                {{&scene_henon_heiles_12, 2, false}, 0, STEPS, STEPS, 90},
+                {{&scene_fpu, 0.078125, false}, 0, STEPS, STEPS, 20}};
     static const char *const compilers[] = {NULL, "cc -DGALERKIN_IN_REGISTER=0 -DJET_NARROW=0",
                                             "cc -DGALERKIN_IN_REGISTER=1 -DJET_NARROW=0", "cc -DJET_NARROW=1"};
     enum { ROWS = sizeof rows / sizeof *rows };
@@ -67,7 +70,7 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
     options.compiled = NULL;
     const travel tape = travel_by(system, &options, of, row.stats.steps, 1);
     if (row.status == TVI_OK) ck_assert_double_le(motion_difference(of->scene->n, &tape.middle, &row.middle), 1e-9);
-    if (row.status == TVI_OK) ck_assert_int_le(labs(row.stats.passes - tape.stats.passes), 3 * row.stats.steps / 5);
+    if (row.status == TVI_OK) ck_assert_int_le(labs(row.stats.passes - tape.stats.passes), rows[own].passes);
     ck_assert_int_eq(row.status, rows[own].most < STEPS ? TVI_ETOOLARGE : TVI_OK);
     ck_assert_int_ge(row.stats.steps, rows[own].least);
     ck_assert_int_le(row.stats.steps, rows[own].most);

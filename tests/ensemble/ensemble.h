@@ -12,6 +12,7 @@ Suite *suite_failing(void);
 Suite *suite_states(void);
 Suite *suite_refused(void);
 Suite *suite_lanes(void);
+Suite *suite_walks(void);
 
 enum { N = 2, MOST = 1000, COLUMNS = 2, ROWS = 2 * N + 1 };
 

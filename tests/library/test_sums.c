@@ -1,5 +1,6 @@
 /* test_sums.c - sums over the nodes of a Galerkin step (loops.h), of every instruction set, number of lanes and way to
- * add: those that it ends with, in chains, as a tree or turned over, and those that passes move unknowns by. */
+ * add: those that it ends with, in chains, as a tree or turned over, its increments, and those that passes move
+ * unknowns by. */
 #include "problems/galerkin_tables.h"
 #include "problems/random.h"
 #include "suites.h"
@@ -21,16 +22,24 @@ static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
 
 static int below(int n, uint64_t *bits) { return (int)(number_of(bits) * n); }
 
+/* Few bits, so that products are exact. */
+static void shorten(int count, double x[])
+{
+    for (int i = 0; i < count; i++) x[i] = (float)x[i];
+}
+
 /* Impulses of all sizes in pairs that cancel, in any order, but for one that is larger by `left`: their exact sum. */
-static double set_impulses(double impulse[], int lanes, uint64_t *bits)
+static double set_impulses(double impulse[], int lanes, bool is_short, uint64_t *bits)
 {
     double left = 0;
     for (int j = 0; j < lanes; j++) {
         impulse[j] = ldexp((double)(1 + below(INT32_MAX, bits)), -below(40, bits)) / 3;
+        if (is_short) shorten(1, impulse + j);
         if (j % 2 == 0) continue;
         impulse[j] = -impulse[j - 1];
         if (j > 1) continue;
-        impulse[0] += ldexp(fabs(impulse[0]), -48) * below(8, bits);
+        impulse[0] += ldexp(fabs(impulse[0]), is_short ? -8 : -48) * below(8, bits);
+        if (is_short) shorten(1, impulse);
         left = impulse[0] + impulse[1];
     }
     if (lanes == 1) left = impulse[0];
@@ -43,20 +52,24 @@ static double set_impulses(double impulse[], int lanes, uint64_t *bits)
     return left;
 }
 
-/* The sum of the impulses has roundoff of itself; all others have roundoff of their terms. */
-static void check_sums(const galerkin_coefficients *a, const double impulse[], double left, const galerkin_sums *sums,
-                       int u)
+/* The sums of both parts are exact where their terms are; the first parts alone have roundoff of themselves. */
+static void check_sums(const galerkin_coefficients *a, const double impulse[], double left, bool is_short,
+                       const galerkin_sums *sums, int u)
 {
     long double twice = 0, last = 0, sizes = 0, sizes_of_last = 0;
     for (int j = 0; j < a->lanes; j++) {
         const long double of_last = (long double)a->weights.last[j] * impulse[j];
-        twice += (1 - (long double)a->c[j]) * impulse[j];
+        twice += (long double)a->weights.pair[j * OF_PAIR + 1] * impulse[j];
         last += of_last;
         sizes += fabs(impulse[j]);
         sizes_of_last += fabsl(of_last);
     }
-    ck_assert_double_eq_tol(sums->once[u], left, (double)sizes * 0x1p-96 + fabs(left) * DBL_EPSILON);
-    ck_assert_double_eq_tol(sums->twice[u], (double)twice, (double)sizes * DBL_EPSILON);
+    const double once_left = (sums->once[u] - left) + sums->once_low[u];
+    const long double twice_left = (sums->twice[u] - twice) + sums->twice_low[u];
+    ck_assert_double_le(fabs(once_left), (double)sizes * 0x1p-96);
+    ck_assert_double_le(fabs((double)twice_left), (double)sizes * (is_short ? 0x1p-60 : DBL_EPSILON));
+    ck_assert_double_le(fabs(sums->once_low[u]), fabs(sums->once[u]) * DBL_EPSILON / 2);
+    ck_assert_double_le(fabs(sums->twice_low[u]), fabs(sums->twice[u]) * DBL_EPSILON / 2);
     ck_assert_double_eq_tol(sums->last[u], (double)fabsl(last), (double)sizes_of_last * 4 * DBL_EPSILON);
     ck_assert_double_eq(sums->reach[u], fabs(impulse[0]) + fabs(impulse[a->lanes - 1]));
 }
@@ -69,17 +82,47 @@ START_TEST(sums_are_compensated)
     uint64_t bits = 1;
     if (isa > jet_sweeps_choose()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
+    shorten(lanes * OF_PAIR, tables.of.weights.pair);
+    shorten(lanes == 8 ? 2 * 8 : 0, tables.of.weights.halves);
     for (int round = 0; round < ROUNDS; round++)
         for (int unknowns = 1; unknowns <= SUMMED; unknowns++) {
             _Alignas(64) double impulse[SUMMED * MOST];
-            double left[SUMMED], once[SUMMED + 7], twice[SUMMED + 7], last[SUMMED + 7], reach[SUMMED + 7];
+            const bool is_short = round % 2 > 0;
+            double left[SUMMED], all[6][SUMMED + 7];
             const galerkin_nodes nodes = {.lanes = lanes, .unknowns = unknowns, .impulse = impulse};
-            const galerkin_sums sums = {once, twice, last, reach};
-            for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, &bits);
+            const galerkin_sums sums = {all[0], all[1], all[2], all[3], all[4], all[5]};
+            for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, is_short, &bits);
             loops_of[isa][size].integrate(&nodes, &tables.of.weights, &sums);
-            for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], &sums, u);
+            for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], is_short, &sums, u);
         }
     galerkin_tables_close(&tables);
+}
+END_TEST
+
+/* Drift and rise of like size, and what each of them lacks. */
+START_TEST(increments_have_two_parts)
+{
+    const jet_isa isa = (jet_isa)(_i / GALERKIN_LOOPS);
+    double of[6][UNKNOWNS], by[4][UNKNOWNS];
+    double *drift = of[0], *drift_low = of[1], *twice = of[2], *twice_low = of[3], *scale = of[4], *once = of[5];
+    const galerkin_nodes nodes = {.lanes = lanes_of[_i % GALERKIN_LOOPS], .unknowns = UNKNOWNS, .scale = scale};
+    const galerkin_sums sums = {.once = once, .twice = twice, .once_low = drift_low, .twice_low = twice_low};
+    const tvi_increments to = {by[0], by[1], by[2], by[3]};
+    uint64_t bits = 1;
+    if (isa > jet_sweeps_choose()->isa) return;
+    for (int round = 0; round < ROUNDS; round++) {
+        for (int k = 0; k < 6 * UNKNOWNS; k++)
+            of[k / UNKNOWNS][k % UNKNOWNS] =
+                (number_of(&bits) - 0.5) * (k / UNKNOWNS % 2 && k < 4 * UNKNOWNS ? 0x1p-54 : 1);
+        loops_of[isa][_i % GALERKIN_LOOPS].end_drifting(&nodes, &sums, drift, drift_low, &to);
+        for (int u = 0; u < UNKNOWNS; u++) {
+            const double rise = scale[u] * twice[u], rise_low = fma(scale[u], twice[u], -rise);
+            const long double lacks = drift_low[u] + (rise_low + (long double)scale[u] * twice_low[u]);
+            const long double left = ((long double)to.dq[u] - drift[u]) - rise;
+            ck_assert_double_le(fabs((double)(left + to.dq_low[u] - lacks)), 0x1p-104);
+            ck_assert(to.dp[u] == once[u] && to.dp_low[u] == drift_low[u]);
+        }
+    }
 }
 END_TEST
 
@@ -167,6 +210,7 @@ Suite *suite_sums(void)
     Suite *suite = suite_create("sums");
     TCase *sums = tcase_create("sums");
     tcase_add_loop_test(sums, sums_are_compensated, 0, JET_ISA_COUNT * GALERKIN_LOOPS);
+    tcase_add_loop_test(sums, increments_have_two_parts, 0, JET_ISA_COUNT * GALERKIN_LOOPS);
     tcase_add_loop_test(sums, places_are_rounded_to_no_side, 0, JET_ISA_COUNT * GALERKIN_LOOPS);
     suite_add_tcase(suite, sums);
     return suite;
