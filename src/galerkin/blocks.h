@@ -18,19 +18,21 @@ typedef struct {
 /* Of the one block or the other; false outside its domain. */
 typedef bool galerkin_sweep(const galerkin_blocks *blocks, bool with_second);
 
-/* The block that has the gradient at the nodes, first and last [n][lanes]; NULL outside its domain. */
+/* The block that has the gradient at the places in that of values; NULL outside its domain. */
+static inline const double *galerkin_sweep_there(const galerkin_blocks *blocks, galerkin_sweep *sweep, bool with_second)
+{
+    if (with_second) memcpy(blocks->second, blocks->values, (size_t)(blocks->inputs * blocks->lanes) * sizeof(double));
+    return !sweep(blocks, with_second) ? NULL : with_second ? blocks->second : blocks->values;
+}
+
+/* The same at the nodes, first and last [n][lanes]. */
 static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, galerkin_sweep *sweep, bool with_second,
                                               const double *first, const double *last)
 {
     const int half = blocks->n * blocks->lanes;
-    double *x = blocks->values;
-    memcpy(x, first, (size_t)half * sizeof *x);
-    memcpy(x + half, last, (size_t)half * sizeof *x);
-    if (with_second) {
-        x = blocks->second;
-        memcpy(x, blocks->values, (size_t)(blocks->inputs * blocks->lanes) * sizeof *x);
-    }
-    return sweep(blocks, with_second) ? x : NULL;
+    memcpy(blocks->values, first, (size_t)half * sizeof *first);
+    memcpy(blocks->values + half, last, (size_t)half * sizeof *last);
+    return galerkin_sweep_there(blocks, sweep, with_second);
 }
 
 /* A loop of these, by the table or, in generated code, inlined. */

@@ -1,10 +1,10 @@
 /* lagrangian.c - the field of a Lagrangian L(q, v, t): V, with L_v(Q, V) = P, drives Q, and F = L_q(Q, V)
  * drives P (docs/method.md sections 4 and 5).
  *
- * A pass evaluates the gradient (L_q, L_v) at the nodes, and its derivatives, too, where those at hand were taken too
- * far away. Then it iterates, with the gradient to first order for what (Q, V) have moved since,
+ * A pass evaluates the gradient (L_q, L_v) at places (Q*, V*) near the nodes, and its derivatives, too, where those at
+ * hand were taken too far away. Then it iterates, with F to first order from there,
  *
- *     P = p0 + h a F,    V <- V + L_vv^-1 (P - L_v),    Q = q0 + h a V. */
+ *     P = p0 + h a F,    V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)),    Q = q0 + h a V. */
 #include "galerkin/lagrangian_passes.h"
 #include "galerkin/model.h"
 #include "system/legendre.h"

@@ -192,16 +192,17 @@ JET_INLINE double invert_lanes(lanes_inverse *f, int lanes)
     return smallest;
 }
 
-#define MISSING(V, S) JET_AT(V, x, i) = JET_OF(V, P, i) - JET_OF(V, p, i);
+#define MISSING(V, S) JET_AT(V, x, i) = (JET_OF(V, P, i) - JET_OF(V, p, i)) - JET_OF(V, change, i);
 
 #define CORRECT(V, S)                                                                                                  \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         for (int j = 0; j < f->n; j++) sum += JET_OF(V, row, j) * JET_OF(V, x, j);                                     \
-        JET_AT(V, velocity, i) += sum;                                                                                 \
+        JET_AT(V, velocity, i) = JET_OF(V, from, i) + sum;                                                             \
     }
 
-JET_INLINE void correct_lanes(const lanes_inverse *f, const double *P, const double *p, double *velocity, int lanes)
+JET_INLINE void correct_lanes(const lanes_inverse *f, const double *P, const double *p, const double *change,
+                              const double *from, double *velocity, int lanes)
 {
     const size_t stride = (size_t)lanes;
     double *const x = f->x;
@@ -217,8 +218,9 @@ JET_INLINE void correct_lanes(const lanes_inverse *f, const double *P, const dou
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         for (int k = begin; k < m->end[i]; k++)                                                                        \
-            sum += JET_OF(V, m->second, m->term[k].slot) * JET_OF(V, m->moved, m->term[k].column);                     \
-        if (m->gradient) sum += JET_OF(V, m->gradient, i);                                                             \
+            if (i < m->n || m->term[k].column < m->n)                                                                  \
+                sum += JET_OF(V, m->second, m->term[k].slot) * JET_OF(V, m->moved, m->term[k].column);                 \
+        if (i < m->n) sum += JET_OF(V, m->gradient, i);                                                                \
         JET_AT(V, out, i) = sum;                                                                                       \
     }
 
@@ -241,9 +243,10 @@ static double invert(lanes_inverse *f)
     return smallest;
 }
 
-static void correct(const lanes_inverse *f, const double *P, const double *p, double *V)
+static void correct(const lanes_inverse *f, const double *P, const double *p, const double *change, const double *from,
+                    double *V)
 {
-#define CALL(lanes) correct_lanes(f, P, p, V, lanes)
+#define CALL(lanes) correct_lanes(f, P, p, change, from, V, lanes)
     FOR_LANES(f->lanes, CALL)
 #undef CALL
 }

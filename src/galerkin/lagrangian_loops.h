@@ -25,7 +25,7 @@ typedef struct {
 typedef struct {
     int n, lanes;
     double *moved;          /* [2n][lanes] how far from where it was evaluated; */
-    const double *gradient; /* [2n][lanes] there; NULL: its change alone is wanted */
+    const double *gradient; /* [2n][lanes] there */
     const double *second;   /* the block of the second derivatives, */
     const lanes_term *term; /* those that are not 0, row after row, */
     const int *end;         /* [2n] and where the row ends */
@@ -52,9 +52,10 @@ typedef struct {
     /* In every lane. Returns the smallest pivot, relative to rows and columns of size 1, or 1 where all pivots are as
      * large as what stood on the diagonal, or nearly; 0 where there is a NaN. */
     double (*invert)(lanes_inverse *of);
-    /* V <- V + A^-1 (P - p), [n][lanes] each. */
-    void (*correct)(const lanes_inverse *of, const double *P, const double *p, double *V);
-    /* out = the gradient after the movement, [2n][lanes]. */
+    /* V = from + A^-1 ((P - p) - change), [n][lanes] each. */
+    void (*correct)(const lanes_inverse *of, const double *P, const double *p, const double *change, const double *from,
+                    double *V);
+    /* out = L_q after the movement, [n][lanes], and what that of q alone changes in L_v. */
     void (*linearise)(const lanes_model *model, double *out);
 } lagrangian_loops;
 

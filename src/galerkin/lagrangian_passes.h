@@ -100,12 +100,26 @@ static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps,
     lagrangian_place(w);
 }
 
+/* The gradient is taken at places without the last bits, and from there to first order: at the same ones in the last
+ * passes of a step. Were it taken at the nodes themselves, its roundoff would change with their last bits, and they
+ * would rest where it happens to be small, first on the side that they come from: the energy would drift. */
+enum { LAGRANGIAN_LAST_BITS = 6 };
+static inline void lagrangian_set_places(int count, const double *nodes, double *places)
+{
+    const uint64_t unit = UINT64_C(1) << LAGRANGIAN_LAST_BITS;
+    for (int i = 0; i < count; i++) {
+        const uint64_t bits = (tvi_bits(nodes[i]) + unit / 2) & ~(unit - 1);
+        memcpy(&places[i], &bits, sizeof bits);
+    }
+}
+
 static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_second)
 {
     const galerkin_nodes *nodes = w->nodes;
-    const int lanes = nodes->lanes, *output = w->output[with_second];
-    const double *x =
-        galerkin_sweep_at(&w->blocks, sweep, with_second, nodes->x, lagrangian_row(nodes, nodes->unknowns));
+    const int lanes = nodes->lanes, half = nodes->unknowns / 2 * lanes, *output = w->output[with_second];
+    lagrangian_set_places(half, nodes->x, w->blocks.values);
+    lagrangian_set_places(half, lagrangian_row(nodes, nodes->unknowns), w->blocks.values + half);
+    const double *x = galerkin_sweep_there(&w->blocks, sweep, with_second);
     if (!x) return false;
     for (int i = 0; i < nodes->unknowns; i++)
         memcpy(w->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
@@ -138,8 +152,9 @@ static inline double lagrangian_iterate(lagrangian_passes *w)
     const galerkin_nodes *nodes = w->nodes;
     const int n = nodes->unknowns / 2;
     const double moved = lagrangian_move_momenta(w);
-    GALERKIN_LOOP(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), lagrangian_row(nodes, 4 * n),
-                  lagrangian_row(nodes, 2 * n));
+    const int half = n * nodes->lanes;
+    GALERKIN_LOOP(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), w->gradient + half,
+                  lagrangian_row(nodes, 4 * n), w->blocks.values + half, lagrangian_row(nodes, 2 * n));
     return moved + lagrangian_move_positions(w);
 }
 
@@ -170,8 +185,9 @@ static inline void lagrangian_linearise(lagrangian_passes *w)
 static inline void lagrangian_begin(lagrangian_passes *w)
 {
     const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
+    const double *Q = w->nodes->x, *from = w->blocks.values;
     lagrangian_set_rise(w);
-    memcpy(w->model.moved, w->low, (size_t)half * sizeof *w->low);
+    for (int i = 0; i < half; i++) w->model.moved[i] = (Q[i] - from[i]) + w->low[i];
     lagrangian_linearise(w);
 }
 

@@ -122,6 +122,25 @@ START_TEST(energy_beyond_roundoff)
 }
 END_TEST
 
+/* What refined increments lack is of their step alone: steps of one size that follow are those of a new integrator. */
+START_TEST(steps_that_follow_are_not_refined)
+{
+    orbit o = open_scene(&scene_kepler, suited_order(DBL_EPSILON));
+    ck_assert_int_eq(go(&o, DBL_EPSILON, 10, NULL, NULL), TVI_OK);
+    orbit other = open_scene(&scene_kepler, suited_order(DBL_EPSILON));
+    other.t = o.t;
+    memcpy(other.q, o.q, sizeof o.q);
+    memcpy(other.p, o.p, sizeof o.p);
+    tvi_integrator_reset(o.integrator);
+    ck_assert_int_eq(equal_steps(&o), TVI_OK);
+    ck_assert_int_eq(equal_steps(&other), TVI_OK);
+    ck_assert_mem_eq(o.q, other.q, sizeof o.q);
+    ck_assert_mem_eq(o.p, other.p, sizeof o.p);
+    close_orbit(&o);
+    close_orbit(&other);
+}
+END_TEST
+
 /* q = 2 cos t - cos 2t, of mass 3. */
 static jet forced(const jet q[], jet t, void *ctx)
 {
@@ -320,6 +339,7 @@ Suite *suite_tolerance(void)
     tcase_add_test(error, error_with_other_orders);
     tcase_add_test(error, roundoff_does_not_drift);
     tcase_add_test(error, energy_beyond_roundoff);
+    tcase_add_test(error, steps_that_follow_are_not_refined);
     tcase_add_loop_test(error, closed_forms_beyond_roundoff, 0, 4);
     tcase_add_test(size, sizes_of_steps);
     tcase_add_loop_test(size, steps_of_the_same_size, 0, 4);

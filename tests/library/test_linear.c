@@ -221,11 +221,13 @@ static void put_lane(const lanes_inverse *f, int lane, const double A[])
     for (int i = 0; i < f->n * f->n; i++) f->lu[i * f->lanes + lane] = A[i];
 }
 
-/* V <- V + A^-1 (P - p), a matrix of its own in each lane: all with no need to exchange rows, or the last of 16. */
+/* V = from + A^-1 ((P - p) - change), a matrix of its own in each lane: all with no need to exchange rows, or the last
+ * of 16. */
 static void check_lanes(const lagrangian_loops *loops, lanes_inverse *f, bool are_plain)
 {
     const int n = f->n, lanes = f->lanes;
-    double A[LANES][MOST * MOST], P[MOST * LANES], p[MOST * LANES] = {0}, V[MOST * LANES] = {0}, back[MOST * LANES];
+    static const double none[MOST * LANES];
+    double A[LANES][MOST * MOST], P[MOST * LANES], V[MOST * LANES], back[MOST * LANES];
     for (int lane = 0; lane < lanes; lane++) {
         fill(n, lane, A[lane]);
         for (int i = 0; (are_plain || lane == LANES - 1) && i < n * n; i++)
@@ -234,15 +236,16 @@ static void check_lanes(const lagrangian_loops *loops, lanes_inverse *f, bool ar
         for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
     }
     ck_assert_double_gt(loops->invert(f), n * DBL_EPSILON);
-    loops->correct(f, P, p, V);
+    loops->correct(f, P, none, none, none, V);
     for (int lane = 0; lane < lanes; lane++) {
         double x[MOST], b[MOST];
         for (int i = 0; i < n; i++) x[i] = V[i * lanes + lane], b[i] = P[i * lanes + lane];
         check_residual(n, A[lane], false, x, b);
     }
-    memcpy(back, V, sizeof back);
-    loops->correct(f, p, P, back);
+    loops->correct(f, none, P, none, V, back);
     for (int i = 0; i < n * lanes; i++) ck_assert_double_le(fabs(back[i]), DBL_EPSILON * fabs(V[i]));
+    loops->correct(f, P, none, P, V, back);
+    for (int i = 0; i < n * lanes; i++) ck_assert(back[i] == V[i]);
 }
 
 START_TEST(lanes_are_solved_alone)
