@@ -88,17 +88,20 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
 {
     lagrangian *w = field->own;
     const tvi_system *system = field->system;
-    const int n = system->n;
-    const size_t numbers = (size_t)n * (size_t)field->nodes.lanes;
+    const galerkin_nodes *nodes = &field->nodes;
+    const int n = system->n, lanes = nodes->lanes, *output = w->passes.output[false];
     double *velocity = w->velocity;
     memset(velocity, 0, (size_t)n * sizeof *velocity);
     const tvi_status status = tvi_legendre_solve(&w->legendre, origin->t, origin->q, origin->p, velocity);
     if (status != TVI_OK) return status;
-    fill(&field->nodes, n, 0, origin->q);
-    fill(&field->nodes, n, n, origin->p);
-    fill(&field->nodes, n, 2 * n, velocity);
-    if (!lagrangian_evaluate(&w->passes, tvi_galerkin_sweep, false)) return TVI_EDOMAIN;
-    memcpy(lagrangian_row(&field->nodes, 3 * n), w->passes.gradient, 2 * numbers * sizeof *w->passes.gradient);
+    fill(nodes, n, 0, origin->q);
+    fill(nodes, n, n, origin->p);
+    fill(nodes, n, 2 * n, velocity);
+    const double *gradient =
+        galerkin_sweep_at(&w->passes.blocks, tvi_galerkin_sweep, false, nodes->x, lagrangian_row(nodes, 2 * n));
+    if (!gradient) return TVI_EDOMAIN;
+    for (int i = 0; i < 2 * n; i++)
+        memcpy(lagrangian_row(nodes, 3 * n + i), gradient + output[i] * lanes, (size_t)lanes * sizeof *gradient);
     lagrangian_place(&w->passes);
     return TVI_OK;
 }
