@@ -239,12 +239,9 @@ static void end_drifting(const galerkin_crowd_nodes *nodes, const galerkin_sums 
     const size_t width = (size_t)nodes->width, unknowns = (size_t)nodes->unknowns;
     for (size_t u = 0; u < unknowns; u++) {
         const double scale = nodes->scale[u];
-        for (size_t at = u * width; at < (u + 1) * width; at++) {
-            const double twice = sums->twice[at], rise = scale * twice;
-            double rest;
-            dq[at] = tvi_two_sum(drift->high[at], rise, &rest);
-            dq_low[at] = rest + (fma(scale, twice, -rise) + fma(scale, sums->twice_low[at], drift->low[at]));
-        }
+        for (size_t at = u * width; at < (u + 1) * width; at++)
+            dq[at] = galerkin_rise(drift->high[at], drift->low[at], scale, sums->twice[at], sums->twice_low[at],
+                                   &dq_low[at]);
     }
 }
 

@@ -304,7 +304,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
     {                                                                                                                  \
         enum { ALL = NAME##_is_small ? (N) * (LANES) : 1 };                                                            \
         NAME##_room own;                                                                                               \
-        _Alignas(64) double low[ALL], ways[ALL], rise[2 * ALL], gradient[2 * ALL], moved[2 * ALL];                     \
+        _Alignas(64) double ways[ALL], rise[2 * ALL], gradient[2 * ALL], moved[2 * ALL];                               \
         _Alignas(64) double lu[(N)*ALL], inverse[(N)*ALL];                                                             \
         _Alignas(64) double scale[2 * ALL], x[ALL];                                                                    \
         int pivot[ALL];                                                                                                \
@@ -323,8 +323,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         w.model.term = NAME##_term;                                                                                    \
         w.model.end = NAME##_end;                                                                                      \
         if (NAME##_is_small) {                                                                                         \
-            keep_rows(low, w.low, 0, to->known < 1 ? (N) : 0, (LANES));                                                \
-            w.low = low;                                                                                               \
+            keep_rows(ways, w.ways, 0, to->known < 1 ? (N) : 0, (LANES));                                              \
             w.ways = ways;                                                                                             \
             w.rise[0] = rise;                                                                                          \
             w.rise[1] = rise + ALL;                                                                                    \

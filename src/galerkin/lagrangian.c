@@ -40,8 +40,8 @@ static void take(galerkin_field *field, tvi_arena *arena)
     tvi_galerkin_model_take(&w.model, arena, field);
     field->inputs = w.model.blocks.values;
     field->ahead = tvi_arena_doubles(arena, lanes * lanes);
-    double **const rows[] = {&w.passes.low, &w.passes.ways, &w.passes.rise[0], &w.passes.rise[1]};
-    for (size_t i = 0; i < 4; i++) *rows[i] = tvi_arena_doubles(arena, half_size);
+    double **const rows[] = {&w.passes.ways, &w.passes.rise[0], &w.passes.rise[1]};
+    for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_doubles(arena, half_size);
     w.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
     tvi_legendre_take(&w.legendre, arena, system);

@@ -21,7 +21,6 @@ typedef struct {
     const int *slot;
     galerkin_blocks blocks;
     const int *output[2]; /* [2n] where the gradient is there */
-    double *low;          /* [n][lanes] what Q lacks as a pass begins; */
     double *ways;         /* [n][lanes] how far Q is from the nodes' high, */
     double *rise[2];      /* [n][lanes] and that from where the gradient was evaluated, in two parts */
     double *gradient;     /* [2n][lanes] as evaluated */
@@ -72,24 +71,11 @@ static inline double lagrangian_move_positions(const lagrangian_passes *w)
     return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->ways);
 }
 
-/* What the rounded Q lacks. */
-static inline void lagrangian_set_low(lagrangian_passes *w)
-{
-    const galerkin_nodes *nodes = w->nodes;
-    const int half = nodes->unknowns / 2 * nodes->lanes;
-    const double *Q = nodes->x, *high = nodes->high;
-    for (int i = 0; i < half; i++) {
-        const double added = Q[i] - high[i];
-        w->low[i] = (high[i] - (Q[i] - added)) + (w->ways[i] - added);
-    }
-}
-
 /* By V and F that are there. */
 static inline void lagrangian_place(lagrangian_passes *w)
 {
     (void)lagrangian_move_momenta(w);
     (void)lagrangian_move_positions(w);
-    lagrangian_set_low(w);
     w->moved = INFINITY;
 }
 
@@ -150,9 +136,8 @@ static inline lagrangian_passed lagrangian_invert(lagrangian_passes *w)
 static inline double lagrangian_iterate(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
-    const int n = nodes->unknowns / 2;
+    const int n = nodes->unknowns / 2, half = n * nodes->lanes;
     const double moved = lagrangian_move_momenta(w);
-    const int half = n * nodes->lanes;
     GALERKIN_LOOP(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), w->gradient + half,
                   lagrangian_row(nodes, 4 * n), w->blocks.values + half, lagrangian_row(nodes, 2 * n));
     return moved + lagrangian_move_positions(w);
@@ -170,34 +155,17 @@ static inline void lagrangian_set_rise(lagrangian_passes *w)
     }
 }
 
-/* The gradient to first order, where V, and Q by `moved`, have moved from where it was evaluated. */
+/* The gradient to first order, where Q and V have moved from where it was evaluated. What a movement has made of Q is
+ * known before it is rounded. */
 static inline void lagrangian_linearise(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int half = nodes->unknowns / 2 * nodes->lanes;
     const double *V = nodes->x + 2 * half, *from = w->blocks.values;
     double *moved = w->model.moved;
+    for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->ways[i]) + w->rise[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
     GALERKIN_LOOP(w->algebra, linearise, &w->model, nodes->x + 3 * half);
-}
-
-/* At the beginning of a pass, for what the rounded Q lacks. */
-static inline void lagrangian_begin(lagrangian_passes *w)
-{
-    const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
-    const double *Q = w->nodes->x, *from = w->blocks.values;
-    lagrangian_set_rise(w);
-    for (int i = 0; i < half; i++) w->model.moved[i] = (Q[i] - from[i]) + w->low[i];
-    lagrangian_linearise(w);
-}
-
-/* What a movement has made of Q is known before it is rounded. */
-static inline void lagrangian_follow(lagrangian_passes *w)
-{
-    const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
-    double *moved = w->model.moved;
-    for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->ways[i]) + w->rise[1][i];
-    lagrangian_linearise(w);
 }
 
 /* New second derivatives are taken where those at hand do not serve. */
@@ -212,14 +180,13 @@ static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, galerkin_s
         const lagrangian_passed inverted = lagrangian_invert(w);
         if (inverted != LAGRANGIAN_PASSED) return inverted;
     }
-    lagrangian_begin(w);
-    double moved = w->moved = lagrangian_iterate(w);
-    for (int i = 1; i < LAGRANGIAN_ITERATIONS; i++) {
+    double moved = w->moved = 0;
+    lagrangian_set_rise(w);
+    for (int i = 0; i < LAGRANGIAN_ITERATIONS; i++) {
         if (i >= LAGRANGIAN_LEAST_ITERATIONS && moved <= LAGRANGIAN_NOTHING * numbers) break;
-        lagrangian_follow(w);
+        lagrangian_linearise(w);
         w->moved += moved = lagrangian_iterate(w);
     }
-    lagrangian_set_low(w);
     return LAGRANGIAN_PASSED;
 }
 

@@ -345,10 +345,8 @@ static void end_drifting(const galerkin_nodes *nodes, const galerkin_sums *sums,
                          const double *drift_low, const tvi_increments *by)
 {
     for (int u = 0, unknowns = nodes->unknowns; u < unknowns; u++) {
-        const double scale = nodes->scale[u], twice = sums->twice[u], rise = scale * twice;
-        double rest;
-        by->dq[u] = tvi_two_sum(drift[u], rise, &rest);
-        by->dq_low[u] = rest + (fma(scale, twice, -rise) + fma(scale, sums->twice_low[u], drift_low[u]));
+        by->dq[u] =
+            galerkin_rise(drift[u], drift_low[u], nodes->scale[u], sums->twice[u], sums->twice_low[u], &by->dq_low[u]);
         by->dp[u] = sums->once[u];
         by->dp_low[u] = sums->once_low[u];
     }

@@ -92,6 +92,17 @@ static inline tvi_tail_part galerkin_tail_part(const galerkin_motion *of, bool h
     return part;
 }
 
+/* What a coordinate with a mass rises by, in two parts: drift + drift_low + scale (twice + twice_low). */
+static inline double galerkin_rise(double drift, double drift_low, double scale, double twice, double twice_low,
+                                   double *low)
+{
+    const double rise = scale * twice;
+    double rest;
+    const double sum = tvi_two_sum(drift, rise, &rest);
+    *low = rest + (fma(scale, twice, -rise) + fma(scale, twice_low, drift_low));
+    return sum;
+}
+
 /* A component that is small beside the others of its group has no better roundoff than they. */
 #define TVI_GALERKIN_LEAST_SHARE 1e-3
 
