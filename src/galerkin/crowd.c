@@ -163,6 +163,7 @@ static void get(const void *work, int lane, void *one)
     const crowd *w = work;
     const galerkin_predictor *predictor = &((galerkin *)one)->predictor;
     const galerkin_crowd_history *last = &w->last;
+    tvi_galerkin_springs_forget(one);
     *predictor->last = (galerkin_history){.h = last->h[lane],
                                           .h_before = last->h_before[lane],
                                           .t = last->t[lane],

@@ -16,7 +16,8 @@ typedef struct {
     int rows; /* of the nodes' x, that it begins with */
     const tvi_passes_rule *rule;
     steady_field *drive;
-    bool folds; /* passes that cannot be the last are folded.h's */
+    bool folds;   /* passes that cannot be the last are folded.h's */
+    bool loosens; /* springs.h */
     galerkin_sweep *sweep;
     lagrangian_passes *lagrangian;
     hamiltonian_passes *hamiltonian;
@@ -34,6 +35,19 @@ JET_INLINE bool steady_drive(const galerkin_nodes *nodes, const steady_form *for
 JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
 {
     return steady_drive(nodes, form, true, lanes);
+}
+
+/* The unknowns move by the impulses, and by what springs add to that if another pass follows. left: see follow_to. */
+JET_INLINE double steady_follow(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                                double *left, int lanes)
+{
+    if (form->loosens) keep_lanes(nodes, frame->springs, lanes);
+    return follow_to(nodes, frame->matrix, NULL, left, lanes);
+}
+JET_INLINE void steady_loosen(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
+                              bool may_be_last, int lanes)
+{
+    if (form->loosens && (!may_be_last || frame->springs->always)) loosen_lanes(nodes, frame->springs, lanes);
 }
 
 JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
@@ -54,7 +68,7 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
         follow_few(nodes, frame->matrix, &squares);
         *moved = sum_of_few(squares);
     } else {
-        *moved = follow_lanes(nodes, frame->matrix, NULL, lanes);
+        *moved = steady_follow(frame, nodes, form, NULL, lanes);
     }
     return true;
 }
@@ -73,13 +87,21 @@ typedef struct {
  * folded are rounded. */
 enum { STEADY_BLIND = 16 };
 #define STEADY_NEAR 0x1p-4
+#define STEADY_NONE 0x1p-12
 JET_INLINE bool steady_is_blind(int pass, long blind) { return 0 < pass && pass <= blind; }
 /* The first one that is judged: that behind these. */
 JET_INLINE int steady_first(long blind) { return blind > 0 ? (int)blind + 1 : 0; }
 
-JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, const steady_silence *silence)
+/* Where passes that are not measured solve springs exactly, each does what several others do: so these are as few as
+ * may be, but at least one. */
+JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, const steady_silence *silence, bool loosens)
 {
     const int first = steady_first(blind), second = first + 1;
+    if (loosens) {
+        if (silence->count <= first || silence->moved[first] <= STEADY_NONE * rule->noise)
+            return blind > 1 ? blind - 1 : 1;
+        return silence->moved[first] > rule->noise && blind < STEADY_BLIND ? blind + 1 : blind;
+    }
     if (silence->count <= first || silence->moved[first] <= STEADY_NEAR * rule->noise) return blind > 1 ? blind - 1 : 0;
     const bool may_be_more = silence->count > second && silence->moved[second] > rule->noise;
     return may_be_more && blind < STEADY_BLIND ? blind + 1 : blind;
@@ -133,14 +155,15 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
                                    int lanes)
 {
     const bool few = nodes->unknowns <= GALERKIN_FEW;
+    const int first = steady_first(blind);
     few_vector squares[STEADY_SILENT];
     of->count = 0;
     of->rests = false;
     if (form->folds) {
-        of->count = steady_first(blind);
+        of->count = first;
         if (blind > 0) of->moved[0] = squares_of(nodes, folding->change);
     }
-    while (of->count < most && !of->rests) {
+    while (of->count < most) {
         const int now = of->count++;
         if (!few && !steady_begin(nodes, form, lanes)) return false;
         if (!ARE_EIGHT(lanes)) {
@@ -150,14 +173,16 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
         } else {
             few_vector moved;
             if (ARE_TURNED(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
-            else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
+            else (void)steady_follow(frame, nodes, form, (double *)&moved, lanes);
             /* folded passes were all that were blind, which the compiler does not see by itself */
             if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_zero(moved);
         }
-        if (few && !of->rests && !steady_begin(nodes, form, lanes)) return false;
+        if (of->rests) break;
+        steady_loosen(frame, nodes, form, now >= first, lanes);
+        if (few && !steady_begin(nodes, form, lanes)) return false;
     }
     if (!ARE_EIGHT(lanes)) return true;
-    const int first = steady_first(blind), end = of->rests && of->count > first + 2 ? first + 2 : of->count;
+    const int end = of->rests && of->count > first + 2 ? first + 2 : of->count;
     if (!form->folds || blind < 1) of->moved[0] = sum_of_few(squares[0]);
     for (int i = first; i < end; i++) of->moved[i] = sum_of_few(squares[i]);
     return true;
@@ -189,12 +214,14 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         shown->size = 0;
         shown->pace.first = silence.moved[0];
         shown->pace.silent = silence.count + STEADY_MORE(nodes->unknowns);
-        shown->pace.blind = steady_blind(rule, blind, &silence);
+        shown->pace.blind = steady_blind(rule, blind, &silence, form->loosens);
         if (silence.rests) return true;
     }
     tvi_passes_begin(&passes);
     passes.slowest = shown->pace.slowest;
     passes.early = shown->early;
+    passes.checks = form->loosens && frame->springs->always;
+    if (form->loosens && !passes.checks) passes.slowest = tvi_larger(passes.slowest, frame->springs->left);
     while (verdict == TVI_PASSES_GO_ON && first + passes.count < rule->most) {
         double moved;
         const int now = first + passes.count;
@@ -205,7 +232,9 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         if (!(moved < INFINITY)) return false;
         verdict = tvi_passes_judge(&passes, rule, moved);
         if (now == 0) shown->pace.first = moved;
-        if (few && !was_made && verdict == TVI_PASSES_GO_ON && !steady_begin(nodes, form, lanes)) return false;
+        if (was_made || verdict != TVI_PASSES_GO_ON) continue;
+        steady_loosen(frame, nodes, form, true, lanes);
+        if (few && !steady_begin(nodes, form, lanes)) return false;
     }
     const int made = first + passes.count;
     shown->count = made > silence.count ? made : silence.count;

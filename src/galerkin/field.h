@@ -20,15 +20,17 @@ typedef struct {
     const lagrangian_loops *lagrangian;
     int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
-    int rows;            /* of nodes.x that a pass begins with */
-    double h;            /* of the nodes' weights and scales; 0: none yet */
-    double *b;           /* [lanes] */
-    int *slot;           /* [unknowns] where in nodes.x what drives each unknown is */
-    double *inputs;      /* block of the field's tape, which has the time */
-    double *matrix;      /* of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
-    double *ahead;       /* [j][i] what `predict` wants extrapolations multiplied by */
-    tvi_roundoff *noise; /* what the values of the field are displaced by; NULL: they are not */
-    void *own;           /* of the form */
+    int rows;                        /* of nodes.x that a pass begins with */
+    double h;                        /* of the nodes' weights and scales; 0: none yet */
+    double *b;                       /* [lanes] */
+    int *slot;                       /* [unknowns] where in nodes.x what drives each unknown is */
+    double *inputs;                  /* block of the field's tape, which has the time */
+    double *matrix;                  /* of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
+    double *ahead;                   /* [j][i] what `predict` wants extrapolations multiplied by */
+    tvi_roundoff *noise;             /* what the values of the field are displaced by; NULL: they are not */
+    void *own;                       /* of the form */
+    const galerkin_springs *springs; /* of the passes of a force, */
+    bool loosens;                    /* which they solve exactly now */
 } galerkin_field;
 
 struct galerkin_form {
@@ -80,6 +82,16 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
     return TVI_OK;
 }
 
+/* The unknowns moved by what drives them, as far as `move` says, and by what springs add to that. */
+static inline double galerkin_move(const galerkin_field *field)
+{
+    const galerkin_nodes *nodes = &field->nodes;
+    if (field->loosens) field->loops->keep(nodes, field->springs);
+    const double moved = field->loops->move(nodes, field->matrix, nodes->x, field->slot);
+    if (field->loosens && moved > field->springs->least) field->loops->loosen(nodes, field->springs);
+    return moved;
+}
+
 /* A pass: what drives the unknowns where they are, and they moved by it, as far as `move` says. Counts. */
 static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
@@ -89,7 +101,7 @@ static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved,
         if (status != TVI_OK) return status;
     } else {
         if (galerkin_evaluate(field) != TVI_OK) return TVI_EDOMAIN;
-        *moved = field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
+        *moved = galerkin_move(field);
     }
     stats->passes++;
     return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;

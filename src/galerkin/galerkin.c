@@ -127,6 +127,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
     tvi_galerkin_probe_take(&w.probe, arena, &w.field);
+    tvi_galerkin_springs_take(&w.springs, arena, &w.field, options);
     if (taken) *taken = w;
     return taken;
 }
@@ -139,6 +140,10 @@ static void prepare(void *work)
     const int numbers = w->field.nodes.unknowns * w->field.nodes.lanes;
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field, numbers);
     w->motion.per_weight = w->coefficients.inverse_b;
+    w->field.springs = &w->springs.of_passes;
+    w->springs.is_wanted = !w->field.loops->steady || GALERKIN_HAS_MODES(w->n);
+    w->springs.most =
+        w->field.loops->steady && w->springs.is_wanted && w->n <= GALERKIN_FEW ? GALERKIN_MODES(w->n) : w->n;
     w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
     w->frame = (galerkin_frame){.nodes = &w->field.nodes,
                                 .motion = &w->motion,
@@ -155,7 +160,8 @@ static void prepare(void *work)
                                 .share = w->share,
                                 .ratio = w->ratio,
                                 .h = &w->field.h,
-                                .own = w->field.own};
+                                .own = w->field.own,
+                                .springs = w->field.springs};
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -215,6 +221,7 @@ static tvi_status predict(galerkin *w, const tvi_origin *origin, const double *p
 static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, galerkin_pace *pace,
                         tvi_stats *stats)
 {
+    w->field.loosens = w->springs.of_passes.count > 0;
     const tvi_status status = predict(w, origin, part, stats);
     if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
     galerkin_set_sizes(&w->field.nodes, w->n);
@@ -265,24 +272,44 @@ static bool step_generated(galerkin *w, const tvi_origin *origin, const tvi_incr
     return true;
 }
 
-static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+/* From the steps before, else from the state alone, and then with other springs. */
+static tvi_status solve_somehow(galerkin *w, const tvi_origin *origin, galerkin_pace *pace, tvi_stats *stats)
 {
-    galerkin *w = work;
-    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
-    tvi_galerkin_set_size(w, h);
-    if (w->field.loops->steady && iterates && step_generated(w, origin, by, stats)) return TVI_OK;
     double place;
-    const double *part =
-        iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place) ? &place : NULL;
+    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
+    const bool follows = iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place);
+    int turns = w->springs.of_passes.count > 0 ? 2 : 1;
+    tvi_status status = solve(w, origin, follows ? &place : NULL, pace, stats);
+    if (status != TVI_OK && follows) status = solve(w, origin, NULL, pace, stats);
+    for (; status != TVI_OK && turns > 0 && tvi_galerkin_springs_turn(w, origin, stats); turns--) {
+        *pace = galerkin_pace_before(w);
+        status = solve(w, origin, NULL, pace, stats);
+    }
+    return status;
+}
+
+static tvi_status make(galerkin *w, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+{
     galerkin_pace pace = galerkin_pace_before(w);
-    tvi_status status = solve(w, origin, part, &pace, stats);
-    if (status != TVI_OK && part) status = solve(w, origin, NULL, &pace, stats);
+    if (tvi_galerkin_is_steady(w) && step_generated(w, origin, by, stats)) return TVI_OK;
+    const tvi_status status = solve_somehow(w, origin, &pace, stats);
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
-    tvi_galerkin_remember(&w->predictor, h, origin->t, pace);
+    tvi_galerkin_remember(&w->predictor, w->field.h, origin->t, pace);
     set_increments(w, by);
     stats->tail = tvi_galerkin_tail(w, origin, by->dp);
     return TVI_OK;
+}
+
+static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+{
+    galerkin *w = work;
+    const long passes = stats->passes;
+    tvi_galerkin_set_size(w, h);
+    tvi_galerkin_springs_begin(w, origin, stats);
+    const tvi_status status = make(w, origin, by, stats);
+    if (status == TVI_OK) tvi_galerkin_springs_count(w, 1, stats->passes - passes);
+    return status;
 }
 
 /* ---- Dense output -------------------------------------------------------------------------------------------------

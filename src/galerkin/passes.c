@@ -26,6 +26,7 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
                                                   .far = FAR,
                                                   .noise = NOISE,
                                                   .first_noise = NOISE,
+                                                  .floor = MAYBE_ROUNDOFF,
                                                   .stuck = TVI_PASSES_ALL,
                                                   .turns = 2,
                                                   .patience = 2,
@@ -39,9 +40,21 @@ const tvi_passes_rule tvi_galerkin_newton = {NEWTON, .is_quadratic = true};
 tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *o)
 {
     tvi_passes_rule rule = *of_one;
-    double *const sizes[] = {&rule.goal, &rule.early, &rule.far, &rule.noise, &rule.first_noise, &rule.roundoff};
+    double *const sizes[] = {&rule.goal,        &rule.early, &rule.far,     &rule.noise,
+                             &rule.first_noise, &rule.floor, &rule.roundoff};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *sizes[i] *= numbers;
-    return tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
+    rule = tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
+    if (o->tolerance > 0) rule.confirmed = rule.goal;
+    return rule;
+}
+
+/* Whether passes still move by what springs add, of which none is the last: as long as they shrink, and are no
+ * roundoff. If springs added to the last ones, too, the energy would drift. */
+static bool goes_on_loosely(galerkin_field *field, const tvi_passes_rule *rule, int count, double moved, double before)
+{
+    if (!field->loosens || field->springs->always) return false;
+    field->loosens = moved > field->springs->least && (count <= rule->patience || moved < rule->contraction * before);
+    return field->loosens;
 }
 
 tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
@@ -49,8 +62,10 @@ tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, co
 {
     tvi_passes passes;
     bool is_stuck = false;
+    double before = INFINITY;
     tvi_passes_begin(&passes);
-    passes.slowest = pace->slowest;
+    passes.checks = field->loosens && field->springs->always;
+    passes.slowest = fmax(pace->slowest, field->loosens && !passes.checks ? field->springs->left : 0);
     passes.early = early;
     for (int count = 1; count <= rule->most; count++) {
         double moved;
@@ -60,9 +75,13 @@ tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, co
         const tvi_status status = suspects ? tvi_galerkin_measure(field, probe, &moved, &passes.roundoff, stats)
                                            : tvi_galerkin_pass(field, &moved, stats);
         if (status != TVI_OK) return status;
+        if (count == 1) pace->first = moved;
+        if (goes_on_loosely(field, rule, count, moved, before)) {
+            before = moved;
+            continue;
+        }
         const tvi_passes_verdict verdict = tvi_passes_judge(&passes, rule, moved);
         is_stuck |= verdict == TVI_PASSES_STUCK;
-        if (passes.count == 1) pace->first = moved;
         if (verdict == TVI_PASSES_MAY_END) {
             stats->residual = sqrt(moved);
             pace->slowest = passes.slowest;

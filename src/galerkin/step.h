@@ -4,6 +4,7 @@
 
 #include "galerkin/passes.h"
 #include "galerkin/predictor.h"
+#include "galerkin/springs.h"
 #include "galerkin/steady.h"
 
 typedef struct {
@@ -13,6 +14,7 @@ typedef struct {
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
     galerkin_probe probe;
+    galerkin_springs_work springs;
     tvi_passes_rule rule;
     galerkin_dense dense;
     double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
@@ -27,6 +29,26 @@ typedef struct {
 
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
 void tvi_galerkin_set_size(galerkin *w, double h);
+
+/* Before a step of the field's size, or a row of them: the modes that it is made with, after a look at how those before
+ * went where it is time for one. */
+void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
+/* So many steps, or those until the next look. */
+long tvi_galerkin_springs_until(const galerkin *w, long steps);
+/* Of a step that failed: with the modes that are at the origin, or without if it was made with these; false where
+ * nothing changes. */
+bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
+/* As before a first step. */
+void tvi_galerkin_springs_forget(galerkin *w);
+/* After steps of so many passes in all. */
+void tvi_galerkin_springs_count(galerkin *w, long steps, long passes);
+
+/* Whether generated code makes the steps: that of the fewest unknowns has no modes. */
+static inline bool tvi_galerkin_is_steady(const galerkin *w)
+{
+    return w->field.loops->steady && w->options->passes != TVI_PREDICT_ONLY &&
+           (w->springs.is_wanted || w->springs.of_passes.count == 0);
+}
 
 /* What the passes of the step of the field's size have from the steps before. */
 static inline galerkin_pace galerkin_pace_before(const galerkin *w)

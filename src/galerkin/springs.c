@@ -1,0 +1,267 @@
+/* springs.c - see springs.h. */
+#include "galerkin/step.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Steps of fewer passes have little to save. Looks are after so many steps, twice as many each time; modes that were in
+ * use for long are worth others. */
+enum { LEAST_PASSES = 12, FIRST_WAIT = 2, MOST_WAIT = 1024, LONG_USE = 64 };
+enum { DIRECTIONS = 4, GROWTHS = 32, FIRST_BLIND = 2 };
+#define STIFF 0x1p-6 /* w^2 of a mode at least, of that of the stiffest one */
+#define STAYS 0x1p-3 /* F' changes in a step by this part of it at most */
+#define SAVES 0.8    /* the part that is left of what passes cost at most */
+#define FEW_CONTRACT                                                                                                   \
+    0.25          /* a movement of which a pass without springs leaves more than this part is solved to its end */
+#define LESS 1.25 /* passes are more by this factor where the modes have changed */
+
+/* ---- Memory ------------------------------------------------------------------------------------------------------ */
+
+static bool may_have(const galerkin_field *field, const tvi_options *options)
+{
+    return galerkin_is_second_order(field) && field->nodes.unknowns <= GALERKIN_MOST_WITH_MODES && options->passes == 0;
+}
+
+/* Of w^2 and v. */
+static size_t numbers(const galerkin_field *field)
+{
+    return (size_t)field->nodes.unknowns * (size_t)(field->nodes.unknowns + 1);
+}
+
+void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const galerkin_field *field,
+                               const tvi_options *options)
+{
+    const size_t n = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
+    galerkin_springs *of_passes = &w->of_passes;
+    *w = (galerkin_springs_work){.last = NULL};
+    if (!may_have(field, options)) return;
+    w->last = tvi_arena_history(arena, sizeof *w->last);
+    w->square = tvi_arena_turn(arena, numbers(field) * sizeof *w->square);
+    w->of_tables = tvi_arena_doubles(arena, numbers(field));
+    w->K = tvi_arena_doubles(arena, n * n);
+    w->along = tvi_arena_doubles(arena, n * n);
+    w->scratch = tvi_arena_doubles(arena, (1 + 3 * DIRECTIONS) * n);
+    of_passes->dual = w->dual = tvi_arena_doubles(arena, n * n);
+    of_passes->table = w->table = tvi_arena_doubles(arena, n * lanes * lanes);
+    of_passes->r = tvi_arena_doubles(arena, n * lanes);
+    of_passes->part = tvi_arena_doubles(arena, n * lanes);
+    of_passes->more = tvi_arena_doubles(arena, n * lanes);
+    tvi_stiffness_take(&w->stiffness, arena, field->system);
+    tvi_factor_take(&w->factor, arena, field->points);
+    if (w->square) of_passes->mode = w->mode = w->square + n;
+}
+
+/* ---- The modes --------------------------------------------------------------------------------------------------- */
+
+/* |a - b|^2 if that is asked for, else |a|^2. */
+static double square_of(int count, const double a[], const double b[])
+{
+    double sum = 0;
+    for (int i = 0; i < count; i++) sum += (a[i] - (b ? b[i] : 0)) * (a[i] - (b ? b[i] : 0));
+    return sum;
+}
+
+/* Whether F' at the origin is what it was a step before, as some directions show, which have a part of each mode. */
+static bool stays(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+{
+    const galerkin_springs_work *of = &w->springs;
+    const int n = w->n, count = DIRECTIONS * n;
+    const double h = w->field.h;
+    double *before = of->scratch, *along = before + n, *now = along + count, *then = now + count;
+    unsigned bits = 1;
+    for (int i = 0; i < n; i++) before[i] = origin->q[i] - h / w->field.system->mass[i] * origin->p[i];
+    for (int i = 0; i < count; i++) {
+        bits = bits * 1664525u + 1013904223u;
+        along[i] = bits * 0x1p-31 - 1;
+    }
+    const int of_now = tvi_stiffness_times(&of->stiffness, origin->t, origin->q, DIRECTIONS, along, now);
+    const int of_then = tvi_stiffness_times(&of->stiffness, origin->t - h, before, DIRECTIONS, along, then);
+    stats->force_evaluations += of_now + of_then;
+    return of_now > 0 && of_then > 0 && square_of(count, now, then) <= STAYS * STAYS * square_of(count, now, NULL);
+}
+
+/* The stiffest modes at the origin; how many. */
+static int find(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+{
+    const galerkin_springs_work *of = &w->springs;
+    const int n = w->n;
+    double *K = of->K, *along = of->along, *value = of->scratch;
+    int count = 0;
+    if (!stays(w, origin, stats)) return 0;
+    for (int i = 0; i < n * n; i++) along[i] = i / n == i % n;
+    const int values = tvi_stiffness_times(&of->stiffness, origin->t, origin->q, n, along, K);
+    stats->force_evaluations += values;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) K[i * n + j] = K[j * n + i] = (K[i * n + j] + K[j * n + i]) / 2;
+    if (values == 0 || !tvi_eigen(n, K, value, value + n) || !(value[0] < 0)) return 0;
+    for (; count < of->most && value[count] <= STIFF * value[0]; count++) {
+        of->square[count] = -value[count];
+        for (int u = 0; u < n; u++) of->mode[count * n + u] = K[count * n + u] / sqrt(w->field.system->mass[u]);
+    }
+    memset(of->mode + count * n, 0, (size_t)((n - count) * n) * sizeof *of->mode);
+    return count;
+}
+
+/* From here on; what was learned of the passes is of others. */
+static void use(galerkin *w, int count)
+{
+    galerkin_pace *pace = &w->predictor.last->pace;
+    w->springs.last->count = count;
+    w->springs.last->used = w->springs.last->first = 0;
+    *pace = (galerkin_pace){.first = pace->first, .blind = count > 0 ? FIRST_BLIND : 0};
+}
+
+/* Of a a, by the growth of a vector that it multiplies again and again. */
+static double spectral_radius(const galerkin_coefficients *a)
+{
+    const int points = a->points;
+    double x[TVI_GALERKIN_MAX_LANES], y[TVI_GALERKIN_MAX_LANES], growth = 0;
+    for (int i = 0; i < points; i++) x[i] = 1.0 + i;
+    for (int k = 0; k < GROWTHS; k++) {
+        double size = 0;
+        for (int i = 0; i < points; i++) {
+            y[i] = 0;
+            for (int j = 0; j < points; j++) y[i] += a->matrix[j * a->lanes + i] * a->b[j] * x[j];
+            size += fabs(y[i]);
+        }
+        for (int i = 0; i < points; i++) x[i] = y[i] / size;
+        growth += k > 0 ? log(size) : 0;
+    }
+    return exp(growth / (GROWTHS - 1));
+}
+
+/* D - 1 of mode k, by equations that are regular. */
+static void set_table(galerkin *w, int k)
+{
+    galerkin_springs_work *of = &w->springs;
+    const galerkin_coefficients *a = &w->coefficients;
+    const int points = a->points, lanes = a->lanes;
+    const double square = of->square[k] * w->field.h * w->field.h;
+    double *lu = of->factor.lu, *table = of->table + k * lanes * lanes;
+    for (int i = 0; i < points; i++)
+        for (int j = 0; j < points; j++) lu[i * points + j] = (i == j) + square * (a->matrix[j * lanes + i] * a->b[j]);
+    const bool is_regular = tvi_factor_compute(&of->factor) == TVI_OK;
+    for (int j = 0; j < points; j++) {
+        double column[TVI_GALERKIN_MAX_LANES] = {0};
+        column[j] = 1;
+        if (is_regular) tvi_factor_solve(&of->factor, column);
+        column[j] -= 1;
+        for (int i = 0; i < lanes; i++) table[j * lanes + i] = column[i < points ? i : points - 1];
+    }
+}
+
+static void set_tables(galerkin *w)
+{
+    galerkin_springs_work *of = &w->springs;
+    const int n = w->n, count = of->last->count;
+    const size_t bytes = numbers(&w->field) * sizeof *of->square;
+    of->of_passes.count = count;
+    if (count == 0 || (of->h == w->field.h && memcmp(of->of_tables, of->square, bytes) == 0)) return;
+    for (int k = 0; k < count; k++) set_table(w, k);
+    for (int i = 0; i < n * n; i++) of->dual[i] = of->mode[i] * w->field.system->mass[i % n];
+    memcpy(of->of_tables, of->square, bytes);
+    of->h = w->field.h;
+    const double left = of->square[0] * of->h * of->h * spectral_radius(&w->coefficients);
+    of->of_passes.left = left * left;
+    of->of_passes.always = left > FEW_CONTRACT || w->rule.goal > w->rule.noise;
+    of->of_passes.least = of->of_passes.always ? 0 : w->rule.noise;
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+
+/* What passes cost with the modes in use, which half of them solve, of what they cost without. */
+static double cost(const galerkin *w)
+{
+    const int n = w->n, points = w->field.points, slots = w->field.system->field_values->slots;
+    return 1 + (double)(w->springs.last->count * (2 * n + points)) / (2 * (n * points + slots));
+}
+
+/* Of a step that takes so many passes. */
+static void seek(galerkin *w, double passes, const tvi_origin *origin, tvi_stats *stats)
+{
+    galerkin_springs_history *last = w->springs.last;
+    const int count = passes >= LEAST_PASSES ? find(w, origin, stats) : 0;
+    last->wait = count > 0 ? FIRST_WAIT : fmin(LONG_USE * last->wait, MOST_WAIT);
+    if (count > 0 || last->count > 0) use(w, count);
+}
+
+/* Modes in use have to save more than they cost. Where they did so for long, and do so less and less, they are others
+ * now. */
+static void judge(galerkin *w, double passes, const tvi_origin *origin, tvi_stats *stats)
+{
+    galerkin_springs_history *last = w->springs.last;
+    const bool saves = passes * cost(w) < SAVES * last->plain;
+    last->wait = fmin(2 * last->wait, MOST_WAIT);
+    if (last->first == 0) last->first = passes;
+    if (saves && passes < LESS * last->first) return;
+    if (last->used >= LONG_USE) {
+        last->wait = FIRST_WAIT;
+        seek(w, last->plain, origin, stats);
+    } else if (!saves) {
+        last->wait = MOST_WAIT;
+        use(w, 0);
+    }
+}
+
+static void look(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+{
+    galerkin_springs_history *last = w->springs.last;
+    const double passes = last->passes / last->steps;
+    last->steps = last->passes = 0;
+    if (last->count > 0) {
+        judge(w, passes, origin, stats);
+    } else {
+        last->plain = passes;
+        seek(w, passes, origin, stats);
+    }
+}
+
+void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+{
+    galerkin_springs_history *last = w->springs.last;
+    if (!last) return;
+    if (last->h != w->field.h) {
+        last->h = w->field.h;
+        last->steps = last->passes = 0;
+        last->wait = FIRST_WAIT;
+    }
+    if (w->springs.is_wanted && last->steps >= last->wait) look(w, origin, stats);
+    set_tables(w);
+}
+
+long tvi_galerkin_springs_until(const galerkin *w, long steps)
+{
+    const galerkin_springs_history *last = w->springs.last;
+    if (!last || !w->springs.is_wanted) return steps;
+    const double left = last->wait - last->steps;
+    return left < 1 ? 1 : left < (double)steps ? (long)left : steps;
+}
+
+bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+{
+    galerkin_springs_history *last = w->springs.last;
+    if (!last) return false;
+    const bool are_new = last->count > 0 && last->used == 0;
+    const int count = are_new ? 0 : find(w, origin, stats);
+    if (count == 0 && last->count == 0) return false;
+    last->plain = INFINITY;
+    last->steps = last->passes = 0;
+    last->wait = FIRST_WAIT;
+    use(w, count);
+    set_tables(w);
+    return true;
+}
+
+void tvi_galerkin_springs_count(galerkin *w, long steps, long passes)
+{
+    galerkin_springs_history *last = w->springs.last;
+    if (!last) return;
+    last->steps += (double)steps;
+    last->used += (double)steps;
+    last->passes += (double)passes;
+}
+
+void tvi_galerkin_springs_forget(galerkin *w)
+{
+    if (w->springs.last) *w->springs.last = (galerkin_springs_history){0};
+}

@@ -1,0 +1,269 @@
+/* test_springs.c - the stiffest springs of a system, which the passes of the Galerkin curve solve exactly
+ * (docs/method.md section 5). */
+#include "galerkin/step.h"
+#include "generating.h"
+#include "models.h"
+#include "run/integrator.h"
+
+#include <complex.h>
+#include <math.h>
+#include <string.h>
+
+enum { NODES = 8, CHAIN = 6, MOLECULE = 4 };
+
+/* ---- Systems ----------------------------------------------------------------------------------------------------- */
+
+static const double chain_mass[CHAIN] = {1, 2, 1.5, 1, 0.5, 3}, molecule_mass[MOLECULE] = {1, 1, 2, 2};
+
+/* Pairs of masses on springs of frequency w, between quartic ones. */
+static jet chain(const jet q[], jet t, void *ctx)
+{
+    const double w = *(const double *)ctx;
+    jet sum = jet_pow(q[0], 4);
+    (void)t;
+    for (int i = 0; i < CHAIN; i += 2) {
+        const double *m = chain_mass + i, k = w * w * m[0] * m[1] / (m[0] + m[1]);
+        sum = jet_add(sum, jet_mul(k / 2, jet_sqr(jet_sub(q[i + 1], q[i]))));
+        sum = jet_add(sum, jet_pow(i + 2 < CHAIN ? jet_sub(q[i + 2], q[i + 1]) : q[i + 1], 4));
+    }
+    return sum;
+}
+
+/* Two bodies in the plane on a spring of length 1 and frequency w. */
+static jet molecule(const jet q[], jet t, void *ctx)
+{
+    const double w = *(const double *)ctx, k = w * w * 2 / 3;
+    const jet x = jet_sub(q[2], q[0]), y = jet_sub(q[3], q[1]);
+    (void)t;
+    return jet_mul(k / 2, jet_sqr(jet_sub(jet_sqrt(jet_add(jet_sqr(x), jet_sqr(y))), 1)));
+}
+
+/* Of one frequency. */
+static jet oscillator(const jet q[], jet t, void *ctx)
+{
+    const double w = *(const double *)ctx;
+    (void)t;
+    return jet_mul(w * w / 2, jet_sqr(q[0]));
+}
+
+typedef struct {
+    tvi_system *system;
+    tvi_integrator *it;
+    galerkin *work;
+    test_state x;
+} run_of_springs;
+
+/* How the springs are used. */
+typedef enum { NEVER, IF_PASSES_FAIL, IF_THEY_SAVE } springs_use;
+
+static run_of_springs begin(int n, const double mass[], tvi_potential_fn *V, double w, int nodes, springs_use use)
+{
+    run_of_springs r = {.x = {.t = 0}};
+    const tvi_options options = kind_options(&kinds[kind_count], nodes);
+    ck_assert_int_eq(tvi_system_potential(&r.system, n, mass, V, &w), TVI_OK);
+    r.it = integrator_of(r.system, &options);
+    r.work = r.it->work;
+    if (use == NEVER) r.work->springs.last = NULL;
+    r.work->springs.is_wanted = use == IF_THEY_SAVE;
+    return r;
+}
+
+static void end(run_of_springs *r)
+{
+    tvi_integrator_free(r->it);
+    tvi_system_free(r->system);
+}
+
+static void start_chain(run_of_springs *r, double more)
+{
+    r->x.q[0] = 0.69 + more;
+    r->x.q[1] = 0.73;
+    r->x.p[1] = 1.4;
+    r->x.p[4] = 0.3 - more;
+}
+
+static run_of_springs begin_chain(springs_use use)
+{
+    run_of_springs r = begin(CHAIN, chain_mass, chain, 50, NODES, use);
+    start_chain(&r, 0);
+    return r;
+}
+
+/* It turns so fast. */
+static run_of_springs begin_molecule(double turns, springs_use use)
+{
+    run_of_springs r = begin(MOLECULE, molecule_mass, molecule, 50, NODES, use);
+    r.x.q[0] = -0.7;
+    r.x.q[2] = 0.34;
+    r.x.p[1] = -turns;
+    r.x.p[3] = turns;
+    return r;
+}
+
+static double passes_of(const run_of_springs *r)
+{
+    const tvi_stats *stats = tvi_integrator_stats(r->it);
+    return (double)stats->passes / (double)stats->steps;
+}
+
+/* ---- Passes ------------------------------------------------------------------------------------------------------ */
+
+/* Steps of 4 / w: little more than half of the passes, for the same motion. */
+START_TEST(springs_that_stay_save_passes)
+{
+    run_of_springs with = begin_chain(IF_THEY_SAVE), without = begin_chain(NEVER);
+    go(with.it, 0.08, 200, &with.x);
+    go(without.it, 0.08, 200, &without.x);
+    const double few = passes_of(&with), many = passes_of(&without), apart = distance(CHAIN, &with.x, &without.x);
+    ck_assert_int_eq(with.work->springs.last->count, CHAIN / 2);
+    ck_assert_msg(few > 9 && few < 13 && many > 18, "%.2f passes, without springs %.2f", few, many);
+    ck_assert_msg(apart > 0 && apart < 1e-11, "%.1e apart", apart);
+    end(&with);
+    end(&without);
+}
+END_TEST
+
+/* The mean of H - H0 over some orbits, of order 20, whose own error is less than roundoff. */
+static double mean_energy(bool always)
+{
+    enum { ORBITS = 16, STEPS = 10000 };
+    double sum = 0;
+    for (int k = 0; k < ORBITS; k++) {
+        run_of_springs r = begin(CHAIN, chain_mass, chain, 50, 10, IF_THEY_SAVE);
+        start_chain(&r, 1e-3 * k);
+        const double start = state_energy(r.system, &r.x);
+        go(r.it, 0.078125, 10, &r.x);
+        ck_assert_int_eq(r.work->springs.last->count, CHAIN / 2);
+        r.work->springs.of_passes.always |= always;
+        go(r.it, 0.078125, STEPS, &r.x);
+        sum += (state_energy(r.system, &r.x) - start) / ORBITS;
+        end(&r);
+    }
+    return fabs(sum);
+}
+
+/* It would drift if springs added to the last passes of a step, too. */
+START_TEST(energy_does_not_drift)
+{
+    const double mean = mean_energy(false), biased = mean_energy(true);
+    ck_assert_msg(mean < 2e-13 && biased > 4e-13, "%.1e, and if springs always add, %.1e", mean, biased);
+}
+END_TEST
+
+/* The modes of a molecule that turns are soon others. Where they last for long they are sought anew; where they do not,
+ * passes are no more than without. */
+START_TEST(springs_that_turn)
+{
+    static const struct {
+        double turns, least, most; /* of the passes without */
+    } rows[] = {{1, 0.98, 1.02}, {0.1, 0.95, 1.02}, {0.01, 0.7, 0.99}, {0.001, 0.3, 0.7}};
+    enum { STEPS = 3000 };
+    run_of_springs with = begin_molecule(rows[_i].turns, IF_THEY_SAVE), without = begin_molecule(rows[_i].turns, NEVER);
+    go(with.it, 0.08, STEPS, &with.x);
+    go(without.it, 0.08, STEPS, &without.x);
+    const double part = passes_of(&with) / passes_of(&without);
+    ck_assert_msg(part > rows[_i].least && part < rows[_i].most, "turns %g: %.2f of the passes", rows[_i].turns, part);
+    end(&with);
+    end(&without);
+}
+END_TEST
+
+/* Forces that change along a step have none. */
+START_TEST(others_have_no_springs)
+{
+    static const struct {
+        const model *of;
+        double h;
+    } rows[] = {{&model_kepler, 0.75}, {&model_henon_heiles, 2}, {&model_pendulum, 0.5}};
+    const tvi_options options = kind_options(&kinds[kind_count], NODES);
+    tvi_system *system = model_system(rows[_i].of);
+    tvi_integrator *it = integrator_of(system, &options);
+    const galerkin *work = it->work;
+    test_state x = model_start(rows[_i].of);
+    for (int k = 0; k < 50; k++) {
+        go(it, rows[_i].h, 1, &x);
+        ck_assert_int_eq(work->springs.last->count, 0);
+    }
+    tvi_integrator_free(it);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Steps too large for a fixed point --------------------------------------------------------------------------- */
+
+/* The diagonal Pade approximation of e^z of degree NODES, which Gauss collocation is. */
+static double complex pade(double complex z)
+{
+    double complex above = 0, below = 0, power = 1;
+    double factor = 1;
+    for (int k = 0; k <= NODES; k++) {
+        above += factor * power;
+        below += (k % 2 ? -factor : factor) * power;
+        factor *= (double)(NODES - k) / ((2 * NODES - k) * (k + 1));
+        power *= z;
+    }
+    return above / below;
+}
+
+/* An oscillator in steps of 30 / w, for which passes without springs diverge, is turned as the method has it. */
+START_TEST(large_steps_of_an_oscillator)
+{
+    const double mass = 2, w = 50, h = 30 / w, of_system = w * sqrt(mass);
+    enum { STEPS = 100 };
+    for (springs_use use = NEVER; use <= IF_THEY_SAVE; use++) {
+        run_of_springs r = begin(1, &mass, oscillator, of_system, NODES, use);
+        r.x.q[0] = 0.6;
+        r.x.p[0] = 0.8 * mass * w;
+        if (use == NEVER) {
+            ck_assert_int_eq(tvi_step(r.it, h, &r.x.t, r.x.q, r.x.p), TVI_ENOCONV);
+        } else {
+            double complex z = r.x.q[0] - I * r.x.p[0] / (mass * w);
+            go(r.it, h, STEPS, &r.x);
+            for (int k = 0; k < STEPS; k++) z *= pade(I * w * h);
+            const double complex got = r.x.q[0] - I * r.x.p[0] / (mass * w);
+            ck_assert_msg(cabs(got - z) < 1e-11, "%.1e off", cabs(got - z));
+        }
+        end(&r);
+    }
+}
+END_TEST
+
+/* ---- States ------------------------------------------------------------------------------------------------------ */
+
+/* Also where the integrator that goes on has never looked for them, and after a step that failed. */
+START_TEST(states_have_the_springs)
+{
+    run_of_springs r = begin_chain(IF_THEY_SAVE), other = begin_chain(IF_THEY_SAVE);
+    char buffer[1 << 15];
+    size_t size = sizeof buffer;
+    go(r.it, 0.08, 20, &r.x);
+    ck_assert_int_eq(tvi_state_save(r.it, buffer, &size), TVI_OK);
+    other.x = r.x;
+    go(r.it, 0.08, 30, &r.x);
+    for (int fails = 0; fails < 2; fails++) {
+        test_state y = other.x;
+        ck_assert_int_eq(tvi_state_load(other.it, buffer, size), TVI_OK);
+        if (fails) ck_assert_int_ne(tvi_step(other.it, 1e4, &y.t, y.q, y.p), TVI_OK);
+        go(other.it, 0.08, 30, &y);
+        ck_assert_int_eq(other.work->springs.last->count, CHAIN / 2);
+        ck_assert_mem_eq(&y, &r.x, sizeof y);
+    }
+    end(&r);
+    end(&other);
+}
+END_TEST
+
+Suite *suite_springs(void)
+{
+    Suite *suite = suite_create("springs");
+    TCase *tcase = tcase_create("springs");
+    tcase_set_timeout(tcase, 60);
+    tcase_add_test(tcase, springs_that_stay_save_passes);
+    tcase_add_test(tcase, energy_does_not_drift);
+    tcase_add_loop_test(tcase, springs_that_turn, 0, 4);
+    tcase_add_loop_test(tcase, others_have_no_springs, 0, 3);
+    tcase_add_test(tcase, large_steps_of_an_oscillator);
+    tcase_add_test(tcase, states_have_the_springs);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
