@@ -358,7 +358,7 @@ START_TEST(plain_factors_refuse_what_needs_exchanges)
 }
 END_TEST
 
-/* Of a symmetric matrix with eigenvalues of both signs: A v = value v for each row, rows that are orthonormal, in order. */
+/* Of a symmetric matrix with eigenvalues of both signs: A v = value v for each row; rows are orthonormal, in order. */
 START_TEST(eigenvectors_are_those_of_the_matrix)
 {
     const int n = _i;
