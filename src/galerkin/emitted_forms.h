@@ -69,25 +69,26 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         if (STEADY_LEADS(UNKNOWNS, LANES))                                                                             \
             return steady_few(frame, &nodes, motion, &form, row, origin, now, to, (LANES));                            \
         return steady_lanes(frame, &nodes, &motion, &form, row, origin, now, to, (LANES));                             \
-    }                                                                                                                  \
-    STEADY_ORDER static long NAME##_go_plainly(const galerkin_frame *frame, const tvi_row *row,                        \
-                                               const tvi_origin *origin, const tvi_run_state *now,                     \
-                                               galerkin_outcome *to)                                                   \
+    }
+
+/* Steps without springs, and where there may be modes (springs.h) those with them, too. */
+#define STEADY_ARGUMENTS                                                                                               \
+    const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,               \
+        galerkin_outcome *to
+#define GALERKIN_EMITTED_PLAINLY(NAME)                                                                                 \
+    STEADY_ORDER static long NAME##_go(STEADY_ARGUMENTS) { return NAME##_go_so(frame, row, origin, now, to, false); }
+#define GALERKIN_EMITTED_LOOSELY(NAME)                                                                                 \
+    STEADY_ORDER static long NAME##_plainly(STEADY_ARGUMENTS)                                                          \
     {                                                                                                                  \
         return NAME##_go_so(frame, row, origin, now, to, false);                                                       \
     }                                                                                                                  \
-    STEADY_ORDER static long NAME##_go_loosely(const galerkin_frame *frame, const tvi_row *row,                        \
-                                               const tvi_origin *origin, const tvi_run_state *now,                     \
-                                               galerkin_outcome *to)                                                   \
+    STEADY_ORDER static long NAME##_loosely(STEADY_ARGUMENTS)                                                          \
     {                                                                                                                  \
         return NAME##_go_so(frame, row, origin, now, to, true);                                                        \
     }                                                                                                                  \
-    static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,                   \
-                          const tvi_run_state *now, galerkin_outcome *to)                                              \
+    static long NAME##_go(STEADY_ARGUMENTS)                                                                            \
     {                                                                                                                  \
-        if (GALERKIN_HAS_MODES(UNKNOWNS) && frame->springs->count > 0)                                                 \
-            return NAME##_go_loosely(frame, row, origin, now, to);                                                     \
-        return NAME##_go_plainly(frame, row, origin, now, to);                                                         \
+        return (frame->springs->count > 0 ? NAME##_loosely : NAME##_plainly)(frame, row, origin, now, to);             \
     }
 
 /* The blocks of the tapes of passes that know second derivatives, of which KEPT rows are not of their operations; small

@@ -52,6 +52,7 @@ static void emit(jet_text *text, const galerkin_field *field, const char *name)
     tvi_galerkin_emit_ints(text, name, "slot", nodes->unknowns, field->slot);
     jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, tvi_values, %d, %d, %d)\n", name, nodes->unknowns,
                  galerkin_rows_kept(field->system->field_values), nodes->lanes);
+    jet_text_add(text, "GALERKIN_EMITTED_%s(%s)\n", galerkin_has_modes(field) ? "LOOSELY" : "PLAINLY", name);
 }
 
 const galerkin_form tvi_galerkin_form_plain = {-1,  &tvi_galerkin_fixed_point, take, prepare, start, predict, NULL,

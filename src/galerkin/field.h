@@ -52,6 +52,17 @@ struct galerkin_form {
 /* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: passes.c. */
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
+/* Whether the springs of a system have modes; in generated code passes of the fewest unknowns take less time than
+ * these. */
+static inline bool galerkin_may_have_modes(const galerkin_field *field)
+{
+    return field->system->form == TVI_SEPARABLE && field->system->n <= GALERKIN_MOST_WITH_MODES;
+}
+static inline bool galerkin_has_modes(const galerkin_field *field)
+{
+    return galerkin_may_have_modes(field) && field->system->n > GALERKIN_FEWEST;
+}
+
 /* A tape's inputs are the unknowns, and its outputs drive them; those that know second derivatives. */
 extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
     tvi_galerkin_form_product;

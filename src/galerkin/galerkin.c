@@ -141,7 +141,7 @@ static void prepare(void *work)
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field, numbers);
     w->motion.per_weight = w->coefficients.inverse_b;
     w->field.springs = &w->springs.of_passes;
-    w->springs.is_wanted = !w->field.loops->steady || GALERKIN_HAS_MODES(w->n);
+    w->springs.is_wanted = !w->field.loops->steady || galerkin_has_modes(&w->field);
     w->springs.most =
         w->field.loops->steady && w->springs.is_wanted && w->n <= GALERKIN_FEW ? GALERKIN_MODES(w->n) : w->n;
     w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);

@@ -18,11 +18,9 @@ enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
 enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
 /* Of so few unknowns at eight nodes each operation waits for the one before it (few.h). */
 enum { GALERKIN_FEWEST = 4 };
-/* Of so many unknowns at most springs have modes (springs.h); in generated code, whose passes of the fewest take less
- * time than modes, of a few half as many. */
+/* Of so many unknowns at most springs have modes (springs.h); in generated code half as many of a few. */
 enum { GALERKIN_MOST_WITH_MODES = 32 };
-#define GALERKIN_HAS_MODES(unknowns) ((unknowns) > GALERKIN_FEWEST && (unknowns) <= GALERKIN_MOST_WITH_MODES)
-#define GALERKIN_MODES(unknowns)     (((unknowns) + 1) / 2)
+#define GALERKIN_MODES(unknowns) (((unknowns) + 1) / 2)
 
 /* Numbers of a matrix that multiplies what the lanes have; of eight lanes the same, turned, is behind it (few.h). */
 static inline int galerkin_matrix_size(int lanes) { return (lanes == 8 ? 2 : 1) * lanes * lanes; }

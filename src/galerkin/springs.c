@@ -11,15 +11,14 @@ enum { DIRECTIONS = 4, GROWTHS = 32, FIRST_BLIND = 2 };
 #define STIFF 0x1p-6 /* w^2 of a mode at least, of that of the stiffest one */
 #define STAYS 0x1p-3 /* F' changes in a step by this part of it at most */
 #define SAVES 0.8    /* the part that is left of what passes cost at most */
-#define FEW_CONTRACT                                                                                                   \
-    0.25          /* a movement of which a pass without springs leaves more than this part is solved to its end */
-#define LESS 1.25 /* passes are more by this factor where the modes have changed */
+#define LESS  1.25   /* passes are more by this factor where the modes have changed */
+#define MUCH  0.25   /* where passes without springs leave more than this part of a movement, there are none */
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
 static bool may_have(const galerkin_field *field, const tvi_options *options)
 {
-    return galerkin_is_second_order(field) && field->nodes.unknowns <= GALERKIN_MOST_WITH_MODES && options->passes == 0;
+    return galerkin_may_have_modes(field) && options->passes == 0;
 }
 
 /* Of w^2 and v. */
@@ -163,7 +162,7 @@ static void set_tables(galerkin *w)
     of->h = w->field.h;
     const double left = of->square[0] * of->h * of->h * spectral_radius(&w->coefficients);
     of->of_passes.left = left * left;
-    of->of_passes.always = left > FEW_CONTRACT || w->rule.goal > w->rule.noise;
+    of->of_passes.always = left > MUCH || w->rule.goal > w->rule.noise;
     of->of_passes.least = of->of_passes.always ? 0 : w->rule.noise;
 }
 
