@@ -118,6 +118,10 @@ START_TEST(springs_that_stay_save_passes)
     ck_assert_int_eq(with.work->springs.last->count, CHAIN / 2);
     ck_assert_msg(few > 9 && few < 13 && many > 18, "%.2f passes, without springs %.2f", few, many);
     ck_assert_msg(apart > 0 && apart < 1e-11, "%.1e apart", apart);
+    const long before = tvi_integrator_stats(with.it)->passes;
+    go(with.it, 0.1, 20, &with.x); /* the same modes */
+    const double others = (double)(tvi_integrator_stats(with.it)->passes - before) / 20;
+    ck_assert_msg(others > 9 && others < 14, "%.2f passes of larger steps", others);
     end(&with);
     end(&without);
 }
