@@ -221,7 +221,8 @@ void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats
     if (!last) return;
     if (last->h != w->field.h) {
         last->h = w->field.h;
-        last->steps = last->passes = 0;
+        last->steps = last->passes = last->first = 0;
+        last->plain = INFINITY;
         last->wait = FIRST_WAIT;
     }
     if (w->springs.is_wanted && last->steps >= last->wait) look(w, origin, stats);
