@@ -27,8 +27,6 @@ typedef struct {
     double most_slack;         /* how much slower than expected passes are believed to be; 0: it is not learned */
     double slack_above;        /* from corrections that are larger than this, which are no roundoff */
     double confirmed;          /* the pass that checks the expectation moves no more than this */
-    double floor;              /* where passes are known to contract and one is checked for, corrections up to this that
-                                  are more than `contraction` of the one before are roundoff; 0: they are not */
 
     /* They are stuck when more than this part of the correction before is left, and of the one before that, too, where
      * they are compared with two: corrections that follow from one another may be small and large in turns. */
@@ -158,8 +156,6 @@ static inline bool tvi_passes_is_quiet(const tvi_passes *passes, const tvi_passe
 static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size)
 {
     const double goal = tvi_larger(rule->goal, passes->early);
-    const bool is_floor = passes->checks && size <= rule->floor && size > rule->contraction * passes->size &&
-                          tvi_passes_is_known(passes, rule);
     const bool is_confirmed = size == 0 || (passes->next <= goal && size <= rule->confirmed);
     passes->earlier = passes->before;
     passes->before = passes->size;
@@ -168,11 +164,18 @@ static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_
     if (rule->exactly > 0) return passes->count == rule->exactly ? TVI_PASSES_MAY_END : TVI_PASSES_GO_ON;
     if (rule->most_slack > 0 && passes->count > 2) tvi_passes_learn_slack(passes, rule);
     tvi_passes_expect(passes, rule);
-    const bool is_enough = is_floor || (passes->next <= goal && (is_confirmed || !passes->checks));
+    const bool is_enough = passes->next <= goal && (is_confirmed || !passes->checks);
     if (is_enough || (passes->roundoff > 0 && size <= passes->roundoff)) return TVI_PASSES_MAY_END;
     if (tvi_passes_is_quiet(passes, rule) || !tvi_passes_is_stuck(passes, rule)) return TVI_PASSES_GO_ON;
     if (size > rule->roundoff) return TVI_PASSES_STUCK;
     return tvi_passes_is_known(passes, rule) && !tvi_passes_is_cycle(passes) ? TVI_PASSES_GO_ON : TVI_PASSES_MAY_END;
+}
+
+/* Of passes whose next correction is no measure of what they leave: at the goal, or where they no longer shrink, and are
+ * as small as roundoff. */
+static inline bool tvi_passes_are_at_floor(const tvi_passes_rule *rule, double size, double before)
+{
+    return size <= rule->goal || (size <= rule->roundoff && size > rule->contraction * before);
 }
 
 /* Those that were stuck: the roundoff is so large, as was measured since. */

@@ -20,8 +20,8 @@ static void emit_rule(jet_text *text, const tvi_passes_rule *r, const char *name
         double value; /* of integers, too */
     } field[] = {{FIELD(most)},         {FIELD(exactly)},     {FIELD(goal)},      {FIELD(early)}, {FIELD(memory)},
                  {FIELD(is_quadratic)}, {FIELD(contraction)}, {FIELD(far)},       {FIELD(noise)}, {FIELD(first_noise)},
-                 {FIELD(most_slack)},   {FIELD(slack_above)}, {FIELD(confirmed)}, {FIELD(floor)}, {FIELD(stuck)},
-                 {FIELD(turns)},        {FIELD(patience)},    {FIELD(roundoff)}};
+                 {FIELD(most_slack)},   {FIELD(slack_above)}, {FIELD(confirmed)}, {FIELD(stuck)}, {FIELD(turns)},
+                 {FIELD(patience)},     {FIELD(roundoff)}};
     jet_text_add(text, "static const tvi_passes_rule %s_rule = {", name);
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         jet_text_add(text, ".%s = %a, ", field[i].name, field[i].value);

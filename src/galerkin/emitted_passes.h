@@ -220,8 +220,9 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
     tvi_passes_begin(&passes);
     passes.slowest = shown->pace.slowest;
     passes.early = shown->early;
-    passes.checks = form->loosens && frame->springs->always;
-    if (form->loosens && !passes.checks) passes.slowest = tvi_larger(passes.slowest, frame->springs->left);
+    const bool is_loose = form->loosens && frame->springs->always;
+    double before = INFINITY;
+    if (form->loosens && !is_loose) passes.slowest = tvi_larger(passes.slowest, frame->springs->left);
     while (verdict == TVI_PASSES_GO_ON && first + passes.count < rule->most) {
         double moved;
         const int now = first + passes.count;
@@ -231,6 +232,8 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         else if (!steady_end(frame, nodes, form, &moved, lanes)) return false;
         if (!(moved < INFINITY)) return false;
         verdict = tvi_passes_judge(&passes, rule, moved);
+        if (is_loose) verdict = tvi_passes_are_at_floor(rule, moved, before) ? TVI_PASSES_MAY_END : TVI_PASSES_GO_ON;
+        before = moved;
         if (now == 0) shown->pace.first = moved;
         if (was_made || verdict != TVI_PASSES_GO_ON) continue;
         steady_loosen(frame, nodes, form, true, lanes);

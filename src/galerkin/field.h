@@ -96,10 +96,12 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
 /* The unknowns moved by what drives them, as far as `move` says, and by what springs add to that. */
 static inline double galerkin_move(const galerkin_field *field)
 {
+    const galerkin_loops *loops = field->loops;
     const galerkin_nodes *nodes = &field->nodes;
-    if (field->loosens) field->loops->keep(nodes, field->springs);
-    const double moved = field->loops->move(nodes, field->matrix, nodes->x, field->slot);
-    if (field->loosens && moved > field->springs->least) field->loops->loosen(nodes, field->springs);
+    if (!field->loosens) return loops->move(nodes, field->matrix, nodes->x, field->slot);
+    loops->keep(nodes, field->springs);
+    const double moved = loops->move(nodes, field->matrix, nodes->x, field->slot);
+    if (moved > field->springs->least) loops->loosen(nodes, field->springs);
     return moved;
 }
 

@@ -26,7 +26,6 @@ const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
                                                   .far = FAR,
                                                   .noise = NOISE,
                                                   .first_noise = NOISE,
-                                                  .floor = MAYBE_ROUNDOFF,
                                                   .stuck = TVI_PASSES_ALL,
                                                   .turns = 2,
                                                   .patience = 2,
@@ -40,48 +39,56 @@ const tvi_passes_rule tvi_galerkin_newton = {NEWTON, .is_quadratic = true};
 tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *o)
 {
     tvi_passes_rule rule = *of_one;
-    double *const sizes[] = {&rule.goal,        &rule.early, &rule.far,     &rule.noise,
-                             &rule.first_noise, &rule.floor, &rule.roundoff};
+    double *const sizes[] = {&rule.goal, &rule.early, &rule.far, &rule.noise, &rule.first_noise, &rule.roundoff};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *sizes[i] *= numbers;
-    rule = tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
-    if (o->tolerance > 0) rule.confirmed = rule.goal;
-    return rule;
+    return tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
 }
 
-/* Whether passes still move by what springs add, of which none is the last: as long as they shrink, and are no
- * roundoff. If springs added to the last ones, too, the energy would drift. */
-static bool goes_on_loosely(galerkin_field *field, const tvi_passes_rule *rule, int count, double moved, double before)
+/* Passes that move by what springs add, too: to their end, or as long as they shrink, and are no roundoff. If springs
+ * added to the last ones wherever they can be made without, the energy would drift. */
+static tvi_status iterate_loosely(galerkin_field *field, const tvi_passes_rule *rule, int *count, double *moved,
+                                  bool *ends, galerkin_pace *pace, tvi_stats *stats)
 {
-    if (!field->loosens || field->springs->always) return false;
-    field->loosens = moved > field->springs->least && (count <= rule->patience || moved < rule->contraction * before);
-    return field->loosens;
+    const galerkin_springs *springs = field->springs;
+    double before = INFINITY;
+    for (*count = 1; *count <= rule->most; ++*count, before = *moved) {
+        const tvi_status status = tvi_galerkin_pass(field, moved, stats);
+        if (status != TVI_OK) return status;
+        if (*count == 1) pace->first = *moved;
+        *ends = springs->always ? tvi_passes_are_at_floor(rule, *moved, before) : *moved == 0;
+        const bool shrinks = *count <= rule->patience || *moved < rule->contraction * before;
+        if (*ends || (!springs->always && (*moved <= springs->least || !shrinks))) break;
+    }
+    field->loosens = springs->always;
+    return *count <= rule->most ? TVI_OK : TVI_ENOCONV;
 }
 
 tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
                                 const tvi_origin *origin, double early, galerkin_pace *pace, tvi_stats *stats)
 {
     tvi_passes passes;
-    bool is_stuck = false;
-    double before = INFINITY;
+    bool is_stuck = false, ends = false;
+    int count = 0;
+    double moved;
     tvi_passes_begin(&passes);
-    passes.checks = field->loosens && field->springs->always;
-    passes.slowest = fmax(pace->slowest, field->loosens && !passes.checks ? field->springs->left : 0);
+    passes.slowest = pace->slowest;
     passes.early = early;
-    for (int count = 1; count <= rule->most; count++) {
-        double moved;
+    if (field->loosens) {
+        const tvi_status status = iterate_loosely(field, rule, &count, &moved, &ends, pace, stats);
+        if (ends) stats->residual = sqrt(moved);
+        if (status != TVI_OK || ends) return status;
+        passes.slowest = fmax(passes.slowest, field->springs->left);
+    }
+    while (++count <= rule->most) {
         const bool suspects =
             is_stuck && passes.roundoff == 0 && count < rule->most && tvi_galerkin_is_near(field, origin);
         count += suspects;
         const tvi_status status = suspects ? tvi_galerkin_measure(field, probe, &moved, &passes.roundoff, stats)
                                            : tvi_galerkin_pass(field, &moved, stats);
         if (status != TVI_OK) return status;
-        if (count == 1) pace->first = moved;
-        if (goes_on_loosely(field, rule, count, moved, before)) {
-            before = moved;
-            continue;
-        }
         const tvi_passes_verdict verdict = tvi_passes_judge(&passes, rule, moved);
         is_stuck |= verdict == TVI_PASSES_STUCK;
+        if (count == 1) pace->first = moved;
         if (verdict == TVI_PASSES_MAY_END) {
             stats->residual = sqrt(moved);
             pace->slowest = passes.slowest;

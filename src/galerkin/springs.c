@@ -215,10 +215,9 @@ static void look(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
     }
 }
 
-void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+void tvi_galerkin_springs_prepare(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
 {
     galerkin_springs_history *last = w->springs.last;
-    if (!last) return;
     if (last->h != w->field.h) {
         last->h = w->field.h;
         last->steps = last->passes = last->first = 0;
@@ -250,15 +249,6 @@ bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats 
     use(w, count);
     set_tables(w);
     return true;
-}
-
-void tvi_galerkin_springs_count(galerkin *w, long steps, long passes)
-{
-    galerkin_springs_history *last = w->springs.last;
-    if (!last) return;
-    last->steps += (double)steps;
-    last->used += (double)steps;
-    last->passes += (double)passes;
 }
 
 void tvi_galerkin_springs_forget(galerkin *w)

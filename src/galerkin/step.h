@@ -32,7 +32,15 @@ void tvi_galerkin_set_size(galerkin *w, double h);
 
 /* Before a step of the field's size, or a row of them: the modes that it is made with, after a look at how those before
  * went where it is time for one. */
-void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
+void tvi_galerkin_springs_prepare(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
+static inline void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+{
+    const galerkin_springs_history *last = w->springs.last;
+    if (!last) return;
+    w->springs.of_passes.count = last->count;
+    if (last->count > 0 || last->h != w->field.h || last->steps >= last->wait)
+        tvi_galerkin_springs_prepare(w, origin, stats);
+}
 /* So many steps, or those until the next look. */
 long tvi_galerkin_springs_until(const galerkin *w, long steps);
 /* Of a step that failed: with the modes that are at the origin, or without if it was made with these; false where
@@ -41,7 +49,14 @@ bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats 
 /* As before a first step. */
 void tvi_galerkin_springs_forget(galerkin *w);
 /* After steps of so many passes in all. */
-void tvi_galerkin_springs_count(galerkin *w, long steps, long passes);
+static inline void tvi_galerkin_springs_count(galerkin *w, long steps, long passes)
+{
+    galerkin_springs_history *last = w->springs.last;
+    if (!last) return;
+    last->steps += (double)steps;
+    last->used += (double)steps;
+    last->passes += (double)passes;
+}
 
 /* Whether generated code makes the steps: that of the fewest unknowns has no modes. */
 static inline bool tvi_galerkin_is_steady(const galerkin *w)

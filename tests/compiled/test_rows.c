@@ -62,7 +62,7 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
                 {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS, 20, 0},
                 {{&scene_henon_heiles_12, 2, false}, 0, STEPS, STEPS, 90, 0},
                 {{&scene_fpu, 0.078125, false}, 0, STEPS, STEPS, 20, 13 * STEPS},
-                {{&long_chain, 0.078125, false}, 0, STEPS, STEPS, 40, 13 * STEPS}};
+                {{&long_chain, 0.078125, false}, 0, STEPS, STEPS, 70, 13 * STEPS}};
     static const char *const compilers[] = {NULL, "cc -DGALERKIN_IN_REGISTER=0 -DJET_NARROW=0",
                                             "cc -DGALERKIN_IN_REGISTER=1 -DJET_NARROW=0", "cc -DJET_NARROW=1"};
     enum { ROWS = sizeof rows / sizeof *rows };
