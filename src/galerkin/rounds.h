@@ -13,6 +13,9 @@
 #include <string.h>
 
 enum { MOST_ROUNDS = 32 };
+/* They end where the next movement is as small as twice what the first order leaves out; a square, as sizes are. Half as
+ * much takes more time, and twice as much more passes. */
+#define LEFT_OUT 4
 /* That of relative movements, whose squares, from 2^-144 on, are single numbers in it. */
 #define UNIT 0x1p-40
 
@@ -165,7 +168,8 @@ JET_INLINE void go_round_lanes(const galerkin_nodes *nodes, const lanes_rounds *
     if (is_new) pack_second(nodes, rounds, lanes);
     ALL_LANES(lanes, NARROW)
     const double first = UNIT * UNIT * change_by_impulses(rounds, lanes);
-    const double last = tvi_larger(first * (is_new ? first : moved) / (nodes->unknowns * lanes), least);
+    const double left_out = LEFT_OUT * first * (is_new ? first : moved) / (nodes->unknowns * lanes);
+    const double last = tvi_larger(left_out, least);
     double now = first;
     do {
         earlier = before;
