@@ -13,8 +13,8 @@
 #include <string.h>
 
 enum { MOST_ROUNDS = 32 };
-/* They end where the next movement is as small as twice what the first order leaves out; a square, as sizes are. Half as
- * much takes more time, and twice as much more passes. */
+/* They end where the next movement is as small as twice what the first order leaves out; a square, as sizes are. Half
+ * of that takes more time, and twice as much more passes. */
 #define LEFT_OUT 4
 /* That of relative movements, whose squares, from 2^-144 on, are single numbers in it. */
 #define UNIT 0x1p-40
