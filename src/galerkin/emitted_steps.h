@@ -145,9 +145,8 @@ JET_INLINE long steady_own(const galerkin_frame *frame, galerkin_nodes *nodes, c
                            const steady_form *form, const tvi_row *of, const tvi_origin *begin,
                            const tvi_run_state *now, galerkin_outcome *to, int lanes)
 {
-    enum { ROOM = GALERKIN_OWN + 1 };
-    double q[ROOM] = {0}, q_low[ROOM] = {0}, p[ROOM] = {0}, p_low[ROOM] = {0};
-    double dq[ROOM] = {0}, dp[ROOM] = {0}, dq_low[ROOM] = {0}, dp_low[ROOM] = {0};
+    double q[GALERKIN_OWN + 1], q_low[GALERKIN_OWN + 1], p[GALERKIN_OWN], p_low[GALERKIN_OWN];
+    double dq[GALERKIN_OWN + 1], dp[GALERKIN_OWN], dq_low[GALERKIN_OWN + 1], dp_low[GALERKIN_OWN];
     const int n = motion->n, numbers = now ? n + 1 : n;
     const tvi_run_state own = {q, q_low, p, p_low};
     const tvi_origin origin = {begin->t, begin->t_low, q, q_low, p, p_low};

@@ -9,7 +9,7 @@
 #include "vector.h"
 
 /* Of so many components the state is in registers from one step of a row to the next. */
-enum { GALERKIN_OWN = 7 };
+enum { GALERKIN_OWN = 3 };
 
 /* What all steps of an integrator share. */
 typedef struct galerkin_frame {
@@ -103,31 +103,26 @@ static inline bool galerkin_sums_are_finite(int count, const double *x, const do
     return any == 0;
 }
 
-/* What tvi_add_compensated does, of two or four. */
-#define GALERKIN_ADD(V)                                                                                                \
-    static inline void galerkin_add_##V(double *x, double *low, const double *d, const double *d_low)                  \
-    {                                                                                                                  \
-        const V a = *(const V *)x, l = *(const V *)low, e = *(const V *)d;                                             \
-        const V small = l + e, of_e = small - l, rest = (l - (small - of_e)) + (e - of_e);                             \
-        const V sum = a + small, of_small = sum - a;                                                                   \
-        *(V *)low = ((a - (sum - of_small)) + (small - of_small)) + (rest + *(const V *)d_low);                        \
-        *(V *)x = sum;                                                                                                 \
-    }
-GALERKIN_ADD(jet_v2)
-GALERKIN_ADD(jet_v4)
+/* What tvi_add_compensated does, of two. */
+static inline void galerkin_add_two(double *x, double *low, const double *d, const double *d_low)
+{
+    const jet_v2 a = *(const jet_v2 *)x, l = *(const jet_v2 *)low, e = *(const jet_v2 *)d;
+    const jet_v2 small = l + e, of_e = small - l, rest = (l - (small - of_e)) + (e - of_e);
+    const jet_v2 sum = a + small, of_small = sum - a;
+    *(jet_v2 *)low = ((a - (sum - of_small)) + (small - of_small)) + (rest + *(const jet_v2 *)d_low);
+    *(jet_v2 *)x = sum;
+}
 
-/* Numbers that are in registers stay there; where there are more than four there is room for all. */
+/* Numbers that are in registers stay there. */
 static inline void galerkin_add(int count, double *x, double *low, const double *d, const double *d_low)
 {
-    int i = 0;
     if (count > GALERKIN_OWN + 1) {
         (void)tvi_add_all_compensated(count, x, low, d, d_low);
-    } else if (count > 4) {
-        for (; i <= GALERKIN_OWN; i += 4) galerkin_add_jet_v4(x + i, low + i, d + i, d_low + i);
-    } else {
-        for (; i + 2 <= count; i += 2) galerkin_add_jet_v2(x + i, low + i, d + i, d_low + i);
-        if (i < count) x[i] = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
+        return;
     }
+    int i = 0;
+    for (; i + 2 <= count; i += 2) galerkin_add_two(x + i, low + i, d + i, d_low + i);
+    if (i < count) x[i] = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
 }
 
 /* Adds the step to the state; false where it is not sure, or not finite. */
