@@ -232,7 +232,9 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         else if (!steady_end(frame, nodes, form, &moved, lanes)) return false;
         if (!(moved < INFINITY)) return false;
         verdict = tvi_passes_judge(&passes, rule, moved);
-        if (is_loose) verdict = tvi_passes_are_at_floor(rule, moved, before) ? TVI_PASSES_MAY_END : TVI_PASSES_GO_ON;
+        if (is_loose)
+            verdict = tvi_passes_are_at_floor(rule, moved, before, frame->springs->left) ? TVI_PASSES_MAY_END
+                                                                                         : TVI_PASSES_GO_ON;
         before = moved;
         if (now == 0) shown->pace.first = moved;
         if (was_made || verdict != TVI_PASSES_GO_ON) continue;

@@ -37,7 +37,7 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     for (int u = 0; u < nodes->unknowns; u++)
         for (int i = 0; i < nodes->lanes; i++) nodes->x[u * nodes->lanes + i] = nodes->start[u];
     const tvi_status status = galerkin_evaluate(field);
-    if (status == TVI_OK) (void)galerkin_move(field);
+    if (status == TVI_OK) (void)galerkin_move(field, -1); /* in whatever sizes */
     return status;
 }
 

@@ -93,15 +93,15 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
     return TVI_OK;
 }
 
-/* The unknowns moved by what drives them, as far as `move` says, and by what springs add to that. */
-static inline double galerkin_move(const galerkin_field *field)
+/* The unknowns moved by what drives them, as far as `move` says, and by what springs add to more than `least`. */
+static inline double galerkin_move(const galerkin_field *field, double least)
 {
     const galerkin_loops *loops = field->loops;
     const galerkin_nodes *nodes = &field->nodes;
     if (!field->loosens) return loops->move(nodes, field->matrix, nodes->x, field->slot);
     loops->keep(nodes, field->springs);
     const double moved = loops->move(nodes, field->matrix, nodes->x, field->slot);
-    if (moved > field->springs->least) loops->loosen(nodes, field->springs);
+    if (moved > least) loops->loosen(nodes, field->springs);
     return moved;
 }
 
@@ -114,7 +114,7 @@ static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved,
         if (status != TVI_OK) return status;
     } else {
         if (galerkin_evaluate(field) != TVI_OK) return TVI_EDOMAIN;
-        *moved = galerkin_move(field);
+        *moved = galerkin_move(field, field->springs->least);
     }
     stats->passes++;
     return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;

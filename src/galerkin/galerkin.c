@@ -141,9 +141,9 @@ static void prepare(void *work)
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field, numbers);
     w->motion.per_weight = w->coefficients.inverse_b;
     w->field.springs = &w->springs.of_passes;
-    w->springs.is_wanted = !w->field.loops->steady || galerkin_has_modes(&w->field);
-    w->springs.most =
-        w->field.loops->steady && w->springs.is_wanted && w->n <= GALERKIN_FEW ? GALERKIN_MODES(w->n) : w->n;
+    const bool is_generated = w->field.loops->steady, is_wanted = !is_generated || galerkin_has_modes(&w->field);
+    const int most = is_generated && is_wanted && w->n <= GALERKIN_FEW ? GALERKIN_MODES(w->n) : w->n;
+    tvi_galerkin_springs_ready(&w->springs, &w->coefficients, is_wanted, most);
     w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
     w->frame = (galerkin_frame){.nodes = &w->field.nodes,
                                 .motion = &w->motion,
@@ -204,6 +204,7 @@ static void set_start(galerkin *w, const tvi_origin *origin)
 static tvi_status predict(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
 {
     galerkin_field *field = &w->field;
+    field->loosens = w->springs.of_passes.count > 0;
     field->nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
     set_start(w, origin);
     if (part) {
@@ -221,7 +222,6 @@ static tvi_status predict(galerkin *w, const tvi_origin *origin, const double *p
 static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, galerkin_pace *pace,
                         tvi_stats *stats)
 {
-    w->field.loosens = w->springs.of_passes.count > 0;
     const tvi_status status = predict(w, origin, part, stats);
     if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
     galerkin_set_sizes(&w->field.nodes, w->n);
@@ -272,27 +272,34 @@ static bool step_generated(galerkin *w, const tvi_origin *origin, const tvi_incr
     return true;
 }
 
-/* From the steps before, else from the state alone, and then with other springs. */
-static tvi_status solve_somehow(galerkin *w, const tvi_origin *origin, galerkin_pace *pace, tvi_stats *stats)
+/* From the steps before, else from the state alone, and then with other springs; the passes that did it. */
+static tvi_status solve_somehow(galerkin *w, const tvi_origin *origin, galerkin_pace *pace, long *passes,
+                                tvi_stats *stats)
 {
     double place;
     const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
     const bool follows = iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place);
     int turns = w->springs.of_passes.count > 0 ? 2 : 1;
+    long before = stats->passes;
     tvi_status status = solve(w, origin, follows ? &place : NULL, pace, stats);
-    if (status != TVI_OK && follows) status = solve(w, origin, NULL, pace, stats);
+    if (status != TVI_OK && follows) before = stats->passes, status = solve(w, origin, NULL, pace, stats);
     for (; status != TVI_OK && turns > 0 && tvi_galerkin_springs_turn(w, origin, stats); turns--) {
+        before = stats->passes;
         *pace = galerkin_pace_before(w);
         status = solve(w, origin, NULL, pace, stats);
     }
+    *passes = stats->passes - before;
     return status;
 }
 
-static tvi_status make(galerkin *w, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+static tvi_status make(galerkin *w, const tvi_origin *origin, const tvi_increments *by, long *passes, tvi_stats *stats)
 {
     galerkin_pace pace = galerkin_pace_before(w);
-    if (tvi_galerkin_is_steady(w) && step_generated(w, origin, by, stats)) return TVI_OK;
-    const tvi_status status = solve_somehow(w, origin, &pace, stats);
+    const long before = stats->passes;
+    const bool is_made = tvi_galerkin_is_steady(w) && step_generated(w, origin, by, stats);
+    *passes = stats->passes - before;
+    if (is_made) return TVI_OK;
+    const tvi_status status = solve_somehow(w, origin, &pace, passes, stats);
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
     tvi_galerkin_remember(&w->predictor, w->field.h, origin->t, pace);
@@ -304,11 +311,11 @@ static tvi_status make(galerkin *w, const tvi_origin *origin, const tvi_incremen
 static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     galerkin *w = work;
-    const long passes = stats->passes;
+    long passes;
     tvi_galerkin_set_size(w, h);
     tvi_galerkin_springs_begin(w, origin, stats);
-    const tvi_status status = make(w, origin, by, stats);
-    if (status == TVI_OK) tvi_galerkin_springs_count(w, 1, stats->passes - passes);
+    const tvi_status status = make(w, origin, by, &passes, stats);
+    if (status == TVI_OK) tvi_galerkin_springs_count(w, 1, passes);
     return status;
 }
 

@@ -6,7 +6,8 @@
 
 /* In generated code a few unknowns have a known number of modes, of which some may be 0 (springs.c). */
 #ifdef JET_EMITTED
-#define MODES_OF(springs, unknowns) ((unknowns) <= GALERKIN_FEW ? GALERKIN_MODES(unknowns) : (springs)->count)
+#define MODES_OF(springs, unknowns)                                                                                    \
+    ((unknowns) > GALERKIN_FEWEST && (unknowns) <= GALERKIN_FEW ? GALERKIN_MODES(unknowns) : (springs)->count)
 #else
 #define MODES_OF(springs, unknowns) ((springs)->count)
 #endif

@@ -55,7 +55,7 @@ static tvi_status iterate_loosely(galerkin_field *field, const tvi_passes_rule *
         const tvi_status status = tvi_galerkin_pass(field, moved, stats);
         if (status != TVI_OK) return status;
         if (*count == 1) pace->first = *moved;
-        *ends = springs->always ? tvi_passes_are_at_floor(rule, *moved, before) : *moved == 0;
+        *ends = springs->always ? tvi_passes_are_at_floor(rule, *moved, before, springs->left) : *moved == 0;
         const bool shrinks = *count <= rule->patience || *moved < rule->contraction * before;
         if (*ends || (!springs->always && (*moved <= springs->least || !shrinks))) break;
     }

@@ -27,6 +27,25 @@ static size_t numbers(const galerkin_field *field)
     return (size_t)field->nodes.unknowns * (size_t)(field->nodes.unknowns + 1);
 }
 
+/* Of a a, by the growth of a vector that it multiplies again and again. */
+static double spectral_radius(const galerkin_coefficients *a)
+{
+    const int points = a->points;
+    double x[TVI_GALERKIN_MAX_LANES], y[TVI_GALERKIN_MAX_LANES], growth = 0;
+    for (int i = 0; i < points; i++) x[i] = 1.0 + i;
+    for (int k = 0; k < GROWTHS; k++) {
+        double size = 0;
+        for (int i = 0; i < points; i++) {
+            y[i] = 0;
+            for (int j = 0; j < points; j++) y[i] += a->matrix[j * a->lanes + i] * a->b[j] * x[j];
+            size += fabs(y[i]);
+        }
+        for (int i = 0; i < points; i++) x[i] = y[i] / size;
+        growth += k > 0 ? log(size) : 0;
+    }
+    return exp(growth / (GROWTHS - 1));
+}
+
 void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const galerkin_field *field,
                                const tvi_options *options)
 {
@@ -35,7 +54,7 @@ void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const
     *w = (galerkin_springs_work){.last = NULL};
     if (!may_have(field, options)) return;
     w->last = tvi_arena_history(arena, sizeof *w->last);
-    w->square = tvi_arena_turn(arena, numbers(field) * sizeof *w->square);
+    for (int i = 0; i < GALERKIN_TURNS; i++) w->modes[i] = tvi_arena_turn(arena, numbers(field) * sizeof **w->modes);
     w->of_tables = tvi_arena_doubles(arena, numbers(field));
     w->K = tvi_arena_doubles(arena, n * n);
     w->along = tvi_arena_doubles(arena, n * n);
@@ -47,7 +66,14 @@ void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const
     of_passes->more = tvi_arena_doubles(arena, n * lanes);
     tvi_stiffness_take(&w->stiffness, arena, field->system);
     tvi_factor_take(&w->factor, arena, field->points);
-    if (w->square) of_passes->mode = w->mode = w->square + n;
+}
+
+void tvi_galerkin_springs_ready(galerkin_springs_work *w, const galerkin_coefficients *coefficients, bool is_wanted,
+                                int most)
+{
+    w->radius = spectral_radius(coefficients);
+    w->is_wanted = is_wanted;
+    w->most = most;
 }
 
 /* ---- The modes --------------------------------------------------------------------------------------------------- */
@@ -79,10 +105,27 @@ static bool stays(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
     return of_now > 0 && of_then > 0 && square_of(count, now, then) <= STAYS * STAYS * square_of(count, now, NULL);
 }
 
-/* The stiffest modes at the origin; how many. */
+static int next_turn(const galerkin_springs_history *last) { return (last->turn + 1) % GALERKIN_TURNS; }
+
+/* The symmetric part of K, if it is all of it but for what may change in a step. */
+static bool make_symmetric(int n, double *K)
+{
+    double other = 0;
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < i; j++) {
+            const double half = (K[i * n + j] - K[j * n + i]) / 2;
+            other += 2 * half * half;
+            K[i * n + j] = K[j * n + i] = (K[i * n + j] + K[j * n + i]) / 2;
+        }
+    return other <= STAYS * STAYS * square_of(n * n, K, NULL);
+}
+
+/* The stiffest modes at the origin, and those that passes would leave much of, for the next turn; how many. */
 static int find(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
 {
     const galerkin_springs_work *of = &w->springs;
+    const double of_square = w->field.h * w->field.h * of->radius;
+    double *square = of->modes[next_turn(of->last)], *mode = square + w->n;
     const int n = w->n;
     double *K = of->K, *along = of->along, *value = of->scratch;
     int count = 0;
@@ -90,52 +133,34 @@ static int find(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
     for (int i = 0; i < n * n; i++) along[i] = i / n == i % n;
     const int values = tvi_stiffness_times(&of->stiffness, origin->t, origin->q, n, along, K);
     stats->force_evaluations += values;
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < i; j++) K[i * n + j] = K[j * n + i] = (K[i * n + j] + K[j * n + i]) / 2;
-    if (values == 0 || !tvi_eigen(n, K, value, value + n) || !(value[0] < 0)) return 0;
-    for (; count < of->most && value[count] <= STIFF * value[0]; count++) {
-        of->square[count] = -value[count];
-        for (int u = 0; u < n; u++) of->mode[count * n + u] = K[count * n + u] / sqrt(w->field.system->mass[u]);
+    if (values == 0 || !make_symmetric(n, K) || !tvi_eigen(n, K, value, value + n) || !(value[0] < 0)) return 0;
+    memset(square, 0, numbers(&w->field) * sizeof *square);
+    for (; count < of->most; count++) {
+        if (value[count] > STIFF * value[0] && -value[count] * of_square < MUCH / 4) break;
+        square[count] = -value[count];
+        for (int u = 0; u < n; u++) mode[count * n + u] = K[count * n + u] / sqrt(w->field.system->mass[u]);
     }
-    memset(of->mode + count * n, 0, (size_t)((n - count) * n) * sizeof *of->mode);
     return count;
 }
 
-/* From here on; what was learned of the passes is of others. */
+/* Those that were found, or none, from here on; what was learned of the passes is of others. */
 static void use(galerkin *w, int count)
 {
     galerkin_pace *pace = &w->predictor.last->pace;
-    w->springs.last->count = count;
-    w->springs.last->used = w->springs.last->first = 0;
+    galerkin_springs_history *last = w->springs.last;
+    if (count > 0) last->turn = next_turn(last);
+    last->count = count;
+    last->used = last->first = 0;
     *pace = (galerkin_pace){.first = pace->first, .blind = count > 0 ? FIRST_BLIND : 0};
 }
 
-/* Of a a, by the growth of a vector that it multiplies again and again. */
-static double spectral_radius(const galerkin_coefficients *a)
-{
-    const int points = a->points;
-    double x[TVI_GALERKIN_MAX_LANES], y[TVI_GALERKIN_MAX_LANES], growth = 0;
-    for (int i = 0; i < points; i++) x[i] = 1.0 + i;
-    for (int k = 0; k < GROWTHS; k++) {
-        double size = 0;
-        for (int i = 0; i < points; i++) {
-            y[i] = 0;
-            for (int j = 0; j < points; j++) y[i] += a->matrix[j * a->lanes + i] * a->b[j] * x[j];
-            size += fabs(y[i]);
-        }
-        for (int i = 0; i < points; i++) x[i] = y[i] / size;
-        growth += k > 0 ? log(size) : 0;
-    }
-    return exp(growth / (GROWTHS - 1));
-}
-
 /* D - 1 of mode k, by equations that are regular. */
-static void set_table(galerkin *w, int k)
+static void set_table(galerkin *w, int k, double w_square)
 {
     galerkin_springs_work *of = &w->springs;
     const galerkin_coefficients *a = &w->coefficients;
     const int points = a->points, lanes = a->lanes;
-    const double square = of->square[k] * w->field.h * w->field.h;
+    const double square = w_square * w->field.h * w->field.h;
     double *lu = of->factor.lu, *table = of->table + k * lanes * lanes;
     for (int i = 0; i < points; i++)
         for (int j = 0; j < points; j++) lu[i * points + j] = (i == j) + square * (a->matrix[j * lanes + i] * a->b[j]);
@@ -152,18 +177,21 @@ static void set_table(galerkin *w, int k)
 static void set_tables(galerkin *w)
 {
     galerkin_springs_work *of = &w->springs;
-    const int n = w->n, count = of->last->count;
-    const size_t bytes = numbers(&w->field) * sizeof *of->square;
-    of->of_passes.count = count;
-    if (count == 0 || (of->h == w->field.h && memcmp(of->of_tables, of->square, bytes) == 0)) return;
-    for (int k = 0; k < count; k++) set_table(w, k);
-    for (int i = 0; i < n * n; i++) of->dual[i] = of->mode[i] * w->field.system->mass[i % n];
-    memcpy(of->of_tables, of->square, bytes);
-    of->h = w->field.h;
-    const double left = of->square[0] * of->h * of->h * spectral_radius(&w->coefficients);
-    of->of_passes.left = left * left;
-    of->of_passes.always = left > MUCH || w->rule.goal > w->rule.noise;
-    of->of_passes.least = of->of_passes.always ? 0 : w->rule.noise;
+    galerkin_springs *passes = &of->of_passes;
+    const int n = w->n;
+    const double *square = of->modes[of->last->turn], h = w->field.h;
+    const size_t bytes = numbers(&w->field) * sizeof *square;
+    passes->count = of->last->count;
+    passes->mode = square + n;
+    if (passes->count == 0 || (of->h == h && memcmp(of->of_tables, square, bytes) == 0)) return;
+    for (int k = 0; k < passes->count; k++) set_table(w, k, square[k]);
+    for (int i = 0; i < n * n; i++) of->dual[i] = passes->mode[i] * w->field.system->mass[i % n];
+    memcpy(of->of_tables, square, bytes);
+    of->h = h;
+    const double left = square[0] * h * h * of->radius;
+    passes->left = left * left;
+    passes->always = left > MUCH || w->rule.goal > w->rule.noise;
+    passes->least = passes->always ? 0 : w->rule.noise;
 }
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
@@ -218,8 +246,11 @@ static void look(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
 void tvi_galerkin_springs_prepare(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
 {
     galerkin_springs_history *last = w->springs.last;
-    if (last->h != w->field.h) {
-        last->h = w->field.h;
+    const double h = w->field.h;
+    if (last->h != h) {
+        const bool are_stiff = w->springs.modes[last->turn][0] * h * h * w->springs.radius > MUCH / 4;
+        if (last->count > 0 && !are_stiff) use(w, 0);
+        last->h = h;
         last->steps = last->passes = last->first = 0;
         last->plain = INFINITY;
         last->wait = FIRST_WAIT;
@@ -245,7 +276,7 @@ bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats 
     if (count == 0 && last->count == 0) return false;
     last->plain = INFINITY;
     last->steps = last->passes = 0;
-    last->wait = FIRST_WAIT;
+    last->wait = are_new ? MOST_WAIT : FIRST_WAIT;
     use(w, count);
     set_tables(w);
     return true;

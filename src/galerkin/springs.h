@@ -17,7 +17,8 @@
 
 /* How steps are going; in the arena's history. */
 typedef struct {
-    int count;            /* of the modes in use */
+    int count;            /* of the modes in use, */
+    int turn;             /* and where they are */
     double h;             /* of the steps */
     double steps, passes; /* since the last look, */
     double wait;          /* after so many of which is the next one */
@@ -31,9 +32,11 @@ typedef struct {
     bool is_wanted;                 /* not only where passes fail */
     int most;                       /* modes */
     galerkin_springs of_passes;
-    double *square, *mode; /* [n] w^2 and [n][n] v of those in use, 0 behind them; in the history, too */
-    double *dual, *table;  /* of the passes, */
-    double h, *of_tables;  /* for these */
+    double *modes[GALERKIN_TURNS]; /* [n] w^2 and [n][n] v, 0 behind those that there are; in the history, where a step
+                                      leaves those of the one before, that it may fail */
+    double radius;                 /* the spectral radius of a a */
+    double *dual, *table;          /* of the passes, */
+    double h, *of_tables;          /* for these */
     tvi_stiffness stiffness;
     double *K, *along, *scratch; /* [n][n] each, and more */
     tvi_factor factor;           /* of a mode's equations */
@@ -41,5 +44,8 @@ typedef struct {
 
 void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const galerkin_field *field,
                                const tvi_options *options);
+/* Once the coefficients are there. */
+void tvi_galerkin_springs_ready(galerkin_springs_work *w, const galerkin_coefficients *coefficients, bool is_wanted,
+                                int most);
 
 #endif

@@ -63,11 +63,12 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
 {
     galerkin *w = work;
     galerkin_outcome to = {.largest_tail = stats->largest_tail};
-    tvi_stats counted = *stats;
     const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
+    if (!w->field.loops->steady || w->field.system->uses_time) return 0;
     tvi_galerkin_set_size(w, row->h);
-    tvi_galerkin_springs_begin(w, &origin, &counted);
-    if (!tvi_galerkin_is_steady(w) || w->field.system->uses_time) return 0;
+    tvi_galerkin_springs_begin(w, &origin, stats);
+    if (!tvi_galerkin_is_steady(w)) return 0;
+    tvi_stats counted = *stats;
     if (tvi_galerkin_begin(w, &origin, &to.known, &counted) != TVI_OK) return 0;
     tvi_row until = *row;
     until.steps = tvi_galerkin_springs_until(w, row->steps);

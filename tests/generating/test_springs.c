@@ -38,6 +38,14 @@ static jet molecule(const jet q[], jet t, void *ctx)
     return jet_mul(k / 2, jet_sqr(jet_sub(jet_sqrt(jet_add(jet_sqr(x), jet_sqr(y))), 1)));
 }
 
+/* Of two frequencies, of which a step that is large for one is too large for the other, too. */
+static jet oscillators(const jet q[], jet t, void *ctx)
+{
+    const double w = *(const double *)ctx;
+    (void)t;
+    return jet_mul(w * w / 2, jet_add(jet_sqr(q[0]), jet_mul(0.01, jet_sqr(q[1]))));
+}
+
 /* Of one frequency. */
 static jet oscillator(const jet q[], jet t, void *ctx)
 {
@@ -232,6 +240,23 @@ START_TEST(large_steps_of_an_oscillator)
 }
 END_TEST
 
+START_TEST(large_steps_of_two_oscillators)
+{
+    const double mass[] = {1, 1}, w[] = {50, 5}, h = 150 / w[0];
+    run_of_springs r = begin(2, mass, oscillators, w[0], NODES, IF_PASSES_FAIL);
+    double complex z[] = {1, 1};
+    r.x.q[0] = r.x.q[1] = 1;
+    go(r.it, h, 50, &r.x);
+    ck_assert_int_eq(r.work->springs.last->count, 2);
+    for (int i = 0; i < 2; i++) {
+        for (int k = 0; k < 50; k++) z[i] *= pade(I * w[i] * h);
+        const double complex got = r.x.q[i] - I * r.x.p[i] / w[i];
+        ck_assert_msg(cabs(got - z[i]) < 1e-10, "%.1e off", cabs(got - z[i]));
+    }
+    end(&r);
+}
+END_TEST
+
 /* ---- States ------------------------------------------------------------------------------------------------------ */
 
 /* Also where the integrator that goes on has never looked for them, and after a step that failed. */
@@ -267,6 +292,7 @@ Suite *suite_springs(void)
     tcase_add_loop_test(tcase, springs_that_turn, 0, 4);
     tcase_add_loop_test(tcase, others_have_no_springs, 0, 3);
     tcase_add_test(tcase, large_steps_of_an_oscillator);
+    tcase_add_test(tcase, large_steps_of_two_oscillators);
     tcase_add_test(tcase, states_have_the_springs);
     suite_add_tcase(suite, tcase);
     return suite;
