@@ -41,7 +41,7 @@ JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *for
 JET_INLINE double steady_follow(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
                                 double *left, int lanes)
 {
-    if (form->loosens) keep_lanes(nodes, frame->springs, lanes);
+    if (form->loosens) copy_lanes(frame->springs->r, nodes->x, nodes->unknowns, lanes);
     return follow_to(nodes, frame->matrix, NULL, left, lanes);
 }
 JET_INLINE void steady_loosen(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,

@@ -43,13 +43,6 @@ JET_INLINE double steady_tail(const galerkin_frame *frame, galerkin_motion motio
     return lanes < 2 || galerkin_tail_is_at_most(&motion, known) ? known : tail(&motion, frame->share, frame->ratio);
 }
 
-#define COPY(V, blocks)                                                                                                \
-    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, to, k) = BLOCK_OF(V, from, k);
-JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
-{
-    for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
-}
-
 /* Few unknowns whose nodes are one vector, or fewer whose nodes are two short ones, are predicted for the next step,
  * and its first pass begins, before the increments of this one are added: that pass waits for them at its end. Passes
  * that are folded (folded.h) do not: the increments are summed behind the first of these, where both wait for less than

@@ -9,6 +9,7 @@
 #include "system/roundoff.h"
 
 #include <math.h>
+#include <string.h>
 
 typedef struct galerkin_form galerkin_form;
 
@@ -99,7 +100,7 @@ static inline double galerkin_move(const galerkin_field *field, double least)
     const galerkin_loops *loops = field->loops;
     const galerkin_nodes *nodes = &field->nodes;
     if (!field->loosens) return loops->move(nodes, field->matrix, nodes->x, field->slot);
-    loops->keep(nodes, field->springs);
+    memcpy(field->springs->r, nodes->x, (size_t)(nodes->unknowns * nodes->lanes) * sizeof *nodes->x);
     const double moved = loops->move(nodes, field->matrix, nodes->x, field->slot);
     if (moved > least) loops->loosen(nodes, field->springs);
     return moved;

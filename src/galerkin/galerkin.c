@@ -141,9 +141,7 @@ static void prepare(void *work)
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field, numbers);
     w->motion.per_weight = w->coefficients.inverse_b;
     w->field.springs = &w->springs.of_passes;
-    const bool is_generated = w->field.loops->steady, is_wanted = !is_generated || galerkin_has_modes(&w->field);
-    const int most = is_generated && is_wanted && w->n <= GALERKIN_FEW ? GALERKIN_MODES(w->n) : w->n;
-    tvi_galerkin_springs_ready(&w->springs, &w->coefficients, is_wanted, most);
+    tvi_galerkin_springs_ready(&w->springs, &w->coefficients, &w->field);
     w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
     w->frame = (galerkin_frame){.nodes = &w->field.nodes,
                                 .motion = &w->motion,

@@ -72,4 +72,12 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
 #define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 #define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 
+/* So many rows. */
+#define COPY(V, blocks)                                                                                                \
+    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, to, k) = BLOCK_OF(V, from, k);
+JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
+{
+    for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
+}
+
 #endif

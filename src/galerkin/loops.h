@@ -165,8 +165,7 @@ typedef struct galerkin_loops {
                         const int slot[]);
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
-    /* Before a movement, and behind it: what the springs add. */
-    void (*keep)(const galerkin_nodes *nodes, const galerkin_springs *springs);
+    /* Behind a movement, which began at the springs' r: what they add. */
     void (*loosen)(const galerkin_nodes *nodes, const galerkin_springs *springs);
     /* The changes of impulses, [unknowns][lanes], by a movement and by the rounds that follow it (rounds.h), until the
      * square of the next one is, as they shrink, at most `least` or what the first order leaves out; 0 where they do

@@ -12,17 +12,6 @@
 #define MODES_OF(springs, unknowns) ((springs)->count)
 #endif
 
-/* Before a movement. */
-#define KEEP(V, blocks)                                                                                                \
-    for (int b = 0; b < (blocks)*unknowns; b++) BLOCK_AT(V, r, b) = BLOCK_OF(V, x, b);
-JET_INLINE void keep_lanes(const galerkin_nodes *nodes, const galerkin_springs *springs, int lanes)
-{
-    const int unknowns = nodes->unknowns;
-    const double *x = nodes->x;
-    double *r = springs->r;
-    ALL_LANES(lanes, KEEP)
-}
-
 #define SET_R(V, blocks)                                                                                               \
     for (int b = 0; b < (blocks)*unknowns; b++) BLOCK_AT(V, r, b) = BLOCK_OF(V, x, b) - BLOCK_OF(V, r, b);
 
@@ -50,7 +39,7 @@ JET_INLINE void keep_lanes(const galerkin_nodes *nodes, const galerkin_springs *
             BLOCK_AT(V, x + u * lanes, b) = place;                                                                     \
         }
 
-/* Behind it. */
+/* Behind a movement; r: where it began. */
 JET_INLINE void loosen_lanes(const galerkin_nodes *nodes, const galerkin_springs *springs, int lanes)
 {
     const int unknowns = nodes->unknowns, count = MODES_OF(springs, unknowns);
@@ -72,7 +61,6 @@ JET_INLINE void loosen_lanes(const galerkin_nodes *nodes, const galerkin_springs
     ALL_LANES(lanes, ADD_MORE)
 }
 
-BY_LANES(void, , keep, (const galerkin_nodes *nodes, const galerkin_springs *springs), nodes, springs)
 BY_LANES(void, , loosen, (const galerkin_nodes *nodes, const galerkin_springs *springs), nodes, springs)
 
 #endif

@@ -16,11 +16,6 @@ enum { DIRECTIONS = 4, GROWTHS = 32, FIRST_BLIND = 2 };
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-static bool may_have(const galerkin_field *field, const tvi_options *options)
-{
-    return galerkin_may_have_modes(field) && options->passes == 0;
-}
-
 /* Of w^2 and v. */
 static size_t numbers(const galerkin_field *field)
 {
@@ -52,7 +47,7 @@ void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const
     const size_t n = (size_t)field->nodes.unknowns, lanes = (size_t)field->nodes.lanes;
     galerkin_springs *of_passes = &w->of_passes;
     *w = (galerkin_springs_work){.last = NULL};
-    if (!may_have(field, options)) return;
+    if (!galerkin_may_have_modes(field) || options->passes != 0) return;
     w->last = tvi_arena_history(arena, sizeof *w->last);
     for (int i = 0; i < GALERKIN_TURNS; i++) w->modes[i] = tvi_arena_turn(arena, numbers(field) * sizeof **w->modes);
     w->of_tables = tvi_arena_doubles(arena, numbers(field));
@@ -68,12 +63,14 @@ void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const
     tvi_factor_take(&w->factor, arena, field->points);
 }
 
-void tvi_galerkin_springs_ready(galerkin_springs_work *w, const galerkin_coefficients *coefficients, bool is_wanted,
-                                int most)
+void tvi_galerkin_springs_ready(galerkin_springs_work *w, const galerkin_coefficients *coefficients,
+                                const galerkin_field *field)
 {
+    const int n = field->nodes.unknowns;
+    const bool is_generated = field->loops->steady;
     w->radius = spectral_radius(coefficients);
-    w->is_wanted = is_wanted;
-    w->most = most;
+    w->is_wanted = !is_generated || galerkin_has_modes(field);
+    w->most = is_generated && w->is_wanted && n <= GALERKIN_FEW ? GALERKIN_MODES(n) : n;
 }
 
 /* ---- The modes --------------------------------------------------------------------------------------------------- */

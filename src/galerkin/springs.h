@@ -45,7 +45,7 @@ typedef struct {
 void tvi_galerkin_springs_take(galerkin_springs_work *w, tvi_arena *arena, const galerkin_field *field,
                                const tvi_options *options);
 /* Once the coefficients are there. */
-void tvi_galerkin_springs_ready(galerkin_springs_work *w, const galerkin_coefficients *coefficients, bool is_wanted,
-                                int most);
+void tvi_galerkin_springs_ready(galerkin_springs_work *w, const galerkin_coefficients *coefficients,
+                                const galerkin_field *field);
 
 #endif
