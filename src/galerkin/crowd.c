@@ -163,7 +163,7 @@ static void get(const void *work, int lane, void *one)
     const crowd *w = work;
     const galerkin_predictor *predictor = &((galerkin *)one)->predictor;
     const galerkin_crowd_history *last = &w->last;
-    tvi_galerkin_springs_forget(one);
+    tvi_galerkin_forget_steps(one);
     *predictor->last = (galerkin_history){.h = last->h[lane],
                                           .h_before = last->h_before[lane],
                                           .t = last->t[lane],
@@ -232,8 +232,7 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
     set_start(w, origin);
     for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
         if (!w->nodes.in_lanes[m]) rest(w, m);
-    w->loops->predict(&w->nodes, w->single->predictor.extrapolation[GALERKIN_FROM_TWO], impulses(w, 0),
-                      impulses(w, -1));
+    w->loops->predict(&w->nodes, w->single->predictor.polynomial[GALERKIN_FROM_TWO], impulses(w, 0), impulses(w, -1));
     set_times(w, h, origin);
     w->loops->set_sizes(&w->nodes, w->single->n);
 }

@@ -57,11 +57,17 @@ JET_INLINE void steady_lead(const galerkin_frame *frame, const galerkin_nodes *n
     const int unknowns = nodes->unknowns, numbers = unknowns * lanes;
     const double *const impulses[] = {nodes->impulse, last};
     copy_lanes(next, nodes->impulse, unknowns, lanes);
-    predict_steps(nodes, 2, frame->following[fit], impulses, drift, lanes);
+    predict_steps(nodes, 2, frame->extrapolation[fit] + 2 * lanes * lanes, impulses, drift, lanes);
     copy_lanes(next + numbers, nodes->x, unknowns, lanes);
     if (!form->folds) return;
     set_next_origin(nodes, frame->c, drift, folding->origin);
     copy_lanes(next + 2 * numbers, (const double *)folding->origin, unknowns, lanes);
+}
+
+/* The impulses in a turn, or one beside those that there are. */
+JET_INLINE double *steady_turn(double *const *impulses, int turns, int turn)
+{
+    return impulses[turn < 0 ? turns - 1 : turn < turns ? turn : 0];
 }
 
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
@@ -70,7 +76,11 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
 {
     const bool leads = form->drive && STEADY_LEADS(nodes->unknowns, lanes);
     const int numbers = nodes->unknowns * lanes;
-    double *before = to->impulses[0], *last = to->impulses[1], *next = to->impulses[2];
+    double *const *const ring = to->impulses;
+    const int turns = to->turns;
+    int turn = to->turn;
+    double *before = steady_turn(ring, turns, turn - 1), *last = steady_turn(ring, turns, turn),
+           *next = steady_turn(ring, turns, turn + 1);
     const double *const impulses[] = {last, before}, *drift = motion->has_masses ? frame->drift : NULL;
     galerkin_trial tried = {.pace = to->last.pace};
     galerkin_folding folding;
@@ -80,7 +90,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     steady_start(frame, nodes, motion, origin, lanes);
     if (to->known < 1) copy_lanes(nodes->x, frame->nodes->x, nodes->x == frame->nodes->x ? 0 : form->rows, lanes);
     else if (to->leads) copy_lanes(nodes->x, last + numbers, nodes->unknowns, lanes);
-    else steady_predict(frame, nodes, form, impulses, galerkin_fit(to->known, &tried.pace, frame->rough), lanes);
+    else steady_predict(frame, nodes, form, impulses, galerkin_fit(to->known, &tried.pace, *frame->rough), lanes);
     if (form->folds && to->leads) copy_lanes((double *)folding.origin, last + 2 * numbers, nodes->unknowns, lanes);
     else if (form->folds) set_origin(nodes, folding.origin);
     bool begins = steady_begin_first(frame, nodes, form, &tried, &folding, lanes) &&
@@ -94,7 +104,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         if (!ends) break;
         if (!form->folds) steady_sum(frame, *nodes, nodes->impulse, motion, row, lanes);
         if (leads) {
-            const int fit = galerkin_fit(known + 1, &tried.pace, frame->rough);
+            const int fit = galerkin_fit(known + 1, &tried.pace, *frame->rough);
             steady_lead(frame, nodes, form, fit, known > 0 ? last : nodes->impulse, drift, next, &folding, lanes);
             begins = made + 1 < row->steps && steady_begin_first(frame, nodes, form, &tried, &folding, lanes);
         }
@@ -113,14 +123,12 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         to->count += tried.count;
         to->factors += tried.factors;
         to->largest_tail = tvi_larger(tried.tail, to->largest_tail);
-        double *const free = before;
-        before = last, last = next, next = free;
+        turn = turn + 1 < turns ? turn + 1 : 0;
+        before = last, last = next, next = steady_turn(ring, turns, turn + 1);
         if (!leads) break;
         steady_start(frame, nodes, motion, origin, lanes);
     }
-    to->impulses[0] = before;
-    to->impulses[1] = last;
-    to->impulses[2] = next;
+    to->turn = turn;
     to->known = known;
     to->leads = leads && (made > 0 || to->leads);
     if (made == 0) to->tried = tried;

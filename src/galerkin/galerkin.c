@@ -114,7 +114,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     tvi_galerkin_coefficients_take(&w.coefficients, arena, w.field.points, lanes);
     w.field.b = w.coefficients.b;
     w.field.matrix = w.coefficients.matrix;
-    tvi_galerkin_predictor_take(&w.predictor, arena, unknowns, lanes);
+    tvi_galerkin_predictor_take(&w.predictor, arena, &w.field, tvi_galerkin_linear_prediction_turns(&w.field, options));
+    tvi_galerkin_linear_prediction_take(&w.prediction, arena, &w.field, options);
     tvi_galerkin_dense_take(&w.dense, arena, w.field.points, lanes, system->field_values->sweeps);
     w.drift = tvi_arena_doubles(arena, (size_t)unknowns);
     w.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
@@ -138,7 +139,8 @@ static void prepare(void *work)
     tvi_galerkin_coefficients_prepare(&w->coefficients, &w->dense, galerkin_is_second_order(&w->field));
     w->field.form->prepare(&w->field);
     const int numbers = w->field.nodes.unknowns * w->field.nodes.lanes;
-    tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field, numbers);
+    tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
+    tvi_galerkin_linear_prediction_prepare(&w->prediction, &w->coefficients, &w->field);
     w->motion.per_weight = w->coefficients.inverse_b;
     w->field.springs = &w->springs.of_passes;
     tvi_galerkin_springs_ready(&w->springs, &w->coefficients, &w->field);
@@ -150,9 +152,8 @@ static void prepare(void *work)
                                 .matrix = w->field.matrix,
                                 .c = w->coefficients.c,
                                 .folded = w->folded,
-                                .extrapolation = (const double *const *)w->predictor.extrapolation,
-                                .following = (const double *const *)w->predictor.following,
-                                .rough = w->predictor.rough,
+                                .extrapolation = w->predictor.extrapolation,
+                                .rough = &w->predictor.rough,
                                 .drift = w->drift,
                                 .drift_low = w->drift_low,
                                 .share = w->share,
@@ -311,9 +312,9 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi
     galerkin *w = work;
     long passes;
     tvi_galerkin_set_size(w, h);
-    tvi_galerkin_springs_begin(w, origin, stats);
+    tvi_galerkin_prepare_steps(w, origin, stats);
     const tvi_status status = make(w, origin, by, &passes, stats);
-    if (status == TVI_OK) tvi_galerkin_springs_count(w, 1, passes);
+    if (status == TVI_OK) tvi_galerkin_count_steps(w, 1, passes);
     return status;
 }
 

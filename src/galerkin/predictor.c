@@ -5,16 +5,17 @@
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int unknowns, int lanes)
+void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const galerkin_field *field, int turns)
 {
+    const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     w->last = tvi_arena_history(arena, sizeof *w->last);
     const size_t kept = (unknowns <= GALERKIN_FEWEST ? 3 : unknowns <= GALERKIN_FEW ? 2 : 1) * count * width;
-    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
-    for (int fit = 0; fit < GALERKIN_FITS; fit++) {
-        w->extrapolation[fit] = tvi_arena_doubles(arena, 2 * width * width);
-        w->following[fit] = tvi_arena_doubles(arena, 2 * width * width);
-    }
+    w->turns = turns;
+    w->numbers = unknowns * lanes;
+    for (int i = 0; i < turns; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
+    for (int fit = 0; fit < GALERKIN_FITS; fit++)
+        w->extrapolation[fit] = w->polynomial[fit] = tvi_arena_doubles(arena, tvi_galerkin_table_size(lanes));
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
@@ -23,9 +24,7 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, int un
 
 /* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
-/* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last
- * step, of the one before it, and of the next one. */
-static void set_basis(const galerkin_coefficients *a, int fitted, int degree, long double basis[][3 * MAX_LANES])
+void tvi_galerkin_set_basis(const galerkin_coefficients *a, int fitted, int degree, long double basis[][3 * MAX_LANES])
 {
     const int m = a->points;
     for (int k = 0; k <= degree; k++) {
@@ -44,52 +43,41 @@ static void set_basis(const galerkin_coefficients *a, int fitted, int degree, lo
     }
 }
 
-/* column[i] += factor (b_next / b_before) ahead[next][i]: what the impulse at node `before` of an earlier step makes of
- * the one at node `next`, if the factor is that of the drives. */
-static void add_ahead(const galerkin_coefficients *a, const double *ahead, long double factor, int before, int next,
-                      double *column)
+void tvi_galerkin_set_following(const galerkin_coefficients *a, const galerkin_field *field, double *table)
 {
-    const double part = (double)(factor * a->exact_weight[next] / a->exact_weight[before]);
-    for (int i = 0; i < a->lanes; i++) column[i] += part * ahead[next * a->lanes + i];
+    const int lanes = a->lanes, square = lanes * lanes;
+    double *following = table + 2 * square;
+    for (int k = 0; k < 2 * square; k++) following[k] = table[k];
+    for (int j = 0; j < a->points; j++)
+        for (int i = 0; i < lanes; i++)
+            following[j * lanes + i] += galerkin_is_second_order(field) ? 1 - a->c[j] + a->c[i] : 1;
 }
 
 /* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j), from `steps` steps. */
-static void set_extrapolation(const galerkin_coefficients *a, const double *ahead, int steps, int degree, double *table)
+static void set_polynomial(const galerkin_coefficients *a, const galerkin_field *field, int steps, int degree,
+                           double *table)
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
-    const int m = a->points;
-    set_basis(a, steps * m, degree, basis);
+    const int m = a->points, lanes = a->lanes;
+    tvi_galerkin_set_basis(a, steps * m, degree, basis);
     for (int point = 0; point < steps * m; point++)
         for (int next = 0; next < m; next++) {
+            double *column = table + (point / m * lanes + point % m) * lanes;
             long double factor = 0;
             for (int k = 0; k <= degree; k++) factor += basis[k][2 * m + next] * basis[k][point];
-            double *column = table + (point / m * a->lanes + point % m) * a->lanes;
-            add_ahead(a, ahead, factor, point % m, next, column);
+            const double part = (double)(factor * a->exact_weight[next] / a->exact_weight[point % m]);
+            for (int i = 0; i < lanes; i++) column[i] += part * field->ahead[next * lanes + i];
         }
-}
-
-/* The same, where the next step begins as the last one did: what the impulses of that have added to where the next one
- * would be without its own comes in. */
-static void set_following(const galerkin_coefficients *a, bool is_second_order, const double *extrapolation,
-                          double *following)
-{
-    const int lanes = a->lanes, square = lanes * lanes;
-    for (int k = 0; k < 2 * square; k++) following[k] = extrapolation[k];
-    for (int j = 0; j < a->points; j++)
-        for (int i = 0; i < lanes; i++) following[j * lanes + i] += is_second_order ? 1 - a->c[j] + a->c[i] : 1;
+    tvi_galerkin_set_following(a, field, table);
 }
 
 /* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
- * falls. Where it is off by a hundredth of the unknowns, what the last step has is nearer. */
-void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field,
-                                    int numbers)
+ * falls. */
+void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
 {
-    const int m = a->points, degree[] = {m > 1 ? 3 * m / 2 : 1, m - 1};
-    for (int fit = 0; fit < GALERKIN_FITS; fit++) {
-        set_extrapolation(a, field->ahead, GALERKIN_FITS - fit, degree[fit], w->extrapolation[fit]);
-        set_following(a, galerkin_is_second_order(field), w->extrapolation[fit], w->following[fit]);
-    }
-    w->rough = numbers * (1e-2 * 1e-2);
+    set_polynomial(a, field, 2, tvi_galerkin_degree(a->points), w->polynomial[GALERKIN_FROM_TWO]);
+    set_polynomial(a, field, 1, a->points - 1, w->polynomial[GALERKIN_FROM_LAST]);
+    tvi_galerkin_predict_by(w, NULL);
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
 }
 

@@ -13,7 +13,9 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
 {
     galerkin_predictor *before = &w->predictor;
     galerkin_history *last = before->last;
-    for (int i = 0; i < GALERKIN_TURNS; i++) to->impulses[i] = tvi_galerkin_impulses(before, i - 1);
+    to->impulses = before->impulses;
+    to->turns = before->turns;
+    to->turn = last->turn;
     to->last = (galerkin_trial){.pace = galerkin_pace_before(w)};
     to->leads = last->leads && to->known > 0;
     to->steps = last->steps;
@@ -25,7 +27,7 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
         to->factors = to->tried.factors;
         return 0;
     }
-    last->turn = (int)((last->turn + made - 1) % GALERKIN_TURNS);
+    last->turn = (int)((last->turn + made - 1) % before->turns);
     if (made > 1) last->h = row->h;
     tvi_galerkin_remember(before, row->h, to->t, to->last.pace);
     last->steps = to->steps;
@@ -66,16 +68,16 @@ long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, 
     const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
     if (!w->field.loops->steady || w->field.system->uses_time) return 0;
     tvi_galerkin_set_size(w, row->h);
-    tvi_galerkin_springs_begin(w, &origin, stats);
+    tvi_galerkin_prepare_steps(w, &origin, stats);
     if (!tvi_galerkin_is_steady(w)) return 0;
     tvi_stats counted = *stats;
     if (tvi_galerkin_begin(w, &origin, &to.known, &counted) != TVI_OK) return 0;
     tvi_row until = *row;
-    until.steps = tvi_galerkin_springs_until(w, row->steps);
+    until.steps = tvi_galerkin_steps_until(w, row->steps);
     row->by.dq[w->n] = row->h;
     const long made = tvi_galerkin_make_steadily(w, &until, &origin, now, &to);
     if (made < 1) return 0;
-    tvi_galerkin_springs_count(w, made, to.count);
+    tvi_galerkin_count_steps(w, made, to.count);
     *stats = counted;
     tvi_galerkin_count(w, &to, stats);
     stats->residual = sqrt(to.last.size);

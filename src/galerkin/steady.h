@@ -18,8 +18,8 @@ typedef struct galerkin_frame {
     const galerkin_weights *weights;
     const tvi_passes_rule *rule;
     const double *matrix, *c;
-    const double *const *extrapolation, *const *following; /* [GALERKIN_FITS] the tables of predictor.h */
-    double rough;
+    const double *const *extrapolation; /* [GALERKIN_FITS] the tables of predictor.h */
+    const double *rough;
     double *drift, *drift_low, *share, *ratio;
     const double *h;
     void *own;            /* of the form of the field: lagrangian_passes of a Lagrangian */
@@ -37,15 +37,16 @@ typedef struct {
 
 /* What steps made, but for what they added to the state. */
 typedef struct galerkin_outcome {
-    double *impulses[GALERKIN_TURNS]; /* of the step before the last, of the last one and of the next, in turns */
-    int known;                        /* of this size were the last one, 1, and the one before it, 2; or none, 0, and
+    double *const *impulses; /* in so many turns, of the last step here, and of the next one behind it */
+    int turns, turn;
+    int known;                  /* of this size were the last one, 1, and the one before it, 2; or none, 0, and
                                          the first one's unknowns are those of the frame's nodes; else: */
-    bool leads;                       /* behind those of the last one is what the next one begins with */
-    double t;                         /* where the last one began */
-    double steps;                     /* that were made, and before these */
-    galerkin_trial last, tried;       /* the last one, and the one after it where that was not made */
-    long count, factors;              /* of all steps */
-    double largest_tail;              /* of these, and of those before */
+    bool leads;                 /* behind those of the last one is what the next one begins with */
+    double t;                   /* where the last one began */
+    double steps;               /* that were made, and before these */
+    galerkin_trial last, tried; /* the last one, and the one after it where that was not made */
+    long count, factors;        /* of all steps */
+    double largest_tail;        /* of these, and of those before */
 } galerkin_outcome;
 
 /* 1 / (|start| + |predicted end - start|). No branches: which is the larger changes from step to step. */

@@ -2,6 +2,7 @@
 #ifndef TVI_SRC_GALERKIN_STEP_H
 #define TVI_SRC_GALERKIN_STEP_H
 
+#include "galerkin/linear_prediction.h"
 #include "galerkin/passes.h"
 #include "galerkin/predictor.h"
 #include "galerkin/springs.h"
@@ -13,6 +14,7 @@ typedef struct {
     galerkin_field field;
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
+    galerkin_linear_prediction prediction;
     galerkin_probe probe;
     galerkin_springs_work springs;
     tvi_passes_rule rule;
@@ -30,8 +32,7 @@ typedef struct {
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
 void tvi_galerkin_set_size(galerkin *w, double h);
 
-/* Before a step of the field's size, or a row of them: the modes that it is made with, after a look at how those before
- * went where it is time for one. */
+/* After a look at how the steps before went, where it is time for one: the modes of the next one. */
 void tvi_galerkin_springs_prepare(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
 static inline void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
 {
@@ -41,21 +42,53 @@ static inline void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *ori
     if (last->count > 0 || last->h != w->field.h || last->steps >= last->wait)
         tvi_galerkin_springs_prepare(w, origin, stats);
 }
-/* So many steps, or those until the next look. */
 long tvi_galerkin_springs_until(const galerkin *w, long steps);
 /* Of a step that failed: with the modes that are at the origin, or without if it was made with these; false where
  * nothing changes. */
 bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
-/* As before a first step. */
 void tvi_galerkin_springs_forget(galerkin *w);
-/* After steps of so many passes in all. */
-static inline void tvi_galerkin_springs_count(galerkin *w, long steps, long passes)
+
+/* Likewise: what the next one is predicted by. */
+static inline void tvi_galerkin_prediction_begin(galerkin *w, const tvi_origin *origin)
 {
-    galerkin_springs_history *last = w->springs.last;
+    const galerkin_fitting *last = w->prediction.last;
+    const double h = w->field.h;
     if (!last) return;
-    last->steps += (double)steps;
-    last->used += (double)steps;
-    last->passes += (double)passes;
+    if (last->h != h || !galerkin_is_next(w->predictor.last, h, origin->t))
+        tvi_galerkin_linear_prediction_start(&w->prediction, h);
+    else if (last->steps >= last->next)
+        tvi_galerkin_linear_prediction_look(&w->prediction, &w->predictor, &w->coefficients, &w->field);
+    tvi_galerkin_predict_by(&w->predictor, last->fitted == h ? w->prediction.tables[last->turn] : NULL);
+}
+
+/* Before a step of the field's size, or a row of them. */
+static inline void tvi_galerkin_prepare_steps(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
+{
+    tvi_galerkin_springs_begin(w, origin, stats);
+    tvi_galerkin_prediction_begin(w, origin);
+}
+/* So many steps, or those until the next look. */
+static inline long tvi_galerkin_steps_until(const galerkin *w, long steps)
+{
+    const galerkin_fitting *last = w->prediction.last;
+    const long until = tvi_galerkin_springs_until(w, steps);
+    return last && last->next - last->steps < (double)until ? (long)(last->next - last->steps) : until;
+}
+/* After steps of so many passes in all. */
+static inline void tvi_galerkin_count_steps(galerkin *w, long steps, long passes)
+{
+    galerkin_springs_history *springs = w->springs.last;
+    if (w->prediction.last) w->prediction.last->steps += (double)steps;
+    if (!springs) return;
+    springs->steps += (double)steps;
+    springs->used += (double)steps;
+    springs->passes += (double)passes;
+}
+/* As before a first step. */
+static inline void tvi_galerkin_forget_steps(galerkin *w)
+{
+    tvi_galerkin_springs_forget(w);
+    if (w->prediction.last) *w->prediction.last = (galerkin_fitting){0};
 }
 
 /* Whether generated code makes the steps: that of the fewest unknowns has no modes. */

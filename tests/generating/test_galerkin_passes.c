@@ -1,4 +1,5 @@
 /* test_galerkin_passes.c - the Galerkin curve's predictor and its passes (docs/method.md sections 5 and 6). */
+#include "galerkin/step.h"
 #include "generating.h"
 #include "models.h"
 #include "run/integrator.h"
@@ -6,7 +7,7 @@
 #include <math.h>
 #include <string.h>
 
-static tvi_options galerkin(int nodes) { return kind_options(&kinds[kind_count], nodes); }
+static tvi_options gauss(int nodes) { return kind_options(&kinds[kind_count], nodes); }
 
 /* ---- The energy of long runs ------------------------------------------------------------------------------------- */
 
@@ -31,7 +32,7 @@ static double energy_after(const tvi_options *options)
  * each make 1e-13 to 3e-13, which grows like the steps; passes that end sooner bias the energy too. */
 START_TEST(energy_does_not_drift)
 {
-    tvi_options options = galerkin(6 + _i);
+    tvi_options options = gauss(6 + _i);
     const double error = energy_after(&options);
     ck_assert_msg(error < 3e-14, "%d nodes: %.1e", options.degree, error);
     options.tolerance = 1e-10;
@@ -63,7 +64,7 @@ static long passes_after(tvi_integrator *it, int before, int steps, double *t, d
  * hundred, as the last bits of ten decide on one or two passes. */
 START_TEST(long_runs_leave_less)
 {
-    const tvi_options options = galerkin(8);
+    const tvi_options options = gauss(8);
     double mass[OSCILLATORS], q[OSCILLATORS], p[OSCILLATORS], t = 0;
     for (int i = 0; i < OSCILLATORS; i++) {
         mass[i] = 1;
@@ -73,6 +74,7 @@ START_TEST(long_runs_leave_less)
     tvi_system *system;
     ck_assert_int_eq(tvi_system_potential(&system, OSCILLATORS, mass, oscillators, NULL), TVI_OK);
     tvi_integrator *it = integrator_of(system, &options);
+    ((galerkin *)it->work)->prediction.last = NULL; /* which is exact here, and leaves nothing to do */
     const long first = passes_after(it, 2, 10, &t, q, p), last = passes_after(it, 2000, 100, &t, q, p);
     tvi_integrator_reset(it);
     const long anew = passes_after(it, 2, 10, &t, q, p);
@@ -108,7 +110,7 @@ START_TEST(steps_before_predict)
     static const double ratios[] = {1, 0.75, 1.25, -1, -0.5};
     static const double most[] = {2.6, 2.9, 3.2, 1.5, 2.1};
     enum { STEPS = 200 };
-    const tvi_options options = galerkin(8);
+    const tvi_options options = gauss(8);
     const tvi_stats stats = stats_after(&options, 0.0625, ratios[_i], false, STEPS);
     const tvi_stats first = stats_after(&options, 0.0625, ratios[_i], true, STEPS);
     const double passes = (double)stats.passes / STEPS, saved = (double)first.passes / STEPS - passes;
@@ -122,7 +124,7 @@ END_TEST
 START_TEST(rough_steps_predict_from_the_last_one)
 {
     enum { STEPS = 200 };
-    const tvi_options options = galerkin(8);
+    const tvi_options options = gauss(8);
     const tvi_stats stats = stats_after(&options, 0.794, 1, false, STEPS);
     const double passes = (double)stats.passes / STEPS;
     ck_assert_msg(passes > 10.8 && passes < 11.3, "%.2f passes", passes);
@@ -154,7 +156,7 @@ START_TEST(steps_do_not_know_where_they_began)
     } rows[] = {
         {&model_kepler, 0.125, 0.8}, {&model_double_pendulum, 0.015625, 0.65}, {&model_double_pendulum, 0.0625, 0.65}};
     const model *m = rows[_i].of;
-    const tvi_options options = galerkin(8);
+    const tvi_options options = gauss(8);
     tvi_system *system = model_system(m);
     tvi_integrator *it = integrator_of(system, &options);
     const tvi_increments *by = &it->by;
@@ -185,7 +187,7 @@ END_TEST
 START_TEST(other_steps_begin_anew)
 {
     static const double ratios[] = {8, 1e-3, -8, -1e-3};
-    const tvi_options options = galerkin(8);
+    const tvi_options options = gauss(8);
     const double h = fabs(ratios[_i]) > 1 ? 0.015625 : 0.125;
     const tvi_stats stats = stats_after(&options, h, ratios[_i], false, 20);
     ck_assert_int_ge(stats.force_evaluations - 8 * stats.passes, 10);
@@ -196,7 +198,7 @@ END_TEST
 START_TEST(halves_begin_anew)
 {
     enum { STEPS = 40 };
-    tvi_options options = galerkin(8);
+    tvi_options options = gauss(8);
     options.compose_adjoint = true;
     const tvi_stats stats = stats_after(&options, 0.125, 1, false, STEPS);
     ck_assert_int_eq(stats.force_evaluations, 8 * stats.passes + 2 * STEPS);
@@ -206,7 +208,7 @@ END_TEST
 
 START_TEST(number_of_passes_is_kept)
 {
-    tvi_options options = galerkin(4);
+    tvi_options options = gauss(4);
     for (int k = 1; k <= 5; k++) {
         options.passes = k;
         const tvi_stats stats = stats_after(&options, 0.125, 1, false, 10);
@@ -219,7 +221,7 @@ END_TEST
 
 START_TEST(tolerance_ends_the_passes)
 {
-    tvi_options options = galerkin(8);
+    tvi_options options = gauss(8);
     const tvi_stats roundoff = stats_after(&options, 0.125, 1, false, 50);
     options.tolerance = 1e-6;
     const tvi_stats loose = stats_after(&options, 0.125, 1, false, 50);
@@ -233,7 +235,7 @@ END_TEST
 /* Without passes the force is that at the start: a parabola, whatever steps were before. */
 START_TEST(prediction_is_a_parabola)
 {
-    tvi_options options = galerkin(5);
+    tvi_options options = gauss(5);
     options.passes = TVI_PREDICT_ONLY;
     tvi_system *system = problem_system(&problem_chain);
     tvi_integrator *it = integrator_of(system, &options);
@@ -261,7 +263,7 @@ END_TEST
 /* A fixed point that does not contract: bounded, and nothing is touched; the step after it is as if it had not been. */
 START_TEST(too_large_steps_fail)
 {
-    tvi_options options = galerkin(8);
+    tvi_options options = gauss(8);
     const int bounds[] = {0, 7};
     options.max_passes = bounds[_i];
     tvi_system *system = model_system(&model_pendulum);

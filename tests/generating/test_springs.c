@@ -54,7 +54,7 @@ typedef struct {
     test_state x;
 } run_of_springs;
 
-/* How the springs are used. */
+/* How the springs are used. All steps are predicted by polynomials, so that what passes save is due to springs. */
 typedef enum { NEVER, IF_PASSES_FAIL, IF_THEY_SAVE } springs_use;
 
 static run_of_springs begin(int n, const double mass[], tvi_potential_fn *V, double w, int nodes, springs_use use)
@@ -66,6 +66,7 @@ static run_of_springs begin(int n, const double mass[], tvi_potential_fn *V, dou
     r.work = r.it->work;
     if (use == NEVER) r.work->springs.last = NULL;
     r.work->springs.is_wanted = use == IF_THEY_SAVE;
+    r.work->prediction.last = NULL;
     return r;
 }
 

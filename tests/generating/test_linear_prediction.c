@@ -1,0 +1,175 @@
+/* test_linear_prediction.c - steps of the Galerkin curve that are predicted by what was fitted to those before
+ * (docs/method.md section 5). */
+#include "galerkin/step.h"
+#include "generating.h"
+#include "models.h"
+#include "run/integrator.h"
+
+#include <math.h>
+#include <string.h>
+
+typedef struct {
+    tvi_system *system;
+    tvi_integrator *it;
+    galerkin *work;
+    test_state x;
+} predicted_run;
+
+static predicted_run begin(const model *m, int nodes, bool is_fitted)
+{
+    predicted_run r = {.system = model_system(m), .x = model_start(m)};
+    const tvi_options options = kind_options(&kinds[kind_count], nodes);
+    r.it = integrator_of(r.system, &options);
+    r.work = r.it->work;
+    if (!is_fitted) r.work->prediction.last = NULL;
+    return r;
+}
+
+static void end(predicted_run *r)
+{
+    tvi_integrator_free(r->it);
+    tvi_system_free(r->system);
+}
+
+static double passes_of(const predicted_run *r)
+{
+    const tvi_stats *stats = tvi_integrator_stats(r->it);
+    return (double)stats->passes / (double)stats->steps;
+}
+
+/* Regular motions of every form take fewer passes for the same motion. Where one part of a motion says nothing about
+ * the next one, all steps are those of polynomials, to the bit. */
+START_TEST(regular_motions_save_passes)
+{
+    static const struct {
+        const model *of;
+        int nodes;
+        double h, least, most; /* part of the passes */
+    } rows[] = {{&model_pendulum, 8, 0.5, 0.78, 0.85},
+                {&model_henon_heiles, 8, 0.75, 0.89, 0.94},
+                {&model_henon_heiles, 6, 0.4, 0.88, 0.94},
+                {&model_nonseparable, 8, 0.25, 0.69, 0.76},
+                {&model_sheared_hamiltonian, 8, 0.25, 0.92, 0.97},
+                {&model_sheared_lagrangian, 8, 0.25, 0.97, 0.999},
+                {&model_double_pendulum, 8, 0.05, 1, 1},
+                {&model_kepler, 8, 0.5, 1, 1},
+                {&model_kepler, 8, 0.25, 0.94, 0.98}};
+    enum { STEPS = 1500 };
+    const model *m = rows[_i].of;
+    predicted_run with = begin(m, rows[_i].nodes, true), without = begin(m, rows[_i].nodes, false);
+    go(with.it, rows[_i].h, STEPS, &with.x);
+    go(without.it, rows[_i].h, STEPS, &without.x);
+    const double part = passes_of(&with) / passes_of(&without), apart = distance(m->n, &with.x, &without.x);
+    ck_assert_msg(part >= rows[_i].least && part <= rows[_i].most, "%s: %.3f of the passes", m->name, part);
+    ck_assert_msg(apart < 1e-12 && (apart > 0) == (part < 1), "%s: %.1e apart", m->name, apart);
+    end(&with);
+    end(&without);
+}
+END_TEST
+
+/* An oscillator, whose drives are those of two steps before by two coefficients: of curves of any degree, and of steps
+ * of which polynomials say nothing. */
+START_TEST(oscillators_are_predicted_exactly)
+{
+    const double h = 1.5;
+    predicted_run r = begin(&model_pendulum, _i, true);
+    galerkin_fitting *last = r.work->prediction.last;
+    r.x.q[0] = 1e-9;
+    r.x.p[0] = 0;
+    for (int more = 0; more < 3; more++) go(r.it, h, (int)r.work->prediction.first_wait, &r.x);
+    ck_assert_msg(last->fitted == h, "%d nodes", _i);
+    const double fitted = r.work->predictor.last->pace.first;
+    r.work->prediction.last = NULL;
+    tvi_galerkin_predict_by(&r.work->predictor, NULL);
+    go(r.it, h, 2, &r.x);
+    const double by_polynomials = r.work->predictor.last->pace.first;
+    ck_assert_msg(sqrt(fitted) < 1e-6 && sqrt(by_polynomials) > 1e-3, "%d nodes: first movements of %.1e and %.1e", _i,
+                  sqrt(fitted), sqrt(by_polynomials));
+    end(&r);
+}
+END_TEST
+
+/* What was fitted serves again where steps of another size came between, and does not serve those. */
+START_TEST(fits_belong_to_their_step_size)
+{
+    const double h = 0.75;
+    predicted_run r = begin(&model_henon_heiles, 8, true);
+    const galerkin_linear_prediction *w = &r.work->prediction;
+    const double *const *table = &r.work->predictor.extrapolation[GALERKIN_FROM_TWO];
+    go(r.it, h, (int)w->first_wait + 1, &r.x);
+    const double *fitted = w->tables[w->last->turn];
+    ck_assert_ptr_eq(*table, fitted);
+    go(r.it, h / 2, 3, &r.x);
+    ck_assert_ptr_eq(*table, r.work->predictor.polynomial[GALERKIN_FROM_TWO]);
+    go(r.it, h, 3, &r.x);
+    ck_assert_ptr_eq(*table, fitted);
+    ck_assert(w->last->steps == 3);
+    r.x.t += 100; /* no step behind another one */
+    go(r.it, h, 1, &r.x);
+    ck_assert(w->last->steps == 1);
+    end(&r);
+}
+END_TEST
+
+/* A run that goes on from a saved state does so to the bit, before, between and after the windows of steps that are
+ * kept, and after a step that failed. */
+START_TEST(states_have_the_fits)
+{
+    enum { MORE = 400 };
+    const double h = 0.75;
+    predicted_run r = begin(&model_henon_heiles, 8, true), other = begin(&model_henon_heiles, 8, true);
+    static char buffer[1 << 17];
+    size_t size = sizeof buffer;
+    go(other.it, h, 250, &other.x); /* has fits of its own */
+    go(r.it, h, 95 + 16 * _i, &r.x);
+    ck_assert_int_eq(tvi_state_save(r.it, buffer, &size), TVI_OK);
+    const test_state start = r.x;
+    go(r.it, h, MORE, &r.x);
+    ck_assert(r.work->prediction.last->fitted == h);
+    for (int fails = 0; fails < 2; fails++) {
+        test_state y = start;
+        ck_assert_int_eq(tvi_state_load(other.it, buffer, size), TVI_OK);
+        if (fails) ck_assert_int_ne(tvi_step(other.it, 1e4, &y.t, y.q, y.p), TVI_OK);
+        go(other.it, h, MORE, &y);
+        ck_assert_mem_eq(&y, &r.x, sizeof y);
+    }
+    end(&r);
+    end(&other);
+}
+END_TEST
+
+/* The mean of H - H0 over some orbits of order 20, whose own error is less than roundoff, is as small as without. */
+START_TEST(energy_does_not_drift)
+{
+    enum { ORBITS = 32, STEPS = 5000 };
+    double sum = 0, squares = 0;
+    for (int k = 0; k < ORBITS; k++) {
+        predicted_run r = begin(&model_henon_heiles, 10, true);
+        r.x.p[0] += 1e-3 * k;
+        const double start = state_energy(r.system, &r.x);
+        go(r.it, 0.61803, STEPS, &r.x);
+        ck_assert(r.work->prediction.last->fitted > 0);
+        const double change = state_energy(r.system, &r.x) - start;
+        sum += change;
+        squares += change * change;
+        end(&r);
+    }
+    const double mean = sum / ORBITS, deviation = sqrt(squares) / ORBITS;
+    ck_assert_msg(fabs(mean) < 3.5 * deviation && deviation > 1e-17 && deviation < 1e-15, "%.1e +- %.1e", mean,
+                  deviation);
+}
+END_TEST
+
+Suite *suite_linear_prediction(void)
+{
+    Suite *suite = suite_create("linear prediction");
+    TCase *tcase = tcase_create("linear prediction");
+    tcase_set_timeout(tcase, 60);
+    tcase_add_loop_test(tcase, regular_motions_save_passes, 0, 9);
+    tcase_add_loop_test(tcase, oscillators_are_predicted_exactly, 1, 11);
+    tcase_add_test(tcase, fits_belong_to_their_step_size);
+    tcase_add_loop_test(tcase, states_have_the_fits, 0, 8);
+    tcase_add_test(tcase, energy_does_not_drift);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
