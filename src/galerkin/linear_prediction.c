@@ -7,6 +7,11 @@
 /* Drives that are there for each coefficient. What fitting costs are some steps, the more the fewer unknowns they have:
  * so many are made before it. */
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES, EXCESS = 3, WAIT = 384, NEXT_WAIT = 3, MOST_WAIT = 4096 };
+#define GAIN 5.0
+/* Passes of generated code of the fewest unknowns take less time than a step whose end no processor foresees, as more
+ * steps are where passes are few: fits are made later, and have to save more than one pass. */
+enum { SHORT_WAIT = 8 };
+#define SHORT_GAIN 1000.0
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
@@ -54,7 +59,10 @@ void tvi_galerkin_linear_prediction_take(galerkin_linear_prediction *w, tvi_aren
     of->sample = tvi_arena_doubles(arena, windows * samples * unknowns * 3 * lanes);
     of->gram = tvi_arena_doubles(arena, 2 * lanes * 2 * lanes);
     of->factor = tvi_arena_doubles(arena, 2 * lanes * lanes);
-    w->first_wait = fmax(2 * (of->samples + 2), (double)WAIT / of->unknowns);
+    const bool is_short =
+        field->loops->steady && galerkin_is_second_order(field) && field->nodes.unknowns <= GALERKIN_FEWEST;
+    of->gain = is_short ? SHORT_GAIN : GAIN;
+    w->first_wait = fmax(2 * (of->samples + 2), (is_short ? SHORT_WAIT : 1) * (double)WAIT / of->unknowns);
 }
 
 void tvi_galerkin_linear_prediction_prepare(galerkin_linear_prediction *w, const galerkin_coefficients *a,

@@ -9,7 +9,6 @@
 
 enum { ROWS = 4, MAX_LANES = TVI_GALERKIN_MAX_LANES };
 #define RIDGE 1e-14 /* of polynomials that are scaled to size 1 */
-#define GAIN  5.0   /* what polynomials lack is larger by this factor at least */
 
 /* ---- Samples ----------------------------------------------------------------------------------------------------- */
 
@@ -153,7 +152,7 @@ JET_INLINE bool are_better(const galerkin_regression *of, int lanes)
         for (int i = 0; i < lanes; i++) sum += left[i];
         gain -= log(sum) / 2;
     }
-    return gain >= of->samples * log(GAIN);
+    return gain >= of->samples * log(of->gain);
 }
 
 /* ---- The table --------------------------------------------------------------------------------------------------- */

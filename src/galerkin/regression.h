@@ -10,6 +10,7 @@
  * extrapolated by; of_last is what polynomials through the last step's alone make of its drives. */
 typedef struct {
     int lanes, unknowns, samples; /* of each window */
+    double gain;                  /* what polynomials lack is larger by this factor at least */
     double *per_weight;           /* [lanes] 1 / b */
     double *basis;                /* [2 lanes][2 lanes] */
     double *ahead;                /* [2 lanes][lanes] */
@@ -25,8 +26,8 @@ typedef struct {
 enum { REGRESSION_WINDOWS = 4 };
 
 /* impulses [windows][samples + 2][unknowns][lanes], of the steps of a window the last one first. Sets table
- * [2 lanes][lanes], the unknowns by the impulses of two steps. False where that leaves, in the last window, more than a
- * fifth of what polynomials lack, as a geometric mean, or the equations have no solution. */
+ * [2 lanes][lanes], the unknowns by the impulses of two steps. False where that does not leave less, in the last
+ * window, than polynomials lack, by the factor `gain` as a geometric mean, or the equations have no solution. */
 typedef bool galerkin_regress(const galerkin_regression *w, const double *impulses, double *table);
 galerkin_regress tvi_galerkin_regress_base, tvi_galerkin_regress_avx2, tvi_galerkin_regress_avx512;
 
