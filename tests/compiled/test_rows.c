@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 100 };
+enum { STEPS = 250 }; /* predictions of some are fitted after 64 or 192 */
 
 /* Masses between quartic springs, too many for registers, and two pairs of them on springs of frequency 50. */
 enum { LONG = 12 };
@@ -52,17 +52,18 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
         whose of;
         double max_tail;
         long least, most, passes; /* steps; passes more or less than those of the tape */
-        long all;                 /* passes at most, where springs are solved exactly; 0: any number */
-    } rows[] = {{{&scene_kepler, 0.25, false}, 0, STEPS, STEPS, 20, 0},
+        long all;                 /* passes at most, where these are fewer by springs or by fits; 0: any number */
+    } rows[] = {{{&scene_kepler, 0.25, false}, 0, STEPS, STEPS, 50, 0},
                 {{&scene_kepler, 0.25, false}, 1e-6, 4, 20, 0, 0},
-                {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS, 90, 0},
-                {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS, 20, 0},
-                {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS, 20, 0},
-                {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS, 20, 0},
-                {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS, 20, 0},
-                {{&scene_henon_heiles_12, 2, false}, 0, STEPS, STEPS, 90, 0},
-                {{&scene_fpu, 0.078125, false}, 0, STEPS, STEPS, 20, 13 * STEPS},
-                {{&long_chain, 0.078125, false}, 0, STEPS, STEPS, 70, 13 * STEPS}};
+                {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS, 225, 0},
+                {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS, 50, 0},
+                {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS, 50, 0},
+                {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS, 50, 0},
+                {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS, 50, 0},
+                {{&scene_henon_heiles_12, 2, false}, 0, STEPS, STEPS, 225, 0},
+                {{&scene_fpu, 0.078125, false}, 0, STEPS, STEPS, 50, 13 * STEPS},
+                {{&long_chain, 0.078125, false}, 0, STEPS, STEPS, 175, 13 * STEPS},
+                {{&scene_nonseparable, 0.25, false}, 0, STEPS, STEPS, 50, STEPS * 72 / 10}};
     static const char *const compilers[] = {NULL, "cc -DGALERKIN_IN_REGISTER=0 -DJET_NARROW=0",
                                             "cc -DGALERKIN_IN_REGISTER=1 -DJET_NARROW=0", "cc -DJET_NARROW=1"};
     enum { ROWS = sizeof rows / sizeof *rows };
@@ -175,7 +176,7 @@ Suite *suite_rows(void)
     Suite *suite = suite_create("rows");
     TCase *tcase = tcase_create("rows");
     tcase_set_timeout(tcase, 600);
-    tcase_add_loop_test(tcase, steps_in_a_row_are_those_one_by_one, 0, 12);
+    tcase_add_loop_test(tcase, steps_in_a_row_are_those_one_by_one, 0, 14);
     tcase_add_loop_test(tcase, runs_to_a_time_in_rows, 0, 24);
     tcase_add_test(tcase, tails_are_of_the_last_step_that_was_made);
     suite_add_tcase(suite, tcase);
