@@ -7,6 +7,8 @@
 /* Drives that are there for each coefficient. What fitting costs are some steps, the more the fewer unknowns they have:
  * so many are made before it. */
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES, EXCESS = 3, WAIT = 384, NEXT_WAIT = 3, MOST_WAIT = 4096 };
+/* Steps of fewer passes have none to save. */
+enum { LEAST_PASSES = 4 };
 #define GAIN 5.0
 /* Passes of generated code of the fewest unknowns take less time than a step whose end no processor foresees, as more
  * steps are where passes are few: fits are made later, and have to save more than one pass. */
@@ -105,30 +107,43 @@ void tvi_galerkin_linear_prediction_start(galerkin_linear_prediction *w, double 
     last->next = next_window(last);
 }
 
+static void wait_again(galerkin_fitting *last)
+{
+    last->windows = 0;
+    last->passes = 0;
+    last->from = last->steps;
+    last->wait = last->steps + fmin(NEXT_WAIT * last->steps, MOST_WAIT);
+}
+
 static void keep_window(galerkin_linear_prediction *w, const galerkin_predictor *predictor)
 {
     const int steps = w->regression.samples + 2, numbers = w->regression.unknowns * w->regression.lanes;
-    double *to = w->windows + w->last->windows * steps * numbers;
+    double *to = w->windows + w->last->windows++ * steps * numbers;
     for (int k = 0; k < steps; k++, to += numbers)
         memcpy(to, tvi_galerkin_impulses(predictor, -k), (size_t)numbers * sizeof *to);
+}
+
+static void fit(galerkin_linear_prediction *w, const galerkin_predictor *predictor, const galerkin_coefficients *a,
+                const galerkin_field *field)
+{
+    galerkin_fitting *last = w->last;
+    const int turn = 1 - last->turn;
+    last->fitted = 0;
+    if (!w->regress(&w->regression, w->windows, w->tables[turn])) return;
+    tvi_galerkin_set_following(a, field, w->tables[turn]);
+    last->turn = turn;
+    last->fitted = last->h;
+    predictor->last->pace.first = 0; /* by polynomials it was another one */
 }
 
 void tvi_galerkin_linear_prediction_look(galerkin_linear_prediction *w, const galerkin_predictor *predictor,
                                          const galerkin_coefficients *a, const galerkin_field *field)
 {
     galerkin_fitting *last = w->last;
-    keep_window(w, predictor);
-    if (++last->windows == REGRESSION_WINDOWS) {
-        last->windows = 0;
-        last->from = last->steps;
-        last->wait = last->steps + fmin(NEXT_WAIT * last->steps, MOST_WAIT);
-        last->fitted = 0;
-        if (w->regress(&w->regression, w->windows, w->tables[1 - last->turn])) {
-            last->turn = 1 - last->turn;
-            last->fitted = last->h;
-            predictor->last->pace.first = 0; /* by polynomials it was another one */
-            tvi_galerkin_set_following(a, field, w->tables[last->turn]);
-        }
-    }
+    const bool may_save = last->windows > 0 || last->passes >= LEAST_PASSES * (last->steps - last->from);
+    if (may_save) keep_window(w, predictor);
+    const bool is_full = last->windows == REGRESSION_WINDOWS;
+    if (is_full) fit(w, predictor, a, field);
+    if (is_full || !may_save) wait_again(last);
     last->next = next_window(last);
 }

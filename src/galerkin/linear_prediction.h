@@ -13,6 +13,7 @@
 typedef struct {
     double h, steps;   /* of this size were so many, one behind the other */
     double from, wait; /* coefficients were fitted after so many of these, and are so after so many, */
+    double passes;     /* of the steps since then, */
     double next;       /* and the next window of steps is kept after so many, */
     int windows;       /* behind those that are kept */
     double fitted;     /* the coefficients in use are of steps of this size; 0: there are none */

@@ -78,7 +78,8 @@ static inline long tvi_galerkin_steps_until(const galerkin *w, long steps)
 static inline void tvi_galerkin_count_steps(galerkin *w, long steps, long passes)
 {
     galerkin_springs_history *springs = w->springs.last;
-    if (w->prediction.last) w->prediction.last->steps += (double)steps;
+    galerkin_fitting *fitting = w->prediction.last;
+    if (fitting) fitting->steps += (double)steps, fitting->passes += (double)passes;
     if (!springs) return;
     springs->steps += (double)steps;
     springs->used += (double)steps;
