@@ -7,9 +7,11 @@
 /* Drives that are there for each coefficient. What fitting costs are some steps, the more the fewer unknowns they have:
  * so many are made before it. */
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES, EXCESS = 3, WAIT = 384, NEXT_WAIT = 3, MOST_WAIT = 4096 };
-/* Steps of fewer passes have none to save. */
-enum { LEAST_PASSES = 4 };
-#define GAIN 5.0
+/* Steps of fewer passes have none to save, and of more unknowns the impulses of some steps are more than what else an
+ * integrator keeps. */
+enum { MOST_UNKNOWNS = 64 };
+#define LEAST_PASSES 3.5
+#define GAIN         5.0
 /* Passes of generated code of the fewest unknowns take less time than a step whose end no processor foresees, as more
  * steps are where passes are few: fits are made later, and have to save more than one pass. */
 enum { SHORT_WAIT = 8 };
@@ -24,9 +26,14 @@ static int samples_of(const galerkin_field *field)
     return (drives + of_window - 1) / of_window;
 }
 
+static bool is_fitted(const galerkin_field *field, const tvi_options *options)
+{
+    return options->passes == 0 && field->nodes.unknowns <= MOST_UNKNOWNS;
+}
+
 int tvi_galerkin_linear_prediction_turns(const galerkin_field *field, const tvi_options *options)
 {
-    return options->passes == 0 ? samples_of(field) + GALERKIN_TURNS : GALERKIN_TURNS;
+    return is_fitted(field, options) ? samples_of(field) + GALERKIN_TURNS : GALERKIN_TURNS;
 }
 
 static galerkin_regress *const regress_of[JET_ISA_COUNT] = {
@@ -44,7 +51,7 @@ void tvi_galerkin_linear_prediction_take(galerkin_linear_prediction *w, tvi_aren
     const size_t samples = (size_t)samples_of(field), windows = REGRESSION_WINDOWS;
     galerkin_regression *of = &w->regression;
     *w = (galerkin_linear_prediction){.last = NULL};
-    if (options->passes != 0) return;
+    if (!is_fitted(field, options)) return;
     w->last = tvi_arena_history(arena, sizeof *w->last);
     w->windows = tvi_arena_turn(arena, windows * (samples + 2) * unknowns * lanes * sizeof *w->windows);
     for (int i = 0; i < 2; i++)
@@ -53,6 +60,9 @@ void tvi_galerkin_linear_prediction_take(galerkin_linear_prediction *w, tvi_aren
     of->lanes = field->nodes.lanes;
     of->unknowns = field->nodes.unknowns;
     of->samples = (int)samples;
+    of->halves = field->nodes.unknowns / field->system->n;
+    of->scale = field->nodes.scale;
+    of->weight = tvi_arena_doubles(arena, unknowns);
     of->per_weight = tvi_arena_doubles(arena, lanes);
     of->basis = tvi_arena_doubles(arena, 2 * lanes * 2 * lanes);
     of->ahead = tvi_arena_doubles(arena, 2 * lanes * lanes);
@@ -103,7 +113,8 @@ static double next_window(const galerkin_fitting *last)
 void tvi_galerkin_linear_prediction_start(galerkin_linear_prediction *w, double h)
 {
     galerkin_fitting *last = w->last;
-    *last = (galerkin_fitting){.h = h, .wait = w->first_wait, .fitted = last->fitted, .turn = last->turn};
+    *last = (galerkin_fitting){
+        .h = h, .wait = w->first_wait, .plain = INFINITY, .fitted = last->fitted, .turn = last->turn};
     last->next = next_window(last);
 }
 
@@ -123,27 +134,31 @@ static void keep_window(galerkin_linear_prediction *w, const galerkin_predictor 
         memcpy(to, tvi_galerkin_impulses(predictor, -k), (size_t)numbers * sizeof *to);
 }
 
-static void fit(galerkin_linear_prediction *w, const galerkin_predictor *predictor, const galerkin_coefficients *a,
-                const galerkin_field *field)
+/* Coefficients that do not save passes are given up, else others are fitted. */
+static void fit(galerkin_linear_prediction *w, const galerkin_coefficients *a, const galerkin_field *field)
 {
     galerkin_fitting *last = w->last;
     const int turn = 1 - last->turn;
+    const double passes = last->passes / (last->steps - last->from);
+    const bool was_fitted = last->fitted == last->h;
     last->fitted = 0;
+    if (!was_fitted) last->plain = passes;
+    if (was_fitted && passes >= last->plain) return;
     if (!w->regress(&w->regression, w->windows, w->tables[turn])) return;
     tvi_galerkin_set_following(a, field, w->tables[turn]);
     last->turn = turn;
     last->fitted = last->h;
-    predictor->last->pace.first = 0; /* by polynomials it was another one */
 }
 
 void tvi_galerkin_linear_prediction_look(galerkin_linear_prediction *w, const galerkin_predictor *predictor,
                                          const galerkin_coefficients *a, const galerkin_field *field)
 {
     galerkin_fitting *last = w->last;
-    const bool may_save = last->windows > 0 || last->passes >= LEAST_PASSES * (last->steps - last->from);
+    const bool may_save =
+        last->windows > 0 || last->fitted == last->h || last->passes >= LEAST_PASSES * (last->steps - last->from);
     if (may_save) keep_window(w, predictor);
     const bool is_full = last->windows == REGRESSION_WINDOWS;
-    if (is_full) fit(w, predictor, a, field);
+    if (is_full) fit(w, a, field);
     if (is_full || !may_save) wait_again(last);
     last->next = next_window(last);
 }

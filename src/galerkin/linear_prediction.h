@@ -13,7 +13,8 @@
 typedef struct {
     double h, steps;   /* of this size were so many, one behind the other */
     double from, wait; /* coefficients were fitted after so many of these, and are so after so many, */
-    double passes;     /* of the steps since then, */
+    double passes;     /* of the steps since then; */
+    double plain;      /* those of a step by polynomials */
     double next;       /* and the next window of steps is kept after so many, */
     int windows;       /* behind those that are kept */
     double fitted;     /* the coefficients in use are of steps of this size; 0: there are none */
@@ -21,7 +22,7 @@ typedef struct {
 } galerkin_fitting;
 
 typedef struct {
-    galerkin_fitting *last; /* NULL: passes are counted, and there are none */
+    galerkin_fitting *last; /* NULL: there are none */
     double first_wait;
     double *windows; /* as regression.h has them; in the history, as the tables are, where a step leaves that of the */
     double *tables[2]; /* one before, that it may fail */

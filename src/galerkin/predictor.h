@@ -47,13 +47,12 @@ void tvi_galerkin_set_basis(const galerkin_coefficients *a, int fitted, int degr
 /* The degree from two steps. */
 static inline int tvi_galerkin_degree(int points) { return points > 1 ? 3 * points / 2 : 1; }
 
-/* From two steps by this table, or, NULL, by polynomials. Where it is off by so much of the unknowns what the last step
- * has is nearer: a hundredth by polynomials, whose roundoff grows fast; more where it was fitted. */
+/* From two steps by this table, or, NULL, by polynomials. Where these are off by a hundredth of the unknowns, what the
+ * last step has is nearer. */
 static inline void tvi_galerkin_predict_by(galerkin_predictor *w, const double *table)
 {
-    const double share = table ? 0.3 : 1e-2;
     w->extrapolation[GALERKIN_FROM_TWO] = table ? table : w->polynomial[GALERKIN_FROM_TWO];
-    w->rough = w->numbers * (share * share);
+    w->rough = table ? INFINITY : w->numbers * (1e-2 * 1e-2);
 }
 
 /* Whether a step of size h from t begins where the last one ended. */

@@ -22,7 +22,7 @@ enum { ROWS = 4, MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
 #define TAKE_LACK(V, blocks)                                                                                           \
     for (int b = 0; b < (blocks); b++) {                                                                               \
-        V two[2] = {BLOCK_OF(V, now, b) * BLOCK_OF(V, of->per_weight, b)}, one = two[0];                               \
+        V two[2] = {weight * BLOCK_OF(V, now, b) * BLOCK_OF(V, of->per_weight, b)}, one = two[0];                      \
         for (int k = 0; k < 2 * lanes; k++) two[k % 2] -= part[k] * BLOCK_OF(V, of->ahead + k * lanes, b);             \
         for (int i = 0; i < lanes; i++) one -= drive[i] * BLOCK_OF(V, of->of_last + i * lanes, b);                     \
         two[0] += two[1];                                                                                              \
@@ -30,6 +30,28 @@ enum { ROWS = 4, MAX_LANES = TVI_GALERKIN_MAX_LANES };
         BLOCK_AT(V, by_two, b) += two[0] * two[0];                                                                     \
         BLOCK_AT(V, by_last, b) += one * one;                                                                          \
     }
+
+/* The impulses of all steps say how large each unknown's are. */
+JET_INLINE void set_weights(const galerkin_regression *of, const double *impulses, int lanes)
+{
+    const int count = of->unknowns, half = count / of->halves;
+    const int steps = REGRESSION_WINDOWS * (of->samples + 2);
+    for (int first = 0; first < count; first += half) {
+        double largest = 0;
+        for (int u = first; u < first + half; u++) {
+            double square = 0;
+            for (int k = 0; k < steps; k++)
+                for (int i = 0; i < lanes; i++) {
+                    const double impulse = impulses[(k * count + u) * lanes + i];
+                    square += impulse * impulse;
+                }
+            of->weight[u] = fabs(of->scale[u]) * sqrt(square);
+            largest = tvi_larger(of->weight[u], largest);
+        }
+        const double share = TVI_GALERKIN_LEAST_SHARE * largest, least = share > 0 ? share : 1;
+        for (int u = first; u < first + half; u++) of->weight[u] = fabs(of->scale[u]) / (of->weight[u] + least);
+    }
+}
 
 /* A step, whose impulses these are, and the two before it. */
 JET_INLINE void take_sample(const galerkin_regression *of, const double *impulses, double *sample, int lanes)
@@ -40,9 +62,10 @@ JET_INLINE void take_sample(const galerkin_regression *of, const double *impulse
     for (int u = 0; u < count; u++) {
         const double *now = impulses + u * lanes;
         double *part = sample + 3 * u * lanes, drives[2 * MAX_LANES], *drive = drives;
+        const double weight = of->weight[u];
         for (int i = 0; i < lanes; i++) {
-            drive[i] = of->per_weight[i] * last[u * lanes + i];
-            drive[lanes + i] = of->per_weight[i] * before[u * lanes + i];
+            drive[i] = weight * of->per_weight[i] * last[u * lanes + i];
+            drive[lanes + i] = weight * of->per_weight[i] * before[u * lanes + i];
         }
         LEAVE_REGISTERS(drive);
         ALL_LANES(lanes, TAKE_PART)
@@ -150,6 +173,7 @@ JET_INLINE bool are_better(const galerkin_regression *of, int lanes)
         double left[MAX_LANES] = {0}, sum = 0;
         for (int u = 0; u < of->unknowns; u++, part += 3 * lanes) ALL_LANES(lanes, ADD_LEFT)
         for (int i = 0; i < lanes; i++) sum += left[i];
+        if (!(sum > 0)) return false; /* nothing is lacking */
         gain -= log(sum) / 2;
     }
     return gain >= of->samples * log(of->gain);
@@ -188,6 +212,7 @@ JET_INLINE bool regress_lanes(const galerkin_regression *w, const double *impuls
     const galerkin_regression of = *w;
     const int numbers = of.unknowns * lanes;
     double *sample = of.sample;
+    set_weights(&of, impulses, lanes);
     for (int window = 0; window < REGRESSION_WINDOWS; window++, impulses += 2 * numbers)
         for (int s = 0; s < of.samples; s++, impulses += numbers, sample += 3 * numbers)
             take_sample(&of, impulses, sample, lanes);

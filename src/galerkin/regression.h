@@ -11,6 +11,9 @@
 typedef struct {
     int lanes, unknowns, samples; /* of each window */
     double gain;                  /* what polynomials lack is larger by this factor at least */
+    int halves;                   /* of the unknowns: 1, or 2 of coordinates and of momenta */
+    const double *scale;          /* [unknowns] of the nodes: how far they move by their drives */
+    double *weight;               /* [unknowns] 1 / the size of their drives, as much as it counts beside the others */
     double *per_weight;           /* [lanes] 1 / b */
     double *basis;                /* [2 lanes][2 lanes] */
     double *ahead;                /* [2 lanes][lanes] */

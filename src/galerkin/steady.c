@@ -72,7 +72,9 @@ static long run_until_look(galerkin *w, tvi_row row, const tvi_run_state *now, g
     tvi_stats counted = *stats;
     if (tvi_galerkin_begin(w, &origin, &to->known, &counted) != TVI_OK) return 0;
     row.steps = tvi_galerkin_steps_until(w, row.steps);
+    const galerkin_trial last = to->last;
     const long made = tvi_galerkin_make_steadily(w, &row, &origin, now, to);
+    if (made < 1) to->last = last;
     if (made < 1) return 0;
     tvi_galerkin_count_steps(w, made, to->count);
     *stats = counted;

@@ -68,6 +68,35 @@ START_TEST(regular_motions_save_passes)
 }
 END_TEST
 
+/* Two pendulums that do not know of each other, of masses 1 and `mass`. */
+static jet pendulums(const jet q[], jet t, void *ctx)
+{
+    const double mass = *(const double *)ctx;
+    (void)t;
+    return jet_neg(jet_add(jet_cos(q[0]), jet_mul(mass, jet_cos(q[1]))));
+}
+
+/* Momenta of different size count alike. */
+START_TEST(all_unknowns_count)
+{
+    const tvi_options options = kind_options(&kinds[kind_count], 8);
+    double mass[] = {1, _i > 0 ? 1e8 : 1}, passes[2];
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, 2, mass, pendulums, &mass[1]), TVI_OK);
+    for (int is_fitted = 0; is_fitted < 2; is_fitted++) {
+        tvi_integrator *it = integrator_of(system, &options);
+        test_state x = {.q = {0.9, 1.7}};
+        if (!is_fitted) ((galerkin *)it->work)->prediction.last = NULL;
+        go(it, 0.3, 3000, &x);
+        passes[is_fitted] = (double)tvi_integrator_stats(it)->passes;
+        tvi_integrator_free(it);
+    }
+    const double part = passes[1] / passes[0];
+    ck_assert_msg(part > 0.9 && part < 0.95, "mass %g: %.3f of the passes", mass[1], part);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* An oscillator, whose drives are those of two steps before by two coefficients: of curves of any degree, and of steps
  * of which polynomials say nothing. */
 START_TEST(oscillators_are_predicted_exactly)
@@ -108,6 +137,26 @@ START_TEST(fits_belong_to_their_step_size)
     r.x.t += 100; /* no step behind another one */
     go(r.it, h, 1, &r.x);
     ck_assert(w->last->steps == 1);
+    end(&r);
+}
+END_TEST
+
+/* Coefficients with which steps take as many passes as without serve no longer; later there are others. */
+START_TEST(fits_that_save_nothing_are_given_up)
+{
+    const double h = 0.75;
+    predicted_run r = begin(&model_henon_heiles, 8, true);
+    galerkin_fitting *last = r.work->prediction.last;
+    const int first = (int)r.work->prediction.first_wait;
+    go(r.it, h, first + 1, &r.x);
+    ck_assert(last->fitted == h && last->plain > 6 && last->plain < 8);
+    go(r.it, h, 3 * first, &r.x);
+    ck_assert(last->fitted == h && last->from == 4 * first);
+    last->plain = 0;
+    go(r.it, h, 12 * first, &r.x);
+    ck_assert(last->fitted == 0 && last->from == 16 * first);
+    go(r.it, h, 48 * first, &r.x);
+    ck_assert(last->fitted == h && last->plain > 6 && last->plain < 8);
     end(&r);
 }
 END_TEST
@@ -167,8 +216,10 @@ Suite *suite_linear_prediction(void)
     TCase *tcase = tcase_create("linear prediction");
     tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, regular_motions_save_passes, 0, 10);
+    tcase_add_loop_test(tcase, all_unknowns_count, 0, 2);
     tcase_add_loop_test(tcase, oscillators_are_predicted_exactly, 1, 11);
     tcase_add_test(tcase, fits_belong_to_their_step_size);
+    tcase_add_test(tcase, fits_that_save_nothing_are_given_up);
     tcase_add_loop_test(tcase, states_have_the_fits, 0, 8);
     tcase_add_test(tcase, energy_does_not_drift);
     suite_add_tcase(suite, tcase);
