@@ -80,19 +80,15 @@ void tvi_galerkin_linear_prediction_take(galerkin_linear_prediction *w, tvi_aren
 void tvi_galerkin_linear_prediction_prepare(galerkin_linear_prediction *w, const galerkin_coefficients *a,
                                             const galerkin_field *field)
 {
-    long double basis[2 * MAX_LANES][3 * MAX_LANES];
+    long double basis[2 * MAX_LANES][3 * MAX_LANES], ahead[2 * MAX_LANES][MAX_LANES];
     const galerkin_regression *of = &w->regression;
     const int m = a->points, lanes = a->lanes;
     if (!w->last) return;
     for (int i = 0; i < m; i++) of->per_weight[i] = 1 / a->b[i];
     for (int i = 0; i < m * lanes; i++) of->rise[i] = a->b[i / lanes] * field->ahead[i];
-    tvi_galerkin_set_basis(a, m, m - 1, basis);
+    tvi_galerkin_set_ahead(a, 1, m - 1, ahead);
     for (int j = 0; j < m; j++)
-        for (int i = 0; i < m; i++) {
-            long double sum = 0;
-            for (int k = 0; k < m; k++) sum += basis[k][j] * basis[k][2 * m + i];
-            of->of_last[j * lanes + i] = (double)sum;
-        }
+        for (int i = 0; i < m; i++) of->of_last[j * lanes + i] = (double)ahead[j][i];
     tvi_galerkin_set_basis(a, 2 * m, 2 * m - 1, basis);
     for (int k = 0; k < 2 * m; k++) {
         for (int i = 0; i < 2 * m; i++) of->basis[(i / m * lanes + i % m) * 2 * lanes + k] = (double)basis[k][i];

@@ -24,8 +24,9 @@ typedef struct {
 typedef struct {
     galerkin_fitting *last; /* NULL: there are none */
     double first_wait;
-    double *windows; /* as regression.h has them; in the history, as the tables are, where a step leaves that of the */
-    double *tables[2]; /* one before, that it may fail */
+    /* In the history, where a step leaves the table of the one before, that it may fail. */
+    double *windows;   /* as regression.h has them */
+    double *tables[2]; /* of predictor.h */
     galerkin_regression regression;
     galerkin_regress *regress;
 } galerkin_linear_prediction;

@@ -53,19 +53,28 @@ void tvi_galerkin_set_following(const galerkin_coefficients *a, const galerkin_f
             following[j * lanes + i] += galerkin_is_second_order(field) ? 1 - a->c[j] + a->c[i] : 1;
 }
 
-/* Extrapolation of least squares, sum_k pi_k(1 + c_i) pi_k(s_j), from `steps` steps. */
-static void set_polynomial(const galerkin_coefficients *a, const galerkin_field *field, int steps, int degree,
-                           double *table)
+void tvi_galerkin_set_ahead(const galerkin_coefficients *a, int steps, int degree, long double ahead[][MAX_LANES])
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
-    const int m = a->points, lanes = a->lanes;
+    const int m = a->points;
     tvi_galerkin_set_basis(a, steps * m, degree, basis);
     for (int point = 0; point < steps * m; point++)
         for (int next = 0; next < m; next++) {
+            ahead[point][next] = 0;
+            for (int k = 0; k <= degree; k++) ahead[point][next] += basis[k][2 * m + next] * basis[k][point];
+        }
+}
+
+static void set_polynomial(const galerkin_coefficients *a, const galerkin_field *field, int steps, int degree,
+                           double *table)
+{
+    long double ahead[2 * MAX_LANES][MAX_LANES];
+    const int m = a->points, lanes = a->lanes;
+    tvi_galerkin_set_ahead(a, steps, degree, ahead);
+    for (int point = 0; point < steps * m; point++)
+        for (int next = 0; next < m; next++) {
             double *column = table + (point / m * lanes + point % m) * lanes;
-            long double factor = 0;
-            for (int k = 0; k <= degree; k++) factor += basis[k][2 * m + next] * basis[k][point];
-            const double part = (double)(factor * a->exact_weight[next] / a->exact_weight[point % m]);
+            const double part = (double)(ahead[point][next] * a->exact_weight[next] / a->exact_weight[point % m]);
             for (int i = 0; i < lanes; i++) column[i] += part * field->ahead[next * lanes + i];
         }
     tvi_galerkin_set_following(a, field, table);

@@ -44,6 +44,10 @@ void tvi_galerkin_set_following(const galerkin_coefficients *a, const galerkin_f
  * step, of the one before it, and of the next one. */
 void tvi_galerkin_set_basis(const galerkin_coefficients *a, int fitted, int degree,
                             long double basis[][3 * TVI_GALERKIN_MAX_LANES]);
+/* ahead [point][next], of 2 m points and m: the drives of the next step by those of `steps` steps, as polynomials of
+ * least squares have it, sum_k pi_k(1 + c_next) pi_k(s_point). */
+void tvi_galerkin_set_ahead(const galerkin_coefficients *a, int steps, int degree,
+                            long double ahead[][TVI_GALERKIN_MAX_LANES]);
 /* The degree from two steps. */
 static inline int tvi_galerkin_degree(int points) { return points > 1 ? 3 * points / 2 : 1; }
 

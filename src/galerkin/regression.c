@@ -10,26 +10,37 @@
 enum { ROWS = 4, MAX_LANES = TVI_GALERKIN_MAX_LANES };
 #define RIDGE 1e-14 /* of polynomials that are scaled to size 1 */
 
-/* ---- Samples ----------------------------------------------------------------------------------------------------- */
-
-#define TAKE_PART(V, blocks)                                                                                           \
-    {                                                                                                                  \
-        V sum[2 * MOST_BLOCKS] = {0};                                                                                  \
-        for (int i = 0; i < 2 * lanes; i++)                                                                            \
-            for (int b = 0; b < 2 * (blocks); b++) sum[b] += drive[i] * BLOCK_OF(V, of->basis + 2 * i * lanes, b);     \
-        for (int b = 0; b < 2 * (blocks); b++) BLOCK_AT(V, part, b) = sum[b];                                          \
-    }
-
-#define TAKE_LACK(V, blocks)                                                                                           \
+#define COMBINE(V, blocks)                                                                                             \
     for (int b = 0; b < (blocks); b++) {                                                                               \
-        V two[2] = {weight * BLOCK_OF(V, now, b) * BLOCK_OF(V, of->per_weight, b)}, one = two[0];                      \
-        for (int k = 0; k < 2 * lanes; k++) two[k % 2] -= part[k] * BLOCK_OF(V, of->ahead + k * lanes, b);             \
-        for (int i = 0; i < lanes; i++) one -= drive[i] * BLOCK_OF(V, of->of_last + i * lanes, b);                     \
-        two[0] += two[1];                                                                                              \
-        BLOCK_AT(V, part + 2 * lanes, b) = two[0];                                                                     \
-        BLOCK_AT(V, by_two, b) += two[0] * two[0];                                                                     \
-        BLOCK_AT(V, by_last, b) += one * one;                                                                          \
+        V sum[2] = {0};                                                                                                \
+        for (int i = 0; i < count; i++) sum[i % 2] += factor[i] * BLOCK_OF(V, rows + i * lanes, b);                    \
+        BLOCK_AT(V, out, b) = sum[0] + sum[1];                                                                         \
     }
+
+/* out = sum_i factor_i rows_i, [lanes] each. */
+JET_INLINE void combine(int count, const double *factor, const double *rows, double *out, int lanes)
+{
+    LEAVE_REGISTERS(factor);
+    ALL_LANES(lanes, COMBINE)
+}
+
+/* squares += (x - of)^2, which replaces x. */
+JET_INLINE void leave(double *x, const double *of, double *squares, int lanes)
+{
+    for (int i = 0; i < lanes; i++) {
+        x[i] -= of[i];
+        squares[i] += x[i] * x[i];
+    }
+}
+
+JET_INLINE double sum_of(const double *x, int lanes)
+{
+    double sum = 0;
+    for (int i = 0; i < lanes; i++) sum += x[i];
+    return sum;
+}
+
+/* ---- Samples ----------------------------------------------------------------------------------------------------- */
 
 /* The impulses of all steps say how large each unknown's are. */
 JET_INLINE void set_weights(const galerkin_regression *of, const double *impulses, int lanes)
@@ -58,22 +69,24 @@ JET_INLINE void take_sample(const galerkin_regression *of, const double *impulse
 {
     const int count = of->unknowns;
     const double *last = impulses + count * lanes, *before = last + count * lanes;
-    double by_two[MAX_LANES] = {0}, by_last[MAX_LANES] = {0}, square[2] = {0};
+    double by_two[MAX_LANES] = {0}, by_last[MAX_LANES] = {0};
     for (int u = 0; u < count; u++) {
-        const double *now = impulses + u * lanes;
-        double *part = sample + 3 * u * lanes, drives[2 * MAX_LANES], *drive = drives;
-        const double weight = of->weight[u];
+        double *part = sample + 3 * u * lanes, *lack = part + 2 * lanes;
+        double drive[2 * MAX_LANES], sum[MAX_LANES], of_last[MAX_LANES];
         for (int i = 0; i < lanes; i++) {
-            drive[i] = weight * of->per_weight[i] * last[u * lanes + i];
-            drive[lanes + i] = weight * of->per_weight[i] * before[u * lanes + i];
+            const double factor = of->weight[u] * of->per_weight[i];
+            drive[i] = factor * last[u * lanes + i];
+            drive[lanes + i] = factor * before[u * lanes + i];
+            lack[i] = of_last[i] = factor * impulses[u * lanes + i];
         }
-        LEAVE_REGISTERS(drive);
-        ALL_LANES(lanes, TAKE_PART)
-        LEAVE_REGISTERS(part);
-        ALL_LANES(lanes, TAKE_LACK)
+        combine(2 * lanes, drive, of->basis, part, 2 * lanes);
+        combine(2 * lanes, part, of->ahead, sum, lanes);
+        leave(lack, sum, by_two, lanes);
+        combine(lanes, drive, of->of_last, sum, lanes);
+        leave(of_last, sum, by_last, lanes);
     }
-    for (int i = 0; i < lanes; i++) square[0] += by_two[i], square[1] += by_last[i];
-    const double size = tvi_smaller(square[0], square[1]), scale = size > 0 ? 1 / sqrt(size) : 0;
+    const double size = tvi_smaller(sum_of(by_two, lanes), sum_of(by_last, lanes));
+    const double scale = size > 0 ? 1 / sqrt(size) : 0;
     for (int k = 0; k < 3 * count * lanes; k++) sample[k] *= scale;
 }
 
@@ -157,54 +170,35 @@ JET_INLINE bool solve(const galerkin_regression *of, int lanes)
 
 /* ---- What they leave --------------------------------------------------------------------------------------------- */
 
-#define ADD_LEFT(V, blocks)                                                                                            \
-    for (int b = 0; b < (blocks); b++) {                                                                               \
-        V rest[2] = {BLOCK_OF(V, part + 2 * lanes, b)};                                                                \
-        for (int k = 0; k < 2 * lanes; k++) rest[k % 2] -= part[k] * BLOCK_OF(V, of->factor + k * lanes, b);           \
-        rest[0] += rest[1];                                                                                            \
-        BLOCK_AT(V, left, b) += rest[0] * rest[0];                                                                     \
-    }
-
 JET_INLINE bool are_better(const galerkin_regression *of, int lanes)
 {
-    const double *part = of->sample + 3 * (REGRESSION_WINDOWS - 1) * of->samples * of->unknowns * lanes;
+    double *part = of->sample + 3 * (REGRESSION_WINDOWS - 1) * of->samples * of->unknowns * lanes;
     double gain = 0;
     for (int s = 0; s < of->samples; s++) {
-        double left[MAX_LANES] = {0}, sum = 0;
-        for (int u = 0; u < of->unknowns; u++, part += 3 * lanes) ALL_LANES(lanes, ADD_LEFT)
-        for (int i = 0; i < lanes; i++) sum += left[i];
-        if (!(sum > 0)) return false; /* nothing is lacking */
-        gain -= log(sum) / 2;
+        double sum[MAX_LANES], left[MAX_LANES] = {0};
+        for (int u = 0; u < of->unknowns; u++, part += 3 * lanes) {
+            combine(2 * lanes, part, of->factor, sum, lanes);
+            leave(part + 2 * lanes, sum, left, lanes);
+        }
+        const double size = sum_of(left, lanes);
+        if (!(size > 0)) return false; /* nothing is lacking */
+        gain -= log(size) / 2;
     }
     return gain >= of->samples * log(of->gain);
 }
 
-/* ---- The table --------------------------------------------------------------------------------------------------- */
-
-#define SET_RISE(V, blocks)                                                                                            \
-    for (int k = 0; k < 2 * lanes; k++) {                                                                              \
-        V sum[MOST_BLOCKS] = {0};                                                                                      \
-        for (int i = 0; i < lanes; i++)                                                                                \
-            for (int b = 0; b < (blocks); b++)                                                                         \
-                sum[b] +=                                                                                              \
-                    (of->ahead[k * lanes + i] + of->factor[k * lanes + i]) * BLOCK_OF(V, of->rise + i * lanes, b);     \
-        for (int b = 0; b < (blocks); b++) BLOCK_AT(V, rise + k * lanes, b) = sum[b];                                  \
-    }
-
-#define SET_TABLE(V, blocks)                                                                                           \
-    for (int j = 0; j < 2 * lanes; j++) {                                                                              \
-        V sum[MOST_BLOCKS] = {0};                                                                                      \
-        for (int k = 0; k < 2 * lanes; k++)                                                                            \
-            for (int b = 0; b < (blocks); b++)                                                                         \
-                sum[b] += of->basis[2 * j * lanes + k] * BLOCK_OF(V, rise + k * lanes, b);                             \
-        for (int b = 0; b < (blocks); b++) BLOCK_AT(V, table + j * lanes, b) = of->per_weight[j % lanes] * sum[b];     \
-    }
-
 JET_INLINE void set_table(const galerkin_regression *of, double *table, int lanes)
 {
     double rise[2 * MAX_LANES * MAX_LANES];
-    ALL_LANES(lanes, SET_RISE)
-    ALL_LANES(lanes, SET_TABLE)
+    for (int k = 0; k < 2 * lanes; k++) {
+        double *row = of->factor + k * lanes;
+        for (int i = 0; i < lanes; i++) row[i] += of->ahead[k * lanes + i];
+        combine(lanes, row, of->rise, rise + k * lanes, lanes);
+    }
+    for (int j = 0; j < 2 * lanes; j++) {
+        combine(2 * lanes, of->basis + 2 * j * lanes, rise, table + j * lanes, lanes);
+        for (int i = 0; i < lanes; i++) table[j * lanes + i] *= of->per_weight[j % lanes];
+    }
 }
 
 JET_INLINE bool regress_lanes(const galerkin_regression *w, const double *impulses, double *table, int lanes)

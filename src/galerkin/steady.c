@@ -74,8 +74,10 @@ static long run_until_look(galerkin *w, tvi_row row, const tvi_run_state *now, g
     row.steps = tvi_galerkin_steps_until(w, row.steps);
     const galerkin_trial last = to->last;
     const long made = tvi_galerkin_make_steadily(w, &row, &origin, now, to);
-    if (made < 1) to->last = last;
-    if (made < 1) return 0;
+    if (made < 1) {
+        to->last = last;
+        return 0;
+    }
     tvi_galerkin_count_steps(w, made, to->count);
     *stats = counted;
     tvi_galerkin_count(w, to, stats);

@@ -87,7 +87,7 @@ START_TEST(all_unknowns_count)
         tvi_integrator *it = integrator_of(system, &options);
         test_state x = {.q = {0.9, 1.7}};
         if (!is_fitted) ((galerkin *)it->work)->prediction.last = NULL;
-        go(it, 0.3, 3000, &x);
+        go(it, 0.5, 3000, &x);
         passes[is_fitted] = (double)tvi_integrator_stats(it)->passes;
         tvi_integrator_free(it);
     }
