@@ -53,6 +53,7 @@ START_TEST(regular_motions_save_passes)
                 {&model_sheared_lagrangian, 8, 0.25, 0.97, 0.999},
                 {&model_double_pendulum, 8, 0.05, 1, 1},
                 {&model_kepler, 8, 0.5, 1, 1},
+                {&model_kepler, 10, 0.8, 1, 1},
                 {&model_kepler, 8, 0.25, 0.94, 0.98},
                 {&model_henon_heiles, 8, 0.1875, 1, 1}};
     enum { STEPS = 1500 };
@@ -215,7 +216,7 @@ Suite *suite_linear_prediction(void)
     Suite *suite = suite_create("linear prediction");
     TCase *tcase = tcase_create("linear prediction");
     tcase_set_timeout(tcase, 60);
-    tcase_add_loop_test(tcase, regular_motions_save_passes, 0, 10);
+    tcase_add_loop_test(tcase, regular_motions_save_passes, 0, 11);
     tcase_add_loop_test(tcase, all_unknowns_count, 0, 2);
     tcase_add_loop_test(tcase, oscillators_are_predicted_exactly, 1, 11);
     tcase_add_test(tcase, fits_belong_to_their_step_size);
