@@ -44,7 +44,8 @@ static travel travel_by(const tvi_system *system, const tvi_options *options, co
 /* Calls that make many steps make those of many calls, to the bit; where the guard looks at some of them, too. By the
  * widest vectors, where few unknowns stay in registers, or do not. Within a step they are those of the tape but for
  * roundoff; so are the numbers of passes, of which those of the tape are all judged. Two rows are predicted roughly,
- * and one of them takes more passes than are ever made in silence. */
+ * and one of them takes more passes than are ever made in silence. One is fitted later than the tape, which takes 608
+ * passes for the 100 steps before. */
 START_TEST(steps_in_a_row_are_those_one_by_one)
 {
     enum { CALLS = 5 };
@@ -52,11 +53,11 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
         whose of;
         double max_tail;
         long least, most, passes; /* steps; passes more or less than those of the tape */
-        long all;                 /* passes at most, where these are fewer by springs or by fits; 0: any number */
+        long all;                 /* passes at most, where springs or fits change them; 0: any number */
     } rows[] = {{{&scene_kepler, 0.25, false}, 0, STEPS, STEPS, 50, 0},
                 {{&scene_kepler, 0.25, false}, 1e-6, 4, 20, 0, 0},
                 {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS, 225, 0},
-                {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS, 50, 0},
+                {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS, 75, STEPS * 616 / 100},
                 {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS, 50, 0},
                 {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS, 50, 0},
                 {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS, 50, 0},
