@@ -91,7 +91,7 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 #define IN_LANES_LINEAR(T, i, terms)       linear_order_of(&T, &T##_run[i], dx, lanes, terms);
 #define IN_LANES_EIGHT(T, i, count, terms) ORDER_EIGHT(T, i, count, dx, terms)
 
-#define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, (size_t)T.slots);
+#define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
 #define ADJOINTS_TWINS(T, i, next)              ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)

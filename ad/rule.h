@@ -25,9 +25,10 @@ typedef void jet_series_rule(const jet_run *run, double *x, int k, size_t stride
 /* dz_k from orders 0..k of a, b, w, da, db, dw, 0..k of z and 0..k-1 of dz, k >= 0: x has one lane, dx several. */
 typedef void jet_tangent_rule(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes);
 
-/* What zbar_k, which is complete, adds to abar, bbar, wbar of orders 0..k and zbar of orders 0..k-1, k >= 0: the
- * transpose of the derivative of the series rule. One lane. */
-typedef void jet_adjoint_rule(const jet_run *run, const double *x, double *bar, int k, size_t stride);
+/* The transpose of the derivative of the series rule, for k = top, ..., 0: either what zbar_k, which is complete, adds
+ * to abar, bbar, wbar of orders 0..k and zbar of orders 0..k-1, or all that zbar of orders k..top add to those of order
+ * k: then what is in the place of zbar_k from there on is the rule's own. One lane. */
+typedef void jet_adjoint_rule(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride);
 
 /* Symbolic: what z-bar adds to the adjoint of z's operand a (which = 0) or b (which = 1). */
 typedef jet jet_pull_rule(struct jet_node *z, jet zbar, int which);
@@ -157,11 +158,11 @@ JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
 
 /* Defines name_adjoint from ADJOINT(V, S), which adds to JET_AT(V, abar, j) and the like. */
 #define JET_ADJOINT_FRAME(name, ADJOINT)                                                                               \
-    static void name##_adjoint(const jet_run *run, const double *x, double *bar, int k, size_t stride)                 \
+    static void name##_adjoint(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride)        \
     {                                                                                                                  \
         const double c = run->c, *a = x + run->a, *b = x + run->b, *w = x + run->w, *z = x + run->z;                   \
         double *abar = bar + run->a, *bbar = bar + run->b, *wbar = bar + run->w, *zbar = bar + run->z;                 \
-        (void)c, (void)a, (void)b, (void)w, (void)z, (void)abar, (void)bbar, (void)wbar;                               \
+        (void)c, (void)a, (void)b, (void)w, (void)z, (void)abar, (void)bbar, (void)wbar, (void)top;                    \
         JET_BLOCKS(run->count, ADJOINT, JET_OF);                                                                       \
     }
 

@@ -36,12 +36,14 @@ static bool sqrt_value(double c, int width, const double *a, const double *b, do
         JET_D_AT(V, dz, k) = (JET_D_OF(V, da, k) - 2.0 * sum) / (2.0 * S(V, z, 0));                                    \
     }
 
-/* With s = zbar_k / (2 z_0):  abar_k += s,  zbar_{k-j} -= 2 s z_j (j = 1..k). */
+/* s_k = (zbar_k - 2 sum_{j=k+1}^{top} s_j z_{j-k}) / (2 z_0), in the place of zbar_k;  abar_k += s_k. */
 #define SQRT_ADJOINT(V, S)                                                                                             \
     {                                                                                                                  \
-        const V s = S(V, zbar, k) / (2.0 * S(V, z, 0));                                                                \
+        V sum = {0};                                                                                                   \
+        for (int j = top; j > k; j--) sum += S(V, zbar, j) * S(V, z, j - k);                                           \
+        const V s = (S(V, zbar, k) - 2.0 * sum) / (2.0 * S(V, z, 0));                                                  \
+        JET_AT(V, zbar, k) = s;                                                                                        \
         JET_AT(V, abar, k) += s;                                                                                       \
-        JET_EACH(1, k, JET_AT(V, zbar, k - j) -= 2.0 * s * S(V, z, j));                                                \
     }
 
 JET_FRAMES(sqrt, SQRT)
@@ -257,15 +259,20 @@ bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
         JET_D_AT(V, dz, k) = sum * (1 / (order * S(V, a, 0)));                                                         \
     }
 
-/* With s = zbar_k / (k a_0):  abar_j += s (c j - (k-j)) z_{k-j} and zbar_{k-j} += s (c j - (k-j)) a_j (j = 1..k),
- * abar_0 -= s k z_k;   abar_0 += c zbar_0 z_0 / a_0. */
+/* s_k = (zbar_k + sum_{j=k+1}^{top} (c (j-k) - k) s_j a_{j-k}) / (k a_0), in the place of zbar_k;
+ * abar_k += sum_{j=k}^{top} (c k - (j-k)) s_j z_{j-k}.   With 1 for k and c for the factor of s_0 z_0 where k = 0. What
+ * is known last comes in few operations. */
 #define POW_ADJOINT(V, S)                                                                                              \
     {                                                                                                                  \
-        const double order = k > 0 ? k : 1;                                                                            \
-        const V s = S(V, zbar, k) / (order * S(V, a, 0));                                                              \
-        JET_EACH(1, k, JET_AT(V, abar, j) += ((c + 1) * j - k) * s * S(V, z, k - j));                                  \
-        JET_EACH(1, k, JET_AT(V, zbar, k - j) += ((c + 1) * j - k) * s * S(V, a, j));                                  \
-        JET_AT(V, abar, 0) += (k > 0 ? -k : c) * s * S(V, z, k);                                                       \
+        const V inverse = 1.0 / ((k > 0 ? (double)k : 1.0) * S(V, a, 0));                                              \
+        V of_z = {0}, of_a = {0};                                                                                      \
+        for (int j = top; j > k; j--) {                                                                                \
+            of_z += ((c + 1) * (j - k) - j) * S(V, zbar, j) * S(V, a, j - k);                                          \
+            of_a += ((c + 1) * k - j) * S(V, zbar, j) * S(V, z, j - k);                                                \
+        }                                                                                                              \
+        const V s = (S(V, zbar, k) + of_z) * inverse;                                                                  \
+        JET_AT(V, zbar, k) = s;                                                                                        \
+        JET_AT(V, abar, k) += of_a + c * (k > 0 ? k : 1) * s * S(V, z, 0);                                             \
     }
 
 JET_FRAMES(pow, POW)

@@ -267,7 +267,7 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
 #define PRODUCTS_ADJOINT(V, S)                                                                                         \
     for (int t = 0; t < terms; t++) {                                                                                  \
         V of_a = {0}, of_b = {0};                                                                                      \
-        for (int j = k; j <= top; j++) {                                                                               \
+        for (int j = top; j >= k; j--) {                                                                               \
             of_a += S(V, zbar, j) * S(V, p.b[t], j - k);                                                               \
             of_b += S(V, zbar, j) * S(V, p.a[t], j - k);                                                               \
         }                                                                                                              \

@@ -81,7 +81,7 @@ static void adjoints(const jet_tape *tape, const double *x, double *bar, int k, 
     for (const jet_run *run = tape->run + tape->runs; run-- > tape->run;) {
         if (is_product(run)) jet_product_adjoint(tape, run, x, bar, k, top);
         else if (run->op == OP_LINEAR) jet_linear_adjoint(tape, run, bar + (size_t)k * stride);
-        else jet_rules[run->op]->adjoint(run, x, bar, k, stride);
+        else jet_rules[run->op]->adjoint(run, x, bar, k, top, stride);
     }
 }
 
