@@ -5,10 +5,10 @@ enum { EIGHT = JET_EIGHT };
 
 /* ---- Which they are ---------------------------------------------------------------------------------------------- */
 
-/* Term t of sum i; the next ones may lack it. */
+/* Term t of sum i; the next ones may lack it, and, where no sum had so many before, those before it. */
 static void add(jet_eight *sums, int i, int term, int slot, double coefficient)
 {
-    for (int next = i; next < EIGHT; next++) sums->slot[term][next] = slot;
+    for (int other = term < sums->terms ? i : 0; other < EIGHT; other++) sums->slot[term][other] = slot;
     sums->coefficient[term][i] = coefficient;
 }
 
@@ -53,8 +53,8 @@ bool jet_find_eight_back(const jet_tape *tape, const jet_run *first, const jet_r
     if (slot % EIGHT != 0 || slot + EIGHT > first->z || end[-1].z / EIGHT * EIGHT + EIGHT > tape->slots) return false;
     for (int i = 0; i < EIGHT; i++) {
         const int terms = find_handed_on(tape, first, end, i, sums);
-        if (i == 0) sums->terms = terms;
-        if (sums->terms == 0 || sums->terms > JET_EIGHT_TERMS || terms > sums->terms) return false;
+        if ((i == 0 && terms == 0) || terms > JET_EIGHT_TERMS) return false;
+        if (terms > sums->terms) sums->terms = terms;
     }
     return true;
 }

@@ -7,7 +7,7 @@
 #include "text.h"
 
 /* Terms that some of the sums lack have a coefficient of 0. */
-enum { JET_EIGHT = 8, JET_EIGHT_TERMS = 5 };
+enum { JET_EIGHT = 8, JET_EIGHT_TERMS = 6 };
 typedef struct {
     int z, terms;
     int slot[JET_EIGHT_TERMS][JET_EIGHT];
