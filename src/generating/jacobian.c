@@ -96,9 +96,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
 
 static void pull_by_products(tvi_curve *curve, const double seed_Q[], double out[])
 {
-    products_clear_seeds(curve, curve->top);
-    products_add_seeds(curve, curve->top, seed_Q);
-    products_pull_seeds(curve, curve->top, out);
+    products_pull(curve, curve->top, &(tvi_pulled){.seed_Q = seed_Q}, out);
 }
 
 void tvi_curve_aim(tvi_curve *curve, const double dz[])

@@ -51,34 +51,33 @@ static inline double *products_adjoint_of_Q(const tvi_curve *curve, int k)
     return curve->bar + (size_t)k * tvi_curve_slots(curve);
 }
 
-/* Transposed products, in three steps: nothing; seeds [top + 1][n], and factor times the transposed Jacobians of
- * combinations times x [n], are added; out[2n] is the sum. Only orders up to last of the curve count, 1 <= last <= top:
- * a rough product costs O(last^2). */
-static inline void products_clear_seeds(tvi_curve *curve, int last)
-{
-    memset(curve->bar, 0, (size_t)(last - 1) * tvi_curve_slots(curve) * sizeof *curve->bar);
-    for (int k = last - 1; k <= last; k++) /* of which the field is not needed */
-        memset(products_adjoint_of_Q(curve, k), 0, (size_t)curve_n(curve) * sizeof *curve->bar);
-}
+/* What a transposed product is of: seeds [top + 1][n], and factor times the transposed Jacobians of combinations times
+ * x and y [n]. NULL: none. */
+typedef struct {
+    const double *seed_Q;
+    double factor;
+    const tvi_combination *of_x, *of_y;
+    const double *x, *y;
+} tvi_pulled;
 
-static inline void products_add_seeds(tvi_curve *curve, int last, const double seed_Q[])
-{
-    const int n = curve_n(curve);
-    for (int k = 0; k <= last; k++) {
-        const double *seed = seed_Q + (size_t)k * (size_t)n;
-        double *bar = products_adjoint_of_Q(curve, k);
-        for (int i = 0; i < n; i++) bar[i] += seed[i];
+#define PRODUCTS_PLACE(V, S)                                                                                           \
+    {                                                                                                                  \
+        V sum = {0};                                                                                                   \
+        if (of->seed_Q) sum += JET_OF(V, of->seed_Q + k * n, 0);                                                       \
+        if (of->of_x) sum += of->factor * of->of_x->weight[k] * JET_OF(V, of->x, 0);                                   \
+        if (of->of_y) sum += of->factor * of->of_y->weight[k] * JET_OF(V, of->y, 0);                                   \
+        JET_AT(V, bar, 0) = sum;                                                                                       \
     }
-}
 
-static inline void products_add_sum(tvi_curve *curve, int last, const tvi_combination *combination, double factor,
-                                    const double x[])
+/* The adjoints of Q_k that it begins with; of the last two orders the field is not needed. */
+static inline void products_place(tvi_curve *curve, int last, const tvi_pulled *of)
 {
+    enum { stride = 0 };
+    const int n = curve_n(curve);
+    memset(curve->bar, 0, (size_t)(last - 1) * tvi_curve_slots(curve) * sizeof *curve->bar);
     for (int k = 0; k <= last; k++) {
-        const double weight = factor * combination->weight[k];
         double *bar = products_adjoint_of_Q(curve, k);
-        if (weight == 0) continue;
-        for (int i = 0; i < curve_n(curve); i++) bar[i] += weight * x[i];
+        JET_BLOCKS(n, PRODUCTS_PLACE, );
     }
 }
 
@@ -90,10 +89,12 @@ static inline void products_add_sum(tvi_curve *curve, int last, const tvi_combin
             bar[slot[i]] += part * kappa[i] * above[i];                                                                \
     }
 
-/* fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. */
-static inline void products_pull_seeds(tvi_curve *curve, int last, double out[])
+/* out[2n]: fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. Only orders
+ * up to last of the curve count, 1 <= last <= top: a rough product costs O(last^2). */
+static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *of, double out[])
 {
     enum { stride = 0 };
+    products_place(curve, last, of);
     const size_t n = (size_t)curve_n(curve);
     const double *kappa = curve->kappa;
     const int *slot = curve_output(curve);
@@ -138,40 +139,57 @@ static inline int products_unknowns(const tvi_closure *c, const tvi_transposed *
     return a->second ? 2 * curve_n(&c->curve) : curve_n(&c->curve);
 }
 
-static inline int products_place(const tvi_closure *c, const tvi_transposed *a)
+static inline int products_place_of(const tvi_closure *c, const tvi_transposed *a)
 {
     return a->second || a->half == TVI_FIRST ? 0 : curve_n(&c->curve);
 }
 
-static inline void products_add_unknowns(tvi_closure *c, int last, const tvi_transposed *a, double factor,
-                                         const double x[])
+/* The equations' part of a product. */
+static inline tvi_pulled products_unknown(const tvi_closure *c, const tvi_transposed *a, double factor,
+                                          const double x[])
 {
-    products_add_sum(&c->curve, last, a->first, factor, x + products_place(c, a));
-    if (a->second) products_add_sum(&c->curve, last, a->second, factor, x + curve_n(&c->curve));
+    return (tvi_pulled){.factor = factor,
+                        .of_x = a->first,
+                        .of_y = a->second,
+                        .x = x + products_place_of(c, a),
+                        .y = x + curve_n(&c->curve)};
 }
 
-/* r = D_z - A^T x, both halves, by one product. */
+/* Each pass but the first forms what is left of the equations anew and exactly, and need not reduce it by more than
+ * this. */
+static const double PRODUCTS_ROUGH = 1e-6;
+
+/* The order of the curve to which products are made that need be right to about this part only: the first with |Q_k|
+ * below a tenth of that part of |Q_0|, or top. */
+static inline int products_rough_order(const tvi_closure *c, double part)
+{
+    const double *largest = products_of(c)->largest, bound = part / 10 * largest[0];
+    int k = 1;
+    while (k < curve_top(&c->curve) && largest[k] > bound) k++;
+    return k;
+}
+
+/* r = D_z - A^T x, both halves, by one product. The first pass has no guess, x is 0, and nothing has to be exact. */
 static inline void products_form_remainder(tvi_closure *c, const tvi_transposed *a)
 {
-    const int top = curve_top(&c->curve);
-    products_clear_seeds(&c->curve, top);
-    products_add_seeds(&c->curve, top, c->seed_Q);
-    if (products_of(c)->has_guess) products_add_unknowns(c, top, a, -1, products_of(c)->x);
-    products_pull_seeds(&c->curve, top, products_of(c)->r);
+    const tvi_iteration *it = products_of(c);
+    const int last = it->has_guess ? curve_top(&c->curve) : products_rough_order(c, PRODUCTS_ROUGH);
+    tvi_pulled left = products_unknown(c, a, -1, it->x);
+    left.seed_Q = c->seed_Q;
+    products_pull(&c->curve, last, &left, it->r);
 }
 
 /* out = A^T x, both halves, as roughly as the iteration needs it. */
 static inline void products_apply(tvi_closure *c, int last, const tvi_transposed *a, const double x[], double out[])
 {
-    products_clear_seeds(&c->curve, last);
-    products_add_unknowns(c, last, a, 1, x);
-    products_pull_seeds(&c->curve, last, out);
+    const tvi_pulled product = products_unknown(c, a, 1, x);
+    products_pull(&c->curve, last, &product, out);
 }
 
 /* x = P r: the weights of Q_0 and of Q_1, which lead in their halves. */
 static inline void products_divide(const tvi_closure *c, const tvi_transposed *a, const double r[], double x[])
 {
-    const int n = curve_n(&c->curve), place = products_place(c, a);
+    const int n = curve_n(&c->curve), place = products_place_of(c, a);
     const double first = 1 / a->first->weight[place > 0], second = a->second ? 1 / a->second->weight[1] : 0;
     for (int i = 0; i < n; i++) x[place + i] = first * r[place + i];
     if (second == 0) return;
@@ -193,8 +211,6 @@ static inline void products_precondition(tvi_closure *c, const tvi_transposed *a
 
 /* The iteration ends when the next correction would be below this part of the momenta: well below roundoff. */
 static const double PRODUCTS_ENOUGH = DBL_EPSILON / 16;
-/* Each pass forms what is left of the equations anew and exactly, and need not reduce it by more than this. */
-static const double PRODUCTS_ROUGH = 1e-6;
 /* Corrections this much below the solution, that shrink no more, are roundoff. */
 static const double PRODUCTS_STALLED = 1e-12;
 
@@ -243,16 +259,6 @@ static inline void products_minimise(tvi_closure *c, int last, const tvi_transpo
     products_add(c, -part, v, it->r);
 }
 
-/* The order of the curve to which products are made that need be right to about this part only: the first with |Q_k|
- * below a tenth of that part of |Q_0|, or top. */
-static inline int products_rough_order(const tvi_closure *c, double part)
-{
-    const double *largest = products_of(c)->largest, bound = part / 10 * largest[0];
-    int k = 1;
-    while (k < curve_top(&c->curve) && largest[k] > bound) k++;
-    return k;
-}
-
 /* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
  * corrections do not shrink. */
 static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *a)
@@ -261,8 +267,8 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
     double goal = PRODUCTS_ENOUGH;
     tvi_passes passes;
     tvi_passes_begin(&passes);
-    products_form_remainder(c, a);
     if (!it->has_guess) memset(it->x, 0, (size_t)products_width(c) * sizeof *it->x);
+    products_form_remainder(c, a);
     for (int step = 0; step < PRODUCTS_MOST; step++) {
         double *s = it->s + step * products_width(c);
         products_precondition(c, a, it->r, s);
@@ -288,7 +294,7 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
 static inline tvi_status products_solve(tvi_closure *c, const tvi_transposed *a)
 {
     const tvi_iteration *it = products_of(c);
-    const int n = curve_n(&c->curve), place = products_place(c, a);
+    const int n = curve_n(&c->curve), place = products_place_of(c, a);
     if (!a->second) memset(it->unit + n - place, 0, (size_t)n * sizeof *it->unit);
     const tvi_status status = products_iterate(c, a);
     memcpy(c->D, it->r, 2 * (size_t)n * sizeof *c->D);
@@ -307,10 +313,8 @@ static inline void products_correct(tvi_closure *c, double correction[])
         of_q[i] = correction[n + i] / kappa[i];
         of_u[i] = -correction[i] / kappa[i];
     }
-    products_clear_seeds(&c->curve, last);
-    products_add_sum(&c->curve, last, &c->q_from, 1, of_q);
-    products_add_sum(&c->curve, last, &c->u_from, 1, of_u);
-    products_pull_seeds(&c->curve, last, products_of(c)->product);
+    const tvi_pulled ends = {.factor = 1, .of_x = &c->q_from, .of_y = &c->u_from, .x = of_q, .y = of_u};
+    products_pull(&c->curve, last, &ends, products_of(c)->product);
     for (int i = 0; i < n; i++) {
         correction[i] = -kappa[i] * product[n + i];
         correction[n + i] = kappa[i] * product[i];

@@ -90,10 +90,8 @@ START_TEST(products_are_those_of_the_matrices)
         for (int i = 0; i < n; i++)
             for (int j = 0; j < 2 * n; j++) want[j] += matrix[i * 2 * n + j] * x[second * n + i];
     }
-    products_clear_seeds(&products.curve, DEGREE);
-    products_add_sum(&products.curve, DEGREE, &products.q, 1, x);
-    products_add_sum(&products.curve, DEGREE, &products.u, 1, x + n);
-    products_pull_seeds(&products.curve, DEGREE, got);
+    const tvi_pulled of = {.factor = 1, .of_x = &products.q, .of_y = &products.u, .x = x, .y = x + n};
+    products_pull(&products.curve, DEGREE, &of, got);
     check_close(2 * n, got, want);
     free(matrices.memory);
     free(products.memory);
