@@ -21,4 +21,7 @@ void jet_tape_free_split(jet_tape *split);
 /* The slot that the run's operation i reads as its k-th one; -1: there are no more. */
 int jet_read_by(const jet_tape *tape, const jet_run *run, int i, int k);
 
+/* follows[slots]: of the inputs and constants, given; then of all others, whether any that they read follows. */
+void jet_tape_follow(const jet_tape *tape, bool follows[]);
+
 #endif

@@ -62,6 +62,16 @@ int jet_read_by(const jet_tape *tape, const jet_run *run, int i, int k)
     return shift + (k < reads ? tape->term_slot[term] : tape->term_second[term]);
 }
 
+void jet_tape_follow(const jet_tape *tape, bool follows[])
+{
+    for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
+        for (int i = 0; i < run->count; i++) {
+            bool *z = &follows[run->z + i];
+            *z = false;
+            for (int k = 0, a; (a = jet_read_by(tape, run, i, k)) >= 0; k++) *z = *z || follows[a];
+        }
+}
+
 /* Nothing it reads is still to be made, and it reads this one. */
 static bool waits_for(const splitting *s, int slot, int made)
 {

@@ -4,6 +4,9 @@
 #include "generating/action.h"
 #include "generating/closure.h"
 #include "method/method.h"
+#include "split.h"
+
+#include <stdlib.h>
 
 extern const char *const tvi_embedded_curve[], *const tvi_embedded_products[];
 
@@ -50,6 +53,21 @@ static void emit_slp(jet_text *text)
 {
     jet_text_add(text, "#if defined(__GNUC__) && !defined(__clang__)\n"
                        "#pragma GCC optimize(\"tree-slp-vectorize\")\n#endif\n");
+}
+
+/* CURVE_FOLLOWS(slot): whether the slot depends on the velocity, the second input of a Lagrangian. */
+static void emit_followers(jet_text *text, const tvi_system *system, const char *name)
+{
+    const jet_tape *tape = system->field_series;
+    bool *follows = calloc((size_t)tape->slots, sizeof *follows);
+    text->failed |= !follows;
+    if (!follows) return;
+    for (int i = system->n; i < 2 * system->n; i++) follows[i] = true;
+    jet_tape_follow(tape, follows);
+    jet_text_add(text, "static const bool %s_follows[] = {", name);
+    for (int slot = 0; slot < tape->slots; slot++) jet_text_add(text, "%d, ", follows[slot]);
+    jet_text_add(text, "};\n#define CURVE_FOLLOWS(slot) %s_follows[slot]\n", name);
+    free(follows);
 }
 
 /* How the seeds have the field at the nodes, of which code without seeds has no sweep. */
@@ -119,6 +137,7 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     if (has_step) emit_slp(text);
     emit_sizes(text, system, options, lanes);
     emit_output(text, system->field_series, name, "output", "CURVE_SLOT");
+    if (system->form == TVI_LAGRANGIAN) emit_followers(text, system, name);
     emit_field(text, name, system, &shape, has_seed);
     emit_text(text, tvi_embedded_curve);
     jet_text_add(text, "CURVE_EMITTED_EXPAND(%s)\nCURVE_EMITTED_SUMS(%s)\n", name, name);

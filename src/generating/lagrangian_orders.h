@@ -17,6 +17,14 @@
 #define ORDERS_TANGENTS(curve, dx, k, lanes) jet_sweep_tangents((curve)->system->field_series, (curve)->x, dx, k, lanes)
 #endif
 
+/* Generated code knows which slots follow the velocity (emit.c). */
+#ifdef CURVE_FOLLOWS
+#define ORDERS_UNROLLED _Pragma("GCC unroll 32")
+#else
+#define ORDERS_UNROLLED
+#define CURVE_FOLLOWS(slot) true
+#endif
+
 /* Where the slots begin that are computed. */
 static inline int orders_first_slot(const tvi_curve *curve)
 {
@@ -83,12 +91,14 @@ static inline void orders_divide(const tvi_curve *curve, int lanes, double rest[
         JET_AT(V, row, 0) = sum;                                                                                       \
     }
 
-/* What V_k adds to all slots of the order, [slots][lanes]. */
+/* What V_k adds to all slots of the order, [slots][lanes]: nothing to those that do not depend on the velocity. */
 static inline void orders_add(const tvi_curve *curve, int lanes, const double added[], double order[])
 {
     const int n = curve_n(curve), slots = (int)tvi_curve_slots(curve);
     const size_t stride = (size_t)lanes;
-    for (int slot = orders_first_slot(curve); slot < slots; slot++) {
+    ORDERS_UNROLLED for (int slot = orders_first_slot(curve); slot < slots; slot++)
+    {
+        if (!CURVE_FOLLOWS(slot)) continue;
         const double *column = curve->columns + slot * n;
         double *row = order + slot * lanes;
         JET_BLOCKS(lanes, ORDERS_ADD, );
