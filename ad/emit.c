@@ -1,5 +1,6 @@
 /* emit.c - see emit.h. */
 #include "emit.h"
+#include "emit_adjoints.h"
 #include "emit_cubes.h"
 #include "emit_eights.h"
 #include "rule.h"
@@ -47,8 +48,9 @@ static void emit_doubles(jet_text *text, const char *name, const char *what, int
 
 static void emit_run(jet_text *text, const jet_run *run)
 {
-    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, 0},\n", (int)run->op, run->count,
-                 run->z, run->a, run->b, run->w, run->c, run->has_numbers, run->first, run->terms, run->term);
+    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, 0, 0, %d},\n", (int)run->op,
+                 run->count, run->z, run->a, run->b, run->w, run->c, run->has_numbers, run->first, run->terms,
+                 run->term, run->fresh);
 }
 
 typedef struct {
@@ -172,75 +174,11 @@ static void emit_lines(const emission *e, const jet_run *run)
     else emit_line(e, run);
 }
 
-/* ---- Adjoints of sums -------------------------------------------------------------------------------------------- */
-
-/* The first of the sums in a row of which none reads another. */
-static const jet_run *first_sum(const jet_tape *tape, const jet_run *run)
-{
-    const jet_run *first = run;
-    while (first > tape->run && jet_is_sum(first - 1)) first--;
-    for (const jet_run *next = first; next <= run; next++)
-        if (jet_reads_from(tape, next, first->z)) first = next;
-    return first;
-}
-
-static const jet_run *end_of_sums(const jet_tape *tape, const jet_run *first)
-{
-    const jet_run *const end = tape->run + tape->runs, *next = first;
-    while (next < end && jet_is_sum(next) && first_sum(tape, next) == first) next++;
-    return next;
-}
-
-/* What the sums hand on to a slot. */
-static void emit_handed_on(const emission *e, const jet_run *first, const jet_run *end, int slot)
-{
-    const jet_tape *tape = e->tape;
-    bool has_any = false;
-    for (const jet_run *run = first; run < end; run++)
-        for (int term = run->term; term < run->term + run->terms; term++) {
-            if (tape->term_slot[term] != slot) continue;
-            if (!has_any) jet_text_add(e->text, "    bar[%d] = bar[%d]", slot, slot);
-            jet_text_add(e->text, " + %a * bar[%d]", tape->term_coefficient[term], run->z);
-            has_any = true;
-        }
-    if (has_any) jet_text_add(e->text, ";\n");
-}
-
-/* The same to eight slots in a row, or to one; how many they are. */
-static int emit_handed_on_by_eight(const emission *e, const jet_run *first, const jet_run *end, int slot)
-{
-    jet_eight sums;
-    if (!jet_find_eight_back(e->tape, first, end, slot, &sums)) {
-        emit_handed_on(e, first, end, slot);
-        return 1;
-    }
-    jet_text_add(e->text, "#ifdef JET_EIGHT_AT\n");
-    jet_emit_eight(e->text, &sums, "bar", true);
-    jet_text_add(e->text, "#else\n");
-    for (int i = 0; i < JET_EIGHT; i++) emit_handed_on(e, first, end, slot + i);
-    jet_text_add(e->text, "#endif\n");
-    return JET_EIGHT;
-}
-
-/* NAME_sums_back_i, of the sums from run i on: each operand gathers what all of them hand on to it. */
-static void emit_sums_back(const emission *e)
-{
-    const jet_run *const end = e->tape->run + e->tape->runs;
-    for (const jet_run *run = e->tape->run; run < end; run++) {
-        if (!jet_is_sum(run) || first_sum(e->tape, run) != run) continue;
-        jet_text_add(e->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", e->wanted->name,
-                     (int)(run - e->tape->run));
-        const jet_run *const last = end_of_sums(e->tape, run);
-        for (int slot = 0; slot < run->z;) slot += emit_handed_on_by_eight(e, run, last, slot);
-        jet_text_add(e->text, "}\n");
-    }
-}
-
 static void emit_line_back(const emission *e, const jet_run *run)
 {
-    const jet_run *first = jet_is_sum(run) ? first_sum(e->tape, run) : NULL;
+    const jet_run *first = jet_is_sum(run) ? jet_first_sum(e->tape, run) : NULL;
     if (!first) emit_lines(e, run);
-    else if (end_of_sums(e->tape, first) == run + 1)
+    else if (jet_end_of_sums(e->tape, first) == run + 1)
         jet_text_add(e->text, " \\\n    SUMS(%s, %d)", e->wanted->name, (int)(first - e->tape->run));
 }
 
@@ -250,7 +188,6 @@ static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
     emit_eights(e);
-    if (e->wanted->has_adjoints) emit_sums_back(e);
     jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, CUBES, BASES, LINEAR, EIGHT)",
                  e->wanted->name);
     for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
@@ -350,6 +287,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
         return;
     }
     const emission e = {text, &split, wanted, operations * (wanted->top + 1) <= UNROLLED_MOST};
+    if (wanted->has_adjoints) jet_emit_adjoints(text, &split, name);
     emit_constants(&e);
     emit_lists(&e);
     emit_all_orders(&e);

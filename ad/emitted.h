@@ -100,6 +100,10 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 #define ADJOINTS_LINEAR(T, i, terms)            adjoints_of_one(&T, &T##_run[i], bar + k * T.slots, terms);
 #define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
 
+/* What no adjoint writes first is 0 before. */
+#define JET_CLEAR(V, S) *(V *)(x + here) = (V){0};
+JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, ); }
+
 /* The instruction set that the code is compiled for. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
 #define JET_EMITTED_ISA jet_isa_avx512

@@ -156,6 +156,18 @@ JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
         }                                                                                                              \
     }
 
+/* bar_k += x, bar being that of an operand of the run: 0 is a, or the first factor of term 0, 1 the second one. */
+#define JET_ADD_TO(V, bar, operand, x)                                                                                 \
+    do {                                                                                                               \
+        if (JET_IS_FRESH(run, operand)) JET_AT(V, bar, k) = (x);                                                       \
+        else JET_AT(V, bar, k) += (x);                                                                                 \
+    } while (0)
+#ifdef JET_EMITTED
+#define JET_IS_FRESH(run, operand) ((run)->fresh >> (operand)&1)
+#else
+#define JET_IS_FRESH(run, operand) false
+#endif
+
 /* Defines name_adjoint from ADJOINT(V, S), which adds to JET_AT(V, abar, j) and the like. */
 #define JET_ADJOINT_FRAME(name, ADJOINT)                                                                               \
     static void name##_adjoint(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride)        \

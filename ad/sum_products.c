@@ -271,8 +271,8 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
             of_a += S(V, zbar, j) * S(V, p.b[t], j - k);                                                               \
             of_b += S(V, zbar, j) * S(V, p.a[t], j - k);                                                               \
         }                                                                                                              \
-        JET_AT(V, abar[t], k) += p.c[t] * of_a;                                                                        \
-        JET_AT(V, bbar[t], k) += p.c[t] * of_b;                                                                        \
+        JET_ADD_TO(V, abar[t], 2 * t, p.c[t] * of_a);                                                                  \
+        JET_ADD_TO(V, bbar[t], 2 * t + 1, p.c[t] * of_b);                                                              \
     }
 
 /* abar_k += 2 c_t sum_{j=k}^{top} zbar_j a_{j-k}. */
@@ -280,7 +280,7 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
     {                                                                                                                  \
         V sum[JET_TERMS_MAX] = {0};                                                                                    \
         SUMS(V, sum, k, top, S(V, zbar, k + top - j) * S(V, p.a[t], top - j))                                          \
-        for (int t = 0; t < terms; t++) JET_AT(V, abar[t], k) += 2 * p.c[t] * sum[t];                                  \
+        for (int t = 0; t < terms; t++) JET_ADD_TO(V, abar[t], 2 * t, 2 * p.c[t] * sum[t]);                            \
     }
 
 JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const double *x, double *bars, int k, int top,

@@ -30,6 +30,7 @@ typedef struct {
     int first, terms, term;
     bool is_scattered;
     int together; /* the values of so many runs from here on share what they begin with; else 1 */
+    int fresh;    /* bits of operands whose adjoints have nothing in them before (emit_adjoints.h); else 0 */
 } jet_run;
 
 /* A constant that may be replaced: number `which` of the values. */

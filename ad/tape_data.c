@@ -96,7 +96,7 @@ uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
 
 static uint64_t hash_run(uint64_t so_far, const jet_run *run)
 {
-    const jet_run copy = {RUN_FIELDS(VALUE) run->together};
+    const jet_run copy = {RUN_FIELDS(VALUE) run->together, run->fresh};
     RUN_FIELDS(HASH)
     return so_far;
 }

@@ -9,11 +9,14 @@
 #include "generating/newton.h"
 
 #ifdef JET_EMITTED
-#define PRODUCTS_TANGENTS tvi_series_tangents
-#define PRODUCTS_ADJOINTS tvi_series_adjoints
+#define PRODUCTS_TANGENTS          tvi_series_tangents
+#define PRODUCTS_ADJOINTS          tvi_series_adjoints
+#define PRODUCTS_CLEAR(curve, bar) tvi_series_clear(bar)
 #else
 #define PRODUCTS_TANGENTS jet_sweep_tangents
 #define PRODUCTS_ADJOINTS jet_sweep_adjoints
+#define PRODUCTS_CLEAR(curve, bar)                                                                                     \
+    memset((bar) + (curve)->n, 0, (tvi_curve_slots(curve) - (size_t)(curve)->n) * sizeof *(bar))
 #endif
 
 /* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
@@ -69,12 +72,11 @@ typedef struct {
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
-/* The adjoints of Q_k that it begins with; of the last two orders the field is not needed. */
+/* The adjoints of Q_k that it begins with. */
 static inline void products_place(tvi_curve *curve, int last, const tvi_pulled *of)
 {
     enum { stride = 0 };
     const int n = curve_n(curve);
-    memset(curve->bar, 0, (size_t)(last - 1) * tvi_curve_slots(curve) * sizeof *curve->bar);
     for (int k = 0; k <= last; k++) {
         double *bar = products_adjoint_of_Q(curve, k);
         JET_BLOCKS(n, PRODUCTS_PLACE, );
@@ -101,6 +103,7 @@ static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *o
     for (int k = last - 2; k >= 0; k--) {
         const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_adjoint_of_Q(curve, k + 2);
         double *bar = products_adjoint_of_Q(curve, k);
+        PRODUCTS_CLEAR(curve, bar);
         JET_BLOCKS((int)n, PRODUCTS_HAND_ON, );
         PRODUCTS_ADJOINTS(curve->system->field_series, curve->x, curve->bar, k, last - 2);
     }

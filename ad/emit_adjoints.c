@@ -1,0 +1,180 @@
+/* emit_adjoints.c - see emit_adjoints.h. */
+#include "emit_adjoints.h"
+#include "emit_eights.h"
+#include "split.h"
+
+#include <stdlib.h>
+
+/* Of each slot: whether something has been added to it, and whether what was first to be so is written. */
+typedef struct {
+    jet_text *text;
+    const jet_tape *tape;
+    bool *touched, *written;
+} adjoints;
+
+/* ---- What is written first --------------------------------------------------------------------------------------- */
+
+static bool is_untouched(const adjoints *a, int slot, int count)
+{
+    for (int i = slot; i < slot + count; i++)
+        if (a->touched[i]) return false;
+    return true;
+}
+
+static void touch(const adjoints *a, int slot, int count, bool is_written)
+{
+    for (int i = slot; i < slot + count; i++) {
+        a->touched[i] = true;
+        a->written[i] = a->written[i] || is_written;
+    }
+}
+
+/* Whether its adjoint adds to its own order alone (rule.h), to operands that stand in rows. */
+static bool is_gathered(const jet_run *run)
+{
+    return run->op == OP_PRODUCTS || run->op == OP_SQUARES || run->op == OP_POW || run->op == OP_SQRT;
+}
+
+/* All that it reads, as a partner, too. */
+static void touch_all(const adjoints *a, const jet_run *run)
+{
+    for (int i = 0; i < run->count; i++)
+        for (int k = 0, slot; (slot = jet_read_by(a->tape, run, i, k)) >= 0; k++) touch(a, slot, 1, false);
+    if (run->terms == 0) touch(a, run->w, run->count, false);
+}
+
+/* What is there before a sweep comes to the order, or is added to by sweeps of higher ones. */
+static void touch_before(const adjoints *a)
+{
+    touch(a, 0, a->tape->inputs, false);
+    for (int i = 0; i < a->tape->outputs; i++) touch(a, a->tape->output[i], 1, false);
+    for (const jet_run *run = a->tape->run; run < a->tape->run + a->tape->runs; run++) {
+        if (is_gathered(run) || run->op == OP_LINEAR) continue;
+        touch(a, run->z, run->count, false);
+        touch_all(a, run);
+    }
+}
+
+/* Operand 2 t is the first factor of term t, 2 t + 1 the second one; -1: there is none. */
+static int row_of(const jet_tape *tape, const jet_run *run, int operand)
+{
+    const int term = run->term + operand / 2;
+    if (run->terms == 0) return operand == 0 ? run->a : -1;
+    if (operand % 2 == 0) return tape->term_slot[term];
+    return run->op == OP_PRODUCTS ? tape->term_second[term] : -1;
+}
+
+/* Operands that nothing was added to, and that no other one of the run has a part of. */
+static void mark_fresh(const adjoints *a, jet_run *run)
+{
+    const int operands = run->terms > 0 ? 2 * run->terms : 1;
+    for (int operand = 0; operand < operands; operand++) {
+        const int row = row_of(a->tape, run, operand);
+        bool is_fresh = row >= 0 && is_untouched(a, row, run->count);
+        for (int other = 0; other < operands; other++)
+            is_fresh = is_fresh && (other == operand || row_of(a->tape, run, other) < 0 ||
+                                    abs(row_of(a->tape, run, other) - row) >= run->count);
+        if (is_fresh) run->fresh |= 1 << operand;
+    }
+    for (int operand = 0; operand < operands; operand++)
+        if (row_of(a->tape, run, operand) >= 0)
+            touch(a, row_of(a->tape, run, operand), run->count, run->fresh >> operand & 1);
+}
+
+/* By the vectors that others read and write. */
+static void emit_clear(const adjoints *a, const char *name)
+{
+    const int slots = a->tape->slots;
+    jet_text_add(a->text, "JET_INLINE void %s_clear(double *bar)\n{\n", name);
+    for (int slot = a->tape->inputs; slot < slots; slot++) {
+        int count = 0;
+        while (slot + count < slots && !a->written[slot + count] && slot % JET_EIGHT + count < JET_EIGHT) count++;
+        if (count == 0) continue;
+        jet_text_add(a->text, "    jet_clear(bar + %d, %d);\n", slot, count);
+        slot += count - 1;
+    }
+    jet_text_add(a->text, "}\n");
+}
+
+/* ---- Sums -------------------------------------------------------------------------------------------------------- */
+
+const jet_run *jet_first_sum(const jet_tape *tape, const jet_run *run)
+{
+    const jet_run *first = run;
+    while (first > tape->run && jet_is_sum(first - 1)) first--;
+    for (const jet_run *next = first; next <= run; next++)
+        if (jet_reads_from(tape, next, first->z)) first = next;
+    return first;
+}
+
+const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first)
+{
+    const jet_run *const end = tape->run + tape->runs, *next = first;
+    while (next < end && jet_is_sum(next) && jet_first_sum(tape, next) == first) next++;
+    return next;
+}
+
+/* What the sums hand on to a slot. */
+static void emit_handed_on(const adjoints *a, const jet_run *first, const jet_run *end, int slot, bool is_fresh)
+{
+    const jet_tape *tape = a->tape;
+    bool has_any = false;
+    for (const jet_run *run = first; run < end; run++)
+        for (int term = run->term; term < run->term + run->terms; term++) {
+            if (tape->term_slot[term] != slot) continue;
+            if (!has_any) jet_text_add(a->text, "    bar[%d] = ", slot);
+            if (!has_any && !is_fresh) jet_text_add(a->text, "bar[%d]", slot);
+            jet_text_add(a->text, has_any || !is_fresh ? " + %a * bar[%d]" : "%a * bar[%d]",
+                         tape->term_coefficient[term], run->z);
+            has_any = true;
+        }
+    if (has_any) jet_text_add(a->text, ";\n");
+    if (has_any) touch(a, slot, 1, is_fresh);
+}
+
+/* The same to eight slots in a row, or to one; how many they are. */
+static int emit_handed_on_by_eight(const adjoints *a, const jet_run *first, const jet_run *end, int slot)
+{
+    jet_eight sums;
+    if (!jet_find_eight_back(a->tape, first, end, slot, &sums)) {
+        emit_handed_on(a, first, end, slot, is_untouched(a, slot, 1));
+        return 1;
+    }
+    const bool is_fresh = is_untouched(a, slot, JET_EIGHT);
+    jet_text_add(a->text, "#ifdef JET_EIGHT_AT\n");
+    jet_emit_eight(a->text, &sums, "bar", !is_fresh);
+    jet_text_add(a->text, "#else\n");
+    for (int i = 0; i < JET_EIGHT; i++) emit_handed_on(a, first, end, slot + i, is_fresh);
+    jet_text_add(a->text, "#endif\n");
+    return JET_EIGHT;
+}
+
+static void emit_sums_back(const adjoints *a, const jet_run *first, const jet_run *end, const char *name)
+{
+    jet_text_add(a->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", name, (int)(first - a->tape->run));
+    for (int slot = 0; slot < first->z;) slot += emit_handed_on_by_eight(a, first, end, slot);
+    jet_text_add(a->text, "}\n");
+}
+
+/* ------------------------------------------------------------------------------------------------------------------ */
+
+/* In the order of a sweep. */
+static void emit(const adjoints *a, const char *name)
+{
+    touch_before(a);
+    for (jet_run *run = a->tape->run + a->tape->runs; run-- > a->tape->run;) {
+        const jet_run *first = jet_is_sum(run) ? jet_first_sum(a->tape, run) : NULL;
+        if (first && jet_end_of_sums(a->tape, first) == run + 1) emit_sums_back(a, first, run + 1, name);
+        else if (is_gathered(run)) mark_fresh(a, run);
+        else if (!first) touch_all(a, run);
+    }
+    emit_clear(a, name);
+}
+
+void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name)
+{
+    bool *all = calloc(2 * (size_t)tape->slots, sizeof *all);
+    if (all) emit(&(adjoints){text, tape, all, all + tape->slots}, name);
+    else text->failed = true;
+    free(all);
+}
