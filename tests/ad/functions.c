@@ -158,7 +158,8 @@ static void record_inverse_roots(double c, const jet x[], jet z[])
         for (int i = 0; i < 3; i++) *z++ = jet_pow(x[i], power);
 }
 
-/* Cubes of neighbours and of multiples, whose squares nothing else needs, and one whose square something does. */
+/* Cubes of neighbours and of multiples, whose squares nothing else needs, and one whose square something does; and an
+ * output that another one reads. */
 static void record_cubes(double c, const jet x[], jet z[])
 {
     (void)c;
@@ -167,6 +168,7 @@ static void record_cubes(double c, const jet x[], jet z[])
         z[i] = jet_mul(jet_mul(4, d), jet_sqr(d));
     }
     z[3] = jet_add(jet_mul(x[0], jet_sqr(x[0])), jet_mul(x[1], jet_sqr(x[0])));
+    z[4] = jet_sqr(z[3]);
 }
 
 /* Sums of products: of squares, of one multiple, of both kinds, of as many terms as one operation takes and of one
@@ -275,7 +277,7 @@ const function compositions[] = {
     {"inverse_roots", record_inverse_roots, 3, 6, -1.5, {0.7, 1.3, 2.1}, 1e-13},
     {"inverse_roots", record_inverse_roots, 3, 9, -2.5, {0.7, 1.3, 2.1}, 1e-13},
     {"inverse_roots", record_inverse_roots, 3, 12, -3.5, {0.7, 1.3, 2.1}, 1e-13},
-    {"cubes", record_cubes, 3, 4, 0, {0.7, -0.9, 1.3}, 1e-13},
+    {"cubes", record_cubes, 3, 5, 0, {0.7, -0.9, 1.3}, 1e-13},
     {"gravity",
      record_gravity,
      18,

@@ -127,6 +127,7 @@ static void quad_cubes(double c, const quad x[], quad z[])
         z[i] = 4 * d * d * d;
     }
     z[3] = x[0] * x[0] * (x[0] + x[1]);
+    z[4] = z[3] * z[3];
 }
 
 /* The force on body i: sum over the others of m_i m_j (x_j - x_i) / r^3. */
