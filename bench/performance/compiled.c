@@ -43,7 +43,7 @@ static const race races[] = {
     TO_1E8_AND_1E12(fpu, "FPU"),
     TO_1E8_AND_1E12(solar, "Solar System"),
     {&scene_kepler, "Kepler, position to 1e-10, in u", "midpoint", 20, position_error, 1e-10, "gauss", 16, 0.25, 5},
-    {&scene_solar, "Solar System, 1e-10, in U", "midpoint", 24, position_error, 1e-10, "gauss", 16, 400, 8},
+    {&scene_solar, "Solar System, 1e-10, in U", "midpoint", 20, position_error, 1e-10, "gauss", 16, 400, 8},
     {&scene_double_pendulum, "double pendulum, 1e-10", "galerkin", 16, position_error, 1e-10, "gauss-by-hand", 12, 0,
      0.4},
 };
