@@ -11,8 +11,8 @@ const jet_run *jet_first_sum(const jet_tape *tape, const jet_run *run);
 /* and the end. */
 const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first);
 
-/* NAME_sums_back_i(bar), the adjoints of the sums from run i on, and NAME_clear(bar), to be called for an order before
- * anything is added to it but the seeds of inputs. Sets jet_run.fresh. */
+/* NAME_sums_back_i(bar), the adjoints of the sums from run i on, and NAME_clear(bar), to be called for all orders
+ * before anything is added to any but the seeds of inputs. Sets jet_run.fresh. */
 void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name);
 
 #endif

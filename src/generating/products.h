@@ -72,7 +72,8 @@ typedef struct {
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
-/* The adjoints of Q_k that it begins with. */
+/* The adjoints of Q_k that it begins with, and nothing elsewhere: operations of one order may add to those of all lower
+ * ones. Of the last two orders the field is not needed. */
 static inline void products_place(tvi_curve *curve, int last, const tvi_pulled *of)
 {
     enum { stride = 0 };
@@ -80,6 +81,7 @@ static inline void products_place(tvi_curve *curve, int last, const tvi_pulled *
     for (int k = 0; k <= last; k++) {
         double *bar = products_adjoint_of_Q(curve, k);
         JET_BLOCKS(n, PRODUCTS_PLACE, );
+        if (k + 2 <= last) PRODUCTS_CLEAR(curve, bar);
     }
 }
 
@@ -103,7 +105,6 @@ static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *o
     for (int k = last - 2; k >= 0; k--) {
         const double part = curve->tau / ((k + 1) * (k + 2)), *above = products_adjoint_of_Q(curve, k + 2);
         double *bar = products_adjoint_of_Q(curve, k);
-        PRODUCTS_CLEAR(curve, bar);
         JET_BLOCKS((int)n, PRODUCTS_HAND_ON, );
         PRODUCTS_ADJOINTS(curve->system->field_series, curve->x, curve->bar, k, last - 2);
     }
@@ -158,28 +159,13 @@ static inline tvi_pulled products_unknown(const tvi_closure *c, const tvi_transp
                         .y = x + curve_n(&c->curve)};
 }
 
-/* Each pass but the first forms what is left of the equations anew and exactly, and need not reduce it by more than
- * this. */
-static const double PRODUCTS_ROUGH = 1e-6;
-
-/* The order of the curve to which products are made that need be right to about this part only: the first with |Q_k|
- * below a tenth of that part of |Q_0|, or top. */
-static inline int products_rough_order(const tvi_closure *c, double part)
-{
-    const double *largest = products_of(c)->largest, bound = part / 10 * largest[0];
-    int k = 1;
-    while (k < curve_top(&c->curve) && largest[k] > bound) k++;
-    return k;
-}
-
-/* r = D_z - A^T x, both halves, by one product. The first pass has no guess, x is 0, and nothing has to be exact. */
+/* r = D_z - A^T x, both halves, by one product. */
 static inline void products_form_remainder(tvi_closure *c, const tvi_transposed *a)
 {
     const tvi_iteration *it = products_of(c);
-    const int last = it->has_guess ? curve_top(&c->curve) : products_rough_order(c, PRODUCTS_ROUGH);
     tvi_pulled left = products_unknown(c, a, -1, it->x);
     left.seed_Q = c->seed_Q;
-    products_pull(&c->curve, last, &left, it->r);
+    products_pull(&c->curve, curve_top(&c->curve), &left, it->r);
 }
 
 /* out = A^T x, both halves, as roughly as the iteration needs it. */
@@ -214,6 +200,8 @@ static inline void products_precondition(tvi_closure *c, const tvi_transposed *a
 
 /* The iteration ends when the next correction would be below this part of the momenta: well below roundoff. */
 static const double PRODUCTS_ENOUGH = DBL_EPSILON / 16;
+/* Each pass forms what is left of the equations anew and exactly, and need not reduce it by more than this. */
+static const double PRODUCTS_ROUGH = 1e-6;
 /* Corrections this much below the solution, that shrink no more, are roundoff. */
 static const double PRODUCTS_STALLED = 1e-12;
 
@@ -260,6 +248,16 @@ static inline void products_minimise(tvi_closure *c, int last, const tvi_transpo
     const double part = tvi_ratio(products_product(c, it->r, v), it->square[step]);
     products_add(c, part, s, it->x);
     products_add(c, -part, v, it->r);
+}
+
+/* The order of the curve to which products are made that need be right to about this part only: the first with |Q_k|
+ * below a tenth of that part of |Q_0|, or top. */
+static inline int products_rough_order(const tvi_closure *c, double part)
+{
+    const double *largest = products_of(c)->largest, bound = part / 10 * largest[0];
+    int k = 1;
+    while (k < curve_top(&c->curve) && largest[k] > bound) k++;
+    return k;
 }
 
 /* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where

@@ -64,7 +64,8 @@ static void check_close(int count, const double got[], const double want[])
         ck_assert_msg(fabs(got[i] - want[i]) <= 1e-13 * size, "%d: %.17g, not %.17g", i, got[i], want[i]);
 }
 
-static const test_problem *const product_problems[] = {&problem_kepler, &problem_chain, &problem_fpu, &problem_solar};
+static const test_problem *const product_problems[] = {&problem_kepler, &problem_chain, &problem_fpu, &problem_solar,
+                                                       &problem_ring};
 
 START_TEST(products_are_those_of_the_matrices)
 {

@@ -87,6 +87,34 @@ static const scene scene_chain = {
     .p = chain_p0,
 };
 
+/* ---- The ring ---------------------------------------------------------------------------------------------------- */
+
+enum { RING = 8 };
+static const double ring_q0[RING] = {0.4, -0.3, 0.1, 0.7, -0.6, 0.2, 0.5, -0.2};
+static const double ring_p0[RING] = {0.3, 0.1, -0.8, 0.2, 0.6, -0.4, -0.1, 0.5};
+
+/* V = sum of exp d - d + cos(q_i)/4 + d/(4 + d^2), d to the next one. */
+static jet ring_potential(const jet q[], jet t, void *ctx)
+{
+    jet sum = jet_const(0);
+    (void)t, (void)ctx;
+    for (int i = 0; i < RING; i++) {
+        const jet d = jet_sub(q[(i + 1) % RING], q[i]);
+        sum = jet_add(sum, jet_sub(jet_exp(d), d));
+        sum = jet_add(sum, jet_add(jet_mul(0.25, jet_cos(q[i])), jet_div(d, jet_add(4, jet_sqr(d)))));
+    }
+    return sum;
+}
+
+const scene scene_ring = {
+    .name = "ring",
+    .title = "Ring of eight particles",
+    .n = RING,
+    .potential = ring_potential,
+    .q = ring_q0,
+    .p = ring_p0,
+};
+
 /* ---- Problems and their states ----------------------------------------------------------------------------------- */
 
 const test_problem problem_pendulum = {&scene_pendulum, NULL, pendulum_force, 0, 2};
@@ -95,6 +123,7 @@ const test_problem problem_henon_heiles = {&scene_henon_heiles_12, NULL, henon_h
 const test_problem problem_chain = {&scene_chain, chain_record, chain_force, 0.3, 2.3};
 const test_problem problem_solar = {&scene_solar, NULL, NULL, 0, 200000};
 const test_problem problem_fpu = {&scene_fpu, NULL, NULL, 0, 1};
+const test_problem problem_ring = {&scene_ring, NULL, NULL, 0, 5};
 
 tvi_system *problem_system(const test_problem *problem)
 {

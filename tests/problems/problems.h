@@ -23,6 +23,11 @@ typedef struct {
 extern const test_problem problem_pendulum, problem_kepler, problem_henon_heiles, problem_chain, problem_solar,
     problem_fpu;
 
+/* Eight particles, as many as have products (jacobian.c), with operations whose adjoints are handed on to all lower
+ * orders: exp, cos and a quotient. */
+extern const scene scene_ring;
+extern const test_problem problem_ring;
+
 /* Second derivatives of the chain's potential, [3][3]. */
 void chain_hessian(const long double q[], long double H[]);
 
