@@ -255,7 +255,7 @@ static void emit_tangents(const emission *e)
     jet_text_add(e->text, "    tape->interpreted->tangents(tape, x, dx, k, lanes);\n}\n");
 }
 
-static void emit_adjoints(const emission *e)
+static void emit_adjoint_sweep(const emission *e)
 {
     const char *name = e->wanted->name;
     jet_text_add(e->text,
@@ -294,7 +294,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
     if (wanted->lanes[0] > 0) emit_values(&e);
     if (wanted->has_series) emit_series(&e);
     if (wanted->directions[0] > 0) emit_tangents(&e);
-    if (wanted->has_adjoints) emit_adjoints(&e);
+    if (wanted->has_adjoints) emit_adjoint_sweep(&e);
     jet_text_add(text, "static const jet_sweeps %s_sweeps = {", name);
     if (wanted->lanes[0] > 0) jet_text_add(text, ".values = %s_values, ", name);
     if (wanted->has_series) jet_text_add(text, ".series = %s_series, ", name);

@@ -30,7 +30,8 @@ const char *const *jet_emit_lines(void);
 void jet_emit_rules(jet_text *text);
 /* Defines `static const jet_sweeps NAME_sweeps`, with NULL for what it has not, and what it needs; for others NAME, the
  * tape, NAME_values_of(x, lanes) and NAME_series_of(x, k, lanes) as jet_sweep_values and jet_sweep_series, to be
- * inlined with constants, and NAME_ORDERS(ORDER), which is ORDER(k) for all orders k of a series. */
+ * inlined with constants, NAME_clear(bar), if it has adjoints (emit_adjoints.h), and NAME_ORDERS(ORDER), which is
+ * ORDER(k) for all orders k of a series. */
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted);
 
 #endif

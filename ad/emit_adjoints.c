@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-/* Of each slot: whether something has been added to it, and whether what was first to be so is written. */
+/* Of each slot: touched: something has been added to its adjoint; written: the first addition is an assignment. */
 typedef struct {
     jet_text *text;
     const jet_tape *tape;

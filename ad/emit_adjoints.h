@@ -6,13 +6,12 @@
 #include "tape.h"
 #include "text.h"
 
-/* Of the sums in a row of which none reads another, that this sum is one of, the first, */
+/* The first of the sums in a row, of which none reads another, that the sum `run` is one of; and where they end. */
 const jet_run *jet_first_sum(const jet_tape *tape, const jet_run *run);
-/* and the end. */
 const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first);
 
 /* NAME_sums_back_i(bar), the adjoints of the sums from run i on, and NAME_clear(bar), to be called for all orders
- * before anything is added to any but the seeds of inputs. Sets jet_run.fresh. */
+ * before anything is added to any but the inputs, which it leaves alone. Sets jet_run.fresh. */
 void jet_emit_adjoints(jet_text *text, const jet_tape *tape, const char *name);
 
 #endif

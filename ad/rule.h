@@ -156,7 +156,8 @@ JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
         }                                                                                                              \
     }
 
-/* bar_k += x, bar being that of an operand of the run: 0 is a, or the first factor of term 0, 1 the second one. */
+/* bar_k += x, or bar_k = x where nothing is there yet, bar being that of an operand of the run: operand 0 is a, and
+ * 2 t and 2 t + 1 are the factors of term t. */
 #define JET_ADD_TO(V, bar, operand, x)                                                                                 \
     do {                                                                                                               \
         if (JET_IS_FRESH(run, operand)) JET_AT(V, bar, k) = (x);                                                       \

@@ -261,7 +261,7 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
 
 /* ---- Adjoints ---------------------------------------------------------------------------------------------------- */
 
-/* What other rules hand on from one order of z to many of its operands is collected here, for one order of the operands
+/* What most rules hand on from one order of z to many of its operands is collected here, for one order of the operands
  * from many of z, in registers:
  * abar_k += c_t sum_{j=k}^{top} zbar_j b_{j-k},  bbar_k likewise. */
 #define PRODUCTS_ADJOINT(V, S)                                                                                         \

@@ -144,9 +144,10 @@ static inline void jet_sweep_tangents_in_lanes(const jet_tape *tape, const doubl
     tape->sweeps->tangents_in_lanes(tape, x, dx, k, lanes);
 }
 
-/* Adjoints along the one-lane series x: bar, a block like x, holds the derivatives of a scalar with respect to the
- * coefficients of each slot. Completes those of order k, k = top, top - 1, ..., 0 in turn; what the scalar itself
- * depends on is added by the caller beforehand. Costs about one and a half series, whatever the number of inputs. */
+/* Adjoints along the one-lane series x: bar, a block like x, comes to hold the derivatives of a scalar with respect to
+ * the coefficients of each input, and works for the rules elsewhere. Completes those of order k, k = top, top - 1, ...,
+ * 0 in turn; what the scalar itself depends on, inputs and outputs, is added by the caller beforehand. Costs about one
+ * and a half series, whatever the number of inputs. */
 static inline void jet_sweep_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)
 {
     tape->sweeps->adjoints(tape, x, bar, k, top);

@@ -77,7 +77,7 @@ uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
 }
 
 /* The fields of a run in their order; a run has gaps between them. One that is left out is a missing initialiser.
- * `together` follows from them. */
+ * `together` and `fresh` follow from them. */
 #define RUN_FIELDS(ROW)                                                                                                \
     ROW(op)                                                                                                            \
     ROW(count)                                                                                                         \

@@ -55,7 +55,7 @@ static inline double *products_adjoint_of_Q(const tvi_curve *curve, int k)
 }
 
 /* What a transposed product is of: seeds [top + 1][n], and factor times the transposed Jacobians of combinations times
- * x and y [n]. NULL: none. */
+ * x and y [n]. Seeds or combinations that are NULL are none. */
 typedef struct {
     const double *seed_Q;
     double factor;
@@ -63,7 +63,7 @@ typedef struct {
     const double *x, *y;
 } tvi_pulled;
 
-#define PRODUCTS_PLACE(V, S)                                                                                           \
+#define PRODUCTS_SEED(V, S)                                                                                            \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
         if (of->seed_Q) sum += JET_OF(V, of->seed_Q + k * n, 0);                                                       \
@@ -74,13 +74,13 @@ typedef struct {
 
 /* The adjoints of Q_k that it begins with, and nothing elsewhere: operations of one order may add to those of all lower
  * ones. Of the last two orders the field is not needed. */
-static inline void products_place(tvi_curve *curve, int last, const tvi_pulled *of)
+static inline void products_seed(tvi_curve *curve, int last, const tvi_pulled *of)
 {
     enum { stride = 0 };
     const int n = curve_n(curve);
     for (int k = 0; k <= last; k++) {
         double *bar = products_adjoint_of_Q(curve, k);
-        JET_BLOCKS(n, PRODUCTS_PLACE, );
+        JET_BLOCKS(n, PRODUCTS_SEED, );
         if (k + 2 <= last) PRODUCTS_CLEAR(curve, bar);
     }
 }
@@ -98,7 +98,7 @@ static inline void products_place(tvi_curve *curve, int last, const tvi_pulled *
 static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *of, double out[])
 {
     enum { stride = 0 };
-    products_place(curve, last, of);
+    products_seed(curve, last, of);
     const size_t n = (size_t)curve_n(curve);
     const double *kappa = curve->kappa;
     const int *slot = curve_output(curve);
@@ -143,7 +143,7 @@ static inline int products_unknowns(const tvi_closure *c, const tvi_transposed *
     return a->second ? 2 * curve_n(&c->curve) : curve_n(&c->curve);
 }
 
-static inline int products_place_of(const tvi_closure *c, const tvi_transposed *a)
+static inline int products_place(const tvi_closure *c, const tvi_transposed *a)
 {
     return a->second || a->half == TVI_FIRST ? 0 : curve_n(&c->curve);
 }
@@ -155,7 +155,7 @@ static inline tvi_pulled products_unknown(const tvi_closure *c, const tvi_transp
     return (tvi_pulled){.factor = factor,
                         .of_x = a->first,
                         .of_y = a->second,
-                        .x = x + products_place_of(c, a),
+                        .x = x + products_place(c, a),
                         .y = x + curve_n(&c->curve)};
 }
 
@@ -178,7 +178,7 @@ static inline void products_apply(tvi_closure *c, int last, const tvi_transposed
 /* x = P r: the weights of Q_0 and of Q_1, which lead in their halves. */
 static inline void products_divide(const tvi_closure *c, const tvi_transposed *a, const double r[], double x[])
 {
-    const int n = curve_n(&c->curve), place = products_place_of(c, a);
+    const int n = curve_n(&c->curve), place = products_place(c, a);
     const double first = 1 / a->first->weight[place > 0], second = a->second ? 1 / a->second->weight[1] : 0;
     for (int i = 0; i < n; i++) x[place + i] = first * r[place + i];
     if (second == 0) return;
@@ -295,7 +295,7 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
 static inline tvi_status products_solve(tvi_closure *c, const tvi_transposed *a)
 {
     const tvi_iteration *it = products_of(c);
-    const int n = curve_n(&c->curve), place = products_place_of(c, a);
+    const int n = curve_n(&c->curve), place = products_place(c, a);
     if (!a->second) memset(it->unit + n - place, 0, (size_t)n * sizeof *it->unit);
     const tvi_status status = products_iterate(c, a);
     memcpy(c->D, it->r, 2 * (size_t)n * sizeof *c->D);

@@ -39,6 +39,7 @@ static void emit_function(jet_text *text, int i)
                                     .has_series = true,
                                     .has_adjoints = true};
     jet_emit_tape(text, series.tape, &of_series);
+    jet_text_add(text, "static void clear_%d(double *bar) { S%d_clear(bar); }\n", i, i);
     jet_emit_tape(text, values.tape, &of_values);
     recording_free(&series);
     recording_free(&values);
@@ -50,10 +51,11 @@ static void write_all(jet_text *text)
     jet_emit_rules(text);
     for (int i = 0; i < count; i++)
         if (is_tested(i)) emit_function(text, i);
-    jet_text_add(text, "extern const jet_sweeps *const sweeps[][2];\nconst jet_sweeps *const sweeps[][2] = {\n");
+    jet_text_add(text, "typedef struct { const jet_sweeps *of_series, *of_values; void (*clear)(double *bar); } own;\n"
+                       "extern const own all[];\nconst own all[] = {\n");
     for (int i = 0; i < count; i++) {
-        if (is_tested(i)) jet_text_add(text, "    {&S%d_sweeps, &V%d_sweeps},\n", i, i);
-        else jet_text_add(text, "    {0, 0},\n");
+        if (is_tested(i)) jet_text_add(text, "    {&S%d_sweeps, &V%d_sweeps, clear_%d},\n", i, i, i);
+        else jet_text_add(text, "    {0},\n");
     }
     jet_text_add(text, "};\n");
 }
@@ -89,15 +91,21 @@ static int find(const char *name)
     return i;
 }
 
-/* code NULL: the tape's own. Lanes that the code has not are the interpreter's. */
-static void run(const function *f, const jet_sweeps *of_series, const jet_sweeps *of_values, results *r)
+/* What is made of a function. */
+typedef struct {
+    const jet_sweeps *of_series, *of_values;
+    clear_fn *clear;
+} own_code;
+
+/* NULL: the tape's own. Lanes that the code has not are the interpreter's. */
+static void run(const function *f, const own_code *own, results *r)
 {
     static double x[INPUTS_MAX * SHORT], dx[INPUTS_MAX * SHORT * DIRECTIONS], zbar[OUTPUTS_MAX * SHORT],
         lanes[INPUTS_MAX * LANES];
     recording series = record_outputs(f, JET_TAPE_SERIES), values = record_outputs(f, JET_TAPE_VALUES);
-    jet_sweeps own[2];
-    if (of_series) series.tape->sweeps = jet_sweeps_merge(&own[0], series.tape->interpreted, of_series);
-    if (of_values) values.tape->sweeps = jet_sweeps_merge(&own[1], values.tape->interpreted, of_values);
+    jet_sweeps merged[2];
+    if (own) series.tape->sweeps = jet_sweeps_merge(&merged[0], series.tape->interpreted, own->of_series);
+    if (own) values.tape->sweeps = jet_sweeps_merge(&merged[1], values.tape->interpreted, own->of_values);
     dense_series(f, DEGREE, x);
     for (int i = 0; i < f->inputs * SHORT * DIRECTIONS; i++) dx[i] = cos(1.0 + i);
     for (int i = 0; i < f->outputs * SHORT; i++) zbar[i] = 1.0 / (1 + i % 7);
@@ -110,12 +118,12 @@ static void run(const function *f, const jet_sweeps *of_series, const jet_sweeps
     ck_assert(run_series(&series, DEGREE, 1, x, r->series));
     run_tangents(&series, DEGREE, 1, 1, x, dx, r->tangent);
     run_tangents(&series, DEGREE, 1, DIRECTIONS, x, dx, r->tangents);
-    run_adjoints(&series, DEGREE, x, zbar, r->adjoints);
+    run_adjoints(&series, own ? own->clear : NULL, DEGREE, x, zbar, r->adjoints);
     recording_free(&series);
     recording_free(&values);
 }
 
-static const jet_sweeps *const (*all(void))[2] { return dlsym(code.handle, "sweeps"); }
+static const own_code *all(void) { return dlsym(code.handle, "all"); }
 
 START_TEST(code_is_the_tape)
 {
@@ -123,8 +131,8 @@ START_TEST(code_is_the_tape)
     for (int i = 0; i < operation_count + composition_count; i++) {
         const function *f = any_function(i);
         if (!is_tested(i)) continue;
-        run(f, NULL, NULL, &tape);
-        run(f, all()[i][0], all()[i][1], &own);
+        run(f, NULL, &tape);
+        run(f, &all()[i], &own);
         const bool has_cubes = strcmp(f->name, "cubes") == 0;
         const size_t same = has_cubes ? offsetof(results, tangent) : offsetof(results, adjoints);
         ck_assert_msg(memcmp(&tape, &own, same) == 0, "%s", f->name);
@@ -144,8 +152,8 @@ START_TEST(another_code_is_another_function)
     static results tape, other;
     const int i = find("sinh");
     const function *f = any_function(find("sin"));
-    run(f, NULL, NULL, &tape);
-    run(f, all()[i][0], all()[i][1], &other);
+    run(f, NULL, &tape);
+    run(f, &all()[i], &other);
     ck_assert(tape.values[0] != other.values[0] && tape.one[0] != other.one[0] && tape.series[2] != other.series[2]);
     ck_assert(tape.tangents[2 * DIRECTIONS] != other.tangents[2 * DIRECTIONS]);
     ck_assert(tape.adjoints[0] != other.adjoints[0]);
@@ -159,7 +167,7 @@ START_TEST(outside_is_refused)
     recording r = record_outputs(any_function(i), JET_TAPE_VALUES);
     jet_sweeps own;
     double x[LANES] = {1, 2, 3, 4, 5, 6, 7, 8}, z[LANES];
-    r.tape->sweeps = jet_sweeps_merge(&own, r.tape->interpreted, all()[i][1]);
+    r.tape->sweeps = jet_sweeps_merge(&own, r.tape->interpreted, all()[i].of_values);
     ck_assert(run_values(&r, LANES, x, z));
     ck_assert(run_values(&r, 1, x, z));
     x[5] = 0;

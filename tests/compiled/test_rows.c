@@ -44,8 +44,8 @@ static travel travel_by(const tvi_system *system, const tvi_options *options, co
 /* Calls that make many steps make those of many calls, to the bit; where the guard looks at some of them, too. By the
  * widest vectors, where few unknowns stay in registers, or do not. Within a step they are those of the tape but for
  * roundoff; so are the numbers of passes, of which those of the tape are all judged. Two rows are predicted roughly,
- * and one of them takes more passes than are ever made in silence. One is fitted later than the tape, which takes 608
- * passes for the 100 steps before. */
+ * and one of them takes more passes than are ever made in silence. Of one the tape has fits, but not the code, which
+ * takes as many passes a step as the tape before: 608 in 100 steps. */
 START_TEST(steps_in_a_row_are_those_one_by_one)
 {
     enum { CALLS = 5 };
