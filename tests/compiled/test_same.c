@@ -12,7 +12,7 @@
 static const whose runs[] = {
     {&scene_pendulum, 0.2, false},      {&scene_kepler, 0.1, false},      {&scene_henon_heiles_12, 0.25, false},
     {&scene_fpu, 0.02, false},          {&scene_solar, 100, false},       {&scene_double_pendulum, 0.01, false},
-    {&scene_magnetic, 0.05, false},     {&scene_ring, 0.4, false},        {&scene_nonseparable, 0.05, false},
+    {&scene_magnetic, 0.05, false},     {&scene_ring, 0.15, false},       {&scene_nonseparable, 0.05, false},
     {&scene_vortices, 0.02, false},     {&scene_degenerate, 0.05, false}, {&scene_kepler, 0.2, true},
     {&scene_henon_heiles_12, 0.2, true}};
 static const struct {
