@@ -10,7 +10,7 @@ enum { LEAST_PASSES = 12, FIRST_WAIT = 2, MOST_WAIT = 1024, LONG_USE = 64 };
 enum { DIRECTIONS = 4, GROWTHS = 32, FIRST_BLIND = 2 };
 #define STIFF 0x1p-6 /* w^2 of a mode at least, of that of the stiffest one */
 #define STAYS 0x1p-3 /* F' changes in a step by this part of it at most */
-#define SAVES 0.8    /* the part that is left of what passes cost at most */
+#define SAVES 0.8    /* the part that is left of what passes cost at most, so that modes are kept at the first look */
 #define LESS  1.25   /* passes are more by this factor where the modes have changed */
 #define MUCH  0.25   /* where passes without springs leave more than this part of a movement, there are none */
 
@@ -209,12 +209,12 @@ static void seek(galerkin *w, double passes, const tvi_origin *origin, tvi_stats
     if (count > 0 || last->count > 0) use(w, count);
 }
 
-/* Modes in use have to save more than they cost. Where they did so for long, and do so less and less, they are others
- * now. */
+/* Modes in use have to save more than they cost, and at first much more: else what is seen would change with units of
+ * roundoff. Where they did so for long, and do so less and less, they are others now. */
 static void judge(galerkin *w, double passes, const tvi_origin *origin, tvi_stats *stats)
 {
     galerkin_springs_history *last = w->springs.last;
-    const bool saves = passes * cost(w) < SAVES * last->plain;
+    const bool saves = passes * cost(w) < (last->first == 0 ? SAVES : 1) * last->plain;
     last->wait = fmin(2 * last->wait, MOST_WAIT);
     if (last->first == 0) last->first = passes;
     if (saves && passes < LESS * last->first) return;
