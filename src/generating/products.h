@@ -250,13 +250,13 @@ static inline void products_minimise(tvi_closure *c, int last, const tvi_transpo
     products_add(c, -part, v, it->r);
 }
 
-/* The order of the curve to which products are made that need be right to about this part only: the first with |Q_k|
- * below a tenth of that part of |Q_0|, or top. */
+/* The order of the curve to which products are made that need be right to about this part only: the first from which on
+ * |Q_k| is below a tenth of that part of |Q_0|, or top. */
 static inline int products_rough_order(const tvi_closure *c, double part)
 {
     const double *largest = products_of(c)->largest, bound = part / 10 * largest[0];
-    int k = 1;
-    while (k < curve_top(&c->curve) && largest[k] > bound) k++;
+    int k = curve_top(&c->curve);
+    while (k > 1 && !(largest[k - 1] > bound)) k--;
     return k;
 }
 

@@ -200,6 +200,26 @@ START_TEST(bodies_start_at_rest)
 }
 END_TEST
 
+/* Q_1 = 0 there, and Q_2 is not: the first corrections are made to a curve that has it. */
+START_TEST(a_first_step_from_rest_takes_few_passes)
+{
+    tvi_system *system;
+    tvi_options options;
+    tvi_integrator *integrator;
+    double t = 0, Q[2 * COPIES], P[2 * COPIES], masses[2 * COPIES];
+    ck_assert_int_eq(tvi_options_named(product_methods[_i].name, 12, &options), TVI_OK);
+    for (int i = 0; i < COPIES; i++) start_copy(i, Q + 2 * i, P + 2 * i, masses + 2 * i);
+    memset(P, 0, sizeof P);
+    ck_assert_int_eq(tvi_system_potential(&system, 2 * COPIES, masses, copies_of_kepler, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
+    ck_assert_int_eq(tvi_step(integrator, 0.1, &t, Q, P), TVI_OK);
+    ck_assert_int_le(tvi_integrator_stats(integrator)->passes, 4);
+    ck_assert_double_gt(fabs(P[0]), 1e-3); /* it moves */
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 enum { LONG_CHAIN = 60 };
 
 static jet long_chain(const jet q[], jet t, void *ctx)
@@ -262,6 +282,7 @@ Suite *suite_products(void)
     tcase_add_loop_test(products, products_are_those_of_the_matrices, 0, problems);
     tcase_add_loop_test(products, many_bodies_move_as_one, 0, methods);
     tcase_add_loop_test(products, bodies_start_at_rest, 0, methods);
+    tcase_add_loop_test(products, a_first_step_from_rest_takes_few_passes, 0, methods);
     tcase_add_loop_test(products, bodies_far_from_a_wave_rest, 0, methods);
     tcase_add_test(products, too_large_steps_are_refused);
     suite_add_tcase(suite, products);
