@@ -8,12 +8,16 @@
 
 #include <stdlib.h>
 
-/* Tapes of so many operations have their sums apart, and their orders unrolled if there are so many times the orders of
- * them: what more would gain takes seconds to compile. */
-enum { APART_MOST = 256, UNROLLED_MOST = 800 };
+/* Tapes of so many operations have their sums apart, or, of whole vectors, all operations, and their orders unrolled if
+ * there are so many times the orders of them: what more would gain takes seconds to compile. */
+enum { APART_MOST = 256, ALONE_MOST = 768, UNROLLED_MOST = 800 };
 
-/* Lanes that one vector of every instruction set divides. */
-enum { REGISTER = 4 };
+/* Of so many operations values are inlined at any number of lanes, of so many at those of one register: else they are a
+ * function of their own. */
+enum { INLINED_MOST = 64, INLINED_IN_REGISTER = 256 };
+
+/* Lanes of one vector, of those that all instruction sets have a vector to divide; the fewest, and the most. */
+enum { REGISTER = 4, LEAST_REGISTER = 2, MOST_REGISTER = 8 };
 
 extern const char *const jet_embedded_rules[];
 
@@ -48,16 +52,18 @@ static void emit_doubles(jet_text *text, const char *name, const char *what, int
 
 static void emit_run(jet_text *text, const jet_run *run)
 {
-    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, 0, 0, %d},\n", (int)run->op,
+    jet_text_add(text, "    {(jet_op)%d, %d, %d, %d, %d, %d, %a, %d, %d, %d, %d, %d, 0, %d},\n", (int)run->op,
                  run->count, run->z, run->a, run->b, run->w, run->c, run->has_numbers, run->first, run->terms,
-                 run->term, run->fresh);
+                 run->term, run->is_scattered, run->fresh);
 }
 
 typedef struct {
     jet_text *text;
     const jet_tape *tape;
     const jet_emission *wanted;
-    bool unrolled; /* orders */
+    int operations;
+    bool unrolled;    /* orders */
+    bool stand_alone; /* operations */
 } emission;
 
 static bool has_several_roots(const jet_tape *tape)
@@ -74,11 +80,13 @@ static void emit_constants(const emission *e)
     const char *name = e->wanted->name;
     emit_ints(e->text, name, "slot", tape->terms, tape->term_slot);
     emit_ints(e->text, name, "second", tape->terms, tape->term_second);
+    emit_ints(e->text, name, "output", tape->outputs, tape->output);
     emit_doubles(e->text, name, "coefficient", tape->terms, tape->term_coefficient);
     emit_doubles(e->text, name, "base", tape->rows, tape->base);
     jet_text_add(e->text, "static const jet_run %s_run[] = {\n", name);
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++) emit_run(e->text, run);
-    jet_text_add(e->text, "    {0}};\nenum { %s_is_watched = %d };\n", name, has_several_roots(tape));
+    jet_text_add(e->text, "    {0}};\nenum { %s_slots = %d, %s_outputs = %d, %s_is_watched = %d, %s_is_split = %d };\n",
+                 name, tape->slots, name, tape->outputs, name, has_several_roots(tape), name, e->stand_alone);
     jet_text_add(
         e->text,
         "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"
@@ -99,6 +107,8 @@ static void emit_line(const emission *e, const jet_run *run)
     const int index = (int)(run - e->tape->run);
     const jet_cubes cubes = jet_are_cubes(e->tape, run);
     if (run->op == OP_LINEAR) jet_text_add(e->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
+    else if (run->is_scattered)
+        jet_text_add(e->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
     else if (cubes != JET_NO_CUBES)
         jet_text_add(e->text, " \\\n    CUBES(%s, %d, %d)", name, index, cubes == JET_SQUARES_FIRST);
     else if (!e->wanted->has_inner_tangents && jet_are_bases(e->tape, run))
@@ -188,26 +198,31 @@ static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
     emit_eights(e);
-    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, TWINS, CUBES, BASES, LINEAR, EIGHT)",
+    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, CUBES, BASES, LINEAR, EIGHT)",
                  e->wanted->name);
     for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
-    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, TWINS, CUBES, BASES, LINEAR, SUMS)",
+    jet_text_add(e->text,
+                 "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, CUBES, BASES, LINEAR, SUMS)",
                  e->wanted->name);
     for (const jet_run *run = end; run-- > begin && e->wanted->has_adjoints;) emit_line_back(e, run);
-    jet_text_add(e->text, "\nJET_EMITTED_SWEEPS(%s)\n", e->wanted->name);
+    jet_text_add(e->text, "\n");
 }
 
 /* ---- What callers of the sweeps find (tape.h) -------------------------------------------------------------------- */
 
-/* Returns what the sweep of order k does, with k a constant where orders are unrolled. */
+/* Returns what the sweep of order k does, with k a constant where orders are unrolled. lanes: of tangents; else 0. */
 static void emit_orders(const emission *e, const char *sweep, const char *blocks, int lanes)
 {
     const char *name = e->wanted->name;
+    const int last = e->unrolled ? e->wanted->top : -1;
     if (e->unrolled) jet_text_add(e->text, "    switch (k) {\n");
-    for (int k = 0; k <= e->wanted->top && e->unrolled; k++)
-        jet_text_add(e->text, "    case %d: return %s_%s(%s, %d, %d);\n", k, name, sweep, blocks, k, lanes);
-    if (e->unrolled) jet_text_add(e->text, "    }\n");
-    jet_text_add(e->text, "    return %s_%s(%s, k, %d);\n}\n", name, sweep, blocks, lanes);
+    for (int k = 0; k <= last + 1; k++) {
+        if (k <= last) jet_text_add(e->text, "    case %d: return %s_%s(%s, %d", k, name, sweep, blocks, k);
+        else jet_text_add(e->text, "%s    return %s_%s(%s, k", e->unrolled ? "    }\n" : "", name, sweep, blocks);
+        if (lanes > 0) jet_text_add(e->text, ", %d", lanes);
+        jet_text_add(e->text, ");\n");
+    }
+    jet_text_add(e->text, "}\n");
 }
 
 /* NAME_ORDERS(ORDER): all orders, each a constant where they are unrolled. */
@@ -221,12 +236,46 @@ static void emit_all_orders(const emission *e)
     jet_text_add(e->text, "\n");
 }
 
+/* Values alone of whole vectors. */
+static bool is_of_registers(const jet_emission *wanted)
+{
+    for (const int *lanes = wanted->lanes; *lanes > 0; lanes++)
+        if (*lanes % REGISTER != 0) return false;
+    return !wanted->has_series && !wanted->has_adjoints && wanted->directions[0] == 0;
+}
+
+/* NAME_values_LANES. */
+static void emit_values_at(const emission *e, int lanes)
+{
+    const char *name = e->wanted->name;
+    const bool fits = lanes <= MOST_REGISTER;
+    if (e->stand_alone && !fits) jet_text_add(e->text, "JET_EMITTED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
+    else
+        jet_text_add(e->text, "JET_EMITTED_VALUES(%s, %d, %s)\n", name, lanes,
+                     e->operations <= (fits ? INLINED_IN_REGISTER : INLINED_MOST) ? "ALWAYS" : "NEVER");
+}
+
+/* What others inline, or call where that is large. */
+static void emit_inner(const emission *e)
+{
+    const char *name = e->wanted->name;
+    const int *const wanted = e->wanted->lanes;
+    const bool of_registers = is_of_registers(e->wanted);
+    for (int lanes = LEAST_REGISTER; of_registers && lanes <= MOST_REGISTER; lanes *= 2) emit_values_at(e, lanes);
+    for (const int *lanes = wanted; *lanes > 0; lanes++)
+        if (!(of_registers && *lanes <= MOST_REGISTER) && !(lanes > wanted && *lanes == lanes[-1]))
+            emit_values_at(e, *lanes);
+    if (wanted[0] == 1)
+        jet_text_add(e->text, "JET_EMITTED_SERIES(%s)\nJET_EMITTED_TANGENTS(%s)\nJET_EMITTED_ADJOINTS(%s)\n", name,
+                     name, name);
+}
+
 static void emit_values(const emission *e)
 {
     const char *name = e->wanted->name;
     jet_text_add(e->text, "static bool %s_values(const jet_tape *tape, double *x, int lanes)\n{\n", name);
     for (const int *lanes = e->wanted->lanes; *lanes > 0; lanes++)
-        jet_text_add(e->text, "    if (lanes == %d) return %s_values_of(x, %d);\n", *lanes, name, *lanes);
+        jet_text_add(e->text, "    if (lanes == %d) return %s_values_%d(x);\n", *lanes, name, *lanes);
     jet_text_add(e->text, "    return tape->interpreted->values(tape, x, lanes);\n}\n");
 }
 
@@ -236,7 +285,7 @@ static void emit_series(const emission *e)
                  "static bool %s_series(const jet_tape *tape, double *x, int k, int lanes)\n{\n"
                  "    if (lanes != 1) return tape->interpreted->series(tape, x, k, lanes);\n",
                  e->wanted->name);
-    emit_orders(e, "series_of", "x", 1);
+    emit_orders(e, "series_of", "x", 0);
 }
 
 /* A function for each number of lanes. */
@@ -264,32 +313,26 @@ static void emit_adjoint_sweep(const emission *e)
                  name, name);
 }
 
-/* Values alone of whole vectors. */
-static bool is_of_registers(const jet_emission *wanted)
-{
-    for (const int *lanes = wanted->lanes; *lanes > 0; lanes++)
-        if (*lanes % REGISTER != 0) return false;
-    return !wanted->has_series && !wanted->has_adjoints && wanted->directions[0] == 0;
-}
-
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted)
 {
     const char *name = wanted->name;
     const int operations = tape->slots - tape->inputs - tape->constants;
-    const bool stand_alone = operations <= APART_MOST && is_of_registers(wanted);
-    const jet_split which = operations > APART_MOST ? JET_SPLIT_SCATTERED
-                            : !stand_alone          ? JET_SPLIT_SUMS
-                            : wanted->is_force      ? JET_SPLIT_PAIRS
-                                                    : JET_SPLIT_ALL;
+    const bool stand_alone = operations <= ALONE_MOST && is_of_registers(wanted);
+    const jet_split which = stand_alone && wanted->is_force ? JET_SPLIT_PAIRS
+                            : stand_alone                   ? JET_SPLIT_ALL
+                            : operations <= APART_MOST      ? JET_SPLIT_SUMS
+                                                            : JET_SPLIT_NONE;
     jet_tape split;
     if (!jet_tape_split(&split, tape, which)) {
         text->failed = true;
         return;
     }
-    const emission e = {text, &split, wanted, operations * (wanted->top + 1) <= UNROLLED_MOST};
+    const bool unrolled = operations * (wanted->top + 1) <= UNROLLED_MOST;
+    const emission e = {text, &split, wanted, operations, unrolled, stand_alone};
     if (wanted->has_adjoints) jet_emit_adjoints(text, &split, name);
     emit_constants(&e);
     emit_lists(&e);
+    emit_inner(&e);
     emit_all_orders(&e);
     if (wanted->lanes[0] > 0) emit_values(&e);
     if (wanted->has_series) emit_series(&e);
@@ -300,8 +343,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
     if (wanted->has_series) jet_text_add(text, ".series = %s_series, ", name);
     if (wanted->directions[0] > 0) jet_text_add(text, ".tangents = %s_tangents, ", name);
     if (wanted->has_adjoints) jet_text_add(text, ".adjoints = %s_adjoints, ", name);
-    jet_text_add(text, ".isa = JET_EMITTED_ISA};\nenum { %s_slots = %d, %s_is_split = %d };\n", name, tape->slots, name,
-                 stand_alone);
+    jet_text_add(text, ".isa = JET_EMITTED_ISA};\n");
     jet_tape_free_split(&split);
 }
 

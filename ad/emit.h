@@ -2,8 +2,9 @@
  *
  * The text begins with that of the rules themselves (embed.awk), which are functions made inline there; generated code
  * is calls of them, in the order of the tape, with constants for arguments. So each rule exists once. Small tapes have
- * their orders unrolled and their sums apart, so that values stay in registers; large ones keep their runs of equal
- * operations as loops, so that the time to compile grows with the number of runs and not with that of operations. */
+ * their orders unrolled and their sums apart, or, of values alone, all operations, so that values stay in registers;
+ * large ones keep their runs of equal operations as loops, so that the time to compile grows with the number of runs
+ * and not with that of operations. */
 #ifndef TVI_AD_EMIT_H
 #define TVI_AD_EMIT_H
 
@@ -29,9 +30,10 @@ const char *const *jet_emit_lines(void);
 /* What all that follows is made of: once, at the beginning. */
 void jet_emit_rules(jet_text *text);
 /* Defines `static const jet_sweeps NAME_sweeps`, with NULL for what it has not, and what it needs; for others NAME, the
- * tape, NAME_values_of(x, lanes) and NAME_series_of(x, k, lanes) as jet_sweep_values and jet_sweep_series, to be
- * inlined with constants, NAME_clear(bar), if it has adjoints (emit_adjoints.h), and NAME_ORDERS(ORDER), which is
- * ORDER(k) for all orders k of a series. */
+ * tape, NAME_values_LANES(x) for each number of lanes, and for those of one register where all are multiples of 4,
+ * NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), if it has one lane, to be inlined with constants,
+ * NAME_clear(bar), if it has adjoints (emit_adjoints.h), and NAME_ORDERS(ORDER): ORDER(k) for all orders of a series.
+ */
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted);
 
 #endif

@@ -81,14 +81,15 @@ static void mark_fresh(const adjoints *a, jet_run *run)
             touch(a, row_of(a->tape, run, operand), run->count, run->fresh >> operand & 1);
 }
 
-/* By the vectors that others read and write. */
+/* By the vectors that others read and write: those of eight begin at multiples of eight. */
 static void emit_clear(const adjoints *a, const char *name)
 {
     const int slots = a->tape->slots;
     jet_text_add(a->text, "JET_INLINE void %s_clear(double *bar)\n{\n", name);
     for (int slot = a->tape->inputs; slot < slots; slot++) {
         int count = 0;
-        while (slot + count < slots && !a->written[slot + count] && slot % JET_EIGHT + count < JET_EIGHT) count++;
+        const int most = slot % JET_EIGHT > 0 ? JET_EIGHT - slot % JET_EIGHT : slots;
+        while (slot + count < slots && !a->written[slot + count] && count < most) count++;
         if (count == 0) continue;
         jet_text_add(a->text, "    jet_clear(bar + %d, %d);\n", slot, count);
         slot += count - 1;

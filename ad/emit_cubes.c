@@ -18,7 +18,8 @@ static int root_of(const jet_tape *tape, int slot)
 static const jet_run *squares_at(const jet_tape *tape, int slot, int count)
 {
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
-        if (run->op == OP_SQUARES && run->terms == 1 && run->z <= slot && slot + count <= run->z + run->count)
+        if (run->op == OP_SQUARES && run->terms == 1 && !run->is_scattered && run->z <= slot &&
+            slot + count <= run->z + run->count)
             return run;
     return NULL;
 }
@@ -36,7 +37,7 @@ static bool is_square_of(const jet_tape *tape, int square, int factor, int count
 
 jet_cubes jet_are_cubes(const jet_tape *tape, const jet_run *run)
 {
-    if (run->op != OP_PRODUCTS || run->terms != 1) return JET_NO_CUBES;
+    if (run->op != OP_PRODUCTS || run->terms != 1 || run->is_scattered) return JET_NO_CUBES;
     const int first = tape->term_slot[run->term], second = tape->term_second[run->term];
     if (is_square_of(tape, first, second, run->count)) return JET_SQUARES_FIRST;
     return is_square_of(tape, second, first, run->count) ? JET_SQUARES_SECOND : JET_NO_CUBES;

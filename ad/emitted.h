@@ -1,10 +1,10 @@
 /* emitted.h - the sweeps of generated code (emit.h), which is the only one to read this, after the text of the rules: T
  * is the tape's name, T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name),
- * PRODUCTS(T, i, squares, terms), LINEAR(T, i, terms), ANGLES(T, i, next), sines and the cosines of the same angles,
- * TWINS(T, i, next), products of neighbours with the same factor, CUBES(T, i, first), products of something with its
- * square, which may be the first factor, or BASES(T, i), squares that nothing else reads, and T_RUNS_BACK in the other
- * order, of tapes that have adjoints, with SUMS(T, i) for sums in a row from run i on, whose adjoints are
- * T_sums_back_i. */
+ * PRODUCTS(T, i, squares, terms), SCATTERED(T, i, squares, terms), of values alone, LINEAR(T, i, terms),
+ * ANGLES(T, i, next), sines and the cosines of the same angles, TWINS(T, i, next), products of neighbours with the same
+ * factor, CUBES(T, i, first), products of something with its square, which may be the first factor, or BASES(T, i),
+ * squares that nothing else reads, and T_RUNS_BACK in the other order, of tapes that have adjoints, with SUMS(T, i) for
+ * sums in a row from run i on, whose adjoints are T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -17,6 +17,8 @@ JET_INLINE bool jet_is_watched(const jet_run *run, int lanes)
 {
     return jet_needs_positive(run) && run->count == 1 && lanes <= JET_WATCHED && lanes % 4 == 0;
 }
+
+JET_INLINE int jet_watched_lanes(int lanes) { return lanes < JET_WATCHED ? lanes : JET_WATCHED; }
 
 /* A NaN is no offence. */
 JET_INLINE void jet_watch(const double *a, int lanes, double *least)
@@ -32,11 +34,12 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
         if (T##_is_watched && jet_is_watched(&T##_run[i], lanes)) jet_watch(x + T##_run[i].a * lanes, lanes, least);   \
         else inside &= is_inside;                                                                                      \
     }
-#define VALUES_ANGLES(T, i, next)             jet_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
-#define VALUES_PRODUCTS(T, i, squares, terms) values_of(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_TWINS(T, i, next)              VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
-#define VALUES_CUBES(T, i, first)             VALUES_PRODUCTS(T, i, false, 1)
-#define VALUES_BASES(T, i)                    VALUES_PRODUCTS(T, i, true, 1)
+#define VALUES_ANGLES(T, i, next)              jet_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
+#define VALUES_PRODUCTS(T, i, squares, terms)  values_of(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_SCATTERED(T, i, squares, terms) scattered_values_of(&T, &T##_run[i], x, lanes, squares, terms);
+#define VALUES_TWINS(T, i, next)               VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
+#define VALUES_CUBES(T, i, first)              VALUES_PRODUCTS(T, i, false, 1)
+#define VALUES_BASES(T, i)                     VALUES_PRODUCTS(T, i, true, 1)
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     linear_order_of(&T, &T##_run[i], x, lanes, terms);                                                                 \
     add_numbers(&T, &T##_run[i], x, lanes);
@@ -113,38 +116,94 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
 #define JET_EMITTED_ISA jet_isa_base
 #endif
 
-/* The sweeps of tape.h, to be inlined with constants. */
-#define JET_EMITTED_SWEEPS(T)                                                                                          \
-    JET_INLINE bool T##_values_of(double *x, int lanes)                                                                \
+/* The sweeps of tape.h, to be inlined with constants. Lanes are one from the beginning: what is inlined, compilers work
+ * on before, for itself. Large functions of many lanes are inlined NEVER. */
+#define ALWAYS JET_INLINE
+#define NEVER  static __attribute__((noinline))
+#define JET_EMITTED_VALUES(T, LANES, INLINED)                                                                          \
+    INLINED bool T##_values_##LANES(double *x)                                                                         \
     {                                                                                                                  \
+        enum { lanes = LANES };                                                                                        \
         bool inside = true;                                                                                            \
         double least[JET_WATCHED];                                                                                     \
         JET_IN_VECTORS for (int w = 0; w < JET_WATCHED; w++) least[w] = 1;                                             \
-        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_TWINS, VALUES_CUBES, VALUES_BASES, VALUES_LINEAR, \
-                 VALUES_EIGHT);                                                                                        \
-        if (T##_is_watched) inside &= is_positive(lanes < JET_WATCHED ? lanes : JET_WATCHED, least);                   \
+        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_TWINS, VALUES_CUBES,            \
+                 VALUES_BASES, VALUES_LINEAR, VALUES_EIGHT);                                                           \
+        if (T##_is_watched) inside &= is_positive(jet_watched_lanes(lanes), least);                                    \
         return inside;                                                                                                 \
-    }                                                                                                                  \
-    JET_INLINE bool T##_series_of(double *x, int k, int lanes)                                                         \
+    }
+
+/* Of one register's lanes. */
+#define VALUES_OF(T, x, width) ((width) == 8 ? T##_values_8(x) : (width) == 4 ? T##_values_4(x) : T##_values_2(x))
+
+/* The same of operations that stand alone, whose values are to be in registers: of one register's lanes after the
+ * other's. Nothing but the outputs is kept. */
+#define IN_A_REGISTER(V, T)                                                                                            \
     {                                                                                                                  \
-        if (k == 0) return T##_values_of(x, lanes);                                                                    \
-        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, SERIES_TWINS, SERIES_CUBES, SERIES_BASES, SERIES_LINEAR, \
-                 SERIES_EIGHT) return true;                                                                            \
-    }                                                                                                                  \
+        enum { width = sizeof(V) / sizeof(double) };                                                                   \
+        _Alignas(64) double y[T##_slots * width];                                                                      \
+        _Pragma("GCC unroll 256") for (int i = 0; i < T.inputs + T.constants; i++)                                     \
+        {                                                                                                              \
+            *(V *)(y + i * width) = *(const V *)(x + i * lanes + here);                                                \
+        }                                                                                                              \
+        inside &= VALUES_OF(T, y, width);                                                                              \
+        _Pragma("GCC unroll 256") for (int i = 1; i <= T##_outputs; i++)                                               \
+        {                                                                                                              \
+            *(V *)(x + T##_output[i] * lanes + here) = *(const V *)(y + T##_output[i] * width);                        \
+        }                                                                                                              \
+    }
+#ifdef JET_WIDE
+#define IN_REGISTERS(T)                                                                                                \
+    for (int here = 0; here < lanes / 8 * 8; here += 8) IN_A_REGISTER(jet_v8, T)                                       \
+    for (int here = lanes / 8 * 8; lanes % 8 > 0 && here < lanes; here += 4) IN_A_REGISTER(jet_v4, T)
+#elif defined(__AVX__)
+#define IN_REGISTERS(T)                                                                                                \
+    for (int here = 0; here < lanes; here += 4) IN_A_REGISTER(jet_v4, T)
+#else
+#define IN_REGISTERS(T)                                                                                                \
+    for (int here = 0; here < lanes; here += 2) IN_A_REGISTER(jet_v2, T)
+#endif
+#define JET_EMITTED_VALUES_IN_REGISTERS(T, LANES)                                                                      \
+    NEVER bool T##_values_##LANES(double *x)                                                                           \
+    {                                                                                                                  \
+        enum { lanes = LANES };                                                                                        \
+        bool inside = true;                                                                                            \
+        IN_REGISTERS(T)                                                                                                \
+        return inside;                                                                                                 \
+    }
+
+/* No other tapes than those of values alone have scattered operands. */
+#define NONE(T, i, squares, terms)
+
+#define JET_EMITTED_SERIES(T)                                                                                          \
+    JET_INLINE bool T##_series_of(double *x, int k)                                                                    \
+    {                                                                                                                  \
+        enum { lanes = 1 };                                                                                            \
+        if (k == 0) return T##_values_1(x);                                                                            \
+        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, NONE, SERIES_TWINS, SERIES_CUBES, SERIES_BASES,          \
+                 SERIES_LINEAR, SERIES_EIGHT) return true;                                                             \
+    }
+
+#define JET_EMITTED_TANGENTS(T)                                                                                        \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, TANGENTS_TWINS, TANGENTS_CUBES, TANGENTS_BASES,    \
-                 TANGENTS_LINEAR, TANGENTS_EIGHT) return true;                                                         \
-    }                                                                                                                  \
-    JET_INLINE void T##_tangents_in_lanes_of(const double *x, double *dx, int lanes)                                   \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, NONE, TANGENTS_TWINS, TANGENTS_CUBES,              \
+                 TANGENTS_BASES, TANGENTS_LINEAR, TANGENTS_EIGHT) return true;                                         \
+    }
+
+#define JET_EMITTED_TANGENTS_IN_LANES(T, LANES, INLINED)                                                               \
+    INLINED void T##_tangents_in_lanes_##LANES(const double *x, double *dx)                                            \
     {                                                                                                                  \
-        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, IN_LANES_TWINS, IN_LANES_CUBES, IN_LANES_BASES,    \
-                 IN_LANES_LINEAR, IN_LANES_EIGHT);                                                                     \
-    }                                                                                                                  \
+        enum { lanes = LANES };                                                                                        \
+        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, NONE, IN_LANES_TWINS, IN_LANES_CUBES,              \
+                 IN_LANES_BASES, IN_LANES_LINEAR, IN_LANES_EIGHT);                                                     \
+    }
+
+#define JET_EMITTED_ADJOINTS(T)                                                                                        \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, ADJOINTS_TWINS, ADJOINTS_CUBES,               \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, NONE, ADJOINTS_TWINS, ADJOINTS_CUBES,         \
                       ADJOINTS_BASES, ADJOINTS_LINEAR, ADJOINTS_SUMS)                                                  \
     }
 

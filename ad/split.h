@@ -6,10 +6,10 @@
 #include "tape.h"
 
 typedef enum {
-    JET_SPLIT_SCATTERED, /* runs whose operands are not adjacent */
-    JET_SPLIT_SUMS,      /* these and all sums of multiples */
-    JET_SPLIT_ALL,       /* all, each behind what it reads and directly before what waits for it alone: values only */
-    JET_SPLIT_PAIRS      /* the same, and what pairs do to each other has the factor that sums have it with */
+    JET_SPLIT_NONE, /* as they are */
+    JET_SPLIT_SUMS, /* sums of multiples, and runs whose operands are not adjacent */
+    JET_SPLIT_ALL,  /* all, each behind what it reads and directly before what waits for it alone: values only */
+    JET_SPLIT_PAIRS /* the same, and what pairs do to each other has the factor that sums have it with */
 } jet_split;
 
 /* The same slots by the same operations, those apart as runs of one; with JET_SPLIT_PAIRS products have the factor that

@@ -46,7 +46,7 @@ static void add_run(const splitting *s, const jet_run *run, int from, int count)
 static void split_in_place(const splitting *s, jet_split which)
 {
     for (const jet_run *run = s->tape->run; run < s->tape->run + s->tape->runs; run++) {
-        const bool is_apart = run->is_scattered || (which == JET_SPLIT_SUMS && run->op == OP_LINEAR);
+        const bool is_apart = which == JET_SPLIT_SUMS && has_own_terms(run);
         for (int i = 0; i < (is_apart ? run->count : 1); i++) add_run(s, run, i, is_apart ? 1 : run->count);
     }
 }

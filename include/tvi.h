@@ -188,9 +188,10 @@ typedef struct {
                              "": nothing is kept */
 } tvi_compiler;
 
-/* Generates C, compiles it by the C compiler of the machine, without a shell, and loads it: some tenths of a second, a
- * few seconds for 40 bodies. It is kept in the cache, by the content of what was compiled and how: the next time takes
- * a millisecond, also in another process, and several may do it at once. The directory must belong to the user alone.
+/* Generates C, compiles it by the C compiler of the machine, without a shell, and loads it: some seconds, whatever the
+ * number of bodies (docs/compiled.md). It is kept in the cache, by the content of what was compiled and how: the next
+ * time takes milliseconds, also in another process, and several may do it at once. The directory must belong to the
+ * user alone.
  * options as for tvi_integrator_create, their `compiled` is not read; how NULL: all NULL. *out is NULL on failure.
  *   TVI_ECOMPILE  no compiler, an error of it, or the result cannot be written or loaded; the directory is not the
  *                 user's own, or others may write to it

@@ -5,13 +5,12 @@
 #include "bodies.h"
 #include "turns.h"
 
-enum { STEPS = 5 }; /* of a turn, from the start */
-
 typedef struct {
     tvi_integrator *integrator;
     int n;
     const double *q, *p; /* the start */
     double h;
+    long steps;    /* of a turn, from the start: 5 */
     double passes; /* of a step, in the last turn */
 } stepping;
 

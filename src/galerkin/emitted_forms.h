@@ -38,13 +38,13 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
     {                                                                                                                  \
         bool inside = true;                                                                                            \
         if (!T##_is_split) {                                                                                           \
-            inside = T##_values_of(nodes->x, lanes);                                                                   \
+            inside = T##_values_##LANES(nodes->x);                                                                     \
             weigh_lanes(nodes, nodes->x, NAME##_slot, lanes);                                                          \
         }                                                                                                              \
         for (int first = 0; T##_is_split && first < lanes; first += NAME##_width) {                                    \
             _Alignas(64) double y[T##_slots * NAME##_width];                                                           \
             take_rows(y, nodes->x + first, (KEPT), NAME##_width, lanes);                                               \
-            inside &= T##_values_of(y, NAME##_width);                                                                  \
+            inside &= VALUES_OF(T, y, NAME##_width);                                                                   \
             give_impulses(nodes->impulse + first, nodes->weight + first, y, NAME##_slot, (UNKNOWNS), weighs,           \
                           NAME##_width, lanes);                                                                        \
         }                                                                                                              \
@@ -96,8 +96,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
 #define GALERKIN_EMITTED_BLOCKS(NAME, N, LANES, INPUTS, VALUES_KEPT, VALUES_SLOTS, SECOND_KEPT, SECOND_SLOTS)          \
     JET_INLINE bool NAME##_sweep(const galerkin_blocks *blocks, bool with_second)                                      \
     {                                                                                                                  \
-        return with_second ? tvi_second_values_of(blocks->second, (LANES))                                             \
-                           : tvi_values_values_of(blocks->values, (LANES));                                            \
+        return with_second ? tvi_second_values_##LANES(blocks->second) : tvi_values_values_##LANES(blocks->values);    \
     }                                                                                                                  \
     enum { NAME##_is_small = ((VALUES_SLOTS) + (SECOND_SLOTS)) * (LANES) <= STEADY_MOST };                             \
     typedef struct {                                                                                                   \

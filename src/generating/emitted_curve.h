@@ -15,7 +15,7 @@
 /* Order k of a recurrence, of which CURVE_EXPAND and CURVE_DIFFERENTIATE are those of the system's form. */
 #define CURVE_EXPAND_EXPLICIT(k)                                                                                       \
     if ((k) + CURVE_RISE <= tvi_series_top) {                                                                          \
-        if (!tvi_series_series_of(x, (k), 1)) status = TVI_EDOMAIN;                                                    \
+        if (!tvi_series_series_of(x, (k))) status = TVI_EDOMAIN;                                                       \
         CURVE_ADVANCE(&of, (k));                                                                                       \
     }
 #define CURVE_EXPAND_LAGRANGIAN(k)                                                                                     \

@@ -10,7 +10,7 @@
 #include "generating/tangents.h"
 
 #ifdef JET_EMITTED
-#define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->x, k, 1)
+#define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->x, k)
 #define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->x, dx, k, lanes)
 #else
 #define ORDERS_SERIES(curve, k)              jet_sweep_series((curve)->system->field_series, (curve)->x, k, 1)

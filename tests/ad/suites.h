@@ -21,10 +21,11 @@ Suite *gradient_suite(void);
 Suite *hash_suite(void);
 Suite *emit_suite(void);
 
-/* Cases of the suites "record" and "tape" that have files of their own. */
+/* Cases of the suites "record", "tape" and "emit" that have files of their own. */
 void add_sharing(Suite *suite);
 void add_runs(Suite *suite);
 void add_splits(Suite *suite);
+void add_bodies(Suite *suite);
 
 /* An empty case of the suite. */
 static inline TCase *add_case(Suite *suite, const char *name)

@@ -185,5 +185,6 @@ Suite *emit_suite(void)
     tcase_add_test(tests, code_is_the_tape);
     tcase_add_test(tests, another_code_is_another_function);
     tcase_add_test(tests, outside_is_refused);
+    add_bodies(suite);
     return suite;
 }

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const jet_split ways[] = {JET_SPLIT_SCATTERED, JET_SPLIT_SUMS, JET_SPLIT_ALL, JET_SPLIT_PAIRS};
+static const jet_split ways[] = {JET_SPLIT_NONE, JET_SPLIT_SUMS, JET_SPLIT_ALL, JET_SPLIT_PAIRS};
 enum { WAYS = sizeof ways / sizeof *ways, LANES = 8 };
 
 static recording split_of(const recording *r, jet_split which, jet_tape *split)
@@ -53,7 +53,7 @@ END_TEST
 /* Whether the split has the operations of such a run alone. */
 static bool is_cut(const jet_run *run, jet_split which)
 {
-    return which >= JET_SPLIT_ALL || run->is_scattered || (which == JET_SPLIT_SUMS && run->op == OP_LINEAR);
+    return which >= JET_SPLIT_ALL || (which == JET_SPLIT_SUMS && (run->is_scattered || run->op == OP_LINEAR));
 }
 
 /* Each slot once, by the operation that the tape has; alone, if it is one of those to be cut. */
