@@ -9,8 +9,9 @@
 #include <stdlib.h>
 
 /* Tapes of so many operations have their sums apart, or, of whole vectors, all operations, and their orders unrolled if
- * there are so many times the orders of them: what more would gain takes seconds to compile. */
-enum { APART_MOST = 256, ALONE_MOST = 768, UNROLLED_MOST = 800 };
+ * there are so many times the orders of them, and of the tangents beside each: what more would gain takes seconds to
+ * compile. */
+enum { APART_MOST = 256, ALONE_MOST = 768, UNROLLED_MOST = 900 };
 
 /* Of so many operations values are inlined at any number of lanes, of so many at those of one register: else they are a
  * function of their own. */
@@ -327,7 +328,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
         text->failed = true;
         return;
     }
-    const bool unrolled = operations * (wanted->top + 1) <= UNROLLED_MOST;
+    const bool unrolled = operations * (1 + wanted->beside) * (wanted->top + 1) <= UNROLLED_MOST;
     const emission e = {text, &split, wanted, operations, unrolled, stand_alone};
     if (wanted->has_adjoints) jet_emit_adjoints(text, &split, name);
     emit_constants(&e);

@@ -16,6 +16,7 @@ typedef struct {
     const char *name;              /* what it defines begins with */
     int lanes[3], directions[3];   /* of values and tangents; 0 ends */
     int top;                       /* the highest order, of what follows and of tangents */
+    int beside;                    /* vectors of tangents that others have beside each order */
     bool has_series, has_adjoints; /* of one lane */
     bool is_force;                 /* values may be made with the factors of pairs moved (split.h) */
     bool has_inner_tangents;       /* those of all slots are read, and not of inputs and outputs alone */
