@@ -17,7 +17,7 @@
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
 # make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
-# make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, three
+# make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, six
 #                 minutes
 # make instructions  tests/instructions.txt anew: what a step costs
 # make order-doubling   the tables and the picture of docs/order-doubling.md

@@ -1,4 +1,4 @@
-# What docs/performance.md shows, five minutes. Included by the Makefile after bench.mk.
+# What docs/performance.md shows, six minutes. Included by the Makefile after bench.mk.
 
 PERFORMANCE          := series gradient cost dispatch events compiled compiling targets ensembles
 PERFORMANCE_DIR       = $(BUILD)/bench/performance
