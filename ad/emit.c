@@ -211,19 +211,15 @@ static void emit_lists(const emission *e)
 
 /* ---- What callers of the sweeps find (tape.h) -------------------------------------------------------------------- */
 
-/* Returns what the sweep of order k does, with k a constant where orders are unrolled. lanes: of tangents; else 0. */
-static void emit_orders(const emission *e, const char *sweep, const char *blocks, int lanes)
+/* Returns what the sweep of order k does, with k a constant where orders are unrolled; what stands behind k. */
+static void emit_orders(const emission *e, const char *sweep, const char *blocks, const char *behind)
 {
     const char *name = e->wanted->name;
-    const int last = e->unrolled ? e->wanted->top : -1;
     if (e->unrolled) jet_text_add(e->text, "    switch (k) {\n");
-    for (int k = 0; k <= last + 1; k++) {
-        if (k <= last) jet_text_add(e->text, "    case %d: return %s_%s(%s, %d", k, name, sweep, blocks, k);
-        else jet_text_add(e->text, "%s    return %s_%s(%s, k", e->unrolled ? "    }\n" : "", name, sweep, blocks);
-        if (lanes > 0) jet_text_add(e->text, ", %d", lanes);
-        jet_text_add(e->text, ");\n");
-    }
-    jet_text_add(e->text, "}\n");
+    for (int k = 0; k <= e->wanted->top && e->unrolled; k++)
+        jet_text_add(e->text, "    case %d: return %s_%s(%s, %d%s);\n", k, name, sweep, blocks, k, behind);
+    if (e->unrolled) jet_text_add(e->text, "    }\n");
+    jet_text_add(e->text, "    return %s_%s(%s, k%s);\n}\n", name, sweep, blocks, behind);
 }
 
 /* NAME_ORDERS(ORDER): all orders, each a constant where they are unrolled. */
@@ -237,14 +233,6 @@ static void emit_all_orders(const emission *e)
     jet_text_add(e->text, "\n");
 }
 
-/* Values alone of whole vectors. */
-static bool is_of_registers(const jet_emission *wanted)
-{
-    for (const int *lanes = wanted->lanes; *lanes > 0; lanes++)
-        if (*lanes % REGISTER != 0) return false;
-    return !wanted->has_series && !wanted->has_adjoints && wanted->directions[0] == 0;
-}
-
 /* NAME_values_LANES. */
 static void emit_values_at(const emission *e, int lanes)
 {
@@ -256,16 +244,17 @@ static void emit_values_at(const emission *e, int lanes)
                      e->operations <= (fits ? INLINED_IN_REGISTER : INLINED_MOST) ? "ALWAYS" : "NEVER");
 }
 
-/* What others inline, or call where that is large. */
+/* What others inline, or call where that is large; those of one register whatever is wanted, which costs nothing where
+ * nobody has them. */
 static void emit_inner(const emission *e)
 {
     const char *name = e->wanted->name;
     const int *const wanted = e->wanted->lanes;
-    const bool of_registers = is_of_registers(e->wanted);
-    for (int lanes = LEAST_REGISTER; of_registers && lanes <= MOST_REGISTER; lanes *= 2) emit_values_at(e, lanes);
-    for (const int *lanes = wanted; *lanes > 0; lanes++)
-        if (!(of_registers && *lanes <= MOST_REGISTER) && !(lanes > wanted && *lanes == lanes[-1]))
-            emit_values_at(e, *lanes);
+    for (int lanes = LEAST_REGISTER; lanes <= MOST_REGISTER; lanes *= 2) emit_values_at(e, lanes);
+    for (const int *lanes = wanted; *lanes > 0; lanes++) {
+        const bool is_register = *lanes == 2 || *lanes == 4 || *lanes == 8;
+        if (!is_register && !(lanes > wanted && *lanes == lanes[-1])) emit_values_at(e, *lanes);
+    }
     if (wanted[0] == 1)
         jet_text_add(e->text, "JET_EMITTED_SERIES(%s)\nJET_EMITTED_TANGENTS(%s)\nJET_EMITTED_ADJOINTS(%s)\n", name,
                      name, name);
@@ -286,7 +275,7 @@ static void emit_series(const emission *e)
                  "static bool %s_series(const jet_tape *tape, double *x, int k, int lanes)\n{\n"
                  "    if (lanes != 1) return tape->interpreted->series(tape, x, k, lanes);\n",
                  e->wanted->name);
-    emit_orders(e, "series_of", "x", 0);
+    emit_orders(e, "series_of", "x", "");
 }
 
 /* A function for each number of lanes. */
@@ -294,8 +283,11 @@ static void emit_tangents(const emission *e)
 {
     const char *name = e->wanted->name;
     for (const int *lanes = e->wanted->directions; *lanes > 0; lanes++) {
-        jet_text_add(e->text, "static bool %s_tangents_%d(const double *x, double *dx, int k)\n{\n", name, *lanes);
-        emit_orders(e, "tangents_of", "x, dx", *lanes);
+        jet_text_add(e->text,
+                     "static bool %s_tangents_%d(const double *x, double *dx, int k)\n{\n"
+                     "    enum { lanes = %d };\n",
+                     name, *lanes, *lanes);
+        emit_orders(e, "tangents_of", "x, dx", ", lanes");
     }
     jet_text_add(e->text,
                  "static void %s_tangents(const jet_tape *tape, const double *x, double *dx, int k, int lanes)\n{\n",
@@ -312,6 +304,14 @@ static void emit_adjoint_sweep(const emission *e)
                  "static void %s_adjoints(const jet_tape *tape, const double *x, double *bar, int k, int top)\n{\n"
                  "    (void)tape;\n    %s_adjoints_of(x, bar, k, top);\n}\n",
                  name, name);
+}
+
+/* Values alone of whole vectors. */
+static bool is_of_registers(const jet_emission *wanted)
+{
+    for (const int *lanes = wanted->lanes; *lanes > 0; lanes++)
+        if (*lanes % REGISTER != 0) return false;
+    return !wanted->has_series && !wanted->has_adjoints && wanted->directions[0] == 0;
 }
 
 void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wanted)

@@ -31,7 +31,7 @@ const char *const *jet_emit_lines(void);
 /* What all that follows is made of: once, at the beginning. */
 void jet_emit_rules(jet_text *text);
 /* Defines `static const jet_sweeps NAME_sweeps`, with NULL for what it has not, and what it needs; for others NAME, the
- * tape, NAME_values_LANES(x) for each number of lanes, and for those of one register where all are multiples of 4,
+ * tape, NAME_values_LANES(x) for each number of lanes that is wanted, and for those of one register, 2, 4 and 8,
  * NAME_series_of(x, k) and NAME_tangents_of(x, dx, k, lanes), if it has one lane, to be inlined with constants,
  * NAME_clear(bar), if it has adjoints (emit_adjoints.h), and NAME_ORDERS(ORDER): ORDER(k) for all orders of a series.
  */

@@ -152,6 +152,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
             *(V *)(x + T##_output[i] * lanes + here) = *(const V *)(y + T##_output[i] * width);                        \
         }                                                                                                              \
     }
+/* Of constants, so that no block is compiled that there is not. */
 #ifdef JET_WIDE
 #define IN_REGISTERS(T)                                                                                                \
     for (int here = 0; here < lanes / 8 * 8; here += 8) IN_A_REGISTER(jet_v8, T)                                       \
@@ -191,8 +192,8 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
                  TANGENTS_BASES, TANGENTS_LINEAR, TANGENTS_EIGHT) return true;                                         \
     }
 
-#define JET_EMITTED_TANGENTS_IN_LANES(T, LANES, INLINED)                                                               \
-    INLINED void T##_tangents_in_lanes_##LANES(const double *x, double *dx)                                            \
+#define JET_EMITTED_TANGENTS_IN_LANES(T, LANES)                                                                        \
+    NEVER void T##_tangents_in_lanes_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
         T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, NONE, IN_LANES_TWINS, IN_LANES_CUBES,              \

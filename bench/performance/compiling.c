@@ -6,7 +6,6 @@
 #include "stepping.h"
 
 #include <stdlib.h>
-#include <time.h>
 
 static const int bodies[] = {2, 3, 6, 7, 8, 13, 14, 20, 40};
 static const struct {
@@ -15,13 +14,6 @@ static const struct {
 } methods[] = {{"galerkin", 16}, {"midpoint", 20}};
 enum { METHODS = sizeof methods / sizeof *methods };
 
-static double now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
 /* Without a cache; then steps from the tape and by generated code. */
 static void write_cells(FILE *table, const big_system *b, const tvi_options *options)
 {
@@ -29,9 +21,9 @@ static void write_cells(FILE *table, const big_system *b, const tvi_options *opt
     tvi_compiled *code;
     stepping s[2];
     turn of[2];
-    const double begin = now();
+    const double begin = turns_wall();
     experiment_insist(tvi_compile(&code, b->system, options, &(tvi_compiler){.cache = ""}), b->name);
-    const double seconds = now() - begin;
+    const double seconds = turns_wall() - begin;
     compiled.compiled = code;
     for (int i = 0; i < 2; i++) {
         s[i] = stepping_open(b->system, i > 0 ? &compiled : options, b->q, b->p, b->h);

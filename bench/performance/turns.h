@@ -9,6 +9,9 @@ typedef struct {
     long calls;     /* of a turn: set by turns_time */
 } turn;
 
+/* The clock on the wall, s, of what is no work of this process alone. */
+double turns_wall(void);
+
 /* Sets seconds of each. */
 void turns_time(int count, turn of[]);
 

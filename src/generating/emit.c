@@ -70,26 +70,25 @@ static void emit_followers(jet_text *text, const tvi_system *system, const char 
     free(follows);
 }
 
-/* How the seeds have the field at the nodes, of which code without seeds has no sweep. Tangents are those of velocities
- * by momenta. */
+/* How the seeds have the field at the nodes, of which code without seeds has no sweep; tangents are those of velocities
+ * by momenta, by the series' tape. */
 static void emit_field(jet_text *text, const char *name, const tvi_system *system, const tvi_action *a, bool has_seed)
 {
     const jet_tape *field = tvi_action_field(system, a->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
-    const bool has_velocities = field == system->field_series;
-    const char *tape = has_velocities ? "tvi_series" : "tvi_values";
+    const bool has_velocities = has_seed && field == system->field_series;
+    const int points = a->points;
     emit_output(text, field, name, "values", "CURVE_VALUES_SLOT");
-    if (has_seed && has_velocities)
-        jet_text_add(text,
-                     "JET_EMITTED_VALUES(tvi_series, %d, NEVER)\n"
-                     "JET_EMITTED_TANGENTS_IN_LANES(tvi_series, %d, NEVER)\n",
-                     a->points, a->points);
+    if (has_velocities)
+        jet_text_add(
+            text,
+            "JET_EMITTED_TANGENTS_IN_LANES(tvi_series, %d)\n"
+            "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), tvi_series_tangents_in_lanes_%d(x, dx))\n",
+            points, points);
+    else jet_text_add(text, "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(x), (void)(dx))\n");
     if (has_seed)
-        jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(lanes), %s_values_%d(x))\n",
-                     tape, a->points);
-    else jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), (void)(lanes), false)\n");
-    jet_text_add(text, "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(lanes)");
-    if (has_seed && has_velocities) jet_text_add(text, ", tvi_series_tangents_in_lanes_%d(x, dx))\n", a->points);
-    else jet_text_add(text, ", (void)(x), (void)(dx))\n");
+        jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), %s_values_%d(x))\n",
+                     has_velocities ? "tvi_series" : "tvi_values", points);
+    else jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), false)\n");
 }
 
 static void emit_shape(jet_text *text, const tvi_action *a, const char *name)

@@ -87,6 +87,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
     else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;
     else used.series.directions[0] = TVI_CURVE_LANES, used.series.directions[1] = left;
     if (is_whole) used.emit_loops = used.series.has_adjoints ? tvi_curve_emit_products : tvi_curve_emit_matrices;
+    if (system->form == TVI_HAMILTONIAN) used.series.lanes[1] = points; /* velocities at the nodes */
     used.values = (jet_emission){.name = "tvi_values", .lanes = {points}};
     if (system->bend_values && options->nodes == TVI_NODES_TRUNCATED)
         used.bend = (jet_emission){.name = "tvi_bend", .lanes = {points}};

@@ -18,6 +18,9 @@ static const struct {
              {"gcc -O3", "galerkin", 10, &scene_double_pendulum, 0.01, true},
              {"clang -O2", "midpoint", 6, &scene_kepler, 0.1, false},
              {"clang -O1", "galerkin", 16, &scene_vortices, 0.02, true},
+             {"gcc -O1", "galerkin", 2, &scene_kepler, 0.1, false},
+             {"gcc -O1", "galerkin", 4, &scene_kepler, 0.1, false},
+             {"gcc -O1", "midpoint", 2, &scene_nonseparable, 0.05, false},
              {"gcc -O1", "tvi", 3, &scene_nonseparable, 0.05, false}};
 enum { CASES = sizeof cases / sizeof *cases };
 
