@@ -1,10 +1,13 @@
 # make help       these lines
-# make            build/libtvi.a and build/libtvi.so
+# make            build/libtvi.a and build/libtvi.so, by all cores; make -j1 for one; V=1 prints the commands
 # make libs       what a program with build/libtvi.a is linked with, before it is installed
-# make check      the tests (installs what they need from Debian, as root), six to twelve minutes of two cores
-# make check-long what takes longer: sanitizers, coverage, the base instruction set, warnings of gcc as it optimizes
-# make check-generated  generated code on every scene with every method, and the suites of other programs with it: some
-#                 minutes of the compiler, once
+# make check      the tests (installs what they need from Debian, as root), five minutes of two cores
+# make check-long what takes longer, a quarter of an hour: sanitizers, valgrind, coverage, narrower instruction sets,
+#                 aarch64, warnings of both compilers
+# make check-isas the tests with the base instruction set and AVX2;  make check-arm: on aarch64, by qemu
+# make check-all  both, and what takes longer still: generated code on every scene with every method
+# make check-NAME one of the checks alone, as their lines say: make check-ad, make check-valgrind
+# make margins    how far the bounds of the tests are from what they bound, with all instruction sets; half an hour
 # make bench      the library and the baselines over all scenes: tables, CSV, plots in build/bench; SCENE=kepler for one
 # make cov        lines of ad and src that the tests run; fails below 95%
 # make fuzz       random programs led by coverage (libFuzzer), a minute; SECONDS=n for longer
@@ -37,6 +40,10 @@
 # make references bench/scenes/references.h anew, in quadruple precision
 
 BUILD   ?= build
+# All cores build, and test; make -j1 for one. A line for each file; V=1 for the commands.
+JOBS     = $(if $(filter -j% --jobserver%,$(MAKEFLAGS)),,-j$(shell nproc 2>/dev/null || echo 2))
+IS_QUIET = $(findstring s,$(filter-out -%,$(firstword $(MAKEFLAGS))))
+SAY      = $(if $(V),,@$(if $(IS_QUIET),,echo '$(1)'; ))
 PREFIX  ?= /usr/local
 DESTDIR ?=
 VERSION := 0.1.0
@@ -45,7 +52,8 @@ SOVERSION := 0
 # No -ffast-math: the roundoff of a step is part of the design. No contraction of multiply-adds, so that gcc and clang
 # round alike. No errno from the mathematical functions, so that square roots are one instruction.
 # No traps, as clang has it: the larger of two numbers is no branch, and loops with it are those of vectors.
-CFLAGS   ?= -O3 -g
+# Debuggers get the lines; the places of variables, which code that is optimized seldom keeps, take a tenth of the time.
+CFLAGS   ?= -O3 -g1
 WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
 BASE     := -std=c11 $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -fvisibility=hidden -Iinclude
 # what is not the product: tests, bench and the quadruple-precision reference, which only gcc compiles
@@ -60,8 +68,10 @@ BASE      += $(if $(HAS_SLEEF),-DJET_SLEEF)
 
 # threads for the members of an ensemble (src/run/spread.c), where the compiler has OpenMP; OPENMP=0: one thread
 OPENMP     ?= 1
-OPENMP_LIB := $(if $(filter-out 0,$(OPENMP)),$(shell $(CC) -fopenmp -include omp.h -E -x c /dev/null >/dev/null 2>&1 && \
-                { $(CC) --version | grep -q clang && echo omp || echo gomp; }))
+OPENMP_LIB := $(if $(filter-out 0,$(OPENMP)),$(shell o=$$(mktemp) && \
+                  printf 'void f(void);\nint main(void) {\n#pragma omp parallel\nf();\n}\nvoid f(void) { }\n' | \
+                  $(CC) -fopenmp -include omp.h -x c -c -o $$o - 2>/dev/null && for lib in gomp omp; do \
+                  $(CC) -o $$o.out $$o -l$$lib 2>/dev/null && echo $$lib && break; done; rm -f $$o $$o.out))
 $(BUILD)/src/run/spread.o: BASE += $(if $(OPENMP_LIB),-fopenmp)
 
 # what runs a tape is compiled once for each instruction set, and one is chosen at run time (ad/isa.c). Those that have
@@ -84,7 +94,9 @@ LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:
 .PHONY: help libs all check check-long bench choose references clean need-library need-check need-bench
 
 all: need-library
-	@$(MAKE) --no-print-directory $(BUILD)/libtvi.a $(BUILD)/libtvi.so
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/libtvi.a $(BUILD)/libtvi.so
+	$(if $(IS_QUIET),,@echo 'Made $(BUILD)/libtvi.a and $(BUILD)/libtvi.so. Next: make check, or make install, or a program:'; \
+	    echo '    cc program.c -Iinclude $(BUILD)/libtvi.a $$(make -s libs) && ./a.out')
 
 # what there is to make: the lines at the head of this file
 help:
@@ -121,25 +133,25 @@ need-bench: ; $(call need,$(PACKAGES_LIBRARY) $(SLEEF_PACKAGE) $(PACKAGES_BENCH)
 
 # ---- The library -------------------------------------------------------------------------------------------------------
 
-# made anew when SLEEF comes or goes
-$(filter $(BUILD)/ad/rule_%,$(AD_OBJECTS)): $(BUILD)/elementary
-$(BUILD)/elementary: always
-	@mkdir -p $(@D) && echo '$(HAS_SLEEF)' | cmp -s - $@ || echo '$(HAS_SLEEF)' >$@
+# All objects are made anew when the compiler, its flags, SLEEF or OpenMP are others.
+BUILT_WITH := $(CC) $(BASE) $(CFLAGS) $(OPENMP_LIB)
+$(BUILD)/built_with: always
+	@mkdir -p $(@D) && echo '$(BUILT_WITH)' | cmp -s - $@ || echo '$(BUILT_WITH)' >$@
 .PHONY: always
 
 $(BUILD)/ad/%.o: ad/%.c
 	@mkdir -p $(@D)
-	$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
 EMBEDDED_RULES := $(addprefix ad/,vector.h roots.h graph.h tape.h rule.h sums.h elementary.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
 $(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
 	@mkdir -p $(@D)
-	awk -v NAME=jet_embedded_rules -f ad/embed.awk ad/vector.h include/jet.h $(filter-out ad/vector.h,$(EMBEDDED_RULES)) >$@
+	$(call SAY,AWK $@)awk -v NAME=jet_embedded_rules -f ad/embed.awk ad/vector.h include/jet.h $(filter-out ad/vector.h,$(EMBEDDED_RULES)) >$@
 # what defines generated code
 $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)
-	awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
 # the loops of the Galerkin curve, for one number of unknowns
 EMBEDDED_GALERKIN := src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h tail.h) \
                      $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h few.h loosen.h folded.h pairs.h columns.h rounds.h loops.c \
@@ -147,7 +159,7 @@ EMBEDDED_GALERKIN := src/algebra/sizes.h src/method/origin.h $(addprefix src/alg
                          emitted_loops.h emitted_passes.h emitted_steps.h emitted_forms.h)
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 	@mkdir -p $(@D)
-	awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
 # a curve, and the action of it
 EMBEDDED_CURVE := include/tvi.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h tail.h weigh.h) \
@@ -156,13 +168,13 @@ EMBEDDED_CURVE := include/tvi.h $(addprefix src/,algebra/sizes.h method/origin.h
                           curve_stepper.h curve_step.h emitted_curve.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE)
 	@mkdir -p $(@D)
-	awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@
 # and what solves its equations by products
 $(BUILD)/src/embedded_products.c: ad/embed.awk src/generating/products.h
 	@mkdir -p $(@D)
-	awk -v NAME=tvi_embedded_products -f ad/embed.awk src/generating/products.h >$@
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_products -f ad/embed.awk src/generating/products.h >$@
 $(EMBEDDED): %.o: %.c
-	$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart
 comma := ,
 GENERATED_FLAGS := -Werror=implicit-function-declaration -O3 -fno-math-errno -fno-trapping-math -fno-tree-slp-vectorize
@@ -170,7 +182,6 @@ quoted = "$(GENERATED_FLAGS) $(1)",
 # with the SLEEF that the library has
 SLEEF_FILE = $(notdir $(shell readlink $$($(CC) -print-file-name=libsleef.so)))
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_SLEEF='$(if $(HAS_SLEEF),"-DJET_SLEEF"$(comma) "$(or $(SLEEF_FILE:%=-l:%),-lsleef)"$(comma))'
-$(BUILD)/src/compiled/load.o: $(BUILD)/elementary
 $(BUILD)/src/compiled/load.o: BASE += -DTVI_COMPILED_FLAGS='$(call quoted,-ffp-contract=off) $(foreach isa,$(ISAS),$(call quoted,$(FLAGS_$(isa))))'
 
 $(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerkin.o galerkin/crowd.o galerkin/linear_prediction.o generating/taylor_crowd.o generating/curve_crowd.o generating/action.o generating/curve_stepper.o run/crowd.o)): \
@@ -179,20 +190,20 @@ $(addprefix $(BUILD)/,ad/isa.o $(addprefix src/,compiled/load.o galerkin/galerki
 define isa_objects
 $(BUILD)/%.$(1).o: %.c
 	@mkdir -p $$(@D)
-	$$(CC) $$(BASE) -Iad -Isrc $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
+	$$(call SAY,CC $$< ($(1)))$$(CC) $$(BASE) -Iad -Isrc $$(FLAGS_$(1)) -DJET_ISA=$(1) $$(CFLAGS) -MMD -MP -c -o $$@ $$<
 endef
 $(foreach isa,$(ISAS),$(eval $(call isa_objects,$(isa))))
 
 $(BUILD)/src/%.o: src/%.c
 	@mkdir -p $(@D)
-	$(CC) $(BASE) -Iad -Isrc $(CFLAGS) -MMD -MP -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(BASE) -Iad -Isrc $(CFLAGS) -MMD -MP -c -o $@ $<
 
 $(BUILD)/libtvi.a: $(OBJECTS)
 	@rm -f $@
-	$(AR) rcs $@ $^
+	$(call SAY,AR $@)$(AR) rcs $@ $^
 
 $(BUILD)/libtvi.so: $(OBJECTS)
-	$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libtvi.so.$(SOVERSION) -o $@ $^ $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) -shared -Wl,-soname,libtvi.so.$(SOVERSION) -o $@ $^ $(LIBS)
 
 include src/packaging/install.mk
 
@@ -211,6 +222,8 @@ include bench/maps/maps.mk
 include tests/tests.mk
 
 include bench/stability/stability.mk
+
+$(OBJECTS) $(TEST_OBJECTS) $(call objects_of,$(BENCH_SOURCES)): $(BUILD)/built_with
 
 clean:
 	rm -rf build

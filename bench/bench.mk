@@ -72,22 +72,22 @@ $(BUILD)/bench/sweep/sweep: $(BUILD)/bench/sweep/bench.o $(BUILD)/bench/sweep/su
 $(BUILD)/bench/chaos/chaos: $(BUILD)/bench/experiments/experiment.o
 $(filter-out %/sweep,$(SWEEP_PROGRAMS)): %: %.o
 $(SWEEP_PROGRAMS): $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(BASELINE_LIBS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -o $@ $(filter %.o,$^) $(filter %.a,$^) $(BASELINE_LIBS) $(LIBS)
 
 # what callgrind runs is steps
 SCENE_PROGRAMS := $(BUILD)/bench/choosing/tails $(BUILD)/bench/choosing/suggest $(BUILD)/bench/steps/steps
 $(BUILD)/bench/choosing/tails: $(BUILD)/bench/stability/cases.o
 $(SCENE_PROGRAMS): %: %.o $(SCENE_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS)
 
 REFERENCE_SOURCES := $(wildcard bench/references/*.c)
 REFERENCE_OBJECTS := $(REFERENCE_SOURCES:%.c=$(BUILD)/%.o)
 $(BUILD)/bench/references/reference: $(REFERENCE_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LIBS) -lquadmath
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(LIBS) -lquadmath
 $(REFERENCE_OBJECTS): $(BUILD)/bench/references/%.o: bench/references/%.c
 	@mkdir -p $(@D)
-	$(QUADCC) $(QUAD) -MMD -MP -c -o $@ $<
+	$(call SAY,CC $<)$(QUADCC) $(QUAD) -MMD -MP -c -o $@ $<
 
 $(BUILD)/bench/%.o: bench/%.c
 	@mkdir -p $(@D)
-	$(CC) $(TOOL) $(CFLAGS) -DBENCH_CFLAGS='"$(BASE) $(CFLAGS)"' -MMD -MP -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(TOOL) $(CFLAGS) -DBENCH_CFLAGS='"$(BASE) $(CFLAGS)"' -MMD -MP -c -o $@ $<

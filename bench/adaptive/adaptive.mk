@@ -10,4 +10,4 @@ adaptive: need-bench
 .PHONY: adaptive
 
 $(ADAPTIVE)/adaptive: $(ADAPTIVE_OBJECTS) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)

@@ -23,10 +23,10 @@ endif
 .PHONY: compare
 
 $(BUILD)/bench/baselines/peers: $(BUILD)/bench/baselines/peers.o $(BUILD)/bench/runs/run.o $(BASELINE_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
 
 $(BUILD)/check/baselines: CHECK_LIBS += $(BASELINE_LIBS)
 
 $(BUILD)/bench/baselines/%.o: bench/baselines/%.c
 	@mkdir -p $(@D)
-	$(CC) $(TOOL) $(CFLAGS) $(BASELINE_FLAGS) $(BASELINE_DEFINES) -DBASELINE_FLAGS='"$(BASELINE_FLAGS)"' -MMD -MP -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(TOOL) $(CFLAGS) $(BASELINE_FLAGS) $(BASELINE_DEFINES) -DBASELINE_FLAGS='"$(BASELINE_FLAGS)"' -MMD -MP -c -o $@ $<

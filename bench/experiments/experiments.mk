@@ -17,4 +17,4 @@ experiments: need-bench
 
 $(EXPERIMENT_PROGRAMS): $(EXPERIMENTS_DIR)/%: $(EXPERIMENTS_DIR)/%.o $(EXPERIMENTS_DIR)/experiment.o $(SWEEP_OBJECTS) \
                         $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)

@@ -9,4 +9,4 @@ maps: need-bench
 .PHONY: maps
 
 $(MAPS)/maps: $(MAPS)/maps.o $(EXPERIMENTS_DIR)/experiment.o $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)

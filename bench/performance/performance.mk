@@ -31,4 +31,4 @@ $(PERFORMANCE_DIR)/compiled: $(BUILD)/bench/adaptive/solution.o
 $(PERFORMANCE_DIR)/cost: LDFLAGS += -Wl,--wrap=tvi_curve_jacobians_for
 
 $(PERFORMANCE_PROGRAMS): $(PERFORMANCE_DIR)/%: $(PERFORMANCE_DIR)/%.o $(PERFORMANCE_SHARED) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)

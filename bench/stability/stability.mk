@@ -21,4 +21,4 @@ guard: need-bench
 $(BUILD)/check/stability: CHECK_LIBS += $(BASELINE_LIBS)
 
 $(STABILITY)/break: $(STABILITY_OBJECTS) $(SCENE_OBJECTS) $(BUILD)/libtvi.a
-	$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -o $@ $^ $(LIBS)
