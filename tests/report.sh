@@ -1,10 +1,12 @@
 #!/bin/sh
-# report.sh NAME LOG COMMAND...
-# Runs the command with its output in the log, and prints a line on how it went: the summaries of Check where there are
-# some, the end of the log where it failed.
+# report.sh NAME AGAIN LOG COMMAND...
+# Runs the command with its output in the log, and prints a line when it ends. Where it failed, that line is followed by
+# the assertions that failed, each with its file, line and message, and by the command that runs each of them alone
+# (suites.sh writes both into the log); or by the end of the log, where no assertion failed. AGAIN is the command that
+# runs all of this one check.
 set -u
-name=$1 log=$2
-shift 2
+name=$1 again=$2 log=$3
+shift 3
 mkdir -p "$(dirname "$log")"
 start=$(date +%s)
 "$@" >"$log" 2>&1
@@ -16,6 +18,12 @@ if [ $status -eq 0 ]; then
     printf 'ok    %s (%d s%s)\n' "$name" "$seconds" "$checks"
     exit 0
 fi
-printf 'FAIL  %s (%d s), the end of %s:\n' "$name" "$seconds" "$log"
-tail -n 25 "$log" | sed 's/^/      | /'
+failures=$(grep -E '^[^ :]+:[0-9]+:[FE]:|^again: ' "$log" | head -n 40)
+{
+    printf 'FAIL  %s (%d s), all of its output: %s\n' "$name" "$seconds" "$log"
+    if [ "$failures" ]; then echo "$failures"; else tail -n 25 "$log"; fi | sed 's/^/      | /'
+    printf '      again: %s\n' "$again"
+} >"$log.failed"
+cat "$log.failed" # at once, as other checks print beside this one
+rm -f "$log.failed"
 exit 1

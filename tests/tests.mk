@@ -1,34 +1,38 @@
-# tests.mk - make check and make check-long: what is claimed of the library, a line for each claim. Included by the
-# Makefile.
+# tests.mk - make check, make check-long and make check-all: what is claimed of the library, a line for each claim.
+# Included by the Makefile.
 #
-# make check has what needs one build of everything, in $(BUILD)/check; make check-long what needs another one: with the
-# sanitizers below $(BUILD)/sanitize and $(BUILD)/threads, for coverage below $(BUILD)/cov, with -Werror below $(BUILD)/gcc.
-# The longest stand first, so that two jobs end together.
+# make check has what needs one build of everything, in $(BUILD)/check, and what a change may break any day. make
+# check-long has what takes longer, each with its reason beside it; CI runs both. make check-all has what takes longer
+# still. Builds of another kind stand below $(BUILD): sanitize, threads, cov, read, gcc, arm.
+# The longest checks stand first, so that the cores end together.
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
-CHECKS  := check-generating check-library $(patsubst %,check-%,$(filter-out generating library,$(FOLDERS))) check-valgrind \
-           check-install check-warnings-gcc check-warnings-clang check-formatting check-headers check-readme check-tables \
-           check-symbols check-names check-floors check-instructions check-examples check-generated-few
-LONG    := check-sanitizers check-coverage check-equilibria check-optimized check-base check-threads
-.PHONY: check-generated do-generated check-long test-programs run-check run-check-long $(CHECKS) $(CHECKS:check-%=do-%) $(LONG) $(LONG:check-%=do-%)
-JOBS     = $(if $(findstring jobserver,$(MAKEFLAGS)),,-j2)
+FIRST   := generating library compiled
+CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples install instructions \
+           headers readme formatting tables symbols names floors)
+LONG    := $(patsubst %,check-%,sanitizers arm coverage isas optimized thorough valgrind warnings-clang threads)
+ALL     := $(patsubst %,check-%,generated equilibria)
+.PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
+        $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)
 
-# what several checks need is built before they run side by side; where that fails, they say so
+# What several checks need is built before they run side by side; where that fails, they say so.
 define checks
-	@echo "Building below $(BUILD), then checking"
-	@$(MAKE) --no-print-directory -s $(JOBS) all man
-	@$(MAKE) --no-print-directory -s -k $(JOBS) test-programs >/dev/null 2>&1 || true
+	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/libtvi.a $(BUILD)/libtvi.so man
+	@$(MAKE) --no-print-directory -k $(JOBS) test-programs || true
 	@$(MAKE) --no-print-directory -k $(JOBS) run-$@
 endef
 check: need-check ; $(checks)
 check-long: need-check ; $(checks)
+check-all: check check-long ; $(checks)
 
 run-check: $(CHECKS)
 run-check-long: $(LONG)
+run-check-all: $(ALL)
 
+# A check is two targets: check-NAME says in one line how do-NAME went (report.sh).
 REPORT = +@tests/report.sh
-LOG    = $(BUILD)/check/$@.log
-DO     = $(MAKE) -s --no-print-directory do-$(@:check-%=%)
+LOG    = 'make $@' $(BUILD)/check/$@.log
+DO     = $(LOG) $(MAKE) -s --no-print-directory do-$(@:check-%=%)
 
 # ---- The test programs: one for each folder with a main.c ---------------------------------------------------------------
 
@@ -47,18 +51,18 @@ QUAD_FLAGS   = $(QUAD) -Isrc -Itests -Ibench/baselines $(CHECK_CFLAGS) $(CFLAGS)
 
 $(filter-out $(QUAD_OBJECTS),$(TEST_OBJECTS)): $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
-	$(CC) $(TEST_FLAGS) -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(TEST_FLAGS) -c -o $@ $<
 
 $(QUAD_OBJECTS): $(BUILD)/%.o: %.c
 	@mkdir -p $(@D)
-	$(QUADCC) $(QUAD_FLAGS) -c -o $@ $<
+	$(call SAY,CC $<)$(QUADCC) $(QUAD_FLAGS) -c -o $@ $<
 
 # what the programs take from each other and from the bench
 HELPERS := $(call objects_of,$(wildcard tests/problems/*.c) $(filter-out %/reference.c,$(wildcard bench/references/*.c)) $(wildcard bench/scenes/*.c bench/baselines/*.c) \
             $(filter-out %/stability.c,$(wildcard bench/stability/*.c)))
 $(BUILD)/check/helpers.a: $(HELPERS)
 	@mkdir -p $(@D) && rm -f $@
-	$(AR) rcs $@ $^
+	$(call SAY,AR $@)$(AR) rcs $@ $^
 
 # the jets build and are tested without src/
 library_of = $(if $(filter ad,$(1)),$(AD_OBJECTS),$(BUILD)/check/helpers.a $(BUILD)/libtvi.a)
@@ -74,43 +78,69 @@ $(GENERATED): WRAP = -Wl,--wrap=tvi_integrator_create,--wrap=tvi_integrator_free
 test-programs: $(PROGRAMS) $(GENERATED) $(BUILD)/bench/steps/steps
 $(PROGRAMS) $(GENERATED):
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
 
-# the one of tests/library by its older name, too
-check-tests: check-library
-.PHONY: check-tests
-
-$(FOLDERS:%=check-%): check-%: ; $(REPORT) "tests/$*" $(LOG) $(DO)
+# All suites of a program, and the two programs that have none.
+FUZZERS := fuzz fuzz_steps
+$(FOLDERS:%=check-%): check-%: ; $(REPORT) "tests/$*" $(DO)
 $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
-	$<
+	$(if $(filter $*,$(FUZZERS)),,tests/suites.sh '' )$<
 
-# what integrates, without the wider vectors that this machine may have (tests/ad runs every instruction set)
-check-base: ; $(REPORT) "the base instruction set" $(LOG) $(DO)
-do-base: export TVI_ISA = base
-do-base: $(addprefix $(BUILD)/check/,library events generating ensemble)
-	tests/suites.sh 'closed forms,structure,stepping,products,linear' $(BUILD)/check/library
-	$(BUILD)/check/events
-	tests/suites.sh 'bits/bits,lanes' $(BUILD)/check/ensemble
-	tests/suites.sh 'forms,orders,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating
+# The suites that depend on vectors and rounding, with narrower instruction sets than the one that make check takes.
+check-isas: ; $(REPORT) "the instruction sets $(NARROWER)" $(DO)
+NARROWER := base $(filter avx2,$(ISAS))
+do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble)
+	for set in $(NARROWER); do export TVI_ISA=$$set; \
+	    tests/suites.sh 'identity,series,tangent,adjoint,elementary' $(BUILD)/check/ad && \
+	    tests/suites.sh 'closed forms,structure,stepping,products,linear' $(BUILD)/check/library && \
+	    tests/suites.sh '' $(BUILD)/check/events && \
+	    tests/suites.sh 'bits/bits,lanes' $(BUILD)/check/ensemble && \
+	    tests/suites.sh 'forms,orders,serves,points,convergence,dense,galerkin,references,states' $(BUILD)/check/generating || \
+	    exit 1; done
 
 # generated code: every scene with every method beside the memory of all kinds of steps, then the suites of orders,
 # geometry, tangents, states and random programs; some minutes of the compiler, few where the cache below
 # $(BUILD)/check/generated has it already
-check-generated: ; $(REPORT) "generated code: every scene with every method, and the suites of other programs" $(LOG) $(DO)
+check-generated: ; $(REPORT) "generated code: every scene with every method, and the suites of other programs" $(DO)
 do-generated: export TVI_COMPILED = all
 do-generated: $(addprefix $(BUILD)/check/,compiled library) $(GENERATED)
 	tests/suites.sh same $< & same=$$!; \
 	tests/suites.sh faults/generated $(BUILD)/check/library; memory=$$?; wait $$same && exit $$memory
 	tests/generated.sh $(BUILD)
 
-check-generated-few: ; $(REPORT) "suites with generated code" $(LOG) $(DO)
+check-generated-few: ; $(REPORT) "suites with generated code" $(DO)
 do-generated-few: $(GENERATED)
 	tests/generated.sh $(BUILD) few
 
+# All of the tests of which make check has a share: every allocation of a system fails, every byte of a saved state is
+# damaged in eight ways, steps of all forms' generated code allocate nothing. They guard what changes rarely, at length.
+check-thorough: ; $(REPORT) "tests of which make check has a share" $(DO)
+do-thorough: export TVI_TESTS = all
+do-thorough: $(addprefix $(BUILD)/check/,library generating stability)
+	tests/suites.sh faults $(BUILD)/check/library
+	tests/suites.sh states $(BUILD)/check/generating
+	tests/suites.sh equilibria/springs $(BUILD)/check/stability
+
 # 20,000 steps of every method about every equilibrium at 1 and at 100
-check-equilibria: ; $(REPORT) "long runs about equilibria" $(LOG) $(DO)
+check-equilibria: ; $(REPORT) "long runs about equilibria" $(DO)
 do-equilibria: $(BUILD)/check/stability
 	TVI_EQUILIBRIA=all tests/suites.sh equilibria/springs $<
+
+# How far the bounds of the tests are from what they bound: below 1.5, and not the same with all instruction sets. In a
+# copy of the tests each comparison keeps its margin (margins.py). CC=clang-19 for another compiler.
+MARGINS         := $(BUILD)/margins
+MARGIN_PROGRAMS := $(filter-out compiled,$(FOLDERS))
+margins: need-check
+	@mkdir -p $(MARGINS)
+	@tests/margins.py copy tests $(MARGINS)/tests
+	@for part in ad src include bench docs Makefile README.md; do ln -sfn $(CURDIR)/$$part $(MARGINS)/$$part; done
+	@$(MAKE) -s --no-print-directory -C $(MARGINS) $(JOBS) BUILD=build $(MARGIN_PROGRAMS:%=build/check/%)
+	@$(MAKE) -s --no-print-directory -k $(JOBS) $(foreach set,base $(ISAS),$(MARGINS)/$(set))
+	@tests/margins.py list 1.5 $(foreach set,base $(ISAS),$(MARGINS)/$(set))
+$(foreach set,base $(ISAS),$(MARGINS)/$(set)): $(MARGINS)/%: always
+	@rm -f $@ && cd $(MARGINS) && for program in $(MARGIN_PROGRAMS); do \
+	    TVI_ISA=$* TVI_MARGINS=$* build/check/$$program >$*.$$program.log 2>&1 || { cat $*.$$program.log; exit 1; }; done
+.PHONY: margins
 
 # ---- Memory and undefined behaviour: the same programs, some of their suites -------------------------------------------
 
@@ -130,7 +160,7 @@ do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz)
 	$(IN_ONE_GO) 'failing,states,refused,lanes/lanes,runs/following' $(BUILD)/check/ensemble
 	$(BUILD)/check/fuzz
 
-check-valgrind: ; $(REPORT) "valgrind" $(LOG) $(DO)
+check-valgrind: ; $(REPORT) "valgrind" $(DO)
 do-valgrind: $(addprefix $(BUILD)/check/,library ad)
 	$(IN_ONE_GO) 'input/systems,input/functions,input/options,input/many steps,input/counts,faults/integrators' $(VALGRIND) $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape' $(VALGRIND) $(BUILD)/check/ad
@@ -144,11 +174,11 @@ do-threads: $(THREADS:%=$(BUILD)/check/threads-%)
 	for program in $^; do TSAN_OPTIONS=halt_on_error=1 OPENBLAS_NUM_THREADS=1 $$program || exit 1; done
 $(THREADS:%=$(BUILD)/check/threads-%): $(BUILD)/check/threads-%: $(BUILD)/tests/threads/%.o $(BUILD)/libtvi.a
 	@mkdir -p $(@D)
-	$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -pthread -o $@ $^ $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -pthread -o $@ $^ $(LIBS)
 $(BUILD)/check/threads-ensemble: WRAP = -Wl,--wrap=tvi_spread
 $(BUILD)/tests/threads/%.o: tests/threads/%.c
 	@mkdir -p $(@D)
-	$(CC) $(TEST_FLAGS) -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(TEST_FLAGS) -c -o $@ $<
 
 # random programs led by coverage, with the sanitizers; SECONDS=n for longer. What fails is left in $(BUILD)/fuzz.
 FUZZ_SECONDS  = $(or $(SECONDS),60)
@@ -189,7 +219,7 @@ do-warnings-clang: $(filter-out $(NO_CLANG),$(OBJECTS) $(TEST_OBJECTS) $(call ob
 
 # .clang-format, and its 120 columns in comments too, which it leaves as they are; the width of prose
 FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addprefix $(folder)/,*.[ch] *.hpp *.cpp */*.[ch] */*.cpp */*/*.[ch]))))
-check-formatting: ; $(REPORT) "formatting" $(LOG) $(DO)
+check-formatting: ; $(REPORT) "formatting" $(DO)
 do-formatting:
 	clang-format --dry-run -Werror $(FORMATTED)
 	! grep -nE '^.{121,}' $(FORMATTED)
@@ -202,7 +232,7 @@ STRICT := -Wall -Wextra -Wpedantic -Wconversion -Werror
 # each header alone, in C and in C++, and two programs in C++; that of tvi.hpp in every standard, and with the address
 # sanitizer, which finds what an exception would leak; std::sin of a jet has an error that says what to write
 CXX_STANDARDS := g++/11 g++/14 g++/17 g++/20 g++/23 clang++/11 clang++/14 clang++/17 clang++/20 clang++/2b
-check-headers: ; $(REPORT) "headers in C and C++" $(LOG) $(DO)
+check-headers: ; $(REPORT) "headers in C and C++" $(DO)
 do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	for header in $(basename $(notdir $(wildcard include/*.h))); do echo "#include \"$$header.h\"" > $(BUILD)/check/$$header.c && \
@@ -224,13 +254,13 @@ do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 	    grep -q 'of a jet write pow(...), without std::' $(BUILD)/check/std.log || exit 1; done
 
 # programs outside, with what is installed
-check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMake, in C and C++; manual; uninstall" $(LOG) $(DO)
+check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMake, in C and C++; manual; uninstall" $(DO)
 do-install: all
 	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
 
 # the program of the README, by its own command, and with events: 1010 passages, and the steps that there are without; the
 # fragments of pages
-check-readme: ; $(REPORT) "the programs of the README" $(LOG) $(DO)
+check-readme: ; $(REPORT) "the programs of the README" $(DO)
 do-readme: $(BUILD)/libtvi.a
 	@mkdir -p $(BUILD)/check
 	tests/readme.sh README.md $(BUILD)/check
@@ -250,25 +280,25 @@ do-readme: $(BUILD)/libtvi.a
 	tail -n 1 $(BUILD)/check/readme_events.out | cmp $(BUILD)/check/readme.out
 
 # what make verify does, on a small document
-check-tables: ; $(REPORT) "tables of the documents: verify and replace" $(LOG) $(DO)
+check-tables: ; $(REPORT) "tables of the documents: verify and replace" $(DO)
 do-tables:
 	tests/tables.sh $(BUILD)
 
 # the programs of docs/examples
-check-examples: ; $(REPORT) "the examples, as their README says" $(LOG) $(DO)
+check-examples: ; $(REPORT) "the examples, as their README says" $(DO)
 do-examples: all
 	MAKE='$(MAKE)' STRICT='$(STRICT)' tests/examples.sh $(abspath $(BUILD))/check/examples
 
-check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(LOG) $(DO)
+check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 	tests/symbols.sh $^ include/*.h
 
 # a program that links the static library may use every other name for its own
-check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(LOG) $(DO)
+check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(DO)
 do-names: $(BUILD)/libtvi.a
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
-check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large" $(LOG) $(DO)
+check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large" $(DO)
 do-floors:
 	tests/floors.sh
 	tests/sizes.sh
@@ -276,7 +306,7 @@ do-floors:
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps/steps tests/instructions.txt
 COMPILED_BY   = '$(shell $(CC) --version | head -n 1), $(CFLAGS), $(shell $(CC) -dumpmachine)'
-check-instructions: ; $(REPORT) "instructions of a step" $(LOG) $(DO)
+check-instructions: ; $(REPORT) "instructions of a step" $(DO)
 do-instructions: $(BUILD)/bench/steps/steps
 	$(INSTRUCTIONS) compare $(COMPILED_BY)
 instructions: need-check

@@ -4,9 +4,6 @@
 
 #include <check.h>
 
-/* Seconds for one test: Check's 4 are too few under valgrind. */
-enum { TEST_TIMEOUT = 120 };
-
 Suite *record_suite(void);
 Suite *domain_suite(void);
 Suite *tape_suite(void);
@@ -31,7 +28,6 @@ void add_bodies(Suite *suite);
 static inline TCase *add_case(Suite *suite, const char *name)
 {
     TCase *tests = tcase_create(name);
-    tcase_set_timeout(tests, TEST_TIMEOUT);
     suite_add_tcase(suite, tests);
     return tests;
 }

@@ -179,7 +179,6 @@ Suite *suite_orders(void)
     TCase *tcase = tcase_create("orders");
     int count = 0;
     while (baseline_at(count)) count++;
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, baseline_has_its_order, 0, count * BASELINE_PROBLEMS);
     tcase_add_loop_test(tcase, taylor_is_its_polynomial, 0, count);
     tcase_add_test(tcase, double_pendulum_has_its_order);

@@ -189,7 +189,6 @@ Suite *suite_structure(void)
     TCase *tcase = tcase_create("structure");
     int count = 0;
     while (baseline_at(count)) count++;
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, steps_are_symplectic, 0, count * LARGE_STEPS);
     tcase_add_loop_test(tcase, symmetric_methods_go_back, 0, count);
     tcase_add_loop_test(tcase, angular_momentum_is_kept, 0, count);

@@ -123,7 +123,6 @@ Suite *suite_balance(void)
     tcase_add_loop_test(tests, work_is_the_change_of_energy, 0, FORMS);
     tcase_add_loop_test(tests, heavy_friction_is_no_error, 0, 2);
     tcase_add_test(tests, orbit_decays_at_its_rate);
-    tcase_set_timeout(tests, 120);
     suite_add_tcase(suite, tests);
     return suite;
 }

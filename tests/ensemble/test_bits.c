@@ -173,7 +173,7 @@ START_TEST(compiled_members_are_what_they_are_alone)
     tvi_compiled *code;
     ck_assert(has_options(system, &methods[by[_i]], &options));
     (void)run(&many, system, &options, 13, 1, 0, NULL);
-    OK(tvi_compile(&code, system, &options, &(tvi_compiler){.cache = ""}));
+    OK(tvi_compile(&code, system, &options, &(tvi_compiler){.flags = "-O1", .cache = ""}));
     options.compiled = code;
     (void)run(&few, system, &options, 13, 2, 0, NULL);
     for (int m = 0; m < few.members; m++) {
@@ -191,7 +191,6 @@ Suite *suite_bits(void)
     Suite *suite = suite_create("bits");
     TCase *tests = tcase_create("bits");
     const int pairs = form_count * method_count;
-    tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, members_are_what_they_are_alone, 0, pairs);
     tcase_add_test(tests, members_on_springs);
     tcase_add_loop_test(tests, members_are_integrators, 0, pairs);
@@ -199,7 +198,6 @@ Suite *suite_bits(void)
     tcase_add_loop_test(tests, a_new_state_is_the_members_own, 0, 2 * pairs);
     suite_add_tcase(suite, tests);
     TCase *compiled = tcase_create("compiled");
-    tcase_set_timeout(compiled, 120);
     tcase_add_loop_test(compiled, compiled_members_are_what_they_are_alone, 0, 3);
     suite_add_tcase(suite, compiled);
     return suite;

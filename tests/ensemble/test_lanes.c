@@ -305,7 +305,6 @@ Suite *suite_lanes(void)
 {
     Suite *suite = suite_create("lanes");
     TCase *tests = tcase_create("lanes");
-    tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, lanes_judge_as_one_member_does, 0, 3 * JET_ISA_COUNT);
     tcase_add_loop_test(tests, nodes_start_as_those_of_one_member, 0, JET_ISA_COUNT);
     tcase_add_loop_test(tests, nodes_end_as_those_of_one_member, 0, JET_ISA_COUNT);

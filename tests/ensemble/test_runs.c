@@ -248,7 +248,6 @@ Suite *suite_runs(void)
     Suite *suite = suite_create("runs");
     TCase *tests = tcase_create("runs");
     tcase_add_checked_fixture(tests, make_events, free_events);
-    tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, runs_are_those_of_integrators, 0, form_count * method_count * KINDS);
     suite_add_tcase(suite, tests);
     TCase *following = tcase_create("following");

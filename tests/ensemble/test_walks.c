@@ -109,7 +109,6 @@ Suite *suite_walks(void)
 {
     Suite *suite = suite_create("walks");
     TCase *tests = tcase_create("walks");
-    tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, energies_and_momenta_do_not_drift, 0, DRIFTS);
     suite_add_tcase(suite, tests);
     return suite;

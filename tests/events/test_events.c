@@ -321,7 +321,6 @@ Suite *suite_events(void)
 {
     Suite *suite = suite_create("events");
     TCase *tcase = tcase_create("events");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, perihelia_are_as_good_as_steps, 0, KEPLER_ROWS);
     tcase_add_test(tcase, the_curve_is_not_as_good);
     tcase_add_loop_test(tcase, steps_are_not_disturbed, 0, PAIRINGS);

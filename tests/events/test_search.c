@@ -342,7 +342,6 @@ Suite *suite_search(void)
 {
     Suite *suite = suite_create("search");
     TCase *tcase = tcase_create("search");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, samples_are_the_curve, 0, 2 * PAIRINGS);
     tcase_add_loop_test(tcase, rates_are_those_of_steps, 0, 6);
     tcase_add_loop_test(tcase, crossings_of_the_section, 0, 5);

@@ -185,7 +185,6 @@ Suite *suite_times(void)
 {
     Suite *suite = suite_create("times");
     TCase *tcase = tcase_create("times");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, states_at_times, 0, 2 * PAIRINGS);
     tcase_add_test(tcase, states_at_ends_of_steps);
     tcase_add_test(tcase, times_of_steps_are_not_rounded);

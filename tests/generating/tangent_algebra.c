@@ -157,7 +157,6 @@ END_TEST
 TCase *tcase_tangent_algebra(void)
 {
     TCase *tcase = tcase_create("algebra");
-    tcase_set_timeout(tcase, 240);
     tcase_add_loop_test(tcase, maps_multiply, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, columns_are_alone, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, steps_are_alone, 0, MODELS * all_kinds);

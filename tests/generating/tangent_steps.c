@@ -88,7 +88,6 @@ END_TEST
 TCase *tcase_tangent_steps(void)
 {
     TCase *tcase = tcase_create("steps");
-    tcase_set_timeout(tcase, 240);
     tcase_add_loop_test(tcase, step_is_the_step, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, failures_leave_all_as_it_was, 0, all_kinds);
     return tcase;

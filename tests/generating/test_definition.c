@@ -81,7 +81,6 @@ Suite *suite_definition(void)
 {
     Suite *suite = suite_create("definition");
     TCase *tcase = tcase_create("definition");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, step_is_that_of_the_definition, 0, STATEMENTS * kind_count);
     suite_add_tcase(suite, tcase);
     return suite;

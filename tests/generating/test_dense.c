@@ -227,7 +227,6 @@ Suite *suite_dense(void)
 {
     Suite *suite = suite_create("dense");
     TCase *tcase = tcase_create("dense");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, ends_are_the_states, 0, MODELS * methods());
     tcase_add_loop_test(tcase, output_is_continuous, 0, MODELS * methods());
     tcase_add_loop_test(tcase, composition_has_the_output_of_its_halves, 0, MODELS * all_kinds);

@@ -174,7 +174,6 @@ Suite *suite_fingerprints(void)
 {
     Suite *suite = suite_create("fingerprints");
     TCase *tcase = tcase_create("fingerprints");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, other_functions_are_refused, 0, COUNT);
     tcase_add_test(tcase, other_masses_are_refused);
     tcase_add_loop_test(tcase, other_forms_are_refused, 0, COUNT);

@@ -303,7 +303,6 @@ Suite *suite_forms(void)
 {
     Suite *suite = suite_create("forms");
     TCase *tcase = tcase_create("forms");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, method_is_its_closed_form, 0, FORMS * FORM_MODELS);
     tcase_add_loop_test(tcase, svhd_is_its_closed_form, 0, 2);
     tcase_add_loop_test(tcase, types_agree_where_they_do, 0, 2);

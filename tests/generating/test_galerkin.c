@@ -186,7 +186,6 @@ Suite *suite_galerkin(void)
 {
     Suite *suite = suite_create("galerkin");
     TCase *tcase = tcase_create("galerkin");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, exchange_of_variables_changes_nothing, 0, EXCHANGE_CASES * TVI_MAX_NODES);
     tcase_add_test(tcase, field_may_be_its_input);
     tcase_add_test(tcase, hamiltonian_field_may_be_its_input);

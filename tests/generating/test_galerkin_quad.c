@@ -136,7 +136,6 @@ Suite *suite_galerkin_quad(void)
 {
     Suite *suite = suite_create("galerkin, quadruple");
     TCase *tcase = tcase_create("collocation");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, step_is_that_of_collocation, 0, ROWS * TVI_MAX_NODES);
     suite_add_tcase(suite, tcase);
     return suite;

@@ -247,7 +247,6 @@ Suite *suite_geometry(void)
 {
     Suite *suite = suite_create("geometry");
     TCase *tcase = tcase_create("geometry");
-    tcase_set_timeout(tcase, 240);
     tcase_add_loop_test(tcase, method_is_symplectic, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, verlet_is_symplectic, 0, MODELS);
     tcase_add_loop_test(tcase, others_are_not_symplectic, 0, MODELS * all_kinds);

@@ -279,7 +279,6 @@ Suite *suite_orders(void)
 {
     Suite *suite = suite_create("orders");
     TCase *tcase = tcase_create("orders");
-    tcase_set_timeout(tcase, 120);
     tcase_add_unchecked_fixture(tcase, find_paths, NULL);
     tcase_add_loop_test(tcase, method_has_its_order, 0, MODELS_OF_ORDERS * all_kinds * DEGREES);
     tcase_add_loop_test(tcase, quadrature_and_composition_have_their_orders, 0, ROW_MODELS * ROWS);

@@ -227,7 +227,6 @@ Suite *suite_points(void)
 {
     Suite *suite = suite_create("points");
     TCase *tcase = tcase_create("points");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, transforms_undo_each_other, 0, MODELS);
     tcase_add_test(tcase, momenta_are_those_by_hand);
     tcase_add_test(tcase, degenerate_has_velocities_only);

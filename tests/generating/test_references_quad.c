@@ -159,7 +159,6 @@ Suite *suite_references(void)
 {
     Suite *suite = suite_create("references");
     TCase *tcase = tcase_create("references");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, reference_is_the_solution, 0, EQUATIONS);
     suite_add_tcase(suite, tcase);
     return suite;

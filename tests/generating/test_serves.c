@@ -241,7 +241,6 @@ Suite *suite_serves(void)
 {
     Suite *suite = suite_create("serves");
     TCase *tcase = tcase_create("serves");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, systems_serve_methods, 0, SYSTEMS);
     tcase_add_loop_test(tcase, default_serves_every_system, 0, SYSTEMS);
     tcase_add_loop_test(tcase, names_are_methods, 0, NAMES);

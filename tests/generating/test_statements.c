@@ -289,7 +289,6 @@ Suite *suite_statements(void)
 {
     Suite *suite = suite_create("statements");
     TCase *tcase = tcase_create("statements");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, statements_agree, 0, STATED * METHODS);
     tcase_add_loop_test(tcase, statements_cost_the_same, 0, STATED);
     tcase_add_loop_test(tcase, structure_is_recognised, 0, RECOGNISED);

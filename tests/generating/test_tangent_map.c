@@ -181,7 +181,6 @@ END_TEST
 static TCase *tcase_tangent_derivative(void)
 {
     TCase *tcase = tcase_create("derivative");
-    tcase_set_timeout(tcase, 240);
     tcase_add_loop_test(tcase, map_is_the_derivative_of_the_step, 0, MODELS * all_kinds);
     tcase_add_loop_test(tcase, map_of_other_methods, 0, MODELS);
     tcase_add_loop_test(tcase, verlet_on_the_chain, 0, 2);

@@ -121,7 +121,6 @@ Suite *suite_frames(void)
 {
     Suite *suite = suite_create("frames");
     TCase *tcase = tcase_create("frames");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, the_same_in_every_frame, 0, MOTIONS * AMPLITUDES);
     tcase_add_loop_test(tcase, other_orbits_are_told_apart, 0, MOTIONS);
     suite_add_tcase(suite, tcase);

@@ -82,7 +82,6 @@ Suite *suite_numbers(void)
 {
     Suite *suite = suite_create("numbers");
     TCase *tcase = tcase_create("numbers");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, any_number_of_coordinates, 0, NUMBERS * CHAINS);
     tcase_add_loop_test(tcase, high_degrees_agree, 0, MOTIONS);
     suite_add_tcase(suite, tcase);

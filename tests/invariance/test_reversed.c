@@ -87,7 +87,6 @@ Suite *suite_reversed(void)
 {
     Suite *suite = suite_create("reversed");
     TCase *tcase = tcase_create("reversed");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, methods_return, 0, MOTIONS * FRAMES);
     tcase_add_loop_test(tcase, others_do_not, 0, MOTIONS);
     suite_add_tcase(suite, tcase);

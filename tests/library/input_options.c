@@ -389,7 +389,6 @@ END_TEST
 TCase *tcase_options(void)
 {
     TCase *tcase = tcase_create("options");
-    tcase_set_timeout(tcase, 60);
     tcase_add_test(tcase, options_by_name);
     tcase_add_loop_test(tcase, options_combined, TVI_TYPE1, TVI_STORMER_VERLET + 1);
     tcase_add_loop_test(tcase, methods_and_systems, SEPARABLE, FORMS);

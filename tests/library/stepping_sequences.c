@@ -179,7 +179,6 @@ END_TEST
 TCase *tcase_sequences(void)
 {
     TCase *tcase = tcase_create("sequences");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, negative_steps_go_back, 0, 2 * STEP_PROBLEMS);
     tcase_add_loop_test(tcase, steps_may_vary, 0, 2 * STEP_PROBLEMS);
     tcase_add_loop_test(tcase, two_halves_are_one_run, 0, FOLLOWERS * STEP_PROBLEMS);

@@ -314,7 +314,6 @@ Suite *suite_closed_forms(void)
 {
     Suite *suite = suite_create("closed forms");
     TCase *tcase = tcase_create("closed forms");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, method_is_its_closed_form, 0, FORMS * FORM_PROBLEMS);
     tcase_add_loop_test(tcase, jacobians_share_columns, 0, 4);
     tcase_add_test(tcase, second_jacobian_is_the_hessian);

@@ -2,6 +2,7 @@
  * none is in faults_steps.c. */
 #include "allocation.h"
 #include "everything.h"
+#include "problems/thorough.h"
 #include "suites.h"
 
 #include <math.h>
@@ -128,10 +129,12 @@ static tvi_status run_to_end(const void *argument, bool *cleared)
     return status;
 }
 
-/* The number of allocations that were made to fail before all went well. */
+/* The number of allocations that were made to fail before all went well, or a little more: without TVI_TESTS=all one of
+ * LATER is, after the first FIRST of them. */
 static long fail_each(maker *make, const void *argument, allocation_failure how)
 {
-    for (long k = 1;; k++) {
+    enum { FIRST = 100, LATER = 17 };
+    for (long k = 1;; k += k < FIRST || is_thorough() ? 1 : LATER) {
         bool cleared;
         ck_assert_int_eq(tvi_dense(NULL, 0, NULL, NULL), TVI_EINVAL); /* leaves another text */
         allocation_fail(how, k);
@@ -292,7 +295,6 @@ Suite *suite_faults(void)
     Suite *suite = suite_create("faults");
     suite_add_tcase(suite, tcase_hooks());
     TCase *systems = add_case(suite, "systems");
-    tcase_set_timeout(systems, 60);
     tcase_add_loop_test(systems, events_without_memory, 0, 2);
     tcase_add_loop_test(systems, systems_without_memory, 0, 2 * STATEMENTS);
     tcase_add_loop_test(systems, questions_without_memory, 0, 2 * STATEMENTS);
@@ -300,7 +302,6 @@ Suite *suite_faults(void)
     tcase_add_loop_test(integrators, integrators_without_memory, 0, way_count);
     tcase_add_loop_test(integrators, bytes, 0, way_count);
     TCase *tangents = add_case(suite, "tangents");
-    tcase_set_timeout(tangents, 60);
     tcase_add_loop_test(tangents, tangents_without_memory, 0, way_count);
     tcase_add_loop_test(tangents, ensembles_without_memory, 0, way_count);
     suite_add_tcase(suite, tcase_allocations());

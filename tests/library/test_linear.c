@@ -383,7 +383,6 @@ Suite *suite_linear(void)
 {
     Suite *suite = suite_create("linear");
     TCase *linear = tcase_create("linear");
-    tcase_set_timeout(linear, 120);
     tcase_add_loop_test(linear, solutions_are_those_of_lapack, 1, MOST + 1);
     tcase_add_loop_test(linear, singular_matrices_are_refused, 1, MOST + 1);
     tcase_add_loop_test(linear, eigenvectors_are_those_of_the_matrix, 1, MOST + 1);

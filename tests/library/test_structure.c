@@ -278,7 +278,6 @@ Suite *suite_structure(void)
 {
     Suite *suite = suite_create("structure");
     TCase *tcase = tcase_create("structure");
-    tcase_set_timeout(tcase, 240);
     tcase_add_loop_test(tcase, kepler_keeps_angular_momentum, 0, KEPLER_ROWS);
     tcase_add_loop_test(tcase, solar_system_keeps_momentum, 0, 3);
     tcase_add_test(tcase, taylor_does_not_keep_angular_momentum);

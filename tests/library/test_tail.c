@@ -369,7 +369,6 @@ Suite *suite_tail(void)
 {
     Suite *suite = suite_create("tail");
     TCase *tcase = tcase_create("tail");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, tail_is_the_last_term, 0, 3);
     tcase_add_test(tcase, tail_is_that_of_a_velocity);
     tcase_add_test(tcase, lowest_degrees_have_no_tail);

@@ -66,7 +66,6 @@ Suite *suite_orders(void)
     tcase_add_loop_test(tests, orders_on_kepler, 0, SERVED);
     tcase_add_loop_test(tests, orders_on_sitnikovs_problem, 0, SERVED);
     tcase_add_loop_test(tests, orders_on_the_driven_problem, 0, SERVED);
-    tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);
     return suite;
 }

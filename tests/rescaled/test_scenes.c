@@ -168,10 +168,8 @@ Suite *suite_scenes(void)
 {
     Suite *suite = suite_create("scenes");
     TCase *tests = tcase_create("references"), *time = tcase_create("explicit time");
-    tcase_set_timeout(tests, 60);
     tcase_add_loop_test(tests, references, 0, ENDS);
     suite_add_tcase(suite, tests);
-    tcase_set_timeout(time, 60);
     tcase_add_loop_test(time, states_at_times, 0, 2);
     tcase_add_loop_test(time, events, 0, 2);
     suite_add_tcase(suite, time);

@@ -139,7 +139,6 @@ Suite *suite_tangent(void)
     tcase_add_loop_test(tests, tangent_of_the_driven_problem, 0, 4);
     tcase_add_test(tests, flow_is_carried_along);
     tcase_add_loop_test(tests, order_and_chaos, 0, 4);
-    tcase_set_timeout(tests, 60);
     suite_add_tcase(suite, tests);
     return suite;
 }

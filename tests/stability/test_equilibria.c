@@ -1,5 +1,6 @@
 /* test_equilibria.c - small motions about equilibria, at the origin and away from it: the corrections of a step are
  * small beside roundoff of the positions, which the force is computed from, and no step is refused for that. */
+#include "problems/thorough.h"
 #include "stability.h"
 
 #include <float.h>
@@ -89,7 +90,7 @@ static double spring_error(const spring_run *run, const hard_method *m)
 
 static const double places[] = {0, 1, 100}, amplitudes[] = {1e-3, 1e-5, 1e-8, 1e-11};
 enum { PLACES = sizeof places / sizeof *places, AMPLITUDES = sizeof amplitudes / sizeof *amplitudes };
-enum { FEW = 100, MANY = 20000, LONG_RUNS = 2, ROWS = SPRINGS * PLACES * AMPLITUDES };
+enum { FEW = 100, MANY = 20000, ROWS = SPRINGS * PLACES * AMPLITUDES };
 
 /* Besides all_methods: the highest orders, with few steps. */
 static const hard_method high_methods[] = {
@@ -119,15 +120,15 @@ static void check_spring(const spring_run *run, const hard_method *m)
                   m->order, (int)run->form, run->a, run->amplitude, error, own);
 }
 
-/* All forms, places and amplitudes, two of them for 20,000 steps: which ones, is another choice for each method. With
- * TVI_EQUILIBRIA=all (make check-long) all of them away from the origin, but the separable Hamiltonian, which is a
- * potential. */
+/* All forms, places and amplitudes, one of them for 20,000 steps: which one, is another choice for each method. With
+ * TVI_TESTS=all two of them, and with TVI_EQUILIBRIA=all (make check-all) all of them away from the origin, but the
+ * separable Hamiltonian, which is a potential. */
 static bool has_many_steps(int method, int row)
 {
     const char *which = getenv("TVI_EQUILIBRIA");
     if (method >= method_count) return false;
     if (which && strcmp(which, "all") == 0) return row % SPRINGS != SEPARABLE_HAMILTONIAN && row / SPRINGS % PLACES > 0;
-    return (row + 5 * method) % (ROWS / LONG_RUNS) == 0;
+    return (row + 5 * method) % (is_thorough() ? ROWS / 2 : ROWS) == 0;
 }
 
 START_TEST(springs_swing)
@@ -377,10 +378,8 @@ Suite *suite_equilibria(void)
     Suite *suite = suite_create("equilibria");
     TCase *tcase = tcase_create("equilibria");
     TCase *springs = tcase_create("springs");
-    tcase_set_timeout(springs, 600);
     tcase_add_loop_test(springs, springs_swing, 0, method_count + HIGH_METHODS);
     suite_add_tcase(suite, springs);
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, small_motions_go_on, 0, EQUILIBRIA * OTHER_METHODS);
     tcase_add_loop_test(tcase, too_large_steps_fail, 0, 4);
     suite_add_tcase(suite, tcase);

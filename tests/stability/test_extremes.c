@@ -23,7 +23,7 @@ static const short_run short_runs[] = {
     {&kepler_90, 5 * 6.2831853071795864769, 4000, 1e-5, 1e-3},
     {&kepler_99, 6.2831853071795864769, 20000, 1e-4, 1e-2},
     {&separatrix, 10.5977502180147128, 400, 1e-9, 1e-4},
-    {&pythagorean, 2, 40000, 1e-4, 0},
+    {&pythagorean, 0.5, 10000, 1e-4, 0},
     {&fpu_50, 1, 500, 1e-6, 0},
     {&fpu_100, 1, 1000, 1e-6, 0},
     {&fpu_200, 1, 2000, 1e-6, 0},
@@ -225,7 +225,6 @@ Suite *suite_extremes(void)
 {
     Suite *suite = suite_create("extremes");
     TCase *tcase = tcase_create("extremes");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, hard_cases_run, 0, SHORT_RUNS * SHORT_METHODS);
     tcase_add_test(tcase, energy_is_judged);
     tcase_add_loop_test(tcase, gauss_is_the_baseline, 2, 9);

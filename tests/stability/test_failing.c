@@ -153,7 +153,6 @@ Suite *suite_failing(void)
 {
     Suite *suite = suite_create("failing");
     TCase *tcase = tcase_create("failing");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, failing_steps_leave_no_trace, 0, case_count * method_count);
     tcase_add_loop_test(tcase, passes_keep_to_the_options, 0, case_count * method_count);
     tcase_add_loop_test(tcase, runs_end_at_the_last_good_step, 0, case_count * method_count);

@@ -127,7 +127,6 @@ Suite *suite_limits(void)
 {
     Suite *suite = suite_create("limits");
     TCase *tcase = tcase_create("limits");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, limits_are_known, 0, LIMITS);
     tcase_add_test(tcase, growth_is_known);
     tcase_add_test(tcase, narrow_intervals_are_found);

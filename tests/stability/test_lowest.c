@@ -99,7 +99,6 @@ Suite *suite_lowest(void)
 {
     Suite *suite = suite_create("lowest");
     TCase *tcase = tcase_create("lowest");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, lowest_degree_of_all_methods, 0, rows());
     tcase_add_test(tcase, there_are_such_methods);
     suite_add_tcase(suite, tcase);
