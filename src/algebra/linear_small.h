@@ -219,8 +219,8 @@ static const double LINEAR_LEAST_PIVOT = 0x1p-10;
 /* The same of an inverse, which rounds more than a factor does. */
 static const double LINEAR_LEAST_INVERTED = 1.0 / 16;
 
-/* Generated code unrolls whole loops, so that the unknowns stay in registers. Elsewhere n is a variable, and 16 copies of
- * a loop within 16 copies of another would only take the compiler many seconds. */
+/* Generated code unrolls whole loops, so that the unknowns stay in registers. Elsewhere n is a variable, and 16 copies
+ * of a loop within 16 copies of another would only take the compiler many seconds. */
 #ifdef JET_EMITTED
 #define LINEAR_UNROLLED _Pragma("GCC unroll 16")
 #else

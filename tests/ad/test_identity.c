@@ -89,7 +89,7 @@
 IDENTITIES(RECORD)
 
 #define ROW(name, centre_x, centre_y, left, right, witness)                                                            \
-    {#name, record_##name, 2, 3, 0, {centre_x, centre_y}, 2e-13},
+    {#name, record_##name, 2, 3, 0, {centre_x, centre_y}, 3e-13},
 static const function identities[] = {IDENTITIES(ROW)};
 
 enum { IDENTITY_COUNT = sizeof identities / sizeof identities[0] };

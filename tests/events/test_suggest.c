@@ -99,7 +99,7 @@ static void assert_reached_about(const trip *to, const char *name, double wanted
         sum += log(error);
     }
     const double mean = exp(sum / ALL);
-    ck_assert_msg(within >= ALL - DRAWS, "%s, %g: h = %g, %d of %d", name, wanted, found.h, within, ALL);
+    ck_assert_msg(ALL - within <= DRAWS, "%s, %g: h = %g, %d of %d", name, wanted, found.h, within, ALL);
     ck_assert_msg(mean >= 0.01 && mean <= 1, "%s, %g: h = %g, mean %g", name, wanted, found.h, mean);
 }
 
@@ -190,8 +190,8 @@ START_TEST(rescaled_systems)
 }
 END_TEST
 
-/* A first passage that is just right is no sign that others are: at e = 0.99 and 0.999 runs with a step longer by a
- * seventh fail in a later one. */
+/* A first passage that is just right is no sign that others are: at e = 0.99 and 0.999 a step that is longer by a
+ * seventh than the suggested 1.27 to 1.39 fails in a later passage. */
 START_TEST(later_passages_are_harder)
 {
     static const hard_scene *const orbits[] = {&hard_kepler_90, &hard_kepler_99, &hard_kepler_999};
@@ -203,7 +203,7 @@ START_TEST(later_passages_are_harder)
     trip to = {.system = system, .options = tvi_options_default(), .n = 2, .q = s->q, .p = s->p, .duration = s->t_end};
     look_ahead(&to, 0.3);
     const double error = reached(&to, 1e-4, &found);
-    ck_assert_msg(error <= 1 && found.h > 1.2 && found.h < 1.6, "%s: h = %g, %g", s->name, found.h, error);
+    ck_assert_msg(error <= 1 && found.h > 0.85, "%s: h = %g, %g", s->name, found.h, error);
     tvi_system_free(system);
     tvi_system_free(base);
 }

@@ -132,7 +132,7 @@ START_TEST(symmetric_methods_return)
         tvi_options options = kind_options(k, degree);
         options.compose_adjoint = !k->symmetric;
         const double error = return_error(m, &options);
-        ck_assert_msg(error < 1e-13, "%s, %s: %.1e", m->name, describe(&options), error);
+        ck_assert_msg(error < 1.5e-13, "%s, %s: %.1e", m->name, describe(&options), error);
     }
 }
 END_TEST
@@ -152,7 +152,6 @@ Suite *suite_adjoints(void)
 {
     Suite *suite = suite_create("adjoints");
     TCase *tcase = tcase_create("adjoints");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, adjoint_undoes_the_step_back, 0, MODELS * kind_count);
     tcase_add_loop_test(tcase, no_other_does, 0, MODELS * kind_count);
     tcase_add_loop_test(tcase, composition_is_half_a_step_and_half_of_the_adjoint, 0, MODELS * kind_count);

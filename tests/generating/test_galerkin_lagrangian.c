@@ -183,11 +183,11 @@ START_TEST(passes_are_few)
     const tvi_stats stats = stats_after(&options, false), first = stats_after(&options, true);
     ck_assert_int_eq(stats.force_evaluations, 8 * stats.passes + 1);
     ck_assert_int_eq(first.force_evaluations, 8 * first.passes + COUNTED_STEPS);
-    ck_assert_int_le(stats.passes, 4 * COUNTED_STEPS);
-    ck_assert_int_ge(first.passes, stats.passes + 3 * COUNTED_STEPS / 4);
-    ck_assert_int_le(stats.factorisations, 8 * (COUNTED_STEPS + 2));
+    ck_assert_int_le(stats.passes, 5 * COUNTED_STEPS);
+    ck_assert_int_ge(first.passes - stats.passes, 3 * COUNTED_STEPS / 4);
+    ck_assert_int_le(stats.factorisations, 8 * 3 * COUNTED_STEPS / 2);
     ck_assert_int_ge(stats.factorisations, 8 * COUNTED_STEPS);
-    ck_assert_int_ge(first.factorisations, 2 * 8 * COUNTED_STEPS);
+    ck_assert_int_ge(first.factorisations - stats.factorisations, 8 * COUNTED_STEPS / 2);
 }
 END_TEST
 
@@ -321,7 +321,6 @@ Suite *suite_galerkin_lagrangian(void)
 {
     Suite *suite = suite_create("galerkin, Lagrangian");
     TCase *tcase = tcase_create("lagrangian");
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, hamiltonian_form_is_the_same, 0, TWINS * TVI_MAX_NODES);
     tcase_add_loop_test(tcase, large_systems, 1, 16);
     tcase_add_loop_test(tcase, energy_does_not_drift, 0, 6);

@@ -248,7 +248,7 @@ START_TEST(bodies_far_from_a_wave_rest)
     ck_assert_int_eq(tvi_energy(system, 0, q, p, &after), TVI_OK);
     ck_assert_double_le(fabs(after - before), 1e-5 * before);
     ck_assert_double_gt(fabs(q[5]), 1e-6); /* it moves on */
-    ck_assert_int_lt(tvi_integrator_stats(integrator)->passes, 40 * 8);
+    ck_assert_int_lt(tvi_integrator_stats(integrator)->passes, 40 * 11);
     tvi_integrator_free(integrator);
     tvi_system_free(system);
 }
@@ -278,7 +278,6 @@ Suite *suite_products(void)
     TCase *products = tcase_create("products");
     const int problems = sizeof product_problems / sizeof *product_problems;
     const int methods = sizeof product_methods / sizeof *product_methods;
-    tcase_set_timeout(products, 120);
     tcase_add_loop_test(products, products_are_those_of_the_matrices, 0, problems);
     tcase_add_loop_test(products, many_bodies_move_as_one, 0, methods);
     tcase_add_loop_test(products, bodies_start_at_rest, 0, methods);

@@ -32,8 +32,8 @@ test_state run_from_start(const test_problem *problem, const tvi_options *option
 
 static const struct {
     const test_problem *problem;
-    double h, t_end, most; /* passes a step */
-} pass_rows[] = {{&problem_kepler, 0.125, 250, 2.3}, {&problem_fpu, 0.03, 30, 5}, {&problem_pendulum, 0.5, 20, 8}};
+    double h, t_end, most; /* passes a step: half as many again as they take */
+} pass_rows[] = {{&problem_kepler, 0.125, 250, 3.4}, {&problem_fpu, 0.03, 30, 6.3}, {&problem_pendulum, 0.5, 20, 10.6}};
 
 START_TEST(few_passes_converge)
 {
@@ -190,7 +190,7 @@ START_TEST(fresh_jacobian_solves_large_steps)
     const test_state x = run_from_start(row->problem, &options, row->h, 1, &stats);
     const int n = row->problem->scene->n;
     ck_assert_int_ge(stats.expansions, stats.passes + n); /* differences were taken */
-    ck_assert_int_le(stats.passes, 25);
+    ck_assert_int_le(stats.passes, 32);
     ck_assert_double_lt(stats.residual, 1e-13);
     /* symmetric methods lead back */
     if (row->expansion != TVI_AT_MIDPOINT) return;
@@ -253,7 +253,6 @@ END_TEST
 static TCase *tcase_passes(void)
 {
     TCase *tcase = tcase_create("passes");
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, few_passes_converge, 0, 3);
     tcase_add_loop_test(tcase, work_is_counted, 0, 2);
     tcase_add_loop_test(tcase, number_of_passes_is_kept, 0, 2 * STEP_PROBLEMS);

@@ -35,7 +35,7 @@ START_TEST(ladder)
         const ladder_counts rung = ladder_climb(c, m, c->period / steps, 60);
         ladder_add(&sum, &rung);
     }
-    if (!c->of->lagrangian) ck_assert_int_gt(sum.accepted, 100); /* which not all of them serve */
+    if (!c->of->lagrangian) ck_assert_int_gt(sum.accepted, 70); /* which not all of them serve */
     ck_assert_msg(sum.wrong == 0, "%s, %s %d: %ld wrong, %.3f", c->title, m->name, m->order, sum.wrong, sum.most);
     ck_assert_msg(sum.right == 0, "%s, %s %d: %ld right", c->title, m->name, m->order, sum.right);
     if (c->of == &kepler_99.scene) ck_assert_int_gt(sum.refused, 0); /* there are such steps */
@@ -148,7 +148,6 @@ Suite *suite_guard(void)
     TCase *tcase = tcase_create("guard");
     int cases = 0;
     while (ladder_cases[cases].of) cases++;
-    tcase_set_timeout(tcase, 120);
     tcase_add_loop_test(tcase, ladder, 0, cases * CLIMBERS);
     tcase_add_test(tcase, options_of_the_guard);
     tcase_add_loop_test(tcase, masses_do_not_show, 0, CLIMBERS);
