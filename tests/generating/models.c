@@ -303,6 +303,23 @@ void go(tvi_integrator *integrator, double h, long steps, test_state *x)
                   tvi_status_string(status));
 }
 
+sample energy_errors(const model *m, const test_state *x, const tvi_options *options, double h, long steps)
+{
+    tvi_system *system = model_system(m);
+    sample errors = {0};
+    for (int k = 0; k < ORBITS; k++) {
+        tvi_integrator *it = integrator_of(system, options);
+        test_state now = *x;
+        for (int i = 0; i < m->n; i++) now.q[i] += start_shift(k), now.p[i] += start_shift(k);
+        const double start = state_energy(system, &now);
+        go(it, h, steps, &now);
+        sample_add(&errors, state_energy(system, &now) - start);
+        tvi_integrator_free(it);
+    }
+    tvi_system_free(system);
+    return errors;
+}
+
 void go_tangent(int n, tvi_integrator *integrator, double h, test_state *x, double M[])
 {
     const tvi_options *options = tvi_integrator_options(integrator);

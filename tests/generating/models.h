@@ -3,6 +3,7 @@
 #ifndef TESTS_GENERATING_MODELS_H
 #define TESTS_GENERATING_MODELS_H
 
+#include "problems/statistics.h"
 #include "problems/problems.h"
 
 /* ---- Problems ---------------------------------------------------------------------------------------------------- */
@@ -89,6 +90,8 @@ const char *describe(const tvi_options *options);
 tvi_integrator *integrator_of(const tvi_system *system, const tvi_options *options);
 /* The test fails where a step does. */
 void go(tvi_integrator *integrator, double h, long steps, test_state *x);
+/* Errors of H after steps of ORBITS orbits that start about x. */
+sample energy_errors(const model *m, const test_state *x, const tvi_options *options, double h, long steps);
 /* A step from x that continues no other, with its Jacobian M[2n][2n], rows and columns (q, p). The test fails where it
  * does. */
 void go_tangent(int n, tvi_integrator *integrator, double h, test_state *x, double M[]);
