@@ -3,10 +3,10 @@
  * unknowns by. */
 #include "problems/galerkin_tables.h"
 #include "problems/random.h"
+#include "problems/statistics.h"
 #include "suites.h"
 
 #include <float.h>
-#include <math.h>
 
 /* Sums are of more than eight, which are turned over at once. */
 enum { UNKNOWNS = 7, SUMMED = 10, ROUNDS = 50, MOST = TVI_GALERKIN_MAX_LANES };
@@ -130,17 +130,16 @@ END_TEST
 
 /* ---- Where passes move unknowns to ------------------------------------------------------------------------------- */
 
-enum { PASSES = 20000 };
+enum { PASSES = 40000 };
 
 typedef struct {
     double high[UNKNOWNS * MOST], base[UNKNOWNS * MOST], x[UNKNOWNS * MOST], impulse[UNKNOWNS * MOST];
     double force[UNKNOWNS * MOST], weight[MOST], start[UNKNOWNS], scale[UNKNOWNS], inverse_size[UNKNOWNS];
 } blocks;
 
-/* The sum of the errors of the places, in units of roundoff. */
-static double errors_of(const galerkin_coefficients *a, const galerkin_nodes *nodes, const double *force)
+/* Adds the errors of the places, in units of roundoff. */
+static void add_errors(const galerkin_coefficients *a, const galerkin_nodes *nodes, const double *force, sample *errors)
 {
-    double sum = 0;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int i = 0; i < a->points; i++) {
             const int at = u * a->lanes + i;
@@ -148,13 +147,12 @@ static double errors_of(const galerkin_coefficients *a, const galerkin_nodes *no
             for (int j = 0; j < a->points; j++)
                 of_impulses += (long double)a->matrix[j * a->lanes + i] * (nodes->weight[j] * force[u * a->lanes + j]);
             const long double way = nodes->base[at] + nodes->scale[u] * of_impulses;
-            sum += (double)((nodes->x[at] - nodes->high[at]) - way) / DBL_EPSILON;
+            sample_add(errors, (double)((nodes->x[at] - nodes->high[at]) - way) / DBL_EPSILON);
         }
-    return sum;
 }
 
-/* The mean error of places from 1/4 to 1, in units of roundoff, where steps have this scale. */
-static double mean_error(const galerkin_coefficients *a, const galerkin_loops *loops, int unknowns, double scale)
+/* The errors of places from 1/4 to 1, in units of roundoff, where steps have this scale. */
+static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *loops, int unknowns, double scale)
 {
     static blocks w;
     static const int slot[UNKNOWNS] = {0, 1, 2, 3, 4, 5, 6};
@@ -171,7 +169,7 @@ static double mean_error(const galerkin_coefficients *a, const galerkin_loops *l
                                   .scale = w.scale,
                                   .inverse_size = w.inverse_size};
     uint64_t bits = 1;
-    double sum = 0;
+    sample errors = {0};
     for (int u = 0; u < unknowns; u++) w.scale[u] = scale, w.inverse_size[u] = 1;
     for (int j = 0; j < a->lanes; j++) w.weight[j] = scale * a->b[j];
     for (int pass = 0; pass < PASSES; pass++) {
@@ -181,14 +179,15 @@ static double mean_error(const galerkin_coefficients *a, const galerkin_loops *l
             w.force[k] = 12 + number_of(&bits);
         }
         (void)loops->move(&nodes, a->matrix, w.force, slot);
-        sum += errors_of(a, &nodes, w.force);
+        add_errors(a, &nodes, w.force, &errors);
     }
-    return sum / ((double)PASSES * unknowns * a->points);
+    return errors;
 }
 
 /* With a step near a ratio of small numbers what moves an unknown is close to the middle between two numbers again and
  * again, and always on the same side of it, unless it is added to what has bits of all kinds before it is rounded: the
- * energy drifts. The base set, which has no fused operations, rounds products first. */
+ * energy drifts. The control is the base set, which has no fused operations and rounds products first. Its ratio is 17
+ * for the 320,000 places of four nodes and 14 for the 2,240,000 places of eight. */
 START_TEST(places_are_rounded_to_no_side)
 {
     static const int unknowns[] = {2, UNKNOWNS};
@@ -198,10 +197,10 @@ START_TEST(places_are_rounded_to_no_side)
     if (isa > jet_sweeps_choose()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (size_t k = 0; k < sizeof unknowns / sizeof *unknowns; k++) {
-        const double n = (double)PASSES * unknowns[k] * lanes, bound = 4 * sqrt(1 / 12.0) / 2 / sqrt(n);
-        const double error = fabs(mean_error(&tables.of, &loops_of[isa][size], unknowns[k], 1 / 3.0));
-        if (isa != jet_isa_base) ck_assert_double_lt(error, bound);
-        else if (lanes == 8) ck_assert_double_gt(error, bound);
+        const sample errors = errors_of(&tables.of, &loops_of[isa][size], unknowns[k], 1 / 3.0);
+        if (isa != jet_isa_base) ck_assert_double_lt(sample_drift(&errors), NO_DRIFT);
+        else if (lanes == 4 || (lanes == 8 && unknowns[k] == UNKNOWNS))
+            ck_assert_double_gt(sample_drift(&errors), NO_DRIFT);
     }
     galerkin_tables_close(&tables);
 }
