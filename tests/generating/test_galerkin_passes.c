@@ -130,7 +130,7 @@ START_TEST(steps_do_not_know_where_they_began)
         const model *of;
         double h, most; /* the part of the increments that differ */
     } rows[] = {
-        {&model_kepler, 0.125, 0.2}, {&model_double_pendulum, 0.015625, 0.35}, {&model_double_pendulum, 0.0625, 0.35}};
+        {&model_kepler, 0.125, 0.3}, {&model_double_pendulum, 0.015625, 0.45}, {&model_double_pendulum, 0.0625, 0.45}};
     const model *m = rows[_i].of;
     const tvi_options options = gauss(8);
     tvi_system *system = model_system(m);
