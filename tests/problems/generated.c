@@ -2,8 +2,8 @@
  * generated code (tests/generated.sh). TVI_GENERATED="rows others" chooses: of the tests, which are processes of their
  * own, the first and every `rows`th after it (the others end where they make an integrator); in a test all integrators
  * that are made like the first one, and one of `others` of what else it makes, by the fingerprints of system and
- * options. A test that makes steps but none by generated code fails. What each did is added to the file
- * TVI_GENERATED_COUNTS. */
+ * options. The flags of the compiler are TVI_GENERATED_FLAGS. A test that makes steps but none by generated code fails.
+ * Each test adds what it did to the file TVI_GENERATED_COUNTS. */
 #define _XOPEN_SOURCE 700
 #include "compiled/code.h"
 #include "method/fingerprint.h"
@@ -70,7 +70,7 @@ static bool is_chosen(const tvi_system *system, const tvi_options *options)
 /* The time of the compiler is not that of the test. */
 static tvi_compiled *compiled(const tvi_system *system, const tvi_options *options)
 {
-    static const tvi_compiler quick = {.flags = "-O1", .cache = "build/check/generated"};
+    const tvi_compiler quick = {.flags = getenv("TVI_GENERATED_FLAGS"), .cache = "build/check/generated"};
     tvi_compiled *code = NULL;
     const unsigned left = alarm(0);
     if (tvi_compile(&code, system, options, &quick) != TVI_OK) {
