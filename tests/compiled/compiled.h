@@ -3,6 +3,7 @@
 #ifndef TESTS_COMPILED_H
 #define TESTS_COMPILED_H
 
+#include "problems/problems.h"
 #include "problems/refusals.h"
 #include "scene.h"
 
@@ -29,21 +30,33 @@ double motion_difference(int n, const motion *a, const motion *b);
 tvi_status motion_go(const tvi_system *system, const tvi_options *options, double h, long steps, motion *m,
                      tvi_stats *stats);
 
-/* Steps of a size that suits the scene, of it or in a time that it chooses. */
+/* A system and a size of steps that suits it: a scene, as it is or in a time that it chooses; or a problem, which may
+ * have a force that knows the time. */
 typedef struct {
     const scene *scene;
     double h;
     bool is_rescaled;
+    const test_problem *problem; /* NULL: the scene */
 } whose;
 typedef struct {
     tvi_system *stated, *rescaled;
 } systems;
+const scene *scene_of(const whose *of);
 /* Those of a run, to be freed; returns the one that it is of. */
 const tvi_system *systems_open(const whose *of, systems *its);
 void systems_free(const systems *its);
 
-/* A cache below the build's directory, which the next run finds again. */
-extern const tvi_compiler usual, quick; /* that optimizes less */
+/* The cache lies below the build's directory, where the next run finds it again. `usual` has the library's own flags.
+ * `quick` compiles the same text without optimization and without inlining, in a fifth of the time: it serves where the
+ * text is tested, and not what a compiler makes of it. `wide` is `quick` with the instructions of the tape, whose
+ * vectors have text of their own. */
+typedef enum { USUAL, QUICK, WIDE } how_compiled;
+tvi_compiler compiler_of(how_compiled how);
+#define QUICK_FLAGS "-O0 -Dalways_inline=unused"
+/* The flag for all instructions that the library may use here; "" where it may use none but those of the base. */
+const char *instructions_flag(void);
+/* Whether the environment variable TVI_COMPILED asks for every scene with every method. */
+bool runs_all(void);
 /* An empty directory of the test's own, for ten calls; and without all in it. */
 const char *directory_make(void);
 void directory_remove(const char *path);

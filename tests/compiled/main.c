@@ -1,5 +1,5 @@
 /* main.c - generated code: the same results as the tape's, what may go wrong on the way to it, and who owns it. The
- * environment variable TVI_COMPILED=all runs every scene with every method. */
+ * environment variable TVI_COMPILED=all runs every scene with every method, with the library's own flags. */
 #define _XOPEN_SOURCE 700
 #include "compiled.h"
 #include "problems/run_suites.h"
@@ -11,8 +11,34 @@
 #include <stdlib.h>
 #include <string.h>
 
-const tvi_compiler usual = {.cache = "build/check/generated"},
-                   quick = {.flags = "-O1", .cache = "build/check/generated"};
+bool runs_all(void)
+{
+    const char *all = getenv("TVI_COMPILED");
+    return all && strcmp(all, "all") == 0;
+}
+
+const char *instructions_flag(void)
+{
+#if defined(__x86_64__)
+    const char *const wish = getenv("TVI_ISA");
+    if (wish && strcmp(wish, "base") == 0) return "";
+    return wish && strcmp(wish, "avx2") == 0 ? "-march=x86-64-v3" : "-march=native";
+#else
+    return "";
+#endif
+}
+
+tvi_compiler compiler_of(how_compiled how)
+{
+    static char wide[100];
+    snprintf(wide, sizeof wide, QUICK_FLAGS " %s", instructions_flag());
+    return (tvi_compiler){.flags = how == USUAL   ? NULL
+                                   : how == QUICK ? QUICK_FLAGS
+                                                  : wide,
+                          .cache = "build/check/generated"};
+}
+
+const scene *scene_of(const whose *of) { return of->problem ? of->problem->scene : of->scene; }
 
 motion motion_start(const scene *s)
 {
@@ -40,7 +66,8 @@ double motion_difference(int n, const motion *a, const motion *b)
 const tvi_system *systems_open(const whose *of, systems *its)
 {
     *its = (systems){NULL, NULL};
-    ck_assert_int_eq(scene_system(of->scene, &its->stated), TVI_OK);
+    if (of->problem) its->stated = problem_system(of->problem);
+    else ck_assert_int_eq(scene_system(of->scene, &its->stated), TVI_OK);
     if (!of->is_rescaled) return its->stated;
     ck_assert_int_eq(tvi_system_rescaled(&its->rescaled, its->stated, NULL, NULL), TVI_OK);
     return its->rescaled;

@@ -2,6 +2,7 @@
 #include "compiled.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,42 +42,44 @@ static travel travel_by(const tvi_system *system, const tvi_options *options, co
     return made;
 }
 
-/* Calls that make many steps make those of many calls, to the bit; where the guard looks at some of them, too. By the
- * widest vectors, where few unknowns stay in registers, or do not. Within a step they are those of the tape but for
- * roundoff; so are the numbers of passes, of which those of the tape are all judged. Two rows are predicted roughly,
- * and one of them takes more passes than are ever made in silence. Of one the tape has fits, but not the code, which
- * takes as many passes a step as the tape before: 608 in 100 steps. */
+/* One call that makes many steps and many calls that make one step give the same, to the bit, also if the guard looks
+ * at some of the steps. The steps are those of the tape but for roundoff. The numbers of passes differ by at most one
+ * and a half a step, as the tape judges all passes and the code only the last ones: by 0.9 in the row of h = 0.75, which
+ * is predicted roughly, and by half of that in the others. The last two rows have other choices than this processor's:
+ * whether few unknowns stay in registers, and the width of vectors. */
 START_TEST(steps_in_a_row_are_those_one_by_one)
 {
     enum { CALLS = 5 };
     static const struct {
         whose of;
         double max_tail;
-        long least, most, passes; /* steps; passes more or less than those of the tape */
-        long all;                 /* passes at most, where springs or fits change them; 0: any number */
-    } rows[] = {{{&scene_kepler, 0.25, false}, 0, STEPS, STEPS, 50, 0},
-                {{&scene_kepler, 0.25, false}, 1e-6, 4, 20, 0, 0},
-                {{&scene_kepler, 0.75, false}, 0, STEPS, STEPS, 225, 0},
-                {{&scene_henon_heiles_12, 0.625, false}, 0, STEPS, STEPS, 75, STEPS * 616 / 100},
-                {{&scene_fpu, 0.03125, false}, 0, STEPS, STEPS, 50, 0},
-                {{&scene_double_pendulum, 0.0625, false}, 0, STEPS, STEPS, 50, 0},
-                {{&scene_kepler, 0.2, true}, 0, STEPS, STEPS, 50, 0},
-                {{&scene_henon_heiles_12, 2, false}, 0, STEPS, STEPS, 225, 0},
-                {{&scene_fpu, 0.078125, false}, 0, STEPS, STEPS, 50, 13 * STEPS},
-                {{&long_chain, 0.078125, false}, 0, STEPS, STEPS, 175, 13 * STEPS},
-                {{&scene_nonseparable, 0.25, false}, 0, STEPS, STEPS, 50, STEPS * 72 / 10}};
-    static const char *const compilers[] = {NULL, "cc -DGALERKIN_IN_REGISTER=0 -DJET_NARROW=0",
-                                            "cc -DGALERKIN_IN_REGISTER=1 -DJET_NARROW=0", "cc -DJET_NARROW=1"};
-    enum { ROWS = sizeof rows / sizeof *rows };
-    const int own = _i < ROWS ? _i : 0; /* then the first row, in all ways */
-    const whose *of = &rows[own].of;
-    const tvi_compiler how = {compilers[_i < ROWS ? 0 : _i - ROWS + 1], usual.flags, usual.cache};
+        long least, most; /* steps */
+        how_compiled how;
+        const char *choice;
+    } rows[] = {{{&scene_kepler, 0.25, false, NULL}, 0, STEPS, STEPS, USUAL, ""},
+                {{&scene_kepler, 0.75, false, NULL}, 0, STEPS, STEPS, USUAL, ""},
+                {{&scene_kepler, 0.25, false, NULL}, 1e-6, 4, 20, QUICK, ""},
+                {{&scene_henon_heiles_12, 0.625, false, NULL}, 0, STEPS, STEPS, QUICK, ""},
+                {{&scene_henon_heiles_12, 2, false, NULL}, 0, STEPS, STEPS, QUICK, ""},
+                {{&scene_fpu, 0.03125, false, NULL}, 0, STEPS, STEPS, QUICK, ""},
+                {{&scene_fpu, 0.078125, false, NULL}, 0, STEPS, STEPS, QUICK, ""},
+                {{&long_chain, 0.078125, false, NULL}, 0, STEPS, STEPS, WIDE, ""},
+                {{&scene_double_pendulum, 0.0625, false, NULL}, 0, STEPS, STEPS, QUICK, ""},
+                {{&scene_kepler, 0.2, true, NULL}, 0, STEPS, STEPS, USUAL, ""},
+                {{&scene_nonseparable, 0.25, false, NULL}, 0, STEPS, STEPS, QUICK, ""},
+                {{&scene_kepler, 0.25, false, NULL}, 0, STEPS, STEPS, WIDE, "-DGALERKIN_IN_REGISTER=0 -DJET_NARROW=0"},
+                {{&scene_kepler, 0.25, false, NULL}, 0, STEPS, STEPS, WIDE, "-DGALERKIN_IN_REGISTER=1 -DJET_NARROW=0"}};
+    const whose *of = &rows[_i].of;
+    tvi_compiler how = compiler_of(runs_all() && !*rows[_i].choice ? USUAL : rows[_i].how);
+    char flags[200];
+    snprintf(flags, sizeof flags, "%s %s", how.flags ? how.flags : "", rows[_i].choice);
+    if (*rows[_i].choice) how.flags = flags;
     systems its;
     const tvi_system *system = systems_open(of, &its);
     tvi_options options = tvi_options_default();
     tvi_compiled *code;
-    options.max_tail = rows[own].max_tail;
-    ck_assert_int_eq(tvi_compile(&code, system, &options, &how), TVI_OK);
+    options.max_tail = rows[_i].max_tail;
+    ck_assert_msg(tvi_compile(&code, system, &options, &how) == TVI_OK, "%s", tvi_last_error());
     options.compiled = code;
     const travel row = travel_by(system, &options, of, STEPS, STEPS / CALLS),
                  single = travel_by(system, &options, of, STEPS, 1);
@@ -86,12 +89,11 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
     ck_assert_int_eq(row.status, single.status);
     options.compiled = NULL;
     const travel tape = travel_by(system, &options, of, row.stats.steps, 1);
-    if (row.status == TVI_OK) ck_assert_double_le(motion_difference(of->scene->n, &tape.middle, &row.middle), 1e-9);
-    if (row.status == TVI_OK) ck_assert_int_le(labs(row.stats.passes - tape.stats.passes), rows[own].passes);
-    if (rows[own].all > 0) ck_assert_int_le(row.stats.passes, rows[own].all);
-    ck_assert_int_eq(row.status, rows[own].most < STEPS ? TVI_ETOOLARGE : TVI_OK);
-    ck_assert_int_ge(row.stats.steps, rows[own].least);
-    ck_assert_int_le(row.stats.steps, rows[own].most);
+    if (row.status == TVI_OK) ck_assert_double_le(motion_difference(of->scene->n, &tape.middle, &row.middle), 1e-11);
+    if (row.status == TVI_OK) ck_assert_int_le(labs(row.stats.passes - tape.stats.passes), 3 * STEPS / 2);
+    ck_assert_int_eq(row.status, rows[_i].most < STEPS ? TVI_ETOOLARGE : TVI_OK);
+    ck_assert_int_ge(row.stats.steps, rows[_i].least);
+    ck_assert_int_le(row.stats.steps, rows[_i].most);
     tvi_compiled_free(code);
     systems_free(&its);
 }
@@ -107,17 +109,22 @@ static int go_on(long step, double t, const double q[], const double p[], void *
  * the bit, forth and back, with ends that are steps but for roundoff, and others. */
 START_TEST(runs_to_a_time_in_rows)
 {
-    static const whose rows[] = {
-        {&scene_kepler, 0.25, false}, {&scene_kepler, 0.2, true}, {&scene_fpu, 0.03125, false}};
+    static const struct {
+        whose of;
+        how_compiled how;
+    } rows[] = {{{&scene_kepler, 0.25, false, NULL}, USUAL},
+                {{&scene_kepler, 0.2, true, NULL}, USUAL},
+                {{&scene_fpu, 0.03125, false, NULL}, QUICK}};
     static const double ends[] = {20, 20.1, 10 * 0.1, 0.01};
     enum { ENDS = sizeof ends / sizeof *ends };
-    const whose *of = &rows[_i / (2 * ENDS)];
+    const whose *of = &rows[_i / (2 * ENDS)].of;
+    const tvi_compiler compiler = compiler_of(rows[_i / (2 * ENDS)].how);
     const double way = _i % 2 ? -1 : 1, t_end = way * ends[_i / 2 % ENDS];
     systems its;
     const tvi_system *system = systems_open(of, &its);
     tvi_options options = tvi_options_default();
     tvi_compiled *code;
-    ck_assert_int_eq(tvi_compile(&code, system, &options, &usual), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &compiler), TVI_OK);
     options.compiled = code;
     motion end[2] = {motion_start(of->scene), motion_start(of->scene)};
     tvi_stats stats[2];
@@ -154,8 +161,9 @@ START_TEST(tails_are_of_the_last_step_that_was_made)
     tvi_options options = tvi_options_default();
     tvi_compiled *code;
     tvi_stats stats[2];
+    const tvi_compiler compiler = compiler_of(QUICK);
     ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, edge, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_compile(&code, system, &options, &usual), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &compiler), TVI_OK);
     for (int i = 0; i < 2; i++) {
         motion m = {.q = {1}};
         options.compiled = i > 0 ? code : NULL;
@@ -176,8 +184,7 @@ Suite *suite_rows(void)
 {
     Suite *suite = suite_create("rows");
     TCase *tcase = tcase_create("rows");
-    tcase_set_timeout(tcase, 600);
-    tcase_add_loop_test(tcase, steps_in_a_row_are_those_one_by_one, 0, 14);
+    tcase_add_loop_test(tcase, steps_in_a_row_are_those_one_by_one, 0, 13);
     tcase_add_loop_test(tcase, runs_to_a_time_in_rows, 0, 24);
     tcase_add_test(tcase, tails_are_of_the_last_step_that_was_made);
     suite_add_tcase(suite, tcase);
