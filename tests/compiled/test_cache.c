@@ -46,6 +46,9 @@ static tvi_status try(const scene *s, const tvi_compiler *how)
     return status;
 }
 
+/* AGAIN compiles nothing twice. It serves tests that need a library, whoever made it. */
+#define AGAIN "sh tests/compiled/again.sh cc"
+
 /* ---- Compilers --------------------------------------------------------------------------------------------------- */
 
 static const struct {
@@ -53,8 +56,8 @@ static const struct {
     tvi_status status;
     const char *culprit;
 } compilers[] = {
-    {"cc", "-O1", TVI_OK, ""},
-    {"  cc  -pipe ", " -O1 ", TVI_OK, ""},
+    {"cc", QUICK_FLAGS, TVI_OK, ""},
+    {"  cc  -pipe ", " " QUICK_FLAGS " ", TVI_OK, ""},
     {"false", NULL, TVI_ECOMPILE, "false failed"},
     {"true", NULL, TVI_ECOMPILE, "true made no library"},
     {"/nowhere/cc", NULL, TVI_ECOMPILE, "/nowhere/cc could not be started"},
@@ -64,9 +67,9 @@ static const struct {
     {"cc", "-include /nowhere.h", TVI_ECOMPILE, "/nowhere.h"},
     {"cc; touch", "$(id) `id` > x", TVI_ECOMPILE, "cc; touch could not be started"}, /* no shell reads it */
     /* its function is not found, which is not kept */
-    {"cc", "-O0 -fvisibility=hidden", TVI_ECOMPILE, "the generated code cannot be loaded"},
+    {"cc", QUICK_FLAGS " -fvisibility=hidden", TVI_ECOMPILE, "the generated code cannot be loaded"},
     {"sh tests/compiled/killed.sh", NULL, TVI_ECOMPILE, "sh tests/compiled/killed.sh failed"},
-    {"sh tests/compiled/cut.sh cc", "-O0", TVI_ECOMPILE,
+    {"sh tests/compiled/cut.sh cc", QUICK_FLAGS, TVI_ECOMPILE,
      "sh tests/compiled/cut.sh cc made no library, or not all of it"},
 };
 
@@ -84,7 +87,7 @@ END_TEST
 START_TEST(the_environment_names_the_compiler)
 {
     const char *cache = directory_make();
-    const tvi_compiler how = {NULL, "-O1", cache};
+    const tvi_compiler how = {NULL, QUICK_FLAGS, cache};
     setenv("CC", "/nowhere/cc", 1);
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_ECOMPILE);
     setenv("CC", "cc", 1);
@@ -101,7 +104,7 @@ START_TEST(files_are_the_programs_own)
     const char *cache = directory_make();
     int ends[2];
     ck_assert_int_eq(pipe(ends), 0);
-    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"sh tests/compiled/server.sh cc", "-O0", cache}), TVI_OK);
+    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"sh tests/compiled/server.sh cc", QUICK_FLAGS, cache}), TVI_OK);
     close(ends[1]);
     struct pollfd end = {.fd = ends[0], .events = POLLIN};
     ck_assert_int_eq(poll(&end, 1, 1000), 1);
@@ -116,7 +119,7 @@ START_TEST(the_cache_is_where_the_user_keeps_caches)
 {
     const char *home = directory_make();
     char path[128];
-    const tvi_compiler how = {"cc", "-O1", NULL};
+    const tvi_compiler how = {AGAIN, QUICK_FLAGS, NULL};
     setenv("HOME", home, 1);
     unsetenv("XDG_CACHE_HOME");
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
@@ -137,7 +140,7 @@ END_TEST
 START_TEST(nothing_is_kept_without_a_cache)
 {
     const char *temporary = directory_make();
-    const tvi_compiler how = {"cc", "-O1", ""};
+    const tvi_compiler how = {AGAIN, QUICK_FLAGS, ""};
     setenv("TMPDIR", temporary, 1);
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
     ck_assert_int_eq(directory_count(temporary, ""), 0);
@@ -152,7 +155,7 @@ START_TEST(umasks)
     const char *cache = directory_make();
     umask(masks[_i]);
     for (int again = 0; again < 2; again++)
-        ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", "-O0", cache}), TVI_OK);
+        ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", QUICK_FLAGS, cache}), TVI_OK);
     ck_assert_int_eq(directory_count(cache, ""), 1);
     directory_remove(cache);
 }
@@ -165,7 +168,7 @@ START_TEST(odd_names)
     const char *top = directory_make();
     ck_assert_int_eq(chdir(top), 0);
     for (int again = 0; again < 2; again++)
-        ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", "-O0", names[_i]}), TVI_OK);
+        ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", QUICK_FLAGS, names[_i]}), TVI_OK);
     if (*names[_i]) ck_assert_int_eq(directory_count(names[_i], ".so"), 1);
     directory_remove(top);
 }
@@ -192,7 +195,7 @@ START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
     if (_i == BELOW_A_FILE) strcat(path, "/cache");
     if (_i == NOT_TO_BE_MADE) strcpy(path, "/proc/tvi/cache");
     if (_i == READ_ONLY) snprintf(path, sizeof path, "/proc/%d", (int)getpid()); /* the user's own, also root's */
-    const tvi_compiler how = {"cc", "-O1", path};
+    const tvi_compiler how = {AGAIN, QUICK_FLAGS, path};
     ck_assert_int_eq(try(&scene_kepler, &how), TVI_ECOMPILE);
     directory_remove(top);
 }
@@ -205,7 +208,7 @@ START_TEST(temporary_files_that_others_may_exchange_are_refused)
     const char *temporary = directory_make();
     ck_assert_int_eq(chmod(temporary, is_sticky ? 01777 : 0777), 0);
     setenv("TMPDIR", temporary, 1);
-    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", "-O0", ""}), is_sticky ? TVI_OK : TVI_ECOMPILE);
+    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){AGAIN, QUICK_FLAGS, ""}), is_sticky ? TVI_OK : TVI_ECOMPILE);
     ck_assert_int_eq(directory_count(temporary, ""), 0);
     directory_remove(temporary);
 }
@@ -216,7 +219,7 @@ START_TEST(a_file_that_cannot_be_written_is_refused)
 {
     const char *cache = directory_make();
     static const rlim_t sizes[] = {0, 1000};
-    const tvi_compiler how = {"cc", "-O1", cache};
+    const tvi_compiler how = {AGAIN, QUICK_FLAGS, cache};
     const struct rlimit limit = {sizes[_i], sizes[_i]};
     signal(SIGXFSZ, SIG_IGN);
     const int child = fork();
@@ -264,7 +267,7 @@ typedef struct {
 static kept_file keep_one(void)
 {
     kept_file k = {.cache = directory_make()};
-    k.how = (tvi_compiler){"cc", "-O1", k.cache};
+    k.how = (tvi_compiler){AGAIN, QUICK_FLAGS, k.cache};
     ck_assert_int_eq(try(&scene_kepler, &k.how), TVI_OK);
     find_file(k.cache, k.path, sizeof k.path);
     k.was = state_of(k.path);
@@ -328,7 +331,7 @@ START_TEST(two_processes_at_once)
 {
     enum { PROCESSES = 4 };
     const char *cache = directory_make();
-    const tvi_compiler how = {"cc", "-O1", cache};
+    const tvi_compiler how = {AGAIN, QUICK_FLAGS, cache};
     for (int i = 0; i < PROCESSES; i++)
         if (fork() == 0) _exit(try(&scene_kepler, &how) == TVI_OK ? 0 : 1);
     for (int i = 0; i < PROCESSES; i++) {
@@ -350,7 +353,6 @@ Suite *suite_cache(void)
     Suite *suite = suite_create("cache");
     TCase *tcase = tcase_create("failures");
     tcase_add_checked_fixture(tcase, pin, NULL);
-    tcase_set_timeout(tcase, 60);
     tcase_add_loop_test(tcase, a_compiler_that_fails_is_told_of, 0, sizeof compilers / sizeof *compilers);
     tcase_add_test(tcase, the_environment_names_the_compiler);
     tcase_add_test(tcase, files_are_the_programs_own);
