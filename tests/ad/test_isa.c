@@ -66,15 +66,13 @@ START_TEST(instruction_sets_agree)
 }
 END_TEST
 
+#if defined(__x86_64__)
 static bool has_avx512(void)
 {
-#if defined(__x86_64__)
     return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
            __builtin_cpu_supports("avx512vl");
-#else
-    return false;
-#endif
 }
+#endif
 
 /* Base is another set than what a machine with wider vectors takes by itself; less than asked for is taken, never
  * more. */
