@@ -7,6 +7,8 @@
 
 #ifdef JET_ISA_X86
 #include <cpuid.h>
+#elif defined(__linux__)
+#include <sys/auxv.h>
 #endif
 #include <dlfcn.h>
 #include <inttypes.h>
@@ -82,6 +84,9 @@ static void hash_processor(tvi_key *key)
     __get_cpuid(1, &id[0], &of_core, &id[1], &id[2]);
     __get_cpuid_count(7, 0, &id[3], &id[4], &id[5], &id[6]);
     hash(key, id, sizeof id);
+#elif defined(__linux__)
+    const unsigned long features[] = {getauxval(AT_HWCAP), getauxval(AT_HWCAP2)};
+    hash(key, features, sizeof features);
 #else
     (void)key;
 #endif
