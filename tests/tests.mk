@@ -314,4 +314,5 @@ instructions: need-check
 	$(INSTRUCTIONS) renew $(COMPILED_BY)
 .PHONY: instructions
 
+include tests/arm.mk
 include tests/analyse.mk
