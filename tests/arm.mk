@@ -32,7 +32,7 @@ $(ARM_CHECKS): check-arm-built
 
 # the tests are not optimized, since compiling them would take longer than running them; they are linked with what leaves
 # out rows of their loops
-check-arm-built: ; $(REPORT) "aarch64: the library and the tests are built" $(LOG) $(DO)
+check-arm-built: ; $(REPORT) "aarch64: the library and the tests are built" $(DO)
 do-arm-built: $(BUILD)/libtvi.a $(BUILD)/libtvi.so $(ARM_FOLDERS:%=$(BUILD)/check/%)
 ifneq ($(findstring command,$(origin ARM)),)
 $(TEST_OBJECTS) $(HELPERS): CFLAGS = -O1 -g
@@ -40,12 +40,12 @@ $(ARM_FOLDERS:%=$(BUILD)/check/%): LDFLAGS += -Wl,--wrap=_tcase_add_test
 $(ARM_FOLDERS:%=$(BUILD)/check/%): $(BUILD)/tests/arm/sampled.o
 $(BUILD)/tests/arm/%.o: tests/arm/%.c
 	@mkdir -p $(@D)
-	$(CC) $(TEST_FLAGS) -c -o $@ $<
+	$(call SAY,CC $<)$(CC) $(TEST_FLAGS) -c -o $@ $<
 endif
 
 # the command of the README builds its program, with the cross compiler as cc; the printed numbers but the last one are
 # those of the README
-check-arm-readme: ; $(REPORT) "aarch64: the program of the README" $(LOG) $(DO)
+check-arm-readme: ; $(REPORT) "aarch64: the program of the README" $(DO)
 do-arm-readme: export PATH := $(ARM)/bin:$(PATH)
 do-arm-readme: $(BUILD)/libtvi.a
 	tests/readme.sh README.md $(BUILD)/check
@@ -56,9 +56,8 @@ do-arm-readme: $(BUILD)/libtvi.a
 
 # One row of so many in each loop runs (tests/arm/sampled.c), since qemu is 10 to 30 times slower than a processor. The
 # cross compiler is cc for generated code, too.
-$(ARM_FOLDERS:%=check-arm-%): check-arm-%: ; $(REPORT) "aarch64: tests/$*" $(LOG) $(DO)
+$(ARM_FOLDERS:%=check-arm-%): check-arm-%: ; $(REPORT) "aarch64: tests/$*" $(DO)
 $(ARM_FOLDERS:%=do-arm-%): export PATH := $(ARM)/bin:$(PATH)
-$(ARM_FOLDERS:%=do-arm-%): export CK_TIMEOUT_MULTIPLIER := 30
 $(ARM_FOLDERS:%=do-arm-%): export TESTS_EVERY = $(EVERY)
 do-arm-ad:         EVERY := 4
 do-arm-ad:         SUITES := record,domain,tape,series,identity,tangent,adjoint,isa,roots,elementary,gradient,hash,emit

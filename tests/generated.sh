@@ -6,7 +6,7 @@
 # is for the base instruction set, which compiles fastest. make check compiles it without optimization and inlining, as
 # it tests the text of the code; the others are optimized a little.
 set -u
-export TVI_ISA=base CK_TIMEOUT_MULTIPLIER=100
+export TVI_ISA=base
 case ${2-} in
 few) export TVI_GENERATED_FLAGS='-O0 -Dalways_inline=unused' ;;
 all | '') export TVI_GENERATED_FLAGS=-O1 ;;

@@ -44,9 +44,9 @@ static travel travel_by(const tvi_system *system, const tvi_options *options, co
 
 /* One call that makes many steps and many calls that make one step give the same, to the bit, also if the guard looks
  * at some of the steps. The steps are those of the tape but for roundoff. The numbers of passes differ by at most one
- * and a half a step, as the tape judges all passes and the code only the last ones: by 0.9 in the row of h = 0.75, which
- * is predicted roughly, and by half of that in the others. The last two rows have other choices than this processor's:
- * whether few unknowns stay in registers, and the width of vectors. */
+ * and a half a step, as the tape judges all passes and the code only the last ones: by 0.9 in the row of h = 0.75,
+ * which is predicted roughly, and by half of that in the others. The last two rows have other choices than this
+ * processor's: whether few unknowns stay in registers, and the width of vectors. */
 START_TEST(steps_in_a_row_are_those_one_by_one)
 {
     enum { CALLS = 5 };

@@ -187,7 +187,9 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *lo
 /* With a step near a ratio of small numbers what moves an unknown is close to the middle between two numbers again and
  * again, and always on the same side of it, unless it is added to what has bits of all kinds before it is rounded: the
  * energy drifts. The control is the base set, which has no fused operations and rounds products first. Its ratio is 17
- * for the 320,000 places of four nodes and 14 for the 2,240,000 places of eight. */
+ * for the 320,000 places of four nodes and 14 for the 2,240,000 places of eight. Two nodes are left out: a sum of two
+ * products rounds one of them first, and compilers choose which (the ratio is 10.4 with clang 14, and below 3 with gcc
+ * 12). The error of order 4 hides that in every run. */
 START_TEST(places_are_rounded_to_no_side)
 {
     static const int unknowns[] = {2, UNKNOWNS};
@@ -198,8 +200,8 @@ START_TEST(places_are_rounded_to_no_side)
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (size_t k = 0; k < sizeof unknowns / sizeof *unknowns; k++) {
         const sample errors = errors_of(&tables.of, &loops_of[isa][size], unknowns[k], 1 / 3.0);
-        if (isa != jet_isa_base) ck_assert_double_lt(sample_drift(&errors), NO_DRIFT);
-        else if (lanes == 4 || (lanes == 8 && unknowns[k] == UNKNOWNS))
+        if (isa != jet_isa_base && lanes != 2) ck_assert_double_lt(sample_drift(&errors), NO_DRIFT);
+        else if (isa == jet_isa_base && (lanes == 4 || (lanes == 8 && unknowns[k] == UNKNOWNS)))
             ck_assert_double_gt(sample_drift(&errors), NO_DRIFT);
     }
     galerkin_tables_close(&tables);
