@@ -29,6 +29,10 @@ static tvi_status checked(const char *call, tvi_status status)
 static bool ends_well(const char *where, tvi_integrator *integrator, double t, double q[], double p[])
 {
     const double before = t;
+    if (!integrator) {
+        printf("%s: no integrator: %s\n", where, tvi_last_error());
+        return false;
+    }
     const tvi_status status = tvi_step(integrator, 0.01, &t, q, p);
     printf("%s: %s\n", where, tvi_integrator_stats(integrator)->is_compiled ? "compiled" : "recorded");
     return status == TVI_OK && t > before && isfinite(q[0]) && isfinite(p[0]);
