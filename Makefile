@@ -91,12 +91,14 @@ OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
 
 .DELETE_ON_ERROR:
-.PHONY: help libs all check check-long bench choose references clean need-library need-check need-bench
+.PHONY: help libs all built check check-long bench choose references clean need-library need-check need-bench
 
 all: need-library
-	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/libtvi.a $(BUILD)/libtvi.so
+	@$(MAKE) --no-print-directory $(JOBS) built
 	$(if $(IS_QUIET),,@echo 'Made $(BUILD)/libtvi.a and $(BUILD)/libtvi.so. Next: make check, or make install, or a program:'; \
 	    echo '    cc program.c -Iinclude $(BUILD)/libtvi.a $$(make -s libs) && ./a.out')
+
+built: $(BUILD)/libtvi.a $(BUILD)/libtvi.so ; @:
 
 # what there is to make: the lines at the head of this file
 help:
@@ -161,7 +163,7 @@ $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
 # a curve, and the action of it
-EMBEDDED_CURVE := include/tvi.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
+EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
                       $(addprefix generating/,series.h taylor_sweep.h reach.h advance.h tangents.h lagrangian_orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \

@@ -107,27 +107,6 @@ JET_INLINE bool jet_in_a_row(int count, const int place[])
     return is_row;
 }
 
-/* a b + c, rounded once. */
-#ifdef __FMA__
-#include <immintrin.h>
-#define JET_FMA(V, a, b, c) jet_fma_##V(a, b, c)
-JET_INLINE jet_v1 jet_fma_jet_v1(jet_v1 a, jet_v1 b, jet_v1 c) { return __builtin_fma(a, b, c); }
-JET_INLINE jet_v2 jet_fma_jet_v2(jet_v2 a, jet_v2 b, jet_v2 c)
-{
-    return (jet_v2)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);
-}
-JET_INLINE jet_v4 jet_fma_jet_v4(jet_v4 a, jet_v4 b, jet_v4 c)
-{
-    return (jet_v4)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
-}
-#ifdef JET_WIDE
-JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
-{
-    return (jet_v8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
-}
-#endif
-#endif
-
 /* Before a loop over lanes. gcc unrolls it before it could make vectors of it, where it knows how many they are. */
 #ifdef JET_EMITTED
 #define JET_IN_VECTORS _Pragma("GCC unroll 1")

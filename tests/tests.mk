@@ -17,7 +17,7 @@ ALL     := $(patsubst %,check-%,generated equilibria)
 
 # What several checks need is built before they run side by side; where that fails, they say so.
 define checks
-	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/libtvi.a $(BUILD)/libtvi.so man
+	@$(MAKE) --no-print-directory $(JOBS) built man
 	@$(MAKE) --no-print-directory -k $(JOBS) test-programs || true
 	@$(MAKE) --no-print-directory -k $(JOBS) run-$@
 endef

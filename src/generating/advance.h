@@ -3,7 +3,7 @@
 #ifndef TVI_SRC_GENERATING_ADVANCE_H
 #define TVI_SRC_GENERATING_ADVANCE_H
 
-#include "vector.h"
+#include "fused.h"
 
 typedef struct {
     int n;

@@ -42,12 +42,12 @@ remove-installed:
 .PHONY: remove-installed
 
 # tvi(3), of tvi.h and what it includes, and jet(3), and a page for each function that refers to one of them
-man: $(MAN)/tvi.3 $(MAN)/jet.3
+man: $(MAN)/tvi.3 $(MAN)/jet.3 ; @:
 $(MAN)/tvi.3: EXAMPLE := docs/examples/pendulum.c
 $(MAN)/tvi.3: $(filter-out include/tvi.h,$(wildcard include/tvi*.h))
 $(MAN)/jet.3: EXAMPLE := docs/examples/vortices.c
 $(MAN)/%.3: include/%.h docs/man.awk docs/examples/pendulum.c docs/examples/vortices.c
 	@mkdir -p $(@D)
-	for name in $$(awk -v names=1 -f docs/man.awk $(filter %.h,$^)); do echo '.so man3/$*.3' > $(@D)/$$name.3; done
-	awk -v version=$(VERSION) -v date="$$(date -r $< +%Y-%m-%d)" -v example=$(EXAMPLE) -f docs/man.awk \
+	$(call SAY,MAN $@)for name in $$(awk -v names=1 -f docs/man.awk $(filter %.h,$^)); do echo '.so man3/$*.3' > $(@D)/$$name.3; done
+	$(if $(V),,@)awk -v version=$(VERSION) -v date="$$(date -r $< +%Y-%m-%d)" -v example=$(EXAMPLE) -f docs/man.awk \
 	    $(filter %.h,$^) > $@
