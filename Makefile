@@ -54,12 +54,13 @@ SOVERSION := 0
 # No traps, as clang has it: the larger of two numbers is no branch, and loops with it are those of vectors.
 # Debuggers get the lines; the places of variables, which code that is optimized seldom keeps, take a tenth of the time.
 CFLAGS   ?= -O3 -g1
-WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+# WERROR=1, as CI has it: a warning is an error.
+WARNINGS := -Wall -Wextra -Wpedantic -Wshadow -Wconversion $(if $(WERROR),-Werror)
 BASE     := -std=c11 $(WARNINGS) -ffp-contract=off -fno-math-errno -fno-trapping-math -fPIC -fvisibility=hidden -Iinclude
 # what is not the product: tests, bench and the quadruple-precision reference, which only gcc compiles
 TOOL     := -std=c11 $(WARNINGS) -D_POSIX_C_SOURCE=200809L -Iinclude -Iad -Isrc -Ibench -Ibench/scenes
 QUADCC   ?= gcc
-QUAD     := -std=gnu11 -O2 -Wall -Wextra -Iinclude -Iad -Ibench -Ibench/scenes
+QUAD     := -std=gnu11 -O2 -Wall -Wextra $(if $(WERROR),-Werror) -Iinclude -Iad -Ibench -Ibench/scenes
 
 # elementary functions in vectors (ad/elementary.h), where SLEEF is; SLEEF=0: those of the mathematical library
 SLEEF     ?= 1
@@ -136,7 +137,7 @@ need-bench: ; $(call need,$(PACKAGES_LIBRARY) $(SLEEF_PACKAGE) $(PACKAGES_BENCH)
 # ---- The library -------------------------------------------------------------------------------------------------------
 
 # All objects are made anew when the compiler, its flags, SLEEF or OpenMP are others.
-BUILT_WITH := $(CC) $(BASE) $(CFLAGS) $(OPENMP_LIB)
+BUILT_WITH := $(filter-out -Werror,$(CC) $(BASE) $(CFLAGS) $(OPENMP_LIB))
 $(BUILD)/built_with: always
 	@mkdir -p $(@D) && echo '$(BUILT_WITH)' | cmp -s - $@ || echo '$(BUILT_WITH)' >$@
 .PHONY: always
