@@ -32,10 +32,8 @@ tvi_compiler compiler_of(how_compiled how)
 {
     static char wide[100];
     snprintf(wide, sizeof wide, QUICK_FLAGS " %s", instructions_flag());
-    return (tvi_compiler){.flags = how == USUAL   ? NULL
-                                   : how == QUICK ? QUICK_FLAGS
-                                                  : wide,
-                          .cache = "build/check/generated"};
+    const char *const flags[] = {[USUAL] = NULL, [WIDE] = wide, [QUICK] = QUICK_FLAGS};
+    return (tvi_compiler){how == QUICK ? QUICK_COMPILER : NULL, flags[how], "build/check/generated"};
 }
 
 const scene *scene_of(const whose *of) { return of->problem ? of->problem->scene : of->scene; }

