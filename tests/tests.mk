@@ -104,7 +104,7 @@ do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble)
 check-generated: ; $(REPORT) "generated code: every scene with every method, and the suites of other programs" $(DO)
 do-generated: export TVI_COMPILED = all
 do-generated: $(addprefix $(BUILD)/check/,compiled library) $(GENERATED)
-	tests/suites.sh same $< & same=$$!; \
+	tests/suites.sh same,rows,ahead $< & same=$$!; \
 	tests/suites.sh faults/generated $(BUILD)/check/library; memory=$$?; wait $$same && exit $$memory
 	tests/generated.sh $(BUILD)
 
