@@ -3,7 +3,7 @@
 .PHONY: cov run-cov run-covered analyse run-analyse tidy cppcheck
 
 # Lines of ad and src that the tests run, without sanitizers, and the lines that they do not; fails below 95%. The jets run
-# for each instruction set that the machine has; of the others, the suites that run little twice.
+# with the narrowest and the widest instruction set; of the others, the suites that run little twice.
 COVERED := events rescaled parameters driven compiled ensemble
 cov: need-check do-coverage
 do-coverage:
