@@ -303,7 +303,7 @@ do-floors:
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps/steps tests/instructions.txt
-COMPILED_BY   = '$(shell $(CC) --version | head -n 1), $(CFLAGS), $(shell $(CC) -dumpmachine)'
+COMPILED_BY   = '$(shell $(CC) --version | head -n 1), $(CFLAGS), $(shell $(CC) -dumpmachine), $(or $(HAS_SLEEF),no sleef)'
 check-instructions: ; $(REPORT) "instructions of a step" $(DO)
 do-instructions: $(BUILD)/bench/steps/steps
 	$(INSTRUCTIONS) compare $(COMPILED_BY)
