@@ -12,7 +12,9 @@ enum { CHUNK = 128 };
 
 struct jet_graph {
     bool open;
-    const char *name;   /* of its outputs */
+    const char *name;      /* of its outputs */
+    const char *part_name; /* of operations on one node, or NULL */
+    int part_index;
     bool out_of_memory; /* some operation was lost: no output is accepted any more */
     int inputs, parameters, count, capacity;
     struct jet_node **nodes; /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
@@ -65,6 +67,17 @@ jet jet_graph_input(const jet_graph *graph, int i) { return jet_of_node(jet_grap
 long jet_graph_collisions(const jet_graph *graph) { return graph->collisions; }
 void jet_graph_close(jet_graph *graph) { graph->open = false; }
 void jet_graph_name(jet_graph *graph, const char *name) { graph->name = name; }
+void jet_graph_name_part(jet_graph *graph, jet x, const char *part)
+{
+    if (x.node && !jet_is_poison(x)) graph->part_index = x.node->index, graph->part_name = part;
+}
+
+const char *jet_graph_part_name(const jet_graph *graph, int *index)
+{
+    *index = graph->part_index;
+    return graph->part_name;
+}
+
 void jet_graph_lose(jet_graph *graph) { graph->out_of_memory = true; }
 
 static uint64_t mix(uint64_t hash, uint64_t word)

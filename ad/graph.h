@@ -87,6 +87,10 @@ jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
 /* What its outputs are called where they are refused: static text. */
 void jet_graph_name(jet_graph *graph, const char *name);
+/* A quantity that is not the user's own, and what an operation on it is part of where it is refused: static text. */
+void jet_graph_name_part(jet_graph *graph, jet x, const char *part);
+/* Its index and text; NULL where there is none. */
+const char *jet_graph_part_name(const jet_graph *graph, int *index);
 void jet_graph_free(jet_graph *graph);
 
 /* The node equal to `wanted`, recorded now if it is new. Takes the terms of `wanted`. NULL without memory. */

@@ -160,6 +160,8 @@ static bool lower(lowering *low, jet_tape *tape, int inputs, int outputs, const 
 {
     jet_place_nodes(low, inputs, outputs, output);
     lay_out(low, tape);
+    tape->part = jet_graph_part_name(low->graph, &tape->part_of);
+    tape->part_of += 1 - jet_graph_inputs(low->graph);
     tape->slots = low->slots;
     tape->outputs = outputs;
     for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(low, output[i].node);

@@ -240,11 +240,12 @@ TVI_NODISCARD tvi_status tvi_integrator_velocity(const tvi_integrator *integrato
 
 /* One step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
  *   TVI_EINVAL      NULL, h = 0 or not finite
- *   TVI_ENONFINITE  a state that is not finite, or a step that overflows
+ *   TVI_ENONFINITE  a state that is not finite, or equations that are not finite there
  *   TVI_EDOMAIN     the function was evaluated outside its domain
  *   TVI_ENOCONV     the corrector did not converge: the step is too large
  *   TVI_ESINGULAR   its matrix is singular: the step is too large
- *   TVI_ETOOLARGE   its equations were solved, but it is wrong: tvi_options.max_tail */
+ *   TVI_ETOOLARGE   its passes or its sums overflow; or its equations were solved, but it is wrong:
+ *                   tvi_options.max_tail */
 TVI_NODISCARD tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
 
 /* Forgets the last step. It is forgotten by itself when t, q, p are not bitwise what the last successful step returned;

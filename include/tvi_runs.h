@@ -19,7 +19,22 @@ extern "C" {
  * steps are bit for bit those of tvi_integrate. A state at a given time costs one step. Events cost each step a search,
  * of which the states are shared, and each event that is found costs one to three steps (docs/performance.md). */
 
-/* A function g of the state; an event is where it changes sign. It is written in jets, like a force. */
+/* A function g of the state. It is written in jets, like a force.
+ *
+ * An event is where g reaches 0 or changes its sign, at a time in (t0, t_end] of the run; where it leaves 0 is none.
+ * However a run is cut into calls, each event is told once, in order of time, and of the events where times are equal:
+ *   - A call that goes on from the integrator's own state, whatever was saved and loaded between, takes the sign that g
+ *     has there, by the evaluation that ended the step before.
+ *   - Where events have stopped a run, the integrator keeps t and q, and which functions were told there. As long as t
+ *     and q are these, whatever p was made, these events are left and not told again. All events at the time of one
+ *     that ends the run, to the resolution of t, are told before TVI_ESTOPPED.
+ *   - Any other state is on an event where |g| is at most the roundoff of its inputs and operations. A run that begins
+ *     on an event does not tell it.
+ * What leaves an event has from then on the sign of the first Taylor coefficient of g along the motion that is above
+ * its own roundoff. Returns to it, as flights of a ball that bounces, are told as long as they are longer than t
+ * resolves (DBL_EPSILON |t|); a shorter one after a stop is refused: TVI_ENOCONV, with the state as it was. Such a ball
+ * is at rest. (One that is given p = 0 there falls on: g leaves 0.) A g that stays within its roundoff over a whole
+ * step has no event in it. Parameters that an observer sets hold from the next step on, as from a new state. */
 typedef jet tvi_event_fn(const jet q[], const jet p[], jet t, void *ctx);
 /* Of g along the run, whatever the sign of h. */
 typedef enum { TVI_FALLING = -1, TVI_EITHER = 0, TVI_RISING = 1 } tvi_direction;
@@ -36,12 +51,14 @@ void tvi_event_free(tvi_event *event); /* NULL is allowed */
 /* Called at events[which], with its time and state; a value other than 0 ends the run there. */
 typedef int tvi_event_observer(int which, double t, const double q[], const double p[], void *ctx);
 /* tvi_integrate with events[count]. on_event is called for each in time order, before the observer is called for the
- * step that they are in. Events are the sign changes of g along the step's curve (tvi_dense): it is looked at between 8
- * equal parts, and where |g| has a least value between these. Reaching 0 counts as a sign change, so an event exactly
- * at the end of a step is reported once, with that step. Leaving 0 does not, so a run that starts on an event, to
- * roundoff, does not report it. The time is found to roundoff of g. Either observer may be NULL; both are given ctx.
+ * step that they are in. g is looked at along the step's curve (tvi_dense), between 8 equal parts, and where |g| has a
+ * least value between these, with a kink or without (docs/limits.md says what that can miss). The time and the state
+ * are those of the change of sign on the method's own solution, to roundoff of the orbit, whatever slope g has there.
+ * Either observer may be NULL; both are given ctx. Observers may set the integrator's parameters, reset it, save its
+ * state and ask it; stepping it or loading a state is refused (TVI_EINVAL) while it calls them.
  *   TVI_ESTOPPED   an observer or a terminal event ended the run: t, q, p are those of the step, or of the event. An
  *                  event is no step: from it the run goes on as from any new state.
+ *   TVI_ENOCONV    also an event that is reached again before the time moves: t, q, p are where it was left
  *   TVI_EDOMAIN, TVI_ENONFINITE   also where g has no value: t, q, p are then those at the end of the step
  *   TVI_EINVAL     also an event of another dimension or NULL, count < 0
  *   TVI_ENOMEM     no memory */
@@ -51,8 +68,11 @@ TVI_NODISCARD tvi_status tvi_integrate_events(tvi_integrator *integrator, double
                                               void *ctx);
 
 /* Steps of size h until the last of times[count] is reached or passed. The observer is called at each of the times,
- * with 1..count as its step. They go the way of h, none before *t. The state is that after the last step, not that at
- * the last time; where the observer stopped the run (TVI_ESTOPPED), after the step that holds that time.
+ * with 1..count as its step. They go the way of h, none before *t; or, where t, q and p are what the integrator's last
+ * step returned and it has made or loaded nothing since, none before the start of that step, so that a list may be
+ * given in several calls. The state is that after the last step, not that at the last time; where the observer stopped
+ * the run (TVI_ESTOPPED), after the step that holds that time. Of a rescaled system the place of a time is found by
+ * dt/ds = g, to roundoff of t, also where a step covers little of it.
  *   TVI_EINVAL     NULL, count < 0, times that are not finite or not in order
  *   TVI_ENOCONV    also a run that would never end: 65,536 steps in a row, of which each covered less than 1.1e-16 of
  *                  the time that was left, as where the scale g of a rescaled system goes to 0

@@ -32,6 +32,7 @@ typedef struct {
     double *moved;                /* [width] */
     galerkin_crowd_passes passes; /* [width] */
     galerkin_crowd_history last;  /* in the history, as the impulses and where the last ones are */
+    galerkin_pace *pace;          /* [width] likewise, of a step that a member made alone */
     int *turn;
     double *impulses[GALERKIN_TURNS]; /* [unknowns][points][width] of the last step, of the one before, of the next */
 } crowd;
@@ -96,6 +97,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     passes->is_stuck = tvi_arena_take(arena, count * sizeof *passes->is_stuck);
     double **const of_last[] = {&w.last.h, &w.last.h_before, &w.last.t, &w.last.slowest, &w.last.steps};
     for (size_t i = 0; i < 5; i++) *of_last[i] = tvi_arena_history(arena, count * sizeof(double));
+    w.pace = tvi_arena_history(arena, count * sizeof *w.pace);
     w.turn = tvi_arena_history(arena, sizeof *w.turn);
     for (int i = 0; i < GALERKIN_TURNS; i++)
         w.impulses[i] = tvi_arena_history(arena, unknowns * (size_t)options->degree * sizeof(double));
@@ -167,9 +169,17 @@ static void get(const void *work, int lane, void *one)
     *predictor->last = (galerkin_history){.h = last->h[lane],
                                           .h_before = last->h_before[lane],
                                           .t = last->t[lane],
-                                          .pace.slowest = last->slowest[lane],
+                                          .pace = w->pace[lane],
                                           .steps = last->steps[lane]};
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
+}
+
+/* No modes and no fits, which a lane does not keep. */
+static void simplify(void *one)
+{
+    galerkin *w = one;
+    w->springs.last = NULL;
+    w->prediction.last = NULL;
 }
 
 static void put(void *work, int lane, const void *one)
@@ -179,7 +189,8 @@ static void put(void *work, int lane, const void *one)
     w->last.h[lane] = predictor->last->h;
     w->last.h_before[lane] = predictor->last->h_before;
     w->last.t[lane] = predictor->last->t;
-    w->last.slowest[lane] = predictor->last->pace.slowest;
+    w->pace[lane] = predictor->last->pace;
+    w->last.slowest[lane] = w->pace[lane].slowest;
     w->last.steps[lane] = predictor->last->steps;
     for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), lane, impulses(w, -i));
 }
@@ -337,6 +348,7 @@ static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end
     w->loops->choose(nodes, 1, origin->t, w->last.t);
     w->loops->choose(nodes, 1, w->passes.slowest, w->last.slowest);
     w->loops->choose(nodes, 1, w->passes.steps, w->last.steps);
+    for (int m = 0; m < nodes->width; m++) w->pace[m] = (galerkin_pace){.slowest = w->last.slowest[m]};
     for (int m = 0; m < nodes->width; m++)
         end->passes[m] = nodes->in_lanes[m] ? (int)w->passes.count[m] : end->passes[m];
 }
@@ -358,4 +370,4 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
 }
 
 const tvi_crowd_stepper tvi_galerkin_crowd = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put};
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put, .simplify = simplify};

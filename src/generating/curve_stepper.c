@@ -296,7 +296,10 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
         w->log_tolerance = log(tolerance);
     }
     const tvi_status status = expand_within(&a, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
-    if (status != TVI_OK) return status;
+    if (status != TVI_OK) { /* of the curve of this size */
+        *h = a.tau;
+        return status;
+    }
     if (reach < fabs(*h)) {
         *h = copysign(reach, *h);
         *w->chosen = reach;

@@ -50,6 +50,9 @@ typedef struct {
      * is all zeros, and the reverse. NULL: they leave nothing. */
     void (*get)(const void *work, int lane, void *one);
     void (*put)(void *work, int lane, const void *one);
+    /* Makes the stepper's own work leave no more than these know to its next step, so that a member's steps do not
+     * depend on the calls that they are made in. NULL: it leaves no more. */
+    void (*simplify)(void *one);
     /* As that of the stepper, [width]; NULL: it has none. */
     void (*most_change)(const void *work, double change[]);
 } tvi_crowd_stepper;
@@ -76,8 +79,8 @@ typedef struct {
     /* The end of a step, and its derivative by the step's size, are those of the solution but for parts of the size of
      * the square of the tail, where the degree is more than 1. */
     bool is_superconvergent;
-    /* The same of a step whose error serves the relative tolerance, of at most *h, which becomes its size. NULL: the
-     * method has no such step. */
+    /* The same of a step whose error serves the relative tolerance, of at most *h, which becomes its size; or the one
+     * that failed. NULL: the method has no such step. */
     tvi_status (*step_within)(void *work, double tolerance, double *h, const tvi_origin *origin,
                               const tvi_increments *by, tvi_stats *stats);
     /* More than the last step changes the energy by, where the forces grow or shrink all along it, and terms that are

@@ -1,5 +1,6 @@
 /* between.c - the state inside a step, and results at given times. */
 #include "run/between.h"
+#include "run/narrow.h"
 #include "run/run.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -11,25 +12,40 @@
 
 /* Parts of a step that differ by less have nearly the same nodes. */
 static const double NEAR = 1e-3;
-/* Half the distance of the points that give the slope of the time along a step. */
-static const double CHORD = 1e-4;
-enum { MOST_TRIALS = 60, MOST_CORRECTIONS = 6 };
+enum { MOST_CORRECTIONS = 12 };
 
 tvi_status tvi_between_open(tvi_between *between, tvi_integrator *steps, bool knows_step)
 {
-    const size_t n = (size_t)steps->system->n;
-    *between = (tvi_between){.steps = steps, .knows_step = knows_step, .q = calloc(2 * n, sizeof(double))};
+    const size_t n = (size_t)steps->system->n, wide = 2 * (n + 1) + 1;
+    *between = (tvi_between){.steps = steps, .knows_step = knows_step, .parameter_sets = steps->parameter_sets};
+    between->q = calloc(2 * n + 2 * wide, sizeof *between->q);
     if (!between->q) return jet_refuse_memory(TVI_ENOMEM);
     between->p = between->q + n;
-    const tvi_status status = tvi_integrator_twin(&between->partial, steps);
-    if (status != TVI_OK) free(between->q);
-    return status;
+    between->x = between->p + n;
+    between->rate = between->x + wide;
+    tvi_status status = tvi_integrator_twin(&between->partial, steps);
+    if (status == TVI_OK && tvi_is_rescaled(steps))
+        status = tvi_rates_open(&between->rates, steps->system->stepped, steps->parameters);
+    if (status != TVI_OK) tvi_between_close(between);
+    return jet_refuse_memory(status);
 }
 
 void tvi_between_close(tvi_between *between)
 {
     tvi_integrator_free(between->partial);
+    tvi_rates_close(&between->rates);
     free(between->q);
+    *between = (tvi_between){0};
+}
+
+tvi_status tvi_between_set_parameters(tvi_between *between)
+{
+    const tvi_integrator *steps = between->steps;
+    if (between->parameter_sets == steps->parameter_sets) return TVI_OK;
+    between->parameter_sets = steps->parameter_sets;
+    between->step = 0;
+    if (between->rates.block) tvi_rates_set_parameters(&between->rates, steps->parameters);
+    return tvi_integrator_set_parameters(between->partial, steps->parameters);
 }
 
 /* What the partial integrator begins with: the low-order parts of the state at the start of the step, and what its
@@ -67,77 +83,71 @@ tvi_status tvi_between_state(tvi_between *between, double part)
 
 /* ---- Given times ------------------------------------------------------------------------------------------------- */
 
-/* The time along the step's curve. */
-static tvi_status time_at(tvi_between *between, double theta, double *t)
+/* A time of a step in s, from its start. */
+typedef struct {
+    tvi_between *between;
+    double way;
+} wanted_time;
+
+/* How far the step's curve has gone beyond it. */
+static tvi_status beyond(void *ctx, double theta, double *g)
 {
-    return tvi_state_at(between->steps, theta, t, between->q, between->p);
+    const wanted_time *wanted = ctx;
+    const tvi_integrator *steps = wanted->between->steps;
+    const tvi_increments *by = &steps->by;
+    steps->stepper->dense(steps->work, theta, by->dq, by->dp);
+    *g = by->dq[steps->system->n] - wanted->way;
+    return isfinite(*g) ? TVI_OK : jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
 }
 
-/* Whether a rest is roundoff of the time. */
-static bool is_there(double rest, double time) { return fabs(rest) <= DBL_EPSILON * fabs(time); }
-
-/* The theta at which the curve has the time, from a guess: the false position, and bisections where it is slow. */
-static tvi_status find_on_curve(tvi_between *between, double time, double *theta)
+/* dt/ds where the last step of a part of h ended: g of the rescaled system. */
+static tvi_status time_rate(tvi_between *between, double *rate)
 {
-    const tvi_integrator *steps = between->steps;
-    const int n = steps->system->n;
-    double a = 0, b = 1, rest_a = time - steps->start.q[n], rest_b = time - steps->now.q[n], t;
-    for (int trial = 0; trial < MOST_TRIALS; trial++) {
-        const tvi_status status = time_at(between, *theta, &t);
-        const double rest = time - t;
-        if (status != TVI_OK || is_there(rest, time)) return status;
-        const bool is_before = (rest > 0) == (rest_a > 0);
-        if (is_before) a = *theta, rest_a = rest;
-        else b = *theta, rest_b = rest;
-        if (b - a <= DBL_EPSILON) return TVI_OK;
-        const double secant = a + (b - a) * (rest_a / (rest_a - rest_b));
-        *theta = trial % 4 == 3 || !(secant > a && secant < b) ? (a + b) / 2 : secant;
-    }
-    return TVI_OK;
-}
-
-/* The time that a unit of h takes at theta. */
-static tvi_status slope_at(tvi_between *between, double theta, double *slope)
-{
-    const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
-    double from = 0, to = 0;
-    tvi_status status = time_at(between, a, &from);
-    if (status == TVI_OK) status = time_at(between, b, &to);
-    *slope = (to - from) / ((b - a) * between->steps->h);
+    const tvi_integrator *partial = between->partial;
+    const size_t n = (size_t)partial->stepped->n;
+    memcpy(between->x, partial->now.q, n * sizeof *between->x);
+    memcpy(between->x + n, partial->now.p, n * sizeof *between->x);
+    between->x[2 * n] = partial->now.q[n];
+    const tvi_status status = tvi_rates_at(&between->rates, between->x, between->rate);
+    *rate = between->rate[partial->system->n];
     return status;
 }
 
-/* From the place on the curve to that of the method's own solution. */
-static tvi_status correct(tvi_between *between, double time, double theta, double part)
+/* From the place on the curve to that of the method's own solution, by Newton's method: the state is that of the least
+ * rest that was seen. The time that a part covers is an increment, which knows more than the rounded time does. */
+static tvi_status correct(tvi_between *between, double time, double way, double part)
 {
-    const tvi_integrator *steps = between->steps, *partial = between->partial;
-    const double h = steps->h;
-    double slope, before = INFINITY;
-    tvi_status status = tvi_between_state(between, part);
-    for (int count = 0; count < MOST_CORRECTIONS && status == TVI_OK; count++) {
-        const double rest = (time - between->t) - (part == 0 || part == h ? 0 : partial->now.q_low[steps->system->n]);
-        if (is_there(rest, time) || !(fabs(rest) < before)) return TVI_OK;
-        status = slope_at(between, theta, &slope);
-        between->step = 0; /* the slope's states are not that of the part */
-        before = fabs(rest);
-        part = fmax(fmin(part + rest / slope, fmax(h, 0)), fmin(h, 0));
-        if (status == TVI_OK) status = tvi_between_state(between, part);
+    const tvi_integrator *partial = between->partial;
+    const double h = between->steps->h;
+    double rate, best = part, least = INFINITY;
+    tvi_status status = TVI_OK;
+    for (int count = 0; count < MOST_CORRECTIONS && part != 0 && part != h; count++) {
+        status = tvi_between_state(between, part);
+        if (status != TVI_OK) return status;
+        const double rest = way - partial->covered;
+        if (!(fabs(rest) < least)) break;
+        best = part;
+        least = fabs(rest);
+        if (least <= DBL_EPSILON / 4 * fabs(time)) break;
+        status = time_rate(between, &rate);
+        if (status != TVI_OK) return status;
+        part = fmax(fmin(part + rest / rate, fmax(h, 0)), fmin(h, 0));
     }
-    return status;
+    return tvi_between_state(between, least < INFINITY ? best : part);
 }
 
 tvi_status tvi_between_time(tvi_between *between, double time)
 {
     const tvi_integrator *steps = between->steps;
     const int n = steps->system->n;
-    const double h = steps->h, rest = (time - steps->start.q[n]) - steps->start.q_low[n];
-    const double part = fmax(fmin(rest * (h / steps->covered), fmax(h, 0)), fmin(h, 0));
-    double theta = part / h;
+    const double h = steps->h, way = (time - steps->start.q[n]) - steps->start.q_low[n];
+    const double part = fmax(fmin(way * (h / steps->covered), fmax(h, 0)), fmin(h, 0));
+    tvi_bracket z = {0, -way, 1, steps->covered - way};
     if (time == steps->now.q[n]) return tvi_between_state(between, h);
     if (!tvi_is_rescaled(steps)) return tvi_between_state(between, part); /* they move in the time */
     between->step = 0;
-    const tvi_status status = find_on_curve(between, time, &theta);
-    return status == TVI_OK ? correct(between, time, theta, theta * h) : status;
+    const tvi_status status = tvi_narrow(&z, DBL_EPSILON / 2, beyond, &(wanted_time){between, way});
+    return status == TVI_OK ? correct(between, time, way, (z.ga == 0 ? z.a : z.b) * h) : status;
 }
 
 /* The first that is not finite, or not in the order of h, or before t; count where there is none. */
@@ -159,9 +169,31 @@ static tvi_status tell_times(tvi_between *between, const double times[], int cou
     for (; *next < count && (h > 0 ? times[*next] <= t : times[*next] >= t); ++*next) {
         const tvi_status status = tvi_between_time(between, times[*next]);
         if (status != TVI_OK) return status;
-        if (observer && observer(*next + 1, times[*next], between->q, between->p, ctx) != 0) return TVI_ESTOPPED;
+        if (tvi_tell_step(between->steps, observer, *next + 1, times[*next], between->q, between->p, ctx) != 0)
+            return TVI_ESTOPPED;
     }
     return TVI_OK;
+}
+
+/* The steps up to the last of the times from the next on. */
+static tvi_status go_through(tvi_between *between, double h, const double times[], int count, int next, double *t,
+                             double q[], double p[], tvi_observer *observer, void *ctx)
+{
+    int slow = 0;
+    tvi_status status = TVI_OK;
+    while (next < count && status == TVI_OK) {
+        status = tvi_step(between->steps, h, t, q, p);
+        if (status == TVI_OK) status = tvi_between_set_parameters(between);
+        if (status == TVI_OK) status = tell_times(between, times, count, &next, observer, ctx);
+        if (status == TVI_OK && next < count) status = tvi_goes_on(between->steps, times[count - 1], &slow);
+    }
+    return status;
+}
+
+/* Whether the state is the end of the last step, which went the way of h, and still has all that it left. */
+static bool has_last_step(const tvi_integrator *it, double h, double t, const double q[], const double p[])
+{
+    return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has(it, t, q, p);
 }
 
 tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
@@ -169,22 +201,21 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
 {
     if (!it || !t || !q || !p || h == 0 || !isfinite(h) || count < 0 || (count > 0 && !times))
         return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, count < 0 ? "count is negative" : "times is NULL");
-    const int n = it->system->n, first = first_out_of_order(h, *t, times, count);
+    const int n = it->system->n;
+    if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, *t, q, "p", p);
+    const bool has_step = has_last_step(it, h, *t, q, p);
+    const int first = first_out_of_order(h, has_step ? it->start.q[n] : *t, times, count);
     if (first < count)
         return jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
-    if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, *t, q, "p", p);
-    int next = 0, slow = 0;
-    for (; next < count && times[next] == *t; next++)
-        if (observer && observer(next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
+    int next = 0;
+    for (; !has_step && next < count && times[next] == *t; next++)
+        if (tvi_tell_step(it, observer, next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
     if (next == count) return TVI_OK;
     tvi_between between;
     tvi_status status = tvi_between_open(&between, it, false);
     if (status != TVI_OK) return status;
-    while (next < count && status == TVI_OK) {
-        status = tvi_step(it, h, t, q, p);
-        if (status == TVI_OK) status = tell_times(&between, times, count, &next, observer, ctx);
-        if (status == TVI_OK && next < count) status = tvi_goes_on(it, times[count - 1], &slow);
-    }
+    if (has_step) status = tell_times(&between, times, count, &next, observer, ctx);
+    if (status == TVI_OK) status = go_through(&between, h, times, count, next, t, q, p, observer, ctx);
     tvi_between_close(&between);
     return status;
 }

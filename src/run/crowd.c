@@ -31,6 +31,7 @@ static tvi_crowd *lay_out(tvi_arena *arena, tvi_integrator *one, int width)
     double **const of_step[] = {&laid.end.by.dp, &laid.end.by.dq, &laid.end.by.dp_low, &laid.end.by.dq_low};
     for (size_t i = 0; i < 4; i++) *of_step[i] = tvi_arena_take(arena, (rows + i % 2) * row);
     laid.end.status = tvi_arena_take(arena, (size_t)width * sizeof *laid.end.status);
+    laid.was = tvi_arena_take(arena, (size_t)width * sizeof *laid.was);
     laid.end.tail = tvi_arena_take(arena, row);
     laid.end.passes = tvi_arena_take(arena, (size_t)width * sizeof *laid.end.passes);
     laid.overflows = tvi_arena_take(arena, row);
@@ -65,6 +66,7 @@ tvi_status tvi_crowd_create(tvi_crowd **out, tvi_integrator *one)
     *out = lay_out(&arena, one, width);
     tvi_blocks_prepare((*out)->blocks);
     if (stepper->prepare) stepper->prepare((*out)->work);
+    if (stepper->simplify) stepper->simplify(one->work);
     return TVI_OK;
 }
 
@@ -162,6 +164,15 @@ static tvi_status check_time(double t, double dt, double h)
     return (dt > 0) == (h > 0) ? TVI_OK : TVI_ETOOLARGE;
 }
 
+static tvi_status overflow_of(const tvi_crowd *crowd, int lane)
+{
+    tvi_integrator *one = crowd->one;
+    tvi_crowd_get(crowd, lane, one);
+    tvi_integrator_lend_parameters(one, crowd->parameters + lane, crowd->width);
+    tvi_arena_copy(one->before, one->history, one->marked);
+    return tvi_step_overflow(one);
+}
+
 /* The lane's step, as the guard sees it. */
 static tvi_guarded guarded(const tvi_crowd *crowd, int lane)
 {
@@ -188,7 +199,7 @@ static tvi_signs signs_of(const tvi_crowd *crowd, int lane, bool took_series)
 static tvi_status judge(const tvi_crowd *crowd, int lane, double h)
 {
     const int n = crowd->one->system->n, time = n * crowd->width + lane;
-    if (crowd->overflows[lane] != 0) return TVI_ENONFINITE;
+    if (crowd->overflows[lane] != 0) return overflow_of(crowd, lane);
     const tvi_status status = crowd->dimension > n ? check_time(crowd->now.q[time], crowd->end.by.dq[time], h) : TVI_OK;
     return status == TVI_OK ? tvi_guard_tail(crowd->one, crowd->end.tail[lane]) : status;
 }
@@ -296,7 +307,11 @@ static int step(tvi_crowd *crowd, double h)
     const tvi_crowd_origin origin = {now->q + time, now->q_low + time, now->q, now->q_low, now->p, now->p_low};
     const long expansions = crowd->stats.expansions;
     int made = 0;
+    memcpy(crowd->was, end->status, (size_t)width * sizeof *crowd->was);
     crowd->stepper->step(crowd->work, h, &origin, end, &crowd->stats);
+    for (int lane = 0; lane < width; lane++)
+        if (end->status[lane] == TVI_ENONFINITE && crowd->was[lane] == TVI_OK)
+            end->status[lane] = overflow_of(crowd, lane);
     for (int lane = 0; lane < width; lane++) end->by.dq[time + lane] = h;
     memset(crowd->overflows, 0, (size_t)width * sizeof *crowd->overflows);
     crowd->loops->check(rows + 1, width, now->q, end->by.dq, crowd->overflows);

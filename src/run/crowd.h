@@ -21,6 +21,7 @@ typedef struct {
     tvi_kept_energy *kept;   /* [width] in the history */
     long *continues;         /* [width] in the history: the lane has what its member's last step returned */
     tvi_crowd_end end;       /* of a step */
+    tvi_status *was;         /* [width] statuses before it */
     double *overflows;       /* [width] */
     double *change;          /* [width] the most that the stepper's step changes the energy by */
     bool *doubts;            /* [width] the energy is to be looked at */

@@ -36,8 +36,9 @@ static tvi_status make_members(tvi_ensemble *e)
     e->remembered = crowd ? crowd->remembered : it->remembered;
     e->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)e->blocks * e->remembered);
     e->parameters = calloc(parameter_count(e) + 1, sizeof *e->parameters);
+    e->stops = calloc((size_t)e->members, tvi_stop_bytes(e->n));
     e->failed = calloc((size_t)e->members, sizeof *e->failed);
-    if (!e->memory || !e->parameters || !e->failed) return TVI_ENOMEM;
+    if (!e->memory || !e->parameters || !e->stops || !e->failed) return TVI_ENOMEM;
     memset(e->memory, 0, (size_t)e->blocks * e->remembered);
     for (size_t i = 0; i < parameter_count(e); i++) e->parameters[i] = it->parameters[i / (size_t)e->members];
     return TVI_OK;
@@ -84,6 +85,7 @@ void tvi_ensemble_free(tvi_ensemble *e)
     free(e->worker);
     free(e->memory);
     free(e->parameters);
+    free(e->stops);
     free(e->failed);
     (void)pthread_mutex_destroy(&e->told);
     free(e);
@@ -92,6 +94,8 @@ void tvi_ensemble_free(tvi_ensemble *e)
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
 static char *memory_of(const tvi_ensemble *e, int block) { return e->memory + (size_t)block * e->remembered; }
+
+static char *stop_of(const tvi_ensemble *e, int member) { return e->stops + (size_t)member * tvi_stop_bytes(e->n); }
 
 void tvi_worker_load(tvi_worker *w, const tvi_ensemble *e, int block)
 {
@@ -117,12 +121,14 @@ void tvi_worker_enter(tvi_worker *w, const tvi_ensemble *e, int member)
 {
     if (w->crowd) tvi_crowd_get(w->crowd, member % e->lanes, w->it);
     tvi_integrator_lend_parameters(w->it, e->parameters + member, e->members);
+    memcpy(w->it->stop, stop_of(e, member), tvi_stop_bytes(e->n));
     w->it->has_dense = false;
 }
 
 void tvi_worker_leave(tvi_worker *w, const tvi_ensemble *e, int member)
 {
     if (w->crowd) tvi_crowd_put(w->crowd, member % e->lanes, w->it);
+    memcpy(stop_of(e, member), w->it->stop, tvi_stop_bytes(e->n));
 }
 
 /* ---- What is asked of all ---------------------------------------------------------------------------------------- */
@@ -134,6 +140,7 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *e, const double value[])
     for (size_t i = 0; i < parameter_count(e); i++)
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%zu] is not finite", i);
     memmove(e->parameters, value, parameter_count(e) * sizeof *value);
+    memset(e->stops, 0, (size_t)e->members * tvi_stop_bytes(e->n)); /* the events were others */
     tvi_ensemble_reset(e);
     return TVI_OK;
 }
@@ -168,7 +175,7 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *e, tvi_stats *stats)
         return tvi_refuse_null(2, (const void *const[]){e, stats}, (const char *const[]){"ensemble", "stats"});
     *stats = e->before;
     stats->bytes = sizeof *e + (size_t)e->blocks * e->remembered + parameter_count(e) * sizeof *e->parameters +
-                   (size_t)e->members * sizeof *e->failed;
+                   (size_t)e->members * (sizeof *e->failed + tvi_stop_bytes(e->n));
     for (int i = 0; i < e->threads; i++) {
         add_stats(stats, &e->worker[i].it->stats);
         if (e->worker[i].crowd) add_stats(stats, &e->worker[i].crowd->stats);

@@ -22,6 +22,7 @@ struct tvi_ensemble {
     char *memory;         /* [blocks][remembered] the history of each block: an integrator's, or a crowd's */
     size_t remembered;    /* a multiple of the arena's alignment */
     double *parameters;   /* [tvi_system_parameters][members] */
+    char *stops;          /* [members][tvi_stop_bytes] */
     tvi_status *failed;   /* [members] TVI_OK: it goes on */
     bool has_run;         /* since it was made or reset: the histories hold states */
     tvi_stats before;     /* counts of those who were loaded */

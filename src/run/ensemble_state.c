@@ -1,6 +1,6 @@
 /* ensemble_state.c - what an ensemble holds between runs, as bytes (state.c):
  *
- *     identity | counts | statuses | parameters | histories | checksum */
+ *     identity | counts | statuses | parameters | stops | histories | checksum */
 #include "run/ensemble.h"
 #include "run/identity.h"
 #include "system/refuse.h"
@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Of the ensemble's own, between the identity and the checksum. */
-enum { PIECES = 3 };
+enum { PIECES = 4 };
 typedef struct {
     void *data;
     size_t bytes;
@@ -20,10 +20,12 @@ static size_t list_pieces(const tvi_ensemble *e, piece list[PIECES])
     const piece all[PIECES] = {
         {e->failed, members * sizeof *e->failed},
         {e->parameters, members * parameters * sizeof *e->parameters},
+        {e->stops, members * tvi_stop_bytes(e->n)},
         {e->memory, (size_t)e->blocks * e->remembered},
     };
     memcpy(list, all, sizeof all);
-    return sizeof(tvi_identity) + sizeof(tvi_stats) + all[0].bytes + all[1].bytes + all[2].bytes + sizeof(uint64_t);
+    return sizeof(tvi_identity) + sizeof(tvi_stats) + all[0].bytes + all[1].bytes + all[2].bytes + all[3].bytes +
+           sizeof(uint64_t);
 }
 
 static tvi_identity identity_of(const tvi_ensemble *e, size_t bytes)

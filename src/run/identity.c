@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-enum { STATE_VERSION = 9 };
+enum { STATE_VERSION = 10 };
 
 static const char MAGIC[] = "tvistate";
 

@@ -33,7 +33,7 @@ static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[
     const tvi_status opened = tvi_between_open(&between, it, false);
     tvi_status status = opened == TVI_OK ? tvi_between_time(&between, t_end) : opened;
     tvi_integrator_take_back(it, t, q, p);
-    if (status == TVI_OK) status = tvi_step(it, between.part, t, q, p);
+    if (status == TVI_OK && between.part != 0) status = tvi_step(it, between.part, t, q, p);
     if (opened == TVI_OK) tvi_between_close(&between);
     return status;
 }

@@ -32,8 +32,10 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     const bool uses_energy = system->stepped != system || options->max_tail >= 0;
     if (system->energy && uses_energy) tvi_energy_take(&laid.energy, arena, system);
     if (system->stepped != system) tvi_energy_take_precise(&laid.transformed, arena, laid.stepped);
+    laid.field = tvi_arena_block(arena, laid.stepped->field_values, 1, 1, 0);
     laid.end = tvi_arena_doubles(arena, 2 * dimension + 1);
     laid.parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
+    laid.stop = tvi_arena_take(arena, tvi_stop_bytes(system->n));
     laid.of_state = arena->marked;
     laid.work = stepper->take(arena, laid.stepped, options);
     laid.blocks = arena->blocks;

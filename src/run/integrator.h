@@ -16,6 +16,16 @@ typedef struct {
 /* What tvi_step_tangent needs, made when it is first called (tangent.c). */
 typedef struct tvi_tangent tvi_tangent;
 
+/* Where a run was stopped by events, and the functions that were told there: as long as t and q are these, whatever p
+ * was made, the run that goes on has left them. What is told there beyond so many is judged by its roundoff. */
+enum { TVI_STOP_TOLD = 16 };
+typedef struct {
+    int64_t is_set, count;
+    uint64_t told[TVI_STOP_TOLD]; /* [count] tvi_event.hash */
+    double state[];               /* [2n + 1] q, p, t */
+} tvi_stop;
+static inline size_t tvi_stop_bytes(int n) { return sizeof(tvi_stop) + (2 * (size_t)n + 1) * sizeof(double); }
+
 struct tvi_integrator {
     const tvi_system *system;  /* the user's, of dimension n, */
     const tvi_system *stepped; /* and the one that steps are made of, with generated code where there is any */
@@ -31,11 +41,15 @@ struct tvi_integrator {
     long *continues;                     /* in the history: `now` holds what the last successful step returned; */
     const long *continued;               /* before: the last step began with that of the one before it */
     tvi_run_state now, start;            /* in the history; where the last step started, in what was before it */
+    tvi_stop *stop;                      /* the last one */
+    long parameter_sets;                 /* how often the parameters were set */
+    bool is_telling;                     /* an observer is called: no step may be made now */
     bool has_dense;                      /* the work holds the last step */
     double h, covered;                   /* its size, and the time that it covers */
     tvi_increments by;                   /* of the step that is made */
     tvi_energy_work energy;              /* its block is NULL where no step asks for it */
     tvi_energy_work transformed;         /* of a rescaled system: K */
+    double *field;                       /* a block of the field's values at one point */
     double *end;                         /* [2 N + 1] q and p at the end of a step (guard.c) */
     double *begun;                       /* [2 n + 1] in the history: q, t and p where the run began */
     tvi_kept_energy *kept;               /* in the history */
@@ -54,6 +68,12 @@ TVI_NODISCARD tvi_status tvi_integrator_begin(tvi_integrator *integrator, double
 
 /* Whether its own state is bitwise this one, also after a step that failed. */
 bool tvi_integrator_has(const tvi_integrator *integrator, double t, const double q[], const double p[]);
+
+/* What observers return, while the integrator refuses to be stepped. */
+int tvi_tell_step(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
+                  const double p[], void *ctx);
+int tvi_tell_event(tvi_integrator *integrator, tvi_event_observer *observer, int which, double t, const double q[],
+                   const double p[], void *ctx);
 
 /* Another one for the same system and options, which has made no step. */
 TVI_NODISCARD tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *integrator);
@@ -77,6 +97,10 @@ TVI_NODISCARD tvi_status tvi_steps(tvi_integrator *integrator, long steps, doubl
 /* tvi_step, with a tolerance > 0 of a size that serves it, of at most h (stepper.h); integrator->h is its size. */
 TVI_NODISCARD tvi_status tvi_step_within(tvi_integrator *integrator, double tolerance, double h, double *t, double q[],
                                          double p[]);
+
+/* The status of a step that has overflowed, from what was before it: it is too large, or what the user computes is not
+ * finite where it starts. */
+tvi_status tvi_step_overflow(const tvi_integrator *integrator);
 
 /* What is left of the way to t_end, with the low-order part of the time. */
 double tvi_time_left(const tvi_integrator *integrator, double t_end);

@@ -35,6 +35,8 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
     tvi_integrator_apply_parameters(it);
     tvi_integrator_reset(it);
     it->has_dense = false;
+    it->stop->is_set = false; /* the events were others */
+    it->parameter_sets++;
     return TVI_OK;
 }
 

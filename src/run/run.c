@@ -7,17 +7,38 @@
 tvi_status tvi_run(tvi_integrator *it, const tvi_plan *plan, const tvi_audience *to, double *t, double q[], double p[])
 {
     tvi_locator *locator = NULL;
-    tvi_status status = to->count > 0 ? tvi_locator_open(&locator, it, to->events, to->count) : TVI_OK;
+    const double *const state[] = {q, p};
+    tvi_status status = to->count > 0 ? tvi_locator_open(&locator, it, to->events, to->count, *t, state) : TVI_OK;
     bool is_last = false;
     int slow = 0;
     for (long step = 1; step <= plan->steps && !is_last && status == TVI_OK; step++) {
         status = plan->step(it, plan, t, q, p, &is_last);
         if (status == TVI_OK && locator) status = tvi_locator_tell(locator, t, q, p, to->on_event, to->ctx);
-        if (status == TVI_OK && to->observer && to->observer(step, *t, q, p, to->ctx) != 0) status = TVI_ESTOPPED;
+        if (status == TVI_OK && tvi_tell_step(it, to->observer, step, *t, q, p, to->ctx) != 0) status = TVI_ESTOPPED;
         if (status == TVI_OK && plan->to_time && !is_last) status = tvi_goes_on(it, plan->t_end, &slow);
     }
     tvi_locator_close(locator);
     return status;
+}
+
+int tvi_tell_step(tvi_integrator *it, tvi_observer *observer, long step, double t, const double q[], const double p[],
+                  void *ctx)
+{
+    if (!observer) return 0;
+    it->is_telling = true;
+    const int stop = observer(step, t, q, p, ctx);
+    it->is_telling = false;
+    return stop;
+}
+
+int tvi_tell_event(tvi_integrator *it, tvi_event_observer *observer, int which, double t, const double q[],
+                   const double p[], void *ctx)
+{
+    if (!observer) return 0;
+    it->is_telling = true;
+    const int stop = observer(which, t, q, p, ctx);
+    it->is_telling = false;
+    return stop;
 }
 
 /* What nobody is told of is made at once. */

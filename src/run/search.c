@@ -1,6 +1,8 @@
 /* search.c - where g changes sign along the curve of a step. All events are looked at together, at the sample places.
  */
 #include "run/search.h"
+#include "run/dip.h"
+#include "run/start.h"
 #include "algebra/sizes.h"
 #include "vector.h"
 #include "system/refuse.h"
@@ -10,16 +12,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Close to the ends of a step. A run starts on an event where |g| is below a part of what it is there. */
-static const double EDGE = 1.0 / 8192, AT_START = 1e-6;
+/* Beside a place that is looked at: closer roots than this are one. */
+static const double EDGE = 0x1p-20;
 /* |g| may have a least value next to an end of the step where its slope there is below this part of the mean one. */
 static const double FLAT = 0.1;
-/* A least |g| that is where a parabola has it, but for this part of it, is no zero. */
-static const double SURE = 0.1;
+/* g is not smooth where a high difference is a larger part of the largest first one. */
+static const double KINKED = 0.05;
 /* Of an event in a step: a least |g| has two. */
-enum { MOST_ROOTS = 2 * TVI_SAMPLES + 4 };
-/* Golden sections and secants end here, in parts of the step. */
-static const double LEAST_SECTION = 1e-8, LEAST_SECANT = 1e-4;
+enum { MOST_ROOTS = 4 * TVI_SAMPLES + 4 };
+/* Secants end here, in parts of the step. */
+static const double LEAST_SECANT = 1e-4;
 enum { MOST_SECANTS = 6 };
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
@@ -65,103 +67,119 @@ static double guess_zero(const double g[], double a, double ga, double b, double
     return at;
 }
 
-/* Where to look next for the zero, with so many looks left. */
-static double next_place(double a, double ga, double b, double gb, double width, int left)
+typedef struct {
+    tvi_search *search;
+    int which;
+} one_event;
+
+static tvi_status of_one(void *ctx, double theta, double *g)
 {
-    const double middle = (a + b) / 2, secant = (a * gb - b * ga) / (gb - ga), way = middle - secant;
-    const double truncation = 0.2 / width * (b - a) * (b - a);
-    const double reach = ldexp(DBL_EPSILON / 2, left) - (b - a) / 2;
-    double at = truncation <= fabs(way) ? secant + copysign(truncation, way) : middle;
-    if (fabs(at - middle) > reach) at = middle - copysign(fmax(reach, 0), way);
-    return fmin(fmax(at, a), b);
+    const one_event *one = ctx;
+    return on_curve(one->search, one->which, theta, g);
 }
 
-/* A zero of g in [a, b], g(a) g(b) <= 0, by interpolation, truncation and projection (Oliveira and Takahashi, "An
- * enhancement of the bisection method average performance preserving minmax optimality", 2020): as fast as the secant,
- * never slower than bisection by more than one evaluation. */
 tvi_status tvi_search_zero(tvi_search *s, const tvi_root *r, double *theta)
 {
-    const double width = r->b - r->a, least = DBL_EPSILON / 2;
-    const int most = (int)ceil(log2(width / least)) + 1;
-    double a = r->a, ga = r->ga, b = r->b, gb = r->gb, g;
-    for (int k = 0; k < most && b - a > 2 * least && ga != 0 && gb != 0; k++) {
-        const double at = next_place(a, ga, b, gb, width, most - k);
-        const tvi_status status = on_curve(s, r->which, at, &g);
-        if (status != TVI_OK) return status;
-        if (sign_of(g) == sign_of(ga)) a = at, ga = g;
-        else b = at, gb = g;
-    }
-    *theta = ga == 0 ? a : b;
-    return TVI_OK;
+    tvi_bracket z = {r->a, r->ga, r->b, r->gb};
+    const tvi_status status = tvi_narrow(&z, DBL_EPSILON / 2, of_one, &(one_event){s, r->which});
+    *theta = z.ga == 0 ? z.a : z.b;
+    return status;
 }
 
 /* A root between a and b where the sign becomes `after`, if that is wanted. */
-static tvi_root *add_root(tvi_search *s, int which, int after, double a, double ga, double b, double gb)
+static tvi_root *add_root(tvi_search *s, int which, int after, tvi_place a, tvi_place b)
 {
     const tvi_direction direction = s->of[which].event->direction;
     if (direction != TVI_EITHER && (int)direction != after) return NULL;
     tvi_root *added = &s->roots[s->found];
-    *added = (tvi_root){.which = which, .number = s->found, .a = a, .ga = ga, .b = b, .gb = gb, .guess = NAN};
+    *added = (tvi_root){.which = which,
+                        .number = s->found,
+                        .after = after,
+                        .a = a.at,
+                        .ga = a.g,
+                        .b = b.at,
+                        .gb = b.g,
+                        .is_return = a.at == 0 && s->of[which].leaves,
+                        .guess = NAN};
     s->found++;
     return added;
 }
 
-/* The roots beside a place where g is 0 or has another sign than at a and b. */
-static void add_pair(tvi_search *s, int which, double a, double ga, double at, double g, double b, double gb)
+/* The place beside a sample where g is 0, towards the next one or the one before. */
+static tvi_status beside(tvi_search *s, int which, double at, double way, tvi_place *near)
 {
-    const int sign = sign_of(ga);
-    (void)add_root(s, which, -sign, a, ga, at, g);
-    if (g != 0) (void)add_root(s, which, sign, at, g, b, gb);
+    near->at = at + way;
+    return on_curve(s, which, near->at, &near->g);
 }
 
-/* |g| has a least value in [a, b] where g may have another sign: golden sections until it is found to have, or not. */
-static tvi_status follow_dip(tvi_search *s, int which, double a, double ga, double b, double gb)
+/* The roots beside a place where g has another sign than at a and b, or is 0: then it may have the other one before or
+ * behind it, or only touch 0. */
+static tvi_status add_pair(tvi_search *s, int which, tvi_place a, tvi_place at, tvi_place b)
 {
-    const double golden = 0.3819660112501051;
-    const int sign = sign_of(ga);
-    double low = a, high = b, at[2], g[2];
-    int fresh = 0;
-    at[0] = low + golden * (high - low);
-    tvi_status status = on_curve(s, which, at[0], &g[0]);
-    at[1] = high - golden * (high - low);
-    if (status == TVI_OK && sign_of(g[0]) == sign) status = on_curve(s, which, at[1], &g[1]), fresh = 1;
-    while (status == TVI_OK && high - low > LEAST_SECTION && sign_of(g[fresh]) == sign) {
-        fresh = fabs(g[0]) > fabs(g[1]); /* the new point is on the side of the smaller value */
-        if (fresh) low = at[0], at[0] = at[1], g[0] = g[1];
-        else high = at[1], at[1] = at[0], g[1] = g[0];
-        at[fresh] = fresh ? high - golden * (high - low) : low + golden * (high - low);
-        status = on_curve(s, which, at[fresh], &g[fresh]);
+    const int sign = sign_of(a.g);
+    tvi_place near = at;
+    tvi_status status = TVI_OK;
+    if (at.g == 0) status = beside(s, which, at.at, -fmin(EDGE, (at.at - a.at) / 2), &near);
+    if (at.g == 0 && sign_of(near.g) != -sign && status == TVI_OK)
+        status = beside(s, which, at.at, fmin(EDGE, (b.at - at.at) / 2), &near);
+    if (status != TVI_OK) return status;
+    const bool crosses = sign_of(near.g) == -sign;
+    (void)add_root(s, which, -sign, a, crosses ? near : at);
+    if (crosses) (void)add_root(s, which, sign, near, b);
+    return TVI_OK;
+}
+
+/* |g| has a least value in the middle, where g may have another sign: looked for until it is found to have, or not. */
+static tvi_status look_into_dip(tvi_search *s, int which, const tvi_place from[TVI_DIP])
+{
+    tvi_place x[TVI_DIP], new;
+    memcpy(x, from, sizeof x);
+    for (int looks = 0; tvi_dip_next(x, looks, &new.at); looks++) {
+        const tvi_status status = on_curve(s, which, new.at, &new.g);
+        if (status != TVI_OK) return status;
+        if (sign_of(new.g) != sign_of(x[2].g)) return add_pair(s, which, from[1], new, from[3]);
+        tvi_dip_take(x, new);
     }
-    if (status == TVI_OK && sign_of(g[fresh]) != sign) add_pair(s, which, a, ga, at[fresh], g[fresh], b, gb);
-    return status;
+    return TVI_OK;
 }
 
 /* Whether |g| has a least value between the samples beside g. */
 static bool is_dip(const double g[]) { return (fabs(g[0]) < fabs(g[-1])) & (fabs(g[0]) <= fabs(g[1])); }
 
-/* The same between the samples beside one, at and g. The parabola through the three knows the least value, unless g is
- * not what it says where that is. */
-static tvi_status look_into_dip(tvi_search *s, int which, const double at[], const double g[])
-{
-    const double left = at[0] - at[-1], right = at[1] - at[0];
-    const double rise = (g[1] - g[0]) / right, fall = (g[0] - g[-1]) / left, bend = (rise - fall) / (left + right);
-    const double way = -(fall + bend * left) / (2 * bend), expected = g[0] - bend * way * way;
-    double there;
-    if (!(way > -left && way < right)) return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
-    const tvi_status status = on_curve(s, which, at[0] + way, &there);
-    if (status != TVI_OK) return status;
-    if (sign_of(there) != sign_of(g[0])) add_pair(s, which, at[-1], g[-1], at[0] + way, there, at[1], g[1]);
-    else if (fabs(there - expected) > SURE * fabs(there)) return follow_dip(s, which, at[-1], g[-1], at[1], g[1]);
-    return TVI_OK;
-}
-
-/* How |g| begins in the first part, by the slope of the polynomial through five samples; or, stride -1, ends in the
- * last one, looked at from the end of the step. */
-static bool falls_first(const double g[], int stride)
+/* Whether |g| falls as it begins, or, stride -1, ends, looked at from the end of the step, or is flat: by the slope of
+ * the polynomial through five samples. */
+static bool falls(const double g[], int stride, double rise)
 {
     const double slope = -25 * g[0] + 48 * g[stride] - 36 * g[2 * stride] + 16 * g[3 * stride] - 3 * g[4 * stride];
-    const double sign = g[0] > 0 ? 1 : -1, rise = fabs(g[stride]) - fabs(g[0]);
-    return (g[0] * g[stride] > 0) & (rise >= 0) & (sign * slope <= 12 * FLAT * rise);
+    return (g[0] > 0 ? slope : -slope) <= 12 * FLAT * rise;
+}
+
+/* The largest change from a sample to the next one. */
+static double largest_change(const double g[])
+{
+    double change = 0;
+    for (int j = 0; j < TVI_SAMPLES; j++) change = tvi_larger(fabs(g[j + 1] - g[j]), change);
+    return change;
+}
+
+/* How |g| begins, or, stride -1, ends, is not known to the polynomial through the samples: g may have a kink there, at
+ * which it changes sign, or a peak. Its fourth difference there or its eighth is large. */
+static bool is_kinked(const double g[], int stride)
+{
+    const double fourth = g[0] - 4 * g[stride] + 6 * g[2 * stride] - 4 * g[3 * stride] + g[4 * stride];
+    const double *first = stride > 0 ? g : g - TVI_SAMPLES, noise = 256 * DBL_EPSILON * fabs(g[0]);
+    const double eighth = (first[0] + first[8]) - 8 * (first[1] + first[7]) + 28 * (first[2] + first[6]) -
+                          56 * (first[3] + first[5]) + 70 * first[4];
+    const double size = tvi_larger(fabs(fourth), fabs(eighth));
+    return (size > noise) & ((size >= KINKED * largest_change(first)) | (size >= fabs(g[0])));
+}
+
+/* Whether |g| may have a least value in the first part; or, stride -1, in the last one. */
+static bool may_dip_at_end(const double g[], int stride)
+{
+    const double rise = fabs(g[stride]) - fabs(g[0]);
+    const bool rises = stride > 0 ? rise >= 0 : rise > 0; /* equal ones at the end are a dip there */
+    return (g[0] * g[stride] > 0) & rises && (falls(g, stride, rise) || is_kinked(g, stride));
 }
 
 /* What comparisons of a jet_v2 give. */
@@ -181,54 +199,72 @@ static bool is_quiet(const double g[])
         found |= ~(signs * *(const jet_v2 *)(g + j + 1) > 0) | ~(next <= DBL_MAX);
         found |= (next < now) & (next <= after);
     }
-    return !(found[0] | found[1] | falls_first(g, 1) | falls_first(g + TVI_SAMPLES, -1));
+    return !(found[0] | found[1] || may_dip_at_end(g, 1) || may_dip_at_end(g + TVI_SAMPLES, -1));
 }
 
-/* A least |g| in the first or the last part: the sample next to the end tells one just inside from one that lies in the
+/* A least |g| in the first or the last part: the value next to the end tells one just inside from one that lies in the
  * next step. */
 static tvi_status look_at_end(tvi_search *s, int which, bool is_last)
 {
-    const double *g = s->of[which].g;
-    const double edge = is_last ? 1 - EDGE : EDGE;
-    const double part = 1.0 / TVI_SAMPLES, at[] = {is_last ? 1 - part : 0, edge, is_last ? 1 : part};
-    double near[] = {g[is_last ? TVI_SAMPLES - 1 : 0], 0, g[is_last ? TVI_SAMPLES : 1]};
-    const tvi_status status = on_curve(s, which, edge, &near[1]);
+    const double *g = s->of[which].g, part = 1.0 / TVI_SAMPLES;
+    const tvi_place nowhere = {NAN, NAN};
+    tvi_place x[TVI_DIP] = {nowhere, {0, g[0]}, {EDGE, 0}, {part, g[1]}, {2 * part, g[2]}};
+    const tvi_place last[TVI_DIP] = {{1 - 2 * part, g[6]}, {1 - part, g[7]}, {1 - EDGE, 0}, {1, g[8]}, nowhere};
+    if (is_last) memcpy(x, last, sizeof x);
+    const tvi_status status = on_curve(s, which, x[2].at, &x[2].g);
     if (status != TVI_OK) return status;
-    if (sign_of(near[1]) != sign_of(near[0])) add_pair(s, which, at[0], near[0], at[1], near[1], at[2], near[2]);
-    else if (is_dip(near + 1)) return look_into_dip(s, which, at + 1, near + 1);
+    if (sign_of(x[2].g) != sign_of(x[1].g)) return add_pair(s, which, x[1], x[2], x[3]);
+    if (fabs(x[2].g) < fabs(x[is_last ? 3 : 1].g)) return look_into_dip(s, which, x);
     return TVI_OK;
+}
+
+/* The roots between the samples a and b where the sign says so, b included. Where g is 0 at one of them, the sign is
+ * that beside it: another root may be hidden there. */
+static tvi_status look_between(tvi_search *s, int which, tvi_place a, tvi_place b, bool has_neighbours)
+{
+    const tvi_place at_b = b;
+    tvi_status status = TVI_OK;
+    if (a.g == 0) status = beside(s, which, a.at, EDGE, &a);
+    if (status == TVI_OK && b.g == 0) status = beside(s, which, b.at, -EDGE, &b);
+    if (status != TVI_OK) return status;
+    if (a.g != 0 && b.g != 0 && sign_of(a.g) != sign_of(b.g)) {
+        tvi_root *r = add_root(s, which, sign_of(b.g), a, b);
+        if (r && has_neighbours && !r->is_return) r->guess = guess_zero(s->of[which].g, r->a, r->ga, r->b, r->gb);
+    }
+    const tvi_place before = b.g != 0 ? b : a;
+    if (at_b.g == 0 && before.g != 0) (void)add_root(s, which, -sign_of(before.g), before, at_b);
+    return TVI_OK;
+}
+
+/* Roots of a g that changes from sample to sample by as much as it is are no events where it is only roundoff. */
+static tvi_status drop_noise(tvi_search *s, int which, int before)
+{
+    const double *g = s->of[which].g;
+    bool is_noise = false;
+    if (2 * largest_change(g) < tvi_largest(TVI_SAMPLES, g + 1, 1)) return TVI_OK;
+    const tvi_status status = tvi_start_is_noise(s, which, &is_noise);
+    if (is_noise) s->found = before;
+    return status;
 }
 
 /* All places of the step where g ceases to have the sign that it had: becomes 0 or has the other one. */
 static tvi_status search_event(tvi_search *s, int which)
 {
-    double at[1 + TVI_SAMPLES] = {0}, *g = s->of[which].g;
-    tvi_status status = TVI_OK;
+    const double *g = s->of[which].g;
+    const int before = s->found;
     if (is_quiet(g)) return TVI_OK;
     if (!tvi_all_finite(TVI_SAMPLES, g + 1)) return of_event(which, tvi_refuse_as("event function", TVI_ENONFINITE));
-    memcpy(at + 1, tvi_sample_place, sizeof tvi_sample_place);
-    if (g[0] == 0) status = on_curve(s, which, at[0] = EDGE, &g[0]);
-    else if (falls_first(g, 1)) status = look_at_end(s, which, false);
+    tvi_place all[1 + TVI_SAMPLES + 2] = {{NAN, NAN}, {0, g[0]}}, *const x = all + 1; /* one more beyond each end */
+    for (int j = 1; j <= TVI_SAMPLES; j++) x[j] = (tvi_place){tvi_sample_place[j - 1], g[j]};
+    x[TVI_SAMPLES + 1] = all[0];
+    const bool may_return = !s->of[which].leaves && may_dip_at_end(g, 1);
+    tvi_status status = may_return ? look_at_end(s, which, false) : TVI_OK;
     for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
-        const int before = sign_of(g[j - 1]), now = sign_of(g[j]);
-        if (before != 0 && now != before) {
-            tvi_root *r = add_root(s, which, -before, at[j - 1], g[j - 1], at[j], g[j]);
-            if (r) r->guess = guess_zero(g, r->a, r->ga, r->b, r->gb);
-        } else if (now != 0 && before == now && j < TVI_SAMPLES && is_dip(g + j) && sign_of(g[j + 1]) == now) {
-            status = look_into_dip(s, which, at + j, g + j);
-        }
+        if (!(g[j - 1] * g[j] > 0)) status = look_between(s, which, x[j - 1], x[j], g[j - 1] != 0 && g[j] != 0);
+        else if (j < TVI_SAMPLES && g[j] * g[j + 1] > 0 && is_dip(g + j)) status = look_into_dip(s, which, x + j - 2);
     }
-    if (status == TVI_OK && falls_first(g + TVI_SAMPLES, -1)) status = look_at_end(s, which, true);
-    return status;
-}
-
-/* Where the run starts on an event, |g| is nothing beside what it is soon. */
-static tvi_status leave_start(tvi_search *s, int which)
-{
-    double *g = s->of[which].g, soon;
-    const tvi_status status = on_curve(s, which, EDGE, &soon);
-    if (status == TVI_OK && fabs(g[0]) <= AT_START * fabs(soon)) g[0] = 0;
-    return status;
+    if (status == TVI_OK && may_dip_at_end(g + TVI_SAMPLES, -1)) status = look_at_end(s, which, true);
+    return status == TVI_OK && s->found > before ? drop_noise(s, which, before) : status;
 }
 
 /* The tape of all events has failed at a sample: which of them, and at which operation of its own recording. */
@@ -247,16 +283,19 @@ static tvi_status sample_events(tvi_search *s)
 {
     const long step = s->it->stats.steps;
     const bool continues = s->step > 0 && *s->it->continued && step == s->step + 1;
+    for (int which = 0; which < s->count; which++) s->of[which].g[0] = s->of[which].g[TVI_SAMPLES];
+    tvi_status status = continues ? TVI_OK : tvi_start_search(s);
+    if (status != TVI_OK) return status;
     tvi_sample(s->it, s->of_state, s->samples);
-    const bool inside = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES);
-    tvi_status status = inside ? TVI_OK : refuse_samples(s);
+    if (!jet_sweep_values(s->tape, s->samples, TVI_SAMPLES)) status = refuse_samples(s);
     for (int which = 0; which < s->count && status == TVI_OK; which++) {
-        double *g = s->of[which].g;
-        g[0] = g[TVI_SAMPLES];
-        memcpy(g + 1, s->samples + (size_t)s->tape->output[which] * TVI_SAMPLES, TVI_SAMPLES * sizeof *g);
-        if (!continues) status = on_curve(s, which, 0, &g[0]);
-        if (status == TVI_OK && s->step == 0) status = leave_start(s, which);
+        tvi_watch *w = &s->of[which];
+        memcpy(w->g + 1, s->samples + (size_t)s->tape->output[which] * TVI_SAMPLES, TVI_SAMPLES * sizeof *w->g);
+        w->leaves = false;
+        if (w->g[0] == 0) status = of_event(which, tvi_start_leave(s, which));
+        w->was_told = false;
     }
+    s->from = TVI_FROM_ANY; /* where an observer changes something */
     s->step = step;
     return status;
 }
@@ -269,14 +308,24 @@ tvi_status tvi_search_step(tvi_search *s)
     return status;
 }
 
-/* The block of a tape, ready for its inputs; where it has parameters of the system, they are the integrator's. */
-static double *make_block(const tvi_integrator *it, const jet_tape *tape, int lanes)
+/* The block of a tape, ready for its inputs. */
+static double *make_block(const jet_tape *tape, int lanes)
 {
     double *block = malloc((size_t)tape->slots * (size_t)lanes * sizeof *block);
-    if (!block) return NULL;
-    jet_tape_prepare(tape, block, 1, lanes);
-    jet_tape_place_parameters(tape, block, lanes, tvi_system_parameters(it->system), 1, it->parameters);
+    if (block) jet_tape_prepare(tape, block, 1, lanes);
     return block;
+}
+
+void tvi_search_set_parameters(tvi_search *s)
+{
+    const int count = tvi_system_parameters(s->it->system);
+    const double *value = s->it->parameters;
+    for (int which = 0; which < s->count; which++) {
+        const tvi_watch *w = &s->of[which];
+        jet_tape_place_parameters(w->event->tape, w->block, 1, count, 1, value);
+        jet_tape_place_parameters(w->event->series, w->near.x, 1, count, 1, value);
+    }
+    jet_tape_place_parameters(s->tape, s->samples, TVI_SAMPLES, count, 1, value);
 }
 
 /* From the first component that is used to the last one. */
@@ -300,27 +349,37 @@ static tvi_status join_events(tvi_search *s, const tvi_event *const events[])
     return TVI_OK;
 }
 
-tvi_status tvi_search_open(tvi_search *s, tvi_integrator *it, const tvi_event *const events[], int count)
+tvi_status tvi_search_open(tvi_search *s, tvi_between *between, const tvi_event *const events[], int count, double t,
+                           const double *const state[2])
 {
     const size_t some = (size_t)count;
-    *s = (tvi_search){.it = it, .count = count};
+    tvi_integrator *it = between->steps;
+    const size_t size = 2 * (size_t)it->system->n + 1;
+    *s = (tvi_search){.it = it, .between = between, .count = count, .from = tvi_start_of(it, t, state[0], state[1])};
     s->of = calloc(some, sizeof *s->of);
     s->roots = calloc(some * MOST_ROOTS, sizeof *s->roots);
-    s->state = calloc(2 * (size_t)it->system->n + 1, sizeof *s->state);
+    s->state = calloc(2 * size, sizeof *s->state);
     if (!s->of || !s->roots || !s->state) return TVI_ENOMEM;
+    s->move = s->state + size;
     for (int which = 0; which < count; which++) {
-        s->of[which] = (tvi_watch){.event = events[which], .block = make_block(it, events[which]->tape, 1)};
-        if (!s->of[which].block) return TVI_ENOMEM;
+        tvi_watch *w = &s->of[which];
+        *w = (tvi_watch){.event = events[which], .block = make_block(events[which]->tape, 1)};
+        if (!w->block || tvi_event_near_open(&w->near, w->event) != TVI_OK) return TVI_ENOMEM;
     }
     const tvi_status status = join_events(s, events);
-    if (status == TVI_OK) s->samples = make_block(it, s->tape, TVI_SAMPLES);
-    return status == TVI_OK && !s->samples ? TVI_ENOMEM : status;
+    if (status != TVI_OK) return status;
+    s->samples = make_block(s->tape, TVI_SAMPLES);
+    if (!s->samples) return TVI_ENOMEM;
+    tvi_search_set_parameters(s);
+    return TVI_OK;
 }
 
 void tvi_search_close(tvi_search *s)
 {
-    if (s->of)
-        for (int which = 0; which < s->count; which++) free(s->of[which].block);
+    for (int which = 0; s->of && which < s->count; which++) {
+        free(s->of[which].block);
+        tvi_event_near_close(&s->of[which].near);
+    }
     free(s->of);
     free(s->samples);
     jet_tape_free(s->tape);

@@ -1,7 +1,7 @@
 /* state.c - what an integrator holds between steps, as bytes: a run goes on from them as if it had not been
  * interrupted.
  *
- *     identity | t, q, p | counts | parameters | history | checksum
+ *     identity | t, q, p | counts | parameters | stop | history | checksum
  *
  * The identity is of the format, the method and the system: another one is refused (identity.h). t, q and p are for
  * those who have no integrator (tvi_state_peek). The history is all that one step leaves to the next (arena.h), so that
@@ -21,8 +21,8 @@ static size_t parameter_bytes(const tvi_integrator *it)
 
 static size_t state_size(const tvi_integrator *it)
 {
-    return sizeof(tvi_identity) + seen_size(it->system->n) + sizeof(tvi_stats) + parameter_bytes(it) + it->remembered +
-           sizeof(uint64_t);
+    return sizeof(tvi_identity) + seen_size(it->system->n) + sizeof(tvi_stats) + parameter_bytes(it) +
+           tvi_stop_bytes(it->system->n) + it->remembered + sizeof(uint64_t);
 }
 
 tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
@@ -39,7 +39,8 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     memcpy(at += n * sizeof *it->now.q, it->now.p, n * sizeof *it->now.p);
     memcpy(at += n * sizeof *it->now.p, &it->stats, sizeof it->stats);
     memcpy(at += sizeof it->stats, it->parameters, parameter_bytes(it));
-    tvi_arena_copy(at += parameter_bytes(it), it->history, it->remembered);
+    memcpy(at += parameter_bytes(it), it->stop, tvi_stop_bytes(it->system->n));
+    tvi_arena_copy(at += tvi_stop_bytes(it->system->n), it->history, it->remembered);
     tvi_identity_seal(buffer, *size);
     return TVI_OK;
 }
@@ -47,6 +48,8 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
 tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
 {
     if (!it || !buffer) return jet_refuse(TVI_EINVAL, "%s is NULL", it ? "buffer" : "integrator");
+    if (it->is_telling)
+        return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
     const tvi_identity own = tvi_identity_of(it, state_size(it));
     tvi_identity who;
     const char *reason = tvi_identity_fault(buffer, size, &who), *at = buffer;
@@ -57,8 +60,10 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     it->stats.bytes = stats.bytes;
     it->stats.is_compiled = stats.is_compiled;
     memcpy(it->parameters, at += sizeof it->stats, parameter_bytes(it));
-    tvi_arena_copy(it->history, at + parameter_bytes(it), it->remembered);
+    memcpy(it->stop, at += parameter_bytes(it), tvi_stop_bytes(it->system->n));
+    tvi_arena_copy(it->history, at + tvi_stop_bytes(it->system->n), it->remembered);
     tvi_integrator_apply_parameters(it);
+    it->parameter_sets++;
     it->has_dense = false;
     return TVI_OK;
 }

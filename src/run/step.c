@@ -59,6 +59,7 @@ static tvi_status set_energy(tvi_integrator *it)
 tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], const double p[])
 {
     const int n = it->system->n;
+    if (it->is_telling) return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not step it");
     if (*it->continues && tvi_integrator_has(it, t, q, p)) return TVI_OK;
     if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
     tvi_arena_copy(it->history, NULL, it->remembered);
@@ -88,13 +89,29 @@ static tvi_status check_time(const tvi_integrator *it, double h)
     return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
 }
 
+/* Whether the field has finite values where the step starts; that of a Lagrangian at rest there. */
+static bool starts_finite(const tvi_integrator *it)
+{
+    const tvi_system *system = it->stepped;
+    const jet_tape *tape = system->field_values;
+    const int n = system->n;
+    memcpy(it->field, it->start.q, (size_t)n * sizeof *it->field);
+    for (int i = n; i < system->inputs; i++) it->field[i] = system->form == TVI_HAMILTONIAN ? it->start.p[i - n] : 0;
+    tvi_system_set_time(system, it->field, 1, &it->start.q[n]);
+    bool is_finite = tape->interpreted->values(tape, it->field, 1);
+    for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field[tape->output[i]]);
+    return is_finite;
+}
+
+tvi_status tvi_step_overflow(const tvi_integrator *it) { return starts_finite(it) ? TVI_ETOOLARGE : TVI_ENONFINITE; }
+
 static tvi_status check_sums(const tvi_integrator *it)
 {
     const tvi_run_state *now = &it->now;
     for (int i = 0; i <= it->stepped->n; i++)
-        if (!isfinite(now->q[i])) return jet_refuse(TVI_ENONFINITE, "q[%d] overflows", i);
+        if (!isfinite(now->q[i])) return jet_refuse(tvi_step_overflow(it), "q[%d] overflows", i);
     for (int i = 0; i < it->stepped->n; i++)
-        if (!isfinite(now->p[i])) return jet_refuse(TVI_ENONFINITE, "p[%d] overflows", i);
+        if (!isfinite(now->p[i])) return jet_refuse(tvi_step_overflow(it), "p[%d] overflows", i);
     return TVI_OK;
 }
 
@@ -135,7 +152,9 @@ static tvi_status step(tvi_integrator *it, double tolerance, double h)
     it->has_dense = false;
     tvi_arena_copy(it->before, it->history, it->marked);
     tvi_status status = find_increments(it, tolerance, &h);
-    if (status != TVI_OK) status = tvi_refuse_as("its equations", status);
+    if (status == TVI_ENONFINITE && tvi_step_overflow(it) == TVI_ETOOLARGE)
+        status = jet_refuse(TVI_ETOOLARGE, "its passes overflow: the step is too large");
+    else if (status != TVI_OK) status = tvi_refuse_as("its equations", status);
     if (status == TVI_OK) status = advance(it, h);
     if (status == TVI_OK) status = tvi_guard_step(it, passes, expansions);
     if (status == TVI_OK) {
@@ -171,7 +190,7 @@ static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h,
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_run(given, "");
-    it->has_dense = false;
+    if (!it->is_telling) it->has_dense = false;
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;

@@ -244,7 +244,7 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_run(given, "");
-    it->has_dense = false;
+    if (!it->is_telling) it->has_dense = false;
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
         return tvi_refuse_run(given, D ? "columns is not positive" : "D is NULL");
     const int n = it->system->n;

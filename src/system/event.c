@@ -19,7 +19,9 @@ static tvi_status record(tvi_event *event, tvi_event_fn *g, void *ctx)
         status = jet_graph_accept(event->graph, 1, &value);
         jet_graph_close(event->graph);
         if (status == TVI_OK) event->tape = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_VALUES);
-        if (status == TVI_OK && !event->tape) status = TVI_ENOMEM;
+        if (status == TVI_OK) event->series = jet_tape_create(event->graph, inputs, 1, &value, JET_TAPE_SERIES);
+        if (status == TVI_OK && !(event->tape && event->series)) status = TVI_ENOMEM;
+        if (status == TVI_OK) event->hash = jet_tape_hash(JET_HASH_OF_NOTHING, event->tape);
         event->output = value;
     }
     free(state);
@@ -49,6 +51,7 @@ void tvi_event_free(tvi_event *event)
 {
     if (!event) return;
     jet_tape_free(event->tape);
+    jet_tape_free(event->series);
     jet_graph_free(event->graph);
     free(event);
 }

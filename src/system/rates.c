@@ -11,8 +11,15 @@ tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system, const doub
     rates->block = malloc((size_t)system->field_values->slots * sizeof *rates->block);
     if (!rates->block) return TVI_ENOMEM;
     jet_tape_prepare(system->field_values, rates->block, 1, 1);
-    jet_tape_place_parameters(system->field_values, rates->block, 1, tvi_system_parameters(system), 1, parameters);
+    tvi_rates_set_parameters(rates, parameters);
     return TVI_OK;
+}
+
+void tvi_rates_set_parameters(tvi_rates *rates, const double parameters[])
+{
+    const tvi_system *system = rates->system;
+    if (!rates->block) return;
+    jet_tape_place_parameters(system->field_values, rates->block, 1, tvi_system_parameters(system), 1, parameters);
 }
 
 void tvi_rates_close(tvi_rates *rates) { free(rates->block); }

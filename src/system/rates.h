@@ -11,6 +11,7 @@ typedef struct {
 
 /* Of a Lagrangian there are none. */
 TVI_NODISCARD tvi_status tvi_rates_open(tvi_rates *rates, const tvi_system *system, const double parameters[]);
+void tvi_rates_set_parameters(tvi_rates *rates, const double parameters[]);
 void tvi_rates_close(tvi_rates *rates);
 
 /* rate [2n] of q and p at the state x [2n + 1] of q, p and t. TVI_EDOMAIN. */

@@ -72,6 +72,8 @@ static jet automatic(const tvi_system *base, jet H)
 {
     const bool separable = base->form == TVI_SEPARABLE;
     const int n = base->n, count = separable ? n : 2 * n;
+    jet_graph *graph = NULL;
+    (void)jet_graph_of(1, &H, &graph);
     const size_t elements = (size_t)count * (size_t)count;
     jet *a = malloc((3 * elements + (size_t)count + 2 * (size_t)n + 1) * sizeof *a), sum = jet_poison(JET_NO_MEMORY);
     if (!a) return sum;
@@ -82,6 +84,7 @@ static jet automatic(const tvi_system *base, jet H)
         sum = separable ? trace_of_forces(n, base->mass, a, Ja) : jet_div(trace_of_square(count, square, Ja), 2);
     }
     free(a);
+    if (graph) jet_graph_name_part(graph, sum, "the automatic g");
     return jet_pow(sum, -0.25);
 }
 

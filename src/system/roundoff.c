@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SAMPLES = 4 }; /* of signs: in one alone the parts of a sum may cancel */
+enum { SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
 void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system)
 {
@@ -48,29 +48,26 @@ static double size_of(const jet_tape *tape, const jet_run *run, int i, const dou
 
 /* dx of a slot moves by a unit of roundoff of the size, in each sample with another sign: the bits of a hash of its
  * value's digits, so that neither units nor the order of slots count, and equal values are wrong alike. */
-static void disturb(tvi_roundoff *roundoff, int slot, double size)
+static void disturb(const double *x, double *dx, int slot, double size)
 {
     int exponent;
-    const double digits = frexp(fabs(roundoff->x[slot]), &exponent);
+    const double digits = frexp(fabs(x[slot]), &exponent);
     const uint64_t bits = jet_hash(JET_HASH_OF_NOTHING, &digits, sizeof digits);
     for (int s = 0; s < SAMPLES && size > 0; s++)
-        roundoff->dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
+        dx[slot * SAMPLES + s] += bits >> (63 - s) & 1 ? DBL_EPSILON * size : -DBL_EPSILON * size;
 }
 
-/* The tangents of the samples: one run after the other, so that each adds its own roundoff. */
-static void sweep(tvi_roundoff *roundoff, const tvi_system *system)
+void tvi_roundoff_sweep(const jet_tape *tape, int inputs, const double size[], const double *x, double *dx)
 {
-    const jet_tape *tape = system->field_series;
-    memset(roundoff->dx, 0, (size_t)system->inputs * SAMPLES * sizeof *roundoff->dx);
-    for (int i = 0; i < system->inputs; i++) disturb(roundoff, i, fabs(roundoff->x[i]));
+    memset(dx, 0, (size_t)inputs * SAMPLES * sizeof *dx);
+    for (int i = 0; i < inputs; i++) disturb(x, dx, i, size ? size[i] : fabs(x[i]));
     for (int r = 0; r < tape->runs; r++) {
         jet_tape one = *tape;
         one.sweeps = tape->interpreted; /* generated code has no parts */
         one.run = tape->run + r;
         one.runs = 1;
-        jet_sweep_tangents(&one, roundoff->x, roundoff->dx, 0, SAMPLES);
-        for (int i = 0; i < one.run->count; i++)
-            disturb(roundoff, one.run->z + i, size_of(tape, one.run, i, roundoff->x));
+        jet_sweep_tangents(&one, x, dx, 0, SAMPLES);
+        for (int i = 0; i < one.run->count; i++) disturb(x, dx, one.run->z + i, size_of(tape, one.run, i, x));
     }
 }
 
@@ -83,7 +80,7 @@ int tvi_roundoff_of_field(tvi_roundoff *roundoff, const tvi_system *system, cons
     for (int point = 0; point < points; point++) {
         for (int i = 0; i < system->inputs + system->uses_time; i++) roundoff->x[i] = inputs[i * lanes + point];
         if (!jet_sweep_values(tape, roundoff->x, 1)) continue;
-        sweep(roundoff, system);
+        tvi_roundoff_sweep(tape, system->inputs, NULL, roundoff->x, roundoff->dx);
         for (int i = 0; i < outputs; i++)
             roundoff->change[i] =
                 fmax(roundoff->change[i], tvi_largest(SAMPLES, roundoff->dx + tape->output[i] * SAMPLES, 1));

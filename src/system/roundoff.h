@@ -17,6 +17,14 @@ typedef struct {
     unsigned random; /* state of a pseudo-random sequence, the same for each question: no step depends on others */
 } tvi_roundoff;
 
+/* Of signs: in one sample alone the parts of a sum may cancel. */
+enum { TVI_ROUNDOFF_SAMPLES = 4 };
+
+/* dx [slots][TVI_ROUNDOFF_SAMPLES]: what a unit of roundoff in each input, relative to size[inputs] or, NULL, to the
+ * input itself, and in each operation makes of every slot; x [slots]: their values, a block of a tape of series. The
+ * constants' dx are 0 beforehand. */
+void tvi_roundoff_sweep(const jet_tape *tape, int inputs, const double size[], const double *x, double *dx);
+
 void tvi_roundoff_take(tvi_roundoff *roundoff, tvi_arena *arena, const tvi_system *system);
 
 /* change[i] = the most that output i of the field changes at one of the points when each coordinate, velocity and

@@ -6,6 +6,10 @@
 
 Suite *suite_events(void);
 Suite *suite_search(void);
+Suite *suite_starts(void);
+Suite *suite_roots(void);
+Suite *suite_observers(void);
+Suite *suite_cuts(void);
 Suite *suite_times(void);
 Suite *suite_tolerance(void);
 Suite *suite_tolerance_runs(void);

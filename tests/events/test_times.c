@@ -132,6 +132,100 @@ START_TEST(results_keep_invariants)
 }
 END_TEST
 
+/* ---- In two calls ------------------------------------------------------------------------------------------------ */
+
+/* Times within the last step are served by the next call, bit for bit as by one; forward and back, of every method. */
+START_TEST(times_in_two_calls)
+{
+    const pairing *x = &pairings[_i / 2];
+    const double h = _i % 2 ? -x->h : x->h;
+    const double times[] = {0.3 * h, 0.31 * h, 1.4 * h, 1.45 * h, 1.45 * h, 2 * h, 7.1 * h};
+    for (int first = 1; first < 7; first++) {
+        static results whole, pieces, rest;
+        run a = run_open(x->scene, x->method, x->order), b = run_open(x->scene, x->method, x->order);
+        whole = pieces = rest = (results){0};
+        ck_assert_int_eq(ask(&a, h, times, 7, &whole), TVI_OK);
+        ck_assert_int_eq(ask(&b, h, times, first, &pieces), TVI_OK);
+        ck_assert_int_eq(ask(&b, h, times + first, 7 - first, &rest), TVI_OK);
+        ck_assert_int_eq(rest.count, 7 - first);
+        ck_assert(memcmp(pieces.at, whole.at, (size_t)first * sizeof *whole.at) == 0);
+        ck_assert(memcmp(rest.at, whole.at + first, (size_t)(7 - first) * sizeof *whole.at) == 0);
+        ck_assert(same_point(&a.x, &b.x));
+        run_close(&a);
+        run_close(&b);
+    }
+}
+END_TEST
+
+/* What is not within the last step, or in it no more: after another state, parameters, a saved state. */
+START_TEST(times_of_no_step_are_refused)
+{
+    static results d;
+    const double late[] = {0.4}, early[] = {0.2}, later[] = {0.6};
+    run r = run_open(&scene_kepler, NULL, 0);
+    d = (results){0};
+    ck_assert_int_eq(ask(&r, 0.25, late, 1, &d), TVI_OK);
+    refused("times[0] = 0.2 is", ask(&r, 0.25, early, 1, &d), TVI_EINVAL); /* in the step before */
+    refused("times[0] = 0.6 is", ask(&r, -0.25, later, 1, &d), TVI_EINVAL);
+    ck_assert_int_eq(tvi_integrator_set_parameters(r.integrator, later), TVI_OK); /* it has none: nothing changes */
+    d = (results){0};
+    ck_assert_int_eq(ask(&r, 0.25, late, 1, &d), TVI_OK);
+    ck_assert_int_eq(d.count, 1);
+    r.x.p[0] += 1e-3;
+    refused("times[0] = 0.4 is", ask(&r, 0.25, late, 1, &d), TVI_EINVAL);
+    run_close(&r);
+}
+END_TEST
+
+/* ---- Pericentres of a rescaled orbit ----------------------------------------------------------------------------- */
+
+static const double MU = 39.47841760435743; /* 4 pi^2: the period of a = 1 is 1 */
+
+static jet attraction(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(-MU, jet_pow(jet_dot(q, q, 2), -0.5));
+}
+
+static jet mean_scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_mul(1 / sqrt(MU), jet_pow(jet_dot(q, q, 2), 0.75));
+}
+
+/* e = 0.9999999: a step at the pericentre covers some 1e4 units of t. Results there are within eight units of it by
+ * q.p / v^2, and a run ends there. */
+START_TEST(results_at_pericentres)
+{
+    const double e = 0.9999999;
+    const point start = {0, {1 + e}, {0, sqrt(MU * (1 - e) / (1 + e))}};
+    double times[80];
+    tvi_system *base;
+    run r = {0};
+    static results d;
+    d = (results){0};
+    ck_assert_int_eq(tvi_system_potential(&base, 2, NULL, attraction, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&r.system, base, mean_scale, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&r.integrator, r.system, NULL), TVI_OK);
+    for (int i = 0; i < 80; i++) times[i] = i + 0.5;
+    r.x = start;
+    ck_assert_int_eq(ask(&r, 1, times, 80, &d), TVI_OK);
+    for (int i = 0; i < 80; i++) { /* the period is that of the steps: they are right to roundoff */
+        const double *q = d.at[i].q, *p = d.at[i].p;
+        const double late = (q[0] * p[0] + q[1] * p[1]) / (p[0] * p[0] + p[1] * p[1]);
+        ck_assert_double_le(fabs(late), 8 * (nextafter(times[i], INFINITY) - times[i]));
+        ck_assert_double_eq_tol(hypot(q[0], q[1]), 1e-7, 1e-9);
+    }
+    r.x = start;
+    for (int k = 1; k <= 200; k++) {
+        ck_assert_int_eq(tvi_integrate_to(r.integrator, 1, k * 0.5, &r.x.t, r.x.q, r.x.p, NULL, NULL), TVI_OK);
+        ck_assert_double_eq(r.x.t, k * 0.5);
+    }
+    run_close(&r);
+    tvi_system_free(base);
+}
+END_TEST
+
 START_TEST(observers_stop)
 {
     static results d;
@@ -189,6 +283,9 @@ Suite *suite_times(void)
     tcase_add_test(tcase, states_at_ends_of_steps);
     tcase_add_test(tcase, times_of_steps_are_not_rounded);
     tcase_add_test(tcase, results_keep_invariants);
+    tcase_add_loop_test(tcase, times_in_two_calls, 0, 2 * PAIRINGS);
+    tcase_add_test(tcase, times_of_no_step_are_refused);
+    tcase_add_test(tcase, results_at_pericentres);
     tcase_add_test(tcase, observers_stop);
     tcase_add_test(tcase, bad_times_are_refused);
     suite_add_tcase(suite, tcase);

@@ -34,8 +34,8 @@ static const bad_step bad_steps[] = {
     {"p NaN", 0.1, {0, {0.5, 0.25}, {NAN, 0.5}}, TVI_ENONFINITE, "p[0]"},
     {"the last p NaN", 0.1, {0, {0.5, 0.25}, {0.5, NAN}}, TVI_ENONFINITE, "p[1]"},
     {"p infinite", 0.1, {0, {0.5, 0.25}, {0.5, -INFINITY}}, TVI_ENONFINITE, "p[1] = -inf"},
-    {"t overflows", DBL_MAX, {DBL_MAX, SOUND}, TVI_ENONFINITE, "step of 1.79769e+308"},
-    {"t overflows, back", -DBL_MAX, {-DBL_MAX, SOUND}, TVI_ENONFINITE, "step of -1.79769e+308"},
+    {"t overflows", DBL_MAX, {DBL_MAX, SOUND}, TVI_ETOOLARGE, "step of 1.79769e+308"},
+    {"t overflows, back", -DBL_MAX, {-DBL_MAX, SOUND}, TVI_ETOOLARGE, "step of -1.79769e+308"},
     {"q overflows", 1e10, {0, {1e300, 0.25}, {1e300, 0.5}}, TVI_ENONFINITE, "step of 1e+10"},
     {"the force overflows", 0.1, {0, {1e308, 1e308}, {0, 0}}, TVI_ENONFINITE, "step of 0.1 from t = 0"},
 };

@@ -162,14 +162,14 @@ START_TEST(events_without_memory)
     ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL), TVI_OK);
     of.event = event;
     ck_assert_int_gt(fail_each(make_event, NULL, how), 5);
-    ck_assert_int_eq(fail_each(run_with_events, &of, how), 61);
+    ck_assert_int_eq(fail_each(run_with_events, &of, how), 66);
     ck_assert_int_eq(fail_each(run_to_time, &of, how), 2);
     tvi_event_free(event);
     tvi_integrator_free(of.integrator);
     tvi_system_free(system);
     system = create_everything(RESCALED, true);
     ck_assert_int_eq(tvi_integrator_create(&of.integrator, system, NULL), TVI_OK);
-    ck_assert_int_eq(fail_each(run_to_end, &of, how), 2);
+    ck_assert_int_eq(fail_each(run_to_end, &of, how), 3);
     tvi_integrator_free(of.integrator);
     tvi_system_free(system);
 }

@@ -1,0 +1,292 @@
+/* finder.c - the time and the state of an event.
+ *
+ * Near the place of a root on the curve of the step (search.h) a step of a part of h (between.h) gives a state of the
+ * method's own solution, and the slope there a line that is this solution to roundoff, for a short way. The event is
+ * where g changes sign on the line: its state is as good as that of a step, whatever slope g has. */
+#include "run/finder.h"
+#include "run/start.h"
+#include "algebra/sizes.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Half the distance of the points that give the slopes of the curve and of g. */
+static const double CHORD = 1e-5;
+enum { MOST_LINES = 12, MOST_RETURNS = 200 };
+/* A guess is good where the slope leads no further, in parts of the step and of the distance from its ends. */
+static const double LEAST_WAY = 1e-6, NEAR = 1e-3;
+/* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
+ * that of the curve, relative to the state. */
+static const double REACH = 2e-9, STEEPER = 32;
+/* A change of sign within so little on both sides is the event's place; else it is looked for in so much more, and no
+ * farther than this. All in parts of the step. */
+static const double SURE = 0x1p-50, WIDER = 16, FARTHEST = 1.0 / 16;
+
+tvi_status tvi_finder_open(tvi_finder *s, tvi_search *search)
+{
+    const tvi_integrator *it = search->it;
+    const int size = 2 * it->system->n + 1;
+    *s = (tvi_finder){.search = search, .size = size, .base = calloc((size_t)size * 4, sizeof *s->base)};
+    if (!s->base) return TVI_ENOMEM;
+    s->rate = s->base + size;
+    s->middle = s->rate + size;
+    s->trial = s->middle + size;
+    return tvi_rates_open(&s->rates, it->system, it->parameters);
+}
+
+void tvi_finder_close(tvi_finder *s)
+{
+    tvi_rates_close(&s->rates);
+    free(s->base);
+}
+
+/* The slopes of the curve, s->rate, and of g along it, at theta, the middle of the chord, s->middle, and how far the
+ * zero of g is ahead. */
+static tvi_status set_slopes(tvi_finder *s, int which, double theta, double *slope, double *ahead)
+{
+    const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
+    double ga = 0, gb = 0;
+    tvi_status status = tvi_search_state(s->search, a, s->rate);
+    if (status == TVI_OK) status = tvi_search_value(s->search, which, s->rate, &ga);
+    if (status == TVI_OK) status = tvi_search_state(s->search, b, s->middle);
+    if (status == TVI_OK) status = tvi_search_value(s->search, which, s->middle, &gb);
+    *slope = (gb - ga) / (b - a);
+    *ahead = -(ga + gb) / (2 * *slope);
+    for (int i = 0; i < s->size; i++) {
+        const double low = s->rate[i], high = s->middle[i];
+        s->rate[i] = (high - low) / (b - a);
+        s->middle[i] = (low + high) / 2;
+    }
+    s->is_inside = a > 0 && b < 1; /* the slope is that at theta to the square of the chord */
+    return status;
+}
+
+/* Whether there is a guess inside, clear of the ends. */
+static bool has_guess(const tvi_root *r) { return r->guess > r->a + CHORD && r->guess < r->b - CHORD; }
+
+/* Whether the way from a place is short, also beside the distance from a and b: then it is good. */
+static bool is_short(const tvi_root *r, double from, double way)
+{
+    return fabs(way) <= fmin(LEAST_WAY, NEAR * fmin(from + way - r->a, r->b - (from + way)));
+}
+
+/* The curve's distance from s->base, relative to the size of what is there. */
+static double distance_of(const tvi_finder *s, int from, int count)
+{
+    double apart = 0, size = 0;
+    for (int i = from; i < from + count; i++) {
+        apart = fmax(apart, fabs(s->base[i] - s->middle[i]));
+        size = fmax(size, fabs(s->base[i]));
+    }
+    return tvi_ratio(apart, size);
+}
+
+/* The same of the time, which may be 0. */
+static double time_distance(const tvi_finder *s)
+{
+    const int t = s->size - 1;
+    return tvi_ratio(fabs(s->base[t] - s->middle[t]), fabs(s->base[t]) + fabs(s->rate[t]));
+}
+
+/* The last state of s->between, at theta. */
+static void copy_between(tvi_finder *s, double theta)
+{
+    const size_t n = (size_t)s->search->it->system->n;
+    memcpy(s->base, s->search->between->q, n * sizeof *s->base);
+    memcpy(s->base + n, s->search->between->p, n * sizeof *s->base);
+    s->base[2 * n] = s->search->between->t;
+    s->base_at = theta;
+}
+
+/* ---- On a line --------------------------------------------------------------------------------------------------- */
+
+/* x [2n + 1] = s->base + way s->rate, and g there. */
+static tvi_status value_ahead(tvi_finder *s, int which, double way, double x[], double *g)
+{
+    for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
+    return tvi_search_value(s->search, which, x, g);
+}
+
+typedef struct {
+    tvi_finder *s;
+    int which;
+} on_line;
+
+static tvi_status value_on_line(void *ctx, double way, double *g)
+{
+    const on_line *line = ctx;
+    return value_ahead(line->s, line->which, way, line->s->trial, g);
+}
+
+/* Ways about `way`, no farther than FARTHEST and within the step, between which g changes sign. Where it does not: the
+ * farthest one. */
+static tvi_status enclose(tvi_finder *s, const tvi_root *r, double way, tvi_bracket *z)
+{
+    const double low = fmax(-s->base_at, -FARTHEST), high = fmin(1 - s->base_at, FARTHEST);
+    double width = SURE;
+    z->a = fmin(fmax(way - width, low), high), z->b = fmin(fmax(way + width, low), high);
+    tvi_status status = value_ahead(s, r->which, z->a, s->trial, &z->ga);
+    while (status == TVI_OK && tvi_is_behind(r, z->ga) && z->a > low) {
+        z->b = z->a, z->gb = z->ga;
+        z->a = fmax(z->a - (width *= WIDER), low);
+        status = value_ahead(s, r->which, z->a, s->trial, &z->ga);
+    }
+    if (status != TVI_OK || width > SURE) return status;
+    status = value_ahead(s, r->which, z->b, s->trial, &z->gb);
+    while (status == TVI_OK && !tvi_is_behind(r, z->gb) && z->b < high) {
+        z->a = z->b, z->ga = z->gb;
+        z->b = fmin(z->b + (width *= WIDER), high);
+        status = value_ahead(s, r->which, z->b, s->trial, &z->gb);
+    }
+    return status;
+}
+
+/* The way from s->base, where g is given, to the root on the line; slope: that of g along it, or anything. */
+static tvi_status root_on_line(tvi_finder *s, const tvi_root *r, double g, double slope, double *way)
+{
+    double next;
+    tvi_bracket z = {0};
+    const double first = -g / slope;
+    *way = fabs(first) <= FARTHEST ? first : 0;
+    tvi_status status = value_ahead(s, r->which, *way, s->trial, &next);
+    const double second = *way - next / slope;
+    if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *way = second;
+    if (status == TVI_OK) status = enclose(s, r, *way, &z);
+    const bool is_sure = z.b - z.a <= 2 * SURE, is_enclosed = !tvi_is_behind(r, z.ga) && tvi_is_behind(r, z.gb);
+    if (status != TVI_OK || (is_sure && is_enclosed)) return status;
+    if (is_enclosed) status = tvi_narrow(&z, DBL_EPSILON / 4, value_on_line, &(on_line){s, r->which});
+    *way = tvi_is_behind(r, z.ga) ? z.a : z.b;
+    return status;
+}
+
+/* The event at the end of the way. */
+static tvi_status settle(tvi_finder *s, tvi_root *r, double way, double x[])
+{
+    r->theta = s->base_at + way;
+    for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
+    return TVI_OK;
+}
+
+/* s->base at theta, by a step of a part of h, and how far the curve's slope leads on without an error that shows. */
+static tvi_status set_base(tvi_finder *s, double theta)
+{
+    const int n = s->search->it->system->n;
+    const tvi_status status =
+        tvi_between_state(s->search->between, theta == 1 ? s->search->it->h : theta * s->search->it->h);
+    if (status != TVI_OK) return status;
+    copy_between(s, theta);
+    const double apart = fmax(fmax(distance_of(s, 0, n), distance_of(s, n, n)), time_distance(s));
+    s->reach = s->is_inside ? fmin(REACH, DBL_EPSILON / (8 * STEEPER) / apart) : 0;
+    return TVI_OK;
+}
+
+/* The root on the curve, and then on lines, each from where the one before it has its root, until that is near. */
+static tvi_status polish(tvi_finder *s, tvi_root *r, double x[])
+{
+    double theta = r->guess, g = 0, slope, way = 0, ahead = 0;
+    tvi_status status = TVI_OK;
+    if (has_guess(r)) status = set_slopes(s, r->which, theta, &slope, &ahead);
+    if (status == TVI_OK && has_guess(r) && is_short(r, theta, ahead)) theta += ahead;
+    else if (status == TVI_OK) status = tvi_search_zero(s->search, r, &theta);
+    for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
+        status = set_slopes(s, r->which, theta, &slope, &ahead);
+        if (status == TVI_OK) status = set_base(s, theta);
+        if (status == TVI_OK) status = tvi_search_value(s->search, r->which, s->base, &g);
+        if (status == TVI_OK) status = root_on_line(s, r, g, slope, &way);
+        if (fabs(way) <= fmax(s->reach, DBL_EPSILON)) break;
+        theta = fmin(fmax(theta + way, 0), 1);
+    }
+    return status == TVI_OK ? settle(s, r, way, x) : status;
+}
+
+/* ---- By rates ---------------------------------------------------------------------------------------------------- */
+
+/* s->rate, by the part of the step, at a state. */
+static tvi_status rates_at(tvi_finder *s, const double x[])
+{
+    const int last = s->size - 1;
+    const double h = s->search->it->h;
+    const tvi_status status = tvi_rates_at(&s->rates, x, s->rate);
+    for (int i = 0; i < last; i++) s->rate[i] *= h;
+    s->rate[last] = h;
+    return status;
+}
+
+/* The event at a guess that is good, where the method's rates are good enough for the way from there: one step of a
+ * part of h. Where the way is not nothing, the rates are those of its middle. */
+static tvi_status polish_by_rates(tvi_finder *s, tvi_root *r, double x[], bool *is_done)
+{
+    double g = 0, before = 0, after = 0, found = 0;
+    const double h = s->search->it->h;
+    tvi_status status = tvi_between_state(s->search->between, r->guess * h);
+    if (status != TVI_OK) return status;
+    copy_between(s, r->guess);
+    status = rates_at(s, s->base);
+    if (status == TVI_OK) status = tvi_search_value(s->search, r->which, s->base, &g);
+    if (status == TVI_OK) status = value_ahead(s, r->which, -CHORD, s->trial, &before);
+    if (status == TVI_OK) status = value_ahead(s, r->which, CHORD, s->trial, &after);
+    const double slope = (after - before) / (2 * CHORD), way = -g / slope;
+    const double tail = fmax(s->search->it->stats.tail, s->search->between->partial->stats.tail), error = tail * tail;
+    if (status != TVI_OK || !(fabs(way) * error <= DBL_EPSILON / 8 && is_short(r, r->guess, way))) return status;
+    if (fabs(way) > REACH) {
+        for (int i = 0; i < s->size; i++) s->trial[i] = s->base[i] + way / 2 * s->rate[i];
+        status = rates_at(s, s->trial);
+    }
+    if (status == TVI_OK) status = root_on_line(s, r, g, slope, &found);
+    if (status == TVI_OK) status = settle(s, r, found, x);
+    *is_done = status == TVI_OK && fabs(found - way) <= REACH && tvi_all_finite(s->size, x);
+    return status;
+}
+
+/* Whether the method follows the field, but for the square of the tail. */
+static bool knows_rates(const tvi_finder *s)
+{
+    const tvi_integrator *it = s->search->it;
+    return s->rates.block && !tvi_is_rescaled(it) && it->stepper->is_superconvergent && it->options.degree > 1;
+}
+
+/* ---- Events ------------------------------------------------------------------------------------------------------ */
+
+/* A return to the event that the step began on, by its rise from there over the way, nearly linear in it: false
+ * position and bisection, of places or of their powers where these are far apart. */
+static tvi_status find_return(tvi_finder *s, tvi_root *r, double x[])
+{
+    const double left = s->search->of[r->which].left_at;
+    double a = left, b = fmax(r->b, left), slope_a = 0, slope_b = 0, theta = a, rise;
+    bool known;
+    tvi_status status = tvi_start_rise(s->search, r->which, a, &rise, &known);
+    slope_a = rise / a;
+    if (status == TVI_OK) status = tvi_start_rise(s->search, r->which, b, &rise, &known);
+    slope_b = rise / b;
+    theta = b;
+    for (int k = 0; k < MOST_RETURNS && status == TVI_OK && b - a > DBL_EPSILON / 2 * b && slope_b != 0; k++) {
+        const double secant = a - slope_a * (b - a) / (slope_b - slope_a),
+                     middle = b > 4 * a ? sqrt(a * b) : (a + b) / 2;
+        theta = k % 3 < 2 && secant > a && secant < b ? secant : middle;
+        status = tvi_start_rise(s->search, r->which, theta, &rise, &known);
+        if (tvi_is_behind(r, rise)) b = theta, slope_b = rise / theta;
+        else a = theta, slope_a = rise / theta;
+        if (theta == a && nextafter(a, b) >= b) theta = b;
+    }
+    if (status == TVI_OK) status = tvi_between_state(s->search->between, b * s->search->it->h);
+    if (status != TVI_OK) return status;
+    copy_between(s, b);
+    return settle(s, r, 0, x);
+}
+
+/* An event of the step, and x, its state. */
+tvi_status tvi_finder_find(tvi_finder *s, tvi_root *r, double x[])
+{
+    bool is_done = false;
+    tvi_status status = TVI_OK;
+    if (r->is_return) return find_return(s, r, x);
+    if (r->b == 1 && r->gb == 0) {
+        status = tvi_between_state(s->search->between, s->search->it->h);
+        copy_between(s, 1);
+        return status == TVI_OK ? settle(s, r, 0, x) : status;
+    }
+    if (has_guess(r) && knows_rates(s)) status = polish_by_rates(s, r, x, &is_done);
+    return is_done || status != TVI_OK ? status : polish(s, r, x);
+}

@@ -1,0 +1,147 @@
+/* test_cuts.c - however a run is cut into calls, each event is told once (tvi_runs.h): 2000 runs at random, of all
+ * forms of systems, fixed and rescaled steps and steps to a tolerance, one member and several, forward and back, with
+ * steps that divide the periods of strobes, times up to 1.7e9, events that end the run, that come together, that only
+ * touch 0 or have a kink there. */
+#include "cuts.h"
+#include "events.h"
+#include "problems/random.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum { LOOPS = 20, RUNS = 80, RUNS_TO = 20 };
+
+static uint64_t seed_of(int loop, int k) { return UINT64_C(0x9e3779b97f4a7c15) * (uint64_t)(1000 * loop + k + 1); }
+
+/* ---- Between steps ----------------------------------------------------------------------------------------------- */
+
+static void compare(const notes *whole, const notes *pieces, int members, const random_run *r)
+{
+    ck_assert_msg(whole->count == pieces->count && whole->status == pieces->status,
+                  "%s %s %d, kind %d, h = %g: %d events and %d, %s and %s", r->of->scene->name, r->of->method,
+                  r->of->order, (int)r->kind, r->h, whole->count, pieces->count, tvi_status_string(whole->status),
+                  tvi_status_string(pieces->status));
+    for (int i = 0; i < whole->count; i++) {
+        const event_note *a = &whole->note[i], *b = &pieces->note[i];
+        ck_assert_msg(a->member == b->member && a->which == b->which && same_point(&a->x, &b->x),
+                      "%s %s %d, kind %d: event %d at %.17g and %d at %.17g", r->of->scene->name, r->of->method,
+                      r->of->order, (int)r->kind, a->which, a->x.t, b->which, b->x.t);
+    }
+    for (int m = 0; m < members; m++) ck_assert(same_point(&whole->end[m], &pieces->end[m]));
+}
+
+/* Calls of some steps, observers that stop, states saved and loaded: all events, with their times and states, and the
+ * end are those of one call, bit for bit; also where terminal events end the run, which then goes on, with p or -p. */
+START_TEST(cuts_between_steps)
+{
+    static notes whole, pieces;
+    int made = 0, told = 0;
+    for (int k = 0; made < RUNS; k++) {
+        uint64_t bits = seed_of(_i, k);
+        random_run r;
+        if (make_run(&r, &bits, true, true)) {
+            make_notes(&r, NULL, &whole);
+            make_notes(&r, &bits, &pieces);
+            compare(&whole, &pieces, r.members, &r);
+            made++;
+            told += whole.count;
+        }
+        free_run(&r);
+    }
+    ck_assert_int_gt(told, 4 * RUNS); /* else nothing is seen */
+}
+END_TEST
+
+/* ---- Cuts that change steps -------------------------------------------------------------------------------------- */
+
+/* Methods whose steps of such a size are right to 1e-12 on these orbits, and the cuts that they serve: runs to times
+ * between, runs that an observer of events stops at each of them, or at some, and both of runs to a tolerance. Methods
+ * of low order are left out, as what their steps are depends on where they begin; and events that only touch 0. */
+static const pairing regular[] = {
+    {&scene_kepler, "galerkin", 16, 0.1},    {&scene_kepler, "midpoint", 20, 0.1},
+    {&scene_kepler, "poincare", 20, 0.1},    {&scene_kepler, "taylor", 20, 0.1},
+    {&scene_pendulum, "galerkin", 12, 0.05}, {&scene_nonseparable, "galerkin", 12, 0.02},
+    {&scene_magnetic, "galerkin", 12, 0.05}, {&scene_double_pendulum, "galerkin", 12, 0.005},
+};
+enum { REGULAR = sizeof regular / sizeof *regular };
+typedef enum { AT_TIMES = 1, AT_EVENTS = 2 } cuts;
+
+/* To t_end by an ensemble of one, in calls that are cut there; 0: in one. */
+static void go_to(const random_run *r, double t_end, unsigned where, uint64_t *bits, notes *to)
+{
+    point x = start_of_member(r, 0);
+    tvi_ensemble *e;
+    tvi_status status = TVI_OK;
+    const bool by_tolerance = r->kind == BY_TOLERANCE;
+    memset(to, 0, sizeof *to);
+    to->n = r->of->scene->n;
+    to->by_event = where & AT_EVENTS;
+    ck_assert_int_eq(tvi_ensemble_create(&e, r->system, &r->options, 1, 1), TVI_OK);
+    while (x.t != t_end) {
+        const double part = where & AT_TIMES ? number_of(bits) : 1;
+        const tvi_ensemble_plan plan = {.h = by_tolerance ? 0 : r->h,
+                                        .tolerance = by_tolerance ? 1e-15 : 0,
+                                        .t_end = part > 0.8 ? t_end : x.t + part * (t_end - x.t),
+                                        .events = (const tvi_event *const *)r->events,
+                                        .event_count = r->count,
+                                        .on_event = take_member_note,
+                                        .ctx = to};
+        ck_assert_int_eq(tvi_ensemble_run(e, &plan, &x.t, x.q, x.p, &status), TVI_OK);
+        ck_assert_msg(status == TVI_OK || status == TVI_ESTOPPED, "%s", tvi_last_error());
+        to->stops += status == TVI_ESTOPPED;
+    }
+    to->end[0] = x;
+    tvi_ensemble_free(e);
+}
+
+/* The times of an event, but those at the end. */
+static int times_of(const notes *of, int which, double t_end, double near, double times[])
+{
+    int count = 0;
+    for (int i = 0; i < of->count; i++)
+        if (of->note[i].which == which && fabs(of->note[i].x.t - t_end) > near) times[count++] = of->note[i].x.t;
+    return count;
+}
+
+/* The same events in the same order, at times that differ by 1e-10 of the time scale of a step, or by what t resolves,
+ * which each stop rounds to. */
+START_TEST(cuts_that_change_steps)
+{
+    static notes whole, pieces;
+    static double a[MOST_NOTES], b[MOST_NOTES];
+    int made = 0, told = 0;
+    for (int k = 0; made < RUNS_TO; k++) {
+        uint64_t bits = seed_of(LOOPS + _i, k);
+        random_run r;
+        const pairing *of = &regular[_i % REGULAR];
+        if (make_run_of(&r, of, &bits, false, false) && r.kind != OF_MEMBERS) {
+            const double t_end = r.t0 + (double)r.steps * r.h;
+            go_to(&r, t_end, 0, &bits, &whole);
+            go_to(&r, t_end, 1 + (unsigned)_i % 3, &bits, &pieces);
+            const double near = 1e-10 * of->h + (2 + pieces.stops) * DBL_EPSILON * fmax(fabs(r.t0), fabs(t_end));
+            for (int which = 0; which < r.count; which++) {
+                const int count = times_of(&whole, which, t_end, near, a);
+                const int again = times_of(&pieces, which, t_end, near, b);
+                ck_assert_msg(again == count, "%s %s %d, h = %g from %g, rescaled %d: %d of event %d, cut %d",
+                              of->scene->name, of->method, of->order, r.h, r.t0, r.is_rescaled, count, which, again);
+                for (int i = 0; i < count; i++) ck_assert_double_eq_tol(a[i], b[i], near);
+                told += count;
+            }
+            made++;
+        }
+        free_run(&r);
+    }
+    ck_assert_int_gt(told, RUNS_TO / 2); /* else nothing is seen */
+}
+END_TEST
+
+Suite *suite_cuts(void)
+{
+    Suite *suite = suite_create("cuts");
+    TCase *tcase = tcase_create("cuts");
+    tcase_add_loop_test(tcase, cuts_between_steps, 0, LOOPS);
+    tcase_add_loop_test(tcase, cuts_that_change_steps, 0, LOOPS);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}

@@ -1,0 +1,287 @@
+/* test_starts.c - what an event is where a run begins: what was told is not told again, and nothing is lost, however a
+ * run is cut into calls (tvi_runs.h). */
+#include "diary.h"
+#include "events.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+static jet falling(const jet q[], jet t, void *ctx)
+{
+    (void)t;
+    jet V = jet_const(0);
+    for (int i = 0; i < *(const int *)ctx; i++) V = jet_add(V, jet_mul(9.8, q[i]));
+    return V;
+}
+
+static jet swinging(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(jet_cos(q[0]));
+}
+
+static jet kepler(const jet q[], jet t, void *ctx)
+{
+    (void)t;
+    return jet_mul(-*(const double *)ctx, jet_pow(jet_dot(q, q, 2), -0.5));
+}
+
+static run open_potential(int n, tvi_potential_fn *V, void *ctx)
+{
+    run r = {0};
+    ck_assert_int_eq(tvi_system_potential(&r.system, n, NULL, V, ctx), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&r.integrator, r.system, NULL), TVI_OK);
+    return r;
+}
+
+static tvi_status go(run *r, double h, long steps, const tvi_event *const events[], int count, diary *d)
+{
+    d->n = tvi_system_dimension(r->system);
+    return tvi_integrate_events(r->integrator, h, steps, events, count, &r->x.t, r->x.q, r->x.p, NULL, note_event, d);
+}
+
+/* ---- Runs in pieces ---------------------------------------------------------------------------------------------- */
+
+static jet radial(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_dot(q, p, 2);
+}
+
+/* All pericentres of a hundred revolutions from an apocentre, which is no event of the run, in calls of 1 to 4000
+ * steps. */
+START_TEST(pericentres_in_pieces)
+{
+    const int pieces[] = {4000, 1000, 100, 20, 10, 1};
+    static diary d;
+    double mu = 1;
+    run r = open_potential(2, kepler, &mu);
+    tvi_event *event = event_of(2, TVI_RISING, false, radial, NULL);
+    d = (diary){0};
+    r.x = (point){0, {1.3}, {0, sqrt(0.7 / 1.3)}};
+    for (int i = 0; i < 4000 / pieces[_i]; i++)
+        ck_assert_int_eq(go(&r, 2 * PI / 40, pieces[_i], (const tvi_event *[]){event}, 1, &d), TVI_OK);
+    ck_assert_int_eq(d.count, 100);
+    tvi_event_free(event);
+    run_close(&r);
+}
+END_TEST
+
+static jet since(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)p;
+    return jet_sub(t, *(const double *)ctx);
+}
+
+/* Soon after the end of a step, or at it. */
+START_TEST(soon_after_a_call)
+{
+    const double after[] = {0, 1e-16, 1e-15, 1e-13, 1e-11, 2.9e-11, 3.2e-11, 1e-10};
+    for (int steps = 1; steps <= 4; steps *= 2) {
+        static diary d;
+        double T = 0.25 + after[_i];
+        run r = open_potential(1, swinging, NULL);
+        tvi_event *event = event_of(1, TVI_RISING, false, since, &T);
+        d = (diary){0};
+        r.x = (point){0, {1}, {0}};
+        for (int k = 0; k < 4; k += steps)
+            ck_assert_int_eq(go(&r, 0.25, steps, (const tvi_event *[]){event}, 1, &d), TVI_OK);
+        ck_assert_int_eq(d.count, 1);
+        ck_assert_double_eq_tol(d.at[0].t, T, DBL_EPSILON);
+        tvi_event_free(event);
+        run_close(&r);
+    }
+}
+END_TEST
+
+/* ---- After a stop ------------------------------------------------------------------------------------------------ */
+
+static jet first(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return q[0];
+}
+
+static jet second(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return q[1];
+}
+
+/* Two balls from one height, or nearly: both bounces are told, and both balls are where they were let go after the same
+ * flight. */
+START_TEST(two_balls)
+{
+    const double apart = (double[]){0, 1e-16, 1e-15, 1e-13, 1e-11, 1e-9}[_i];
+    int two = 2, bounces = 0;
+    run r = open_potential(2, falling, &two);
+    tvi_event *a = event_of(2, TVI_FALLING, true, first, NULL), *b = event_of(2, TVI_FALLING, true, second, NULL);
+    const double end = 2 * sqrt(2 / 9.8);
+    r.x = (point){0, {1, 1 + apart}, {0, 0}};
+    while (r.x.t < end - 0.1) {
+        static diary d;
+        d = (diary){0};
+        const tvi_status status = go(&r, 0.1, 1, (const tvi_event *[]){a, b}, 2, &d);
+        ck_assert(status == TVI_OK || status == TVI_ESTOPPED);
+        ck_assert_int_eq(status == TVI_ESTOPPED, d.count > 0);
+        for (int i = 0; i < d.count; i++) r.x.p[d.which[i]] = -r.x.p[d.which[i]];
+        bounces += d.count;
+    }
+    ck_assert_int_eq(bounces, 2);
+    for (int i = 0; i < 2; i++) {
+        const double to_top = r.x.p[i] / 9.8, height = r.x.q[i] + 9.8 * to_top * to_top / 2;
+        ck_assert_double_eq_tol(height, 1 + i * apart, 1e-14);
+    }
+    tvi_event_free(a);
+    tvi_event_free(b);
+    run_close(&r);
+}
+END_TEST
+
+static jet above(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t;
+    return jet_sub(q[0], *(const double *)ctx);
+}
+
+/* A ball that loses a fifth of its velocity at each bounce: flights are told down to the resolution of the time; then
+ * comes a refusal, which leaves the state, and never a ball below the floor. */
+START_TEST(bouncing_ball)
+{
+    const double h = (double[]){0.1, 0.01}[_i % 2];
+    double floor = (double[]){0, 6.4e6}[_i / 2];
+    int one = 1, bounces = 0;
+    run r = open_potential(1, falling, &one);
+    tvi_event *event = event_of(1, TVI_FALLING, true, above, &floor);
+    static diary d;
+    r.x = (point){0, {floor + 10}, {0}};
+    double flight = INFINITY;
+    for (;;) {
+        const point start = r.x;
+        d = (diary){0};
+        const tvi_status status = go(&r, h, (long)(20 / h), (const tvi_event *[]){event}, 1, &d);
+        if (status == TVI_ENOCONV) {
+            ck_assert(same_point(&r.x, &start));
+            ck_assert_ptr_nonnull(strstr(tvi_last_error(), "events[0] is reached again before the time moves"));
+            break;
+        }
+        ck_assert_int_eq(status, TVI_ESTOPPED);
+        ck_assert_double_eq_tol(r.x.q[0], floor, 2 * DBL_EPSILON * (1 + floor));
+        const double roundoff = DBL_EPSILON * (r.x.t + (flight > h / 8 ? floor / fabs(start.p[0]) : 0));
+        if (bounces > 0) ck_assert_double_eq_tol(r.x.t - start.t, flight, 1e-14 * flight + 4 * roundoff);
+        r.x.p[0] = -0.8 * r.x.p[0];
+        flight = 2 * r.x.p[0] / 9.8;
+        ck_assert_int_lt(++bounces, 200);
+    }
+    ck_assert_double_le(flight, 4 * DBL_EPSILON * r.x.t);
+    ck_assert_double_ge(flight, DBL_EPSILON / 4 * r.x.t);
+    tvi_event_free(event);
+    run_close(&r);
+}
+END_TEST
+
+static jet at_noon(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)q, (void)p, (void)ctx;
+    return jet_sin(jet_mul(2 * PI, t));
+}
+
+/* A terminal event of the time itself, whose resolution is 5e-10 there: each day once, also where the run goes on in an
+ * integrator that has loaded the state. */
+START_TEST(julian_days)
+{
+    static diary d;
+    double mu = 2.9591220828559e-4;
+    run r = open_potential(2, kepler, &mu);
+    tvi_event *event = event_of(2, TVI_RISING, true, at_noon, NULL);
+    char *buffer = NULL;
+    size_t size = 0;
+    d = (diary){0};
+    r.x = (point){2451545.1, {1}, {0, 0.0172}};
+    ck_assert_int_eq(tvi_state_save(r.integrator, NULL, &size), TVI_OK);
+    buffer = malloc(size);
+    for (int k = 0; k < 8; k++) {
+        if (_i) {
+            tvi_integrator *other;
+            ck_assert_int_eq(tvi_state_save(r.integrator, buffer, &size), TVI_OK);
+            ck_assert_int_eq(tvi_integrator_create(&other, r.system, NULL), TVI_OK);
+            ck_assert_int_eq(tvi_state_load(other, buffer, size), TVI_OK);
+            tvi_integrator_free(r.integrator);
+            r.integrator = other;
+        }
+        ck_assert_int_eq(go(&r, 1, 1000, (const tvi_event *[]){event}, 1, &d), TVI_ESTOPPED);
+        ck_assert_double_eq_tol(r.x.t, 2451546 + k, 1e-9);
+    }
+    free(buffer);
+    tvi_event_free(event);
+    run_close(&r);
+}
+END_TEST
+
+/* ---- Any start --------------------------------------------------------------------------------------------------- */
+
+static jet beyond(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t;
+    return jet_sub(jet_sqr(q[0]), *(const double *)ctx);
+}
+
+/* Let go at rest on the event, a pendulum comes back to it after half a period: the first coefficient of g is 0, the
+ * second says that it falls. With h small or large; a little outside it passes at once. */
+START_TEST(released_on_the_event)
+{
+    const double h = (double[]){0.3, 0.2, 0.1, 0.01, 1e-4}[_i];
+    static diary d;
+    double level = 0.1 * 0.1;
+    run r = open_potential(1, swinging, NULL);
+    tvi_event *falls = event_of(1, TVI_FALLING, true, beyond, &level);
+    d = (diary){0};
+    r.x = (point){0, {0.1}, {0}};
+    ck_assert_int_eq(go(&r, h, (long)(2 / h), (const tvi_event *[]){falls}, 1, &d), TVI_OK);
+    ck_assert_int_eq(d.count, 0);
+    r.x = (point){0, {0.1 * (1 + 1e-8)}, {0}};
+    ck_assert_int_eq(go(&r, h, (long)(2 / h), (const tvi_event *[]){falls}, 1, &d), TVI_ESTOPPED);
+    ck_assert_double_eq_tol(r.x.t, sqrt(2e-9 / sin(0.1)), 1e-9); /* q'' = -sin q */
+    tvi_event_free(falls);
+    run_close(&r);
+}
+END_TEST
+
+/* On a circular orbit q.p is nothing but roundoff: there are no events, in one call or many. A little off it has two a
+ * revolution. */
+START_TEST(roundoff_is_no_event)
+{
+    static diary d;
+    double mu = 1;
+    for (int pieces = 1; pieces <= 200; pieces *= 200) {
+        run r = open_potential(2, kepler, &mu);
+        tvi_event *event = event_of(2, TVI_EITHER, false, radial, NULL);
+        d = (diary){0};
+        r.x = (point){0, {1}, {0, _i ? 1 + 1e-9 : 1}};
+        for (int k = 0; k < pieces; k++)
+            ck_assert_int_eq(go(&r, PI / 10, 200 / pieces, (const tvi_event *[]){event}, 1, &d), TVI_OK);
+        ck_assert_int_eq(d.count, _i ? 19 : 0);
+        tvi_event_free(event);
+        run_close(&r);
+    }
+}
+END_TEST
+
+Suite *suite_starts(void)
+{
+    Suite *suite = suite_create("starts");
+    TCase *tcase = tcase_create("starts");
+    tcase_add_loop_test(tcase, pericentres_in_pieces, 0, 6);
+    tcase_add_loop_test(tcase, soon_after_a_call, 0, 8);
+    tcase_add_loop_test(tcase, two_balls, 0, 6);
+    tcase_add_loop_test(tcase, bouncing_ball, 0, 4);
+    tcase_add_loop_test(tcase, julian_days, 0, 2);
+    tcase_add_loop_test(tcase, released_on_the_event, 0, 5);
+    tcase_add_loop_test(tcase, roundoff_is_no_event, 0, 2);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
