@@ -174,12 +174,11 @@ static void get(const void *work, int lane, void *one)
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
 }
 
-/* No modes and no fits, which a lane does not keep. */
+/* No modes, which a lane does not keep. */
 static void simplify(void *one)
 {
     galerkin *w = one;
     w->springs.last = NULL;
-    w->prediction.last = NULL;
 }
 
 static void put(void *work, int lane, const void *one)
@@ -243,7 +242,8 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
     set_start(w, origin);
     for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
         if (!w->nodes.in_lanes[m]) rest(w, m);
-    w->loops->predict(&w->nodes, w->single->predictor.polynomial[GALERKIN_FROM_TWO], impulses(w, 0), impulses(w, -1));
+    w->loops->predict(&w->nodes, w->single->predictor.extrapolation[GALERKIN_FROM_TWO], impulses(w, 0),
+                      impulses(w, -1));
     set_times(w, h, origin);
     w->loops->set_sizes(&w->nodes, w->single->n);
 }

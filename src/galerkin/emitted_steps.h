@@ -65,9 +65,9 @@ JET_INLINE void steady_lead(const galerkin_frame *frame, const galerkin_nodes *n
 }
 
 /* The impulses in a turn, or one beside those that there are. */
-JET_INLINE double *steady_turn(double *const *impulses, int turns, int turn)
+JET_INLINE double *steady_turn(double *const *impulses, int turn)
 {
-    return impulses[turn < 0 ? turns - 1 : turn < turns ? turn : 0];
+    return impulses[turn < 0 ? GALERKIN_TURNS - 1 : turn < GALERKIN_TURNS ? turn : 0];
 }
 
 JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_motion *motion,
@@ -77,10 +77,8 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     const bool leads = form->drive && STEADY_LEADS(nodes->unknowns, lanes);
     const int numbers = nodes->unknowns * lanes;
     double *const *const ring = to->impulses;
-    const int turns = to->turns;
     int turn = to->turn;
-    double *before = steady_turn(ring, turns, turn - 1), *last = steady_turn(ring, turns, turn),
-           *next = steady_turn(ring, turns, turn + 1);
+    double *before = steady_turn(ring, turn - 1), *last = steady_turn(ring, turn), *next = steady_turn(ring, turn + 1);
     const double *const impulses[] = {last, before}, *drift = motion->has_masses ? frame->drift : NULL;
     galerkin_trial tried = {.pace = to->last.pace};
     galerkin_folding folding;
@@ -123,8 +121,8 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         to->count += tried.count;
         to->factors += tried.factors;
         to->largest_tail = tvi_larger(tried.tail, to->largest_tail);
-        turn = turn + 1 < turns ? turn + 1 : 0;
-        before = last, last = next, next = steady_turn(ring, turns, turn + 1);
+        turn = turn + 1 < GALERKIN_TURNS ? turn + 1 : 0;
+        before = last, last = next, next = steady_turn(ring, turn + 1);
         if (!leads) break;
         steady_start(frame, nodes, motion, origin, lanes);
     }

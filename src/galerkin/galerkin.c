@@ -114,8 +114,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     tvi_galerkin_coefficients_take(&w.coefficients, arena, w.field.points, lanes);
     w.field.b = w.coefficients.b;
     w.field.matrix = w.coefficients.matrix;
-    tvi_galerkin_predictor_take(&w.predictor, arena, &w.field, tvi_galerkin_linear_prediction_turns(&w.field, options));
-    tvi_galerkin_linear_prediction_take(&w.prediction, arena, &w.field, options);
+    tvi_galerkin_predictor_take(&w.predictor, arena, &w.field);
     tvi_galerkin_dense_take(&w.dense, arena, w.field.points, lanes, system->field_values->sweeps);
     w.drift = tvi_arena_doubles(arena, (size_t)unknowns);
     w.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
@@ -140,7 +139,6 @@ static void prepare(void *work)
     w->field.form->prepare(&w->field);
     const int numbers = w->field.nodes.unknowns * w->field.nodes.lanes;
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
-    tvi_galerkin_linear_prediction_prepare(&w->prediction, &w->coefficients, &w->field);
     w->motion.per_weight = w->coefficients.inverse_b;
     w->field.springs = &w->springs.of_passes;
     tvi_galerkin_springs_ready(&w->springs, &w->coefficients, &w->field);

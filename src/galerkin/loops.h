@@ -15,7 +15,7 @@
 enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
 /* The steps whose impulses are kept: the last two, and the one that is made, and at most so many where the next ones
  * are fitted to those before; and where steps of few unknowns leave how the next one begins, behind these. */
-enum { GALERKIN_TURNS = 3, GALERKIN_MOST_TURNS = 24, GALERKIN_FEW = 8 };
+enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
 /* Of so few unknowns at eight nodes each operation waits for the one before it (few.h). */
 enum { GALERKIN_FEWEST = 4 };
 /* Of so many unknowns at most springs have modes (springs.h); in generated code half as many of a few. */

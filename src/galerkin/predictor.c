@@ -5,17 +5,15 @@
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const galerkin_field *field, int turns)
+void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const galerkin_field *field)
 {
     const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     w->last = tvi_arena_history(arena, sizeof *w->last);
     const size_t kept = (unknowns <= GALERKIN_FEWEST ? 3 : unknowns <= GALERKIN_FEW ? 2 : 1) * count * width;
-    w->turns = turns;
-    w->numbers = unknowns * lanes;
-    for (int i = 0; i < turns; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
-    for (int fit = 0; fit < GALERKIN_FITS; fit++)
-        w->extrapolation[fit] = w->polynomial[fit] = tvi_arena_doubles(arena, tvi_galerkin_table_size(lanes));
+    w->rough = unknowns * lanes * (1e-2 * 1e-2);
+    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
+    for (int fit = 0; fit < GALERKIN_FITS; fit++) w->extrapolation[fit] = tvi_arena_doubles(arena, 4 * width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
@@ -24,7 +22,9 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const 
 
 /* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
-void tvi_galerkin_set_basis(const galerkin_coefficients *a, int fitted, int degree, long double basis[][3 * MAX_LANES])
+/* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last
+ * step, of the one before it, and of the next one. */
+static void set_basis(const galerkin_coefficients *a, int fitted, int degree, long double basis[][3 * MAX_LANES])
 {
     const int m = a->points;
     for (int k = 0; k <= degree; k++) {
@@ -43,7 +43,9 @@ void tvi_galerkin_set_basis(const galerkin_coefficients *a, int fitted, int degr
     }
 }
 
-void tvi_galerkin_set_following(const galerkin_coefficients *a, const galerkin_field *field, double *table)
+/* A table is [2][j][i], the unknowns by the impulses of the steps before, and behind it the same for a step that begins
+ * where the last one did: the impulses of that have added to where the next one would be without its own. */
+static void set_following(const galerkin_coefficients *a, const galerkin_field *field, double *table)
 {
     const int lanes = a->lanes, square = lanes * lanes;
     double *following = table + 2 * square;
@@ -53,11 +55,13 @@ void tvi_galerkin_set_following(const galerkin_coefficients *a, const galerkin_f
             following[j * lanes + i] += galerkin_is_second_order(field) ? 1 - a->c[j] + a->c[i] : 1;
 }
 
-void tvi_galerkin_set_ahead(const galerkin_coefficients *a, int steps, int degree, long double ahead[][MAX_LANES])
+/* ahead [point][next], of 2 m points and m: the drives of the next step by those of `steps` steps, as polynomials of
+ * least squares have it, sum_k pi_k(1 + c_next) pi_k(s_point). */
+static void set_ahead(const galerkin_coefficients *a, int steps, int degree, long double ahead[][MAX_LANES])
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
     const int m = a->points;
-    tvi_galerkin_set_basis(a, steps * m, degree, basis);
+    set_basis(a, steps * m, degree, basis);
     for (int point = 0; point < steps * m; point++)
         for (int next = 0; next < m; next++) {
             ahead[point][next] = 0;
@@ -70,23 +74,23 @@ static void set_polynomial(const galerkin_coefficients *a, const galerkin_field 
 {
     long double ahead[2 * MAX_LANES][MAX_LANES];
     const int m = a->points, lanes = a->lanes;
-    tvi_galerkin_set_ahead(a, steps, degree, ahead);
+    set_ahead(a, steps, degree, ahead);
     for (int point = 0; point < steps * m; point++)
         for (int next = 0; next < m; next++) {
             double *column = table + (point / m * lanes + point % m) * lanes;
             const double part = (double)(ahead[point][next] * a->exact_weight[next] / a->exact_weight[point % m]);
             for (int i = 0; i < lanes; i++) column[i] += part * field->ahead[next * lanes + i];
         }
-    tvi_galerkin_set_following(a, field, table);
+    set_following(a, field, table);
 }
 
 /* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
  * falls. */
 void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
 {
-    set_polynomial(a, field, 2, tvi_galerkin_degree(a->points), w->polynomial[GALERKIN_FROM_TWO]);
-    set_polynomial(a, field, 1, a->points - 1, w->polynomial[GALERKIN_FROM_LAST]);
-    tvi_galerkin_predict_by(w, NULL);
+    const int degree = a->points > 1 ? 3 * a->points / 2 : 1;
+    set_polynomial(a, field, 2, degree, w->extrapolation[GALERKIN_FROM_TWO]);
+    set_polynomial(a, field, 1, a->points - 1, w->extrapolation[GALERKIN_FROM_LAST]);
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
 }
 

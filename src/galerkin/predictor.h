@@ -18,47 +18,19 @@ typedef struct {
 
 typedef struct {
     galerkin_history *last;
-    int turns;
-    double *impulses[GALERKIN_MOST_TURNS]; /* in the history, filled in turns: [unknowns][lanes] of a step, and
-                                              once or twice as many where it leads */
-    /* Of each fit, where the steps before have the size of this one: by polynomials, and what is in use
-     * (linear_prediction.h). */
-    double *polynomial[GALERKIN_FITS];
-    const double *extrapolation[GALERKIN_FITS];
-    int numbers;        /* of a movement, */
-    double rough;       /* and the size of a first one, of numbers together */
+    double *impulses[GALERKIN_TURNS];     /* in the history, filled in turns: [unknowns][lanes] of a step, and
+                                         once or twice as many where it leads */
+    double *extrapolation[GALERKIN_FITS]; /* of each fit, where the steps before have the size of this one */
+    double rough;       /* the size of a first movement, of all unknowns together: where predictions are off by a
+                           hundredth of them, what the last step has is nearer */
     double *from_one;   /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
     double ratio, part; /* ratio 0: none yet */
     double *led;        /* [unknowns][lanes] what it leads to */
     double *none, *one; /* [unknowns + lanes] 0 and 1 */
 } galerkin_predictor;
 
-/* turns: of the steps that are kept. */
-void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const galerkin_field *field, int turns);
+void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const galerkin_field *field);
 void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field);
-/* A table is [2][j][i], the unknowns by the impulses of the steps before, and behind it the same for a step that begins
- * where the last one did: the impulses of that have added to where the next one would be without its own. */
-static inline size_t tvi_galerkin_table_size(int lanes) { return 4 * (size_t)lanes * (size_t)lanes; }
-void tvi_galerkin_set_following(const galerkin_coefficients *a, const galerkin_field *field, double *table);
-/* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last
- * step, of the one before it, and of the next one. */
-void tvi_galerkin_set_basis(const galerkin_coefficients *a, int fitted, int degree,
-                            long double basis[][3 * TVI_GALERKIN_MAX_LANES]);
-/* ahead [point][next], of 2 m points and m: the drives of the next step by those of `steps` steps, as polynomials of
- * least squares have it, sum_k pi_k(1 + c_next) pi_k(s_point). */
-void tvi_galerkin_set_ahead(const galerkin_coefficients *a, int steps, int degree,
-                            long double ahead[][TVI_GALERKIN_MAX_LANES]);
-/* The degree from two steps. */
-static inline int tvi_galerkin_degree(int points) { return points > 1 ? 3 * points / 2 : 1; }
-
-/* From two steps by this table, or, NULL, by polynomials. Where these are off by a hundredth of the unknowns, what the
- * last step has is nearer. */
-static inline void tvi_galerkin_predict_by(galerkin_predictor *w, const double *table)
-{
-    w->extrapolation[GALERKIN_FROM_TWO] = table ? table : w->polynomial[GALERKIN_FROM_TWO];
-    w->rough = table ? INFINITY : w->numbers * (1e-2 * 1e-2);
-}
-
 /* Whether a step of size h from t begins where the last one ended. */
 static inline bool galerkin_is_next(const galerkin_history *last, double h, double t)
 {
@@ -77,13 +49,13 @@ void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients
 static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int after_last)
 {
     const int turn = w->last->turn + after_last;
-    return w->impulses[turn < 0 ? turn + w->turns : turn < w->turns ? turn : turn - w->turns];
+    return w->impulses[(turn + GALERKIN_TURNS) % GALERKIN_TURNS];
 }
 /* What the step of size h from t leaves to the next ones beside its impulses: that, and how its passes went. */
 static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, galerkin_pace pace)
 {
     const int next = w->last->turn + 1;
-    *w->last = (galerkin_history){h, w->last->h, t, pace, w->last->steps + 1, next < w->turns ? next : 0, 0};
+    *w->last = (galerkin_history){h, w->last->h, t, pace, w->last->steps + 1, next % GALERKIN_TURNS, 0};
 }
 
 #endif

@@ -14,7 +14,6 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     galerkin_predictor *before = &w->predictor;
     galerkin_history *last = before->last;
     to->impulses = before->impulses;
-    to->turns = before->turns;
     to->turn = last->turn;
     to->last = (galerkin_trial){.pace = galerkin_pace_before(w)};
     to->leads = last->leads && to->known > 0;
@@ -27,7 +26,7 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
         to->factors = to->tried.factors;
         return 0;
     }
-    last->turn = (int)((last->turn + made - 1) % before->turns);
+    last->turn = (int)((last->turn + made - 1) % GALERKIN_TURNS);
     if (made > 1) last->h = row->h;
     tvi_galerkin_remember(before, row->h, to->t, to->last.pace);
     last->steps = to->steps;

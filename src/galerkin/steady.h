@@ -18,7 +18,7 @@ typedef struct galerkin_frame {
     const galerkin_weights *weights;
     const tvi_passes_rule *rule;
     const double *matrix, *c;
-    const double *const *extrapolation; /* [GALERKIN_FITS] the tables of predictor.h */
+    double *const *extrapolation; /* [GALERKIN_FITS] the tables of predictor.h */
     const double *rough;
     double *drift, *drift_low, *share, *ratio;
     const double *h;
@@ -37,8 +37,8 @@ typedef struct {
 
 /* What steps made, but for what they added to the state. */
 typedef struct galerkin_outcome {
-    double *const *impulses; /* in so many turns, of the last step here, and of the next one behind it */
-    int turns, turn;
+    double *const *impulses; /* [GALERKIN_TURNS] of the last step here, and of the next one behind it */
+    int turn;
     int known;                  /* of this size were the last one, 1, and the one before it, 2; or none, 0, and
                                          the first one's unknowns are those of the frame's nodes; else: */
     bool leads;                 /* behind those of the last one is what the next one begins with */

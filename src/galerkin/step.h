@@ -2,7 +2,6 @@
 #ifndef TVI_SRC_GALERKIN_STEP_H
 #define TVI_SRC_GALERKIN_STEP_H
 
-#include "galerkin/linear_prediction.h"
 #include "galerkin/passes.h"
 #include "galerkin/predictor.h"
 #include "galerkin/springs.h"
@@ -14,7 +13,6 @@ typedef struct {
     galerkin_field field;
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
-    galerkin_linear_prediction prediction;
     galerkin_probe probe;
     galerkin_springs_work springs;
     tvi_passes_rule rule;
@@ -48,49 +46,27 @@ long tvi_galerkin_springs_until(const galerkin *w, long steps);
 bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
 void tvi_galerkin_springs_forget(galerkin *w);
 
-/* Likewise: what the next one is predicted by. */
-static inline void tvi_galerkin_prediction_begin(galerkin *w, const tvi_origin *origin)
-{
-    const galerkin_fitting *last = w->prediction.last;
-    const double h = w->field.h;
-    if (!last) return;
-    if (last->h != h || !galerkin_is_next(w->predictor.last, h, origin->t))
-        tvi_galerkin_linear_prediction_start(&w->prediction, h);
-    else if (last->steps >= last->next)
-        tvi_galerkin_linear_prediction_look(&w->prediction, &w->predictor, &w->coefficients, &w->field);
-    tvi_galerkin_predict_by(&w->predictor, last->fitted == h ? w->prediction.tables[last->turn] : NULL);
-}
-
 /* Before a step of the field's size, or a row of them. */
 static inline void tvi_galerkin_prepare_steps(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
 {
     tvi_galerkin_springs_begin(w, origin, stats);
-    tvi_galerkin_prediction_begin(w, origin);
 }
 /* So many steps, or those until the next look. */
 static inline long tvi_galerkin_steps_until(const galerkin *w, long steps)
 {
-    const galerkin_fitting *last = w->prediction.last;
-    const long until = tvi_galerkin_springs_until(w, steps);
-    return last && last->next - last->steps < (double)until ? (long)(last->next - last->steps) : until;
+    return tvi_galerkin_springs_until(w, steps);
 }
 /* After steps of so many passes in all. */
 static inline void tvi_galerkin_count_steps(galerkin *w, long steps, long passes)
 {
     galerkin_springs_history *springs = w->springs.last;
-    galerkin_fitting *fitting = w->prediction.last;
-    if (fitting) fitting->steps += (double)steps, fitting->passes += (double)passes;
     if (!springs) return;
     springs->steps += (double)steps;
     springs->used += (double)steps;
     springs->passes += (double)passes;
 }
 /* As before a first step. */
-static inline void tvi_galerkin_forget_steps(galerkin *w)
-{
-    tvi_galerkin_springs_forget(w);
-    if (w->prediction.last) *w->prediction.last = (galerkin_fitting){0};
-}
+static inline void tvi_galerkin_forget_steps(galerkin *w) { tvi_galerkin_springs_forget(w); }
 
 /* Whether generated code makes the steps: that of the fewest unknowns has no modes. */
 static inline bool tvi_galerkin_is_steady(const galerkin *w)

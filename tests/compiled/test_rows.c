@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { STEPS = 250 }; /* predictions of some are fitted after 64 or 192 */
+enum { STEPS = 250 };
 
 /* Masses between quartic springs, too many for registers, and two pairs of them on springs of frequency 50. */
 enum { LONG = 12 };

@@ -26,6 +26,5 @@ void add_galerkin_passes(Suite *suite); /* a case of it */
 Suite *suite_galerkin_lagrangian(void);
 Suite *suite_galerkin_quad(void); /* likewise */
 Suite *suite_springs(void);
-Suite *suite_linear_prediction(void);
 
 #endif

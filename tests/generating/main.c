@@ -22,7 +22,6 @@ static Suite *(*const suites[])(void) = {
     suite_galerkin_lagrangian,
     suite_galerkin_quad,
     suite_springs,
-    suite_linear_prediction,
 };
 
 int main(void)

@@ -66,7 +66,6 @@ static run_of_springs begin(int n, const double mass[], tvi_potential_fn *V, dou
     r.work = r.it->work;
     if (use == NEVER) r.work->springs.last = NULL;
     r.work->springs.is_wanted = use == IF_THEY_SAVE;
-    r.work->prediction.last = NULL;
     return r;
 }
 
