@@ -14,7 +14,7 @@
 
 /* Half the distance of the points that give the slopes of the curve and of g. */
 static const double CHORD = 1e-5;
-enum { MOST_LINES = 12, MOST_RETURNS = 200 };
+enum { MOST_LINES = 5, MOST_RETURNS = 200, MOST_WIDER = TVI_SAMPLES };
 /* A guess is good where the slope leads no further, in parts of the step and of the distance from its ends. */
 static const double LEAST_WAY = 1e-6, NEAR = 1e-3;
 /* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
@@ -154,9 +154,10 @@ static tvi_status root_on_line(tvi_finder *s, const tvi_root *r, double g, doubl
     const double second = *way - next / slope;
     if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *way = second;
     if (status == TVI_OK) status = enclose(s, r, *way, &z);
-    const bool is_sure = z.b - z.a <= 2 * SURE, is_enclosed = !tvi_is_behind(r, z.ga) && tvi_is_behind(r, z.gb);
-    if (status != TVI_OK || (is_sure && is_enclosed)) return status;
-    if (is_enclosed) status = tvi_narrow(&z, DBL_EPSILON / 4, value_on_line, &(on_line){s, r->which});
+    const bool is_sure = z.b - z.a <= 2 * SURE;
+    s->is_enclosed = status == TVI_OK && !tvi_is_behind(r, z.ga) && tvi_is_behind(r, z.gb);
+    if (status != TVI_OK || (is_sure && s->is_enclosed)) return status;
+    if (s->is_enclosed) status = tvi_narrow(&z, DBL_EPSILON / 4, value_on_line, &(on_line){s, r->which});
     *way = tvi_is_behind(r, z.ga) ? z.a : z.b;
     return status;
 }
@@ -182,6 +183,40 @@ static tvi_status set_base(tvi_finder *s, double theta)
     return TVI_OK;
 }
 
+static tvi_status value_of_step(void *ctx, double theta, double *g)
+{
+    const on_line *at = ctx;
+    tvi_finder *s = at->s;
+    const tvi_status status = set_base(s, theta);
+    return status == TVI_OK ? tvi_search_value(s->search, at->which, s->base, g) : status;
+}
+
+/* The root where no line has it, or lines lead to it slowly: by steps of a part of h between the places where the curve
+ * has it, or beside them. */
+static tvi_status find_by_steps(tvi_finder *s, tvi_root *r, double x[])
+{
+    on_line at = {s, r->which};
+    tvi_bracket z = {r->a, 0, r->b, 0};
+    tvi_status status = value_of_step(&at, z.a, &z.ga);
+    if (status == TVI_OK) status = value_of_step(&at, z.b, &z.gb);
+    for (int k = 0; k < MOST_WIDER && status == TVI_OK && tvi_is_behind(r, z.ga) && z.a > 0; k++) {
+        z.b = z.a, z.gb = z.ga;
+        z.a = fmax(z.a - tvi_sample_place[0], 0);
+        status = value_of_step(&at, z.a, &z.ga);
+    }
+    for (int k = 0; k < MOST_WIDER && status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1; k++) {
+        z.a = z.b, z.ga = z.gb;
+        z.b = fmin(z.b + tvi_sample_place[0], 1);
+        status = value_of_step(&at, z.b, &z.gb);
+    }
+    if (status != TVI_OK) return status;
+    r->is_none = tvi_is_behind(r, z.ga) || !tvi_is_behind(r, z.gb);
+    if (r->is_none) return TVI_OK;
+    status = tvi_narrow(&z, DBL_EPSILON / 4, value_of_step, &at);
+    if (status == TVI_OK) status = set_base(s, z.b);
+    return status == TVI_OK ? settle(s, r, 0, x) : status;
+}
+
 /* The root on the curve, and then on lines, each from where the one before it has its root, until that is near. */
 static tvi_status polish(tvi_finder *s, tvi_root *r, double x[])
 {
@@ -192,13 +227,14 @@ static tvi_status polish(tvi_finder *s, tvi_root *r, double x[])
     else if (status == TVI_OK) status = tvi_search_zero(s->search, r, &theta);
     for (int k = 0; k < MOST_LINES && status == TVI_OK; k++) {
         status = set_slopes(s, r->which, theta, &slope, &ahead);
-        if (status == TVI_OK) status = set_base(s, theta);
-        if (status == TVI_OK) status = tvi_search_value(s->search, r->which, s->base, &g);
+        if (status == TVI_OK) status = value_of_step(&(on_line){s, r->which}, theta, &g);
         if (status == TVI_OK) status = root_on_line(s, r, g, slope, &way);
-        if (fabs(way) <= fmax(s->reach, DBL_EPSILON)) break;
+        if (status != TVI_OK) return status;
+        if (!s->is_enclosed) break;
+        if (fabs(way) <= fmax(s->reach, DBL_EPSILON)) return settle(s, r, way, x);
         theta = fmin(fmax(theta + way, 0), 1);
     }
-    return status == TVI_OK ? settle(s, r, way, x) : status;
+    return status == TVI_OK ? find_by_steps(s, r, x) : status;
 }
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
@@ -236,7 +272,7 @@ static tvi_status polish_by_rates(tvi_finder *s, tvi_root *r, double x[], bool *
     }
     if (status == TVI_OK) status = root_on_line(s, r, g, slope, &found);
     if (status == TVI_OK) status = settle(s, r, found, x);
-    *is_done = status == TVI_OK && fabs(found - way) <= REACH && tvi_all_finite(s->size, x);
+    *is_done = status == TVI_OK && s->is_enclosed && fabs(found - way) <= REACH && tvi_all_finite(s->size, x);
     return status;
 }
 
@@ -259,6 +295,13 @@ static tvi_status find_return(tvi_finder *s, tvi_root *r, double x[])
     tvi_status status = tvi_start_rise(s->search, r->which, a, &rise, &known);
     slope_a = rise / a;
     if (status == TVI_OK) status = tvi_start_rise(s->search, r->which, b, &rise, &known);
+    while (status == TVI_OK && !tvi_is_behind(r, rise) && b < 1) { /* the curve returns sooner */
+        b = fmin(b + tvi_sample_place[0], 1);
+        status = tvi_start_rise(s->search, r->which, b, &rise, &known);
+    }
+    if (status != TVI_OK) return status;
+    r->is_none = !tvi_is_behind(r, rise);
+    if (r->is_none) return TVI_OK;
     slope_b = rise / b;
     theta = b;
     for (int k = 0; k < MOST_RETURNS && status == TVI_OK && b - a > DBL_EPSILON / 2 * b && slope_b != 0; k++) {

@@ -17,8 +17,8 @@ typedef struct {
 typedef struct tvi_tangent tvi_tangent;
 
 /* Where a run was stopped by events, and the functions that were told there: as long as t and q are these, whatever p
- * was made, the run that goes on has left them. What is told there beyond so many is judged by its roundoff. */
-enum { TVI_STOP_TOLD = 16 };
+ * was made, the run that goes on has left them. Beyond so many all others are judged by their roundoff. */
+enum { TVI_STOP_TOLD = 32 };
 typedef struct {
     int64_t is_set, count;
     uint64_t told[TVI_STOP_TOLD]; /* [count] tvi_event.hash */

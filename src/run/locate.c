@@ -11,6 +11,10 @@
 
 /* Times that differ by so many units of their resolution are one. */
 static const double SAME_TIME = 2 * DBL_EPSILON;
+/* A stop so much later is one with the stop before; and so far from it, in parts of the step, roundoff of g counts. */
+static const double SOON = 32 * DBL_EPSILON, NEAR_STOP = 1e-6;
+/* Roots of one event, of one direction, that are closer than this are one. */
+static const double SAME_ROOT = 1e-12;
 /* The states of so many events of a step are kept until they are told; those of more are found again. */
 enum { KEPT = 32 };
 
@@ -22,30 +26,56 @@ typedef struct tvi_locator {
     long parameter_sets; /* of the integrator, when the parameters here were its own */
     int size;            /* of a state */
     double *kept;        /* [KEPT + 1] */
+    double *sizes;       /* scratch, a state */
 } locator;
-
-/* In the order of time, and of the events where that is equal. */
-static void sort_roots(locator *s)
-{
-    for (int i = 1; i < s->seen.found; i++)
-        for (int j = i; j > 0 && s->seen.roots[j].theta < s->seen.roots[j - 1].theta; j--) {
-            const tvi_root later = s->seen.roots[j - 1];
-            s->seen.roots[j - 1] = s->seen.roots[j];
-            s->seen.roots[j] = later;
-        }
-}
 
 static double *kept_state(locator *s, int kept)
 {
     return s->kept + (size_t)(kept < KEPT ? kept : KEPT) * (size_t)s->size;
 }
 
-/* Finds the events of the last step, in order. */
+/* In the order of time, and of the events where that is equal; where a state was not kept, of the places. */
+static bool is_before(locator *s, const tvi_root *a, const tvi_root *b)
+{
+    const int t = s->size - 1;
+    const bool are_kept = a->number < KEPT && b->number < KEPT, are_near = fabs(a->theta - b->theta) <= NEAR_STOP;
+    if (!are_kept || !are_near) return a->theta < b->theta;
+    const double way = (kept_state(s, a->number)[t] - kept_state(s, b->number)[t]) * s->seen.it->covered;
+    return way < 0 || (way == 0 && a->which < b->which);
+}
+
+static void sort_roots(locator *s)
+{
+    for (int i = 1; i < s->seen.found; i++)
+        for (int j = i; j > 0 && is_before(s, &s->seen.roots[j], &s->seen.roots[j - 1]); j--) {
+            const tvi_root later = s->seen.roots[j - 1];
+            s->seen.roots[j - 1] = s->seen.roots[j];
+            s->seen.roots[j] = later;
+        }
+}
+
+/* Whether the root was found before, from another place of the curve. */
+static bool is_known(const locator *s, int count, const tvi_root *root)
+{
+    for (int i = 0; i < count; i++) {
+        const tvi_root *r = &s->seen.roots[i];
+        if (r->which == root->which && r->after == root->after && fabs(r->theta - root->theta) <= SAME_ROOT)
+            return true;
+    }
+    return false;
+}
+
+/* Finds the events of the last step, in order: the roots that the method's own solution has. */
 static tvi_status locate_events(locator *s)
 {
     tvi_status status = tvi_search_step(&s->seen);
-    for (int i = 0; i < s->seen.found && status == TVI_OK; i++)
-        status = tvi_finder_find(&s->finder, &s->seen.roots[i], kept_state(s, s->seen.roots[i].number));
+    int count = 0;
+    for (int i = 0; i < s->seen.found && status == TVI_OK; i++) {
+        tvi_root *r = &s->seen.roots[i];
+        status = tvi_finder_find(&s->finder, r, kept_state(s, r->number));
+        if (!r->is_none && !is_known(s, count, r)) s->seen.roots[count++] = *r;
+    }
+    s->seen.found = count;
     sort_roots(s);
     return status;
 }
@@ -63,61 +93,73 @@ static bool tell(locator *s, const tvi_root *r, const double x[], const telling 
     return tvi_tell_event(s->seen.it, to->on_event, r->which, x[2 * n], x, x + n, to->ctx) != 0;
 }
 
-/* Whether the root lies before the stop x at theta, or at it: by what g is there, where nothing else is between. */
-static tvi_status has_come(locator *s, const tvi_root *r, double theta, const double x[], bool *has)
+/* Whether the root is at the stop x, at theta: at its time; or so near that g says that it has not come there, or has,
+ * where the order of the places says else. */
+static tvi_status is_at_stop(locator *s, const tvi_root *r, double theta, const double x[], bool *is_here)
 {
+    const double t = x[s->size - 1], covered = s->seen.it->covered;
+    const double own = r->number < KEPT ? kept_state(s, r->number)[s->size - 1] : t + (r->theta - theta) * covered;
     double g = 0;
-    *has = theta >= r->b;
-    if (theta <= r->a || theta >= r->b) return TVI_OK;
+    *is_here = fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
+    if (*is_here || fabs(r->theta - theta) > NEAR_STOP) return TVI_OK;
     const tvi_status status = tvi_search_value(&s->seen, r->which, x, &g);
-    *has = tvi_is_behind(r, g);
+    *is_here = tvi_is_behind(r, g) == (r->theta > theta);
     return status;
 }
 
-static bool is_at(locator *s, const tvi_root *r, const double x[])
+/* A crossing the other way than is wanted, at the stop x: no root was looked for, but g is within its roundoff of 0. */
+static tvi_status crosses_back(locator *s, int which, const double x[], bool *is_here)
 {
-    const double t = x[s->size - 1], own = r->number < KEPT ? kept_state(s, r->number)[s->size - 1] : t;
-    return fabs(own - t) <= SAME_TIME * fmax(fabs(own), fabs(t));
+    const tvi_watch *w = &s->seen.of[which];
+    double g = 0, roundoff = 0;
+    tvi_status status = tvi_search_value(&s->seen, which, x, &g);
+    for (int i = 0; i < s->size; i++) s->sizes[i] = fabs(x[i]);
+    if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->near, x, s->sizes, &roundoff);
+    *is_here = fabs(g) <= roundoff;
+    return status;
 }
 
 /* An event at the stop x, which is that of the root `last`: *is_here, as itself, or its root before that, or its next
  * one, which then is told now. */
 static tvi_status look_at_stop(locator *s, int which, int last, const double x[], const telling *to, bool *is_here)
 {
-    tvi_root *told = NULL, *next = NULL;
-    bool has = true, comes = false;
-    tvi_status status = TVI_OK;
-    *is_here = s->seen.roots[last].which == which;
-    if (*is_here) return TVI_OK;
-    for (int i = 0; i < s->seen.found; i++) {
-        tvi_root *r = &s->seen.roots[i];
-        if (r->which != which) continue;
-        if (i < last) told = r;
-        else if (!next) next = r;
-    }
+    const tvi_root *told = NULL, *next = NULL;
     const double theta = s->seen.roots[last].theta;
-    if (next) status = has_come(s, next, theta, x, &comes);
-    if (status == TVI_OK && told) status = has_come(s, told, theta, x, &has);
-    comes = comes || (next && is_at(s, next, x));
-    *is_here = comes || !has || (told && is_at(s, told, x));
+    bool was_here = s->seen.roots[last].which == which, comes = false;
+    tvi_status status = TVI_OK;
+    for (int i = 0; i < s->seen.found; i++) {
+        const tvi_root *r = &s->seen.roots[i];
+        if (r->which == which && i < last) told = r;
+        else if (r->which == which && i > last && !next) next = r;
+    }
+    if (next) status = is_at_stop(s, next, theta, x, &comes);
+    if (status == TVI_OK && told && !was_here) status = is_at_stop(s, told, theta, x, &was_here);
+    const bool is_other = s->seen.of[which].event->direction != TVI_EITHER && theta < 1 - NEAR_STOP;
+    const bool is_ahead = next && next->theta - theta <= tvi_sample_place[0]; /* or here: roundoff of g decides */
+    if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead) status = crosses_back(s, which, x, &was_here);
     if (status == TVI_OK && comes) (void)tell(s, next, x, to);
+    *is_here = was_here || comes;
     return status;
 }
 
 /* The run ends at the event with the state x: the others of its time are told, too, and all of them are kept, so that
- * the run that goes on has left them. */
+ * the run that goes on has left them; and those of the stop before, if that was hardly sooner. */
 static tvi_status stop_at(locator *s, int last, const double x[], const telling *to)
 {
     tvi_integrator *it = s->seen.it;
     tvi_stop *stop = it->stop;
-    *stop = (tvi_stop){.is_set = true};
-    memcpy(stop->state, x, (size_t)s->size * sizeof *x);
+    const double t = x[s->size - 1], before = stop->state[s->size - 1];
+    const bool is_soon = stop->is_set && fabs(t - before) <= SOON * fmax(fabs(t), fabs(before));
+    if (!is_soon) stop->count = 0;
     for (int which = 0; which < s->seen.count; which++) {
         bool is_here;
         const tvi_status status = look_at_stop(s, which, last, x, to, &is_here);
         if (status != TVI_OK) return status;
-        if (is_here && stop->count < TVI_STOP_TOLD) stop->told[stop->count++] = s->seen.of[which].event->hash;
+        const tvi_event *event = s->seen.of[which].event;
+        if (is_here && stop->count < TVI_STOP_TOLD && !tvi_start_is_among(stop, event))
+            stop->told[stop->count++] = event->hash;
     }
+    memcpy(stop->state, x, (size_t)s->size * sizeof *x);
     stop->is_set = it->parameter_sets == s->parameter_sets; /* else they are other events now */
     tvi_integrator_reset(it);
     return TVI_ESTOPPED;
@@ -181,8 +223,10 @@ static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *
     if (status == TVI_OK) status = tvi_search_open(&s->seen, &s->between, events, count, t, state);
     if (status == TVI_OK) status = tvi_finder_open(&s->finder, &s->seen);
     if (status != TVI_OK) return status;
-    s->kept = calloc((size_t)size * (KEPT + 1), sizeof *s->kept);
-    return s->kept ? TVI_OK : TVI_ENOMEM;
+    s->kept = calloc((size_t)size * (KEPT + 2), sizeof *s->kept);
+    if (!s->kept) return TVI_ENOMEM;
+    s->sizes = s->kept + size * (KEPT + 1);
+    return TVI_OK;
 }
 
 tvi_status tvi_locator_open(locator **out, tvi_integrator *it, const tvi_event *const events[], int count, double t,

@@ -292,7 +292,7 @@ static tvi_status sample_events(tvi_search *s)
         tvi_watch *w = &s->of[which];
         memcpy(w->g + 1, s->samples + (size_t)s->tape->output[which] * TVI_SAMPLES, TVI_SAMPLES * sizeof *w->g);
         w->leaves = false;
-        if (w->g[0] == 0) status = of_event(which, tvi_start_leave(s, which));
+        if (w->g[0] == 0) status = tvi_start_leave(s, which);
         w->was_told = false;
     }
     s->from = TVI_FROM_ANY; /* where an observer changes something */

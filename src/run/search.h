@@ -14,6 +14,7 @@ typedef struct {
     double a, ga, b, gb; /* and at b, or 0; another one at a */
     double guess;        /* and perhaps a zero here; or a NAN */
     bool is_return;      /* a is where g has left 0 in the direction that ga has (start.h) */
+    bool is_none;        /* the method's own solution does not have it (finder.h) */
     double theta;        /* of the caller */
 } tvi_root;
 
@@ -36,6 +37,7 @@ typedef struct {
     int count;
     tvi_watch *of;         /* [count] */
     tvi_search_from from;  /* the integrator's own, that of its last stop but for p, or another one */
+    bool has_turned;       /* from a stop, with another p */
     bool rests;            /* g comes back before the time moves */
     long step;             /* of the integrator, the last one searched; 0: none */
     jet_tape *tape;        /* of all events, */

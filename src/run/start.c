@@ -17,9 +17,10 @@
 static const double UNITS = 64;
 /* The roundoff of a state that steps computed, in units of that of its size: it is a sum, and so is the curve. */
 static const double OF_STEPS = 4;
-/* The first place of a step that is looked at, the least one where an event may come back, and what separates the
+/* The first place of a step that is looked at, where a time that moves so little is right, or of a rescaled step; the
+ * least one where an event may come back, and what separates the
  * following ones, in parts of the step. */
-static const double FIRST = 0x1p-60, LEAST = 0x1p-52, FARTHER = 16;
+static const double FIRST = 0x1p-200, FIRST_IN_S = 0x1p-60, LEAST = 0x1p-52, FARTHER = 16;
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
@@ -43,8 +44,7 @@ static void copy_start(const tvi_search *s, double x[])
     x[2 * n] = it->start.q[n];
 }
 
-/* Whether the event was told at the stop. */
-static bool is_among(const tvi_stop *stop, const tvi_event *event)
+bool tvi_start_is_among(const tvi_stop *stop, const tvi_event *event)
 {
     for (int64_t i = 0; i < stop->count; i++)
         if (stop->told[i] == event->hash) return true;
@@ -66,10 +66,10 @@ static tvi_status judge(tvi_search *s, int which, const double x[])
     tvi_watch *w = &s->of[which];
     double before = 0, here = 0, roundoff;
     tvi_status status;
-    w->was_told = s->from == TVI_FROM_STOP && is_among(s->it->stop, w->event);
+    w->was_told = s->from == TVI_FROM_STOP && tvi_start_is_among(s->it->stop, w->event);
     if (w->was_told) w->g[0] = 0;
     if (w->g[0] == 0 || s->from == TVI_FROM_OWN) return TVI_OK;
-    if (s->from == TVI_FROM_STOP) { /* and the new p changes nothing for it */
+    if (s->from == TVI_FROM_STOP && s->it->stop->count < TVI_STOP_TOLD) { /* and the new p changes nothing for it */
         status = value_at_stop(s, which, x, &before);
         if (status == TVI_OK) status = tvi_search_value(s, which, x, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
@@ -86,6 +86,7 @@ tvi_status tvi_start_search(tvi_search *s)
     const double *g = s->samples;
     double *x = s->state;
     copy_start(s, x);
+    s->has_turned = s->from == TVI_FROM_STOP && !has_bits(inputs / 2, x + inputs / 2, s->it->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) s->samples[i * TVI_SAMPLES + k] = x[i];
     const bool inside = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES);
@@ -107,8 +108,17 @@ static tvi_status movement(tvi_search *s, double theta, double d[])
 {
     const int n = s->it->system->n;
     const tvi_increments *by = &s->between->partial->by;
-    const tvi_status status = tvi_between_state(s->between, theta * s->it->h);
+    const tvi_run_state *start = &s->it->start, *now = &s->it->now;
+    const tvi_status status = tvi_between_state(s->between, theta == 1 ? s->it->h : theta * s->it->h);
     if (status != TVI_OK) return status;
+    if (theta == 1) { /* the step itself */
+        for (int i = 0; i < n; i++) {
+            d[i] = now->q[i] - start->q[i];
+            d[n + i] = now->p[i] - start->p[i];
+        }
+        d[2 * n] = now->q[n] - start->q[n];
+        return TVI_OK;
+    }
     for (int i = 0; i < n; i++) {
         d[i] = by->dq[i] + by->dq_low[i];
         d[n + i] = by->dp[i] + by->dp_low[i];
@@ -151,11 +161,11 @@ static tvi_status sign_at(tvi_search *s, int which, double theta, int *sign)
 }
 
 /* Where the time has moved by what it resolves; search->move: the movement at the first place. */
-static double first_resolved(const tvi_search *s)
+static double first_resolved(const tvi_search *s, double first)
 {
     const int n = s->it->system->n;
     const double resolution = DBL_EPSILON * fmax(fabs(s->it->start.q[n]), fabs(s->it->now.q[n]));
-    const double theta = resolution * FIRST / fabs(s->move[2 * n]);
+    const double theta = resolution * first / fabs(s->move[2 * n]);
     return theta > LEAST && theta < tvi_sample_place[0] ? theta : LEAST;
 }
 
@@ -163,12 +173,13 @@ tvi_status tvi_start_leave(tvi_search *s, int which)
 {
     tvi_watch *w = &s->of[which];
     int first, sign;
-    tvi_status status = sign_at(s, which, FIRST, &first);
+    const double at_first = tvi_is_rescaled(s->it) ? FIRST_IN_S : FIRST;
+    tvi_status status = sign_at(s, which, at_first, &first);
     if (status != TVI_OK) return status;
-    double theta = first_resolved(s);
+    double theta = first_resolved(s, at_first);
     status = sign_at(s, which, theta, &sign);
     const bool is_wanted = w->event->direction == TVI_EITHER || (int)w->event->direction == sign;
-    s->rests = status == TVI_OK && w->was_told && is_wanted && first * sign < 0;
+    s->rests = status == TVI_OK && w->was_told && s->has_turned && is_wanted && first * sign < 0;
     if (s->rests)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           which);

@@ -7,6 +7,9 @@
 /* Which state the run begins with, before its first step changes the integrator's. */
 tvi_search_from tvi_start_of(const tvi_integrator *integrator, double t, const double q[], const double p[]);
 
+/* Whether the event was told at the stop. */
+bool tvi_start_is_among(const tvi_stop *stop, const tvi_event *event);
+
 /* g[0] of all events at the start of the last step, which no step before it has told: 0 where it is on the event. */
 TVI_NODISCARD tvi_status tvi_start_search(tvi_search *search);
 

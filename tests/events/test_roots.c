@@ -199,6 +199,43 @@ START_TEST(states_do_not_know_g)
 }
 END_TEST
 
+static jet squared(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_sqr(q[0]);
+}
+
+static jet nearly_at_rest(const jet q[], const jet p[], jet t, void *ctx)
+{
+    (void)p, (void)t, (void)ctx;
+    return jet_sub(q[0], 1 - 1e-12);
+}
+
+/* What the curve touches or crosses, and the method's own solution perhaps does not: it is told where it is, or not at
+ * all. */
+START_TEST(touches_are_where_they_are)
+{
+    const struct {
+        const char *method;
+        int order;
+    } rows[] = {{"galerkin", 16}, {"galerkin", 8}, {"midpoint", 4}, {"taylor", 6}, {"poincare", 4}, {"right", 4}};
+    for (double h = 0.02; h < 0.3; h *= 1.1) {
+        static diary d;
+        run r = open_potential(1, swinging, rows[_i].method, rows[_i].order);
+        tvi_event *events[] = {event_of(1, TVI_EITHER, false, squared, NULL),
+                               event_of(1, TVI_EITHER, false, nearly_at_rest, NULL)};
+        d = (diary){0};
+        r.x.q[0] = 1;
+        ck_assert_int_eq(watch(&r, h, (long)(20 / h), events, 2, &d), TVI_OK);
+        for (int i = 0; i < d.count; i++) {
+            const double g = d.which[i] == 0 ? d.at[i].q[0] * d.at[i].q[0] : d.at[i].q[0] - (1 - 1e-12);
+            ck_assert_double_le(fabs(g), 1e-15);
+        }
+        run_close(&r);
+    }
+}
+END_TEST
+
 Suite *suite_roots(void)
 {
     Suite *suite = suite_create("roots");
@@ -207,6 +244,7 @@ Suite *suite_roots(void)
     tcase_add_loop_test(tcase, ties, 0, 8);
     tcase_add_loop_test(tcase, passages_are_seen, 0, 6);
     tcase_add_loop_test(tcase, states_do_not_know_g, 0, 8);
+    tcase_add_loop_test(tcase, touches_are_where_they_are, 0, 6);
     suite_add_tcase(suite, tcase);
     return suite;
 }
