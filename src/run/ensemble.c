@@ -32,7 +32,7 @@ static tvi_status make_members(tvi_ensemble *e)
     const tvi_crowd *crowd = e->worker->crowd;
     const tvi_integrator *it = e->worker->it;
     e->lanes = crowd ? crowd->width : 1;
-    e->blocks = (e->members + e->lanes - 1) / e->lanes;
+    e->blocks = (e->members - 1) / e->lanes + 1;
     e->remembered = crowd ? crowd->remembered : it->remembered;
     e->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)e->blocks * e->remembered);
     e->parameters = calloc(parameter_count(e) + 1, sizeof *e->parameters);

@@ -212,7 +212,7 @@ static tvi_status run_steps(turn *r, long steps)
 {
     const tvi_ensemble_plan *plan = r->plan;
     tvi_status status = TVI_OK;
-    r->steps = plan->observer ? 1 : steps;
+    r->steps = plan->observer && steps > 0 ? 1 : steps;
     if (!plan->observer || steps == 0) return run_all(r);
     for (long step = 1; step <= steps && status == TVI_OK; step++) {
         status = run_all(r);
@@ -252,11 +252,21 @@ static const char *misfit(const tvi_ensemble_plan *plan)
         {to_times && !plan->times, "times is NULL"},
         {by_tolerance && plan->h != 0, "h and tolerance are both given"},
         {!by_tolerance && (plan->h == 0 || !isfinite(plan->h)), "h is 0 or not finite"},
-        {(in_steps || to_times) && by_tolerance, "a tolerance goes to t_end"},
-        {in_steps && to_times, "steps and times are both given"},
-        {to_times && plan->event_count > 0, "times have no events"},
-        {plan->columns > 0 && (!in_steps || plan->event_count > 0), "D goes with steps alone"},
-        {plan->observer && (!in_steps || plan->event_count > 0), "an observer of all goes with steps alone"},
+        {in_steps && by_tolerance, "steps and tolerance are both given: a tolerance goes to t_end"},
+        {to_times && by_tolerance, "times and tolerance are both given: a tolerance goes to t_end"},
+        {in_steps && to_times, "steps and time_count are both given"},
+        {in_steps && plan->t_end != 0, "steps and t_end are both given"},
+        {to_times && plan->t_end != 0, "times and t_end are both given"},
+        {plan->times && !to_times, "times is given, and time_count is 0"},
+        {plan->at_time && !to_times, "at_time is given, and time_count is 0"},
+        {plan->on_event && plan->event_count == 0, "on_event is given, and event_count is 0"},
+        {plan->event_count > 0 && !plan->events, "event_count is given, and events is NULL"},
+        {plan->D && plan->columns == 0, "D is given, and columns is 0"},
+        {to_times && plan->event_count > 0, "times and event_count are both given: times have no events"},
+        {plan->columns > 0 && !in_steps, "D is given without steps: it goes with steps alone"},
+        {plan->columns > 0 && plan->event_count > 0, "D and event_count are both given: D goes with steps alone"},
+        {plan->observer && !in_steps, "observer is given without steps: it goes with steps alone"},
+        {plan->observer && plan->event_count > 0, "observer and event_count are both given"},
         {!isfinite(plan->t_end), "t_end is not finite"},
     };
     for (size_t i = 0; i < sizeof reasons / sizeof *reasons; i++)

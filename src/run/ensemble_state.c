@@ -77,6 +77,10 @@ tvi_status tvi_ensemble_load(tvi_ensemble *e, const void *buffer, size_t size)
     const char *reason = tvi_identity_fault(buffer, size, &who), *at = buffer;
     if (!reason) reason = tvi_identity_misfit(&own, &who);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
+    const char *stops = at + sizeof who + sizeof e->before + list[0].bytes + list[1].bytes;
+    for (int member = 0; member < e->members; member++)
+        if (!tvi_stop_is_sound(stops + (size_t)member * tvi_stop_bytes(e->n)))
+            return jet_refuse(TVI_EINVAL, "the state is damaged");
     set_stats(e, at += sizeof who);
     at += sizeof e->before;
     for (int i = 0; i < PIECES; at += list[i++].bytes) memcpy(list[i].data, at, list[i].bytes);

@@ -6,6 +6,7 @@
 #include "system/energy.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The energy of a run: its size where it began, and its value now. */
 typedef struct {
@@ -25,6 +26,13 @@ typedef struct {
     double state[];               /* [2n + 1] q, p, t */
 } tvi_stop;
 static inline size_t tvi_stop_bytes(int n) { return sizeof(tvi_stop) + (2 * (size_t)n + 1) * sizeof(double); }
+/* Whether bytes from elsewhere are such a stop. */
+static inline bool tvi_stop_is_sound(const void *bytes)
+{
+    tvi_stop stop;
+    memcpy(&stop, bytes, sizeof stop);
+    return stop.count >= 0 && stop.count <= TVI_STOP_TOLD;
+}
 
 struct tvi_integrator {
     const tvi_system *system;  /* the user's, of dimension n, */

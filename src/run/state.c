@@ -55,6 +55,8 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     const char *reason = tvi_identity_fault(buffer, size, &who), *at = buffer;
     if (!reason) reason = tvi_identity_misfit(&own, &who);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
+    const char *stop = (const char *)buffer + sizeof own + seen_size(own.n) + sizeof it->stats + parameter_bytes(it);
+    if (!tvi_stop_is_sound(stop)) return jet_refuse(TVI_EINVAL, "the state is damaged");
     const tvi_stats stats = it->stats;
     memcpy(&it->stats, at += sizeof own + seen_size(own.n), sizeof it->stats);
     it->stats.bytes = stats.bytes;
@@ -73,6 +75,8 @@ tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, do
     tvi_identity who;
     if (!buffer || !n) return jet_refuse(TVI_EINVAL, "%s is NULL", buffer ? "n" : "buffer");
     const char *reason = tvi_identity_fault(buffer, size, &who), *at = (const char *)buffer + sizeof who;
+    const bool has_room = !reason && who.n >= 1 && who.n <= TVI_MAX_DIMENSION && seen_size(who.n) <= size - sizeof who;
+    if (!reason && !has_room) reason = "the state is damaged";
     if (!reason && who.members > 0) reason = "the state is of an ensemble";
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!who.has_stepped && (t || q || p)) return jet_refuse(TVI_EINVAL, "the state is of an integrator before a step");

@@ -60,28 +60,51 @@ static const struct {
     {{.h = INFINITY, .t_end = 1}, "not finite"},
     {{.h = H, .time_count = -1}, "a count is negative"},
     {{.h = H, .time_count = 1}, "times is NULL"},
-    {{.h = H, .steps = 1, .times = times, .time_count = 1}, "steps and times"},
+    {{.h = H, .steps = 1, .times = times, .time_count = 1}, "steps and time_count are both given"},
     {{.h = H, .tolerance = 1e-9, .t_end = 1}, "h and tolerance"},
-    {{.tolerance = 1e-9, .steps = 1}, "a tolerance goes to t_end"},
+    {{.tolerance = 1e-9, .steps = 1}, "steps and tolerance are both given"},
+    {{.tolerance = 1e-9, .times = times, .time_count = 1}, "times and tolerance are both given"},
+    {{.h = H, .steps = 1, .t_end = 5}, "steps and t_end are both given"},
+    {{.h = H, .times = times, .time_count = 1, .t_end = 5}, "times and t_end are both given"},
+    {{.h = H, .steps = 1, .times = times}, "times is given, and time_count is 0"},
+    {{.h = H, .steps = 1, .at_time = never}, "at_time is given, and time_count is 0"},
+    {{.h = H, .steps = 1, .on_event = never}, "on_event is given, and event_count is 0"},
+    {{.h = H, .steps = 1, .D = D}, "D is given, and columns is 0"},
     {{.tolerance = 1e-20, .t_end = 1}, "DBL_EPSILON"},
     {{.h = H, .t_end = NAN}, "t_end is not finite"},
     {{.h = H, .steps = 1, .event_count = -1}, "a count is negative"},
-    {{.h = H, .steps = 1, .event_count = 1}, "events is NULL"},
+    {{.h = H, .steps = 1, .event_count = 1}, "event_count is given, and events is NULL"},
     {{.h = H, .steps = 1, .events = nothing, .event_count = 1}, "events[0] is NULL"},
-    {{.h = H, .times = times, .time_count = 1, .events = nothing, .event_count = 1}, "times have no events"},
+    {{.h = H, .times = times, .time_count = 1, .events = nothing, .event_count = 1},
+     "times and event_count are both given"},
     {{.h = H, .steps = 1, .columns = -1}, "a count is negative"},
     {{.h = H, .steps = 1, .columns = 1}, "D is NULL"},
-    {{.h = H, .t_end = 1, .D = D, .columns = 1}, "D goes with steps alone"},
-    {{.h = H, .steps = 1, .events = nothing, .event_count = 1, .D = D, .columns = 1}, "D goes with steps alone"},
-    {{.h = H, .t_end = 1, .observer = never_all}, "an observer of all"},
+    {{.h = H, .t_end = 1, .D = D, .columns = 1}, "D is given without steps"},
+    {{.h = H, .steps = 1, .events = nothing, .event_count = 1, .D = D, .columns = 1},
+     "D and event_count are both given"},
+    {{.h = H, .t_end = 1, .observer = never_all}, "observer is given without steps"},
+    {{.h = H, .steps = 1, .events = nothing, .event_count = 1, .observer = never_all}, "observer and event_count"},
 };
 enum { PLANS = sizeof plans / sizeof *plans };
 
 START_TEST(plans_that_are_none)
 {
     tvi_ensemble_plan plan = plans[_i].plan;
-    plan.on_event = plan.at_time = never;
+    if (plan.event_count > 0) plan.on_event = never;
+    if (plan.time_count > 0) plan.at_time = never;
     expect_refusal(tvi_ensemble_run(ensemble, &plan, is.t, is.q, is.p, is.status), TVI_EINVAL, plans[_i].text);
+}
+END_TEST
+
+/* No steps: nothing is done, and nobody is told. */
+START_TEST(no_steps)
+{
+    ck_assert_int_eq(tvi_ensemble_integrate(ensemble, H, 0, is.t, is.q, is.p, is.status, never_all, NULL), TVI_OK);
+    for (int m = 0; m < MEMBERS; m++) {
+        ck_assert_int_eq(is.status[m], TVI_OK);
+        was.status[m] = TVI_OK;
+        expect_same("no steps", &is, m, &was, m);
+    }
 }
 END_TEST
 
@@ -133,6 +156,7 @@ Suite *suite_refused(void)
     TCase *tests = tcase_create("refused");
     tcase_add_checked_fixture(tests, open_one, close_one);
     tcase_add_loop_test(tests, plans_that_are_none, 0, PLANS);
+    tcase_add_test(tests, no_steps);
     tcase_add_test(tests, arguments_that_are_missing);
     suite_add_tcase(suite, tests);
     return suite;

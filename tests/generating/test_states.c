@@ -3,7 +3,9 @@
 #include "generating.h"
 #include "models.h"
 #include "problems/thorough.h"
+#include "run/identity.h"
 
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -154,6 +156,38 @@ START_TEST(every_damaged_byte_is_refused)
 }
 END_TEST
 
+/* Sound but for numbers that no integrator writes: the dimension, and how many events were told at a stop. */
+START_TEST(forged_numbers_are_refused)
+{
+    const int64_t numbers[] = {-1, -5, 0, 3, 33, 100000, INT64_MAX, INT64_MIN};
+    tvi_system *system = model_system(&model_kepler);
+    tvi_integrator *integrator = integrator_of(system, NULL);
+    test_state x = model_start(&model_kepler);
+    go(integrator, 0.1, 1, &x);
+    const saved s = save(integrator);
+    const size_t of_n = offsetof(tvi_identity, n);
+    const size_t of_count = sizeof(tvi_identity) + 5 * sizeof(double) + sizeof(tvi_stats) + offsetof(tvi_stop, count);
+    for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
+        for (int k = 0; k < 2; k++) {
+            unsigned char *bytes = malloc(s.size);
+            memcpy(bytes, s.bytes, s.size);
+            memcpy(bytes + (k ? of_count : of_n), &numbers[i], sizeof numbers[i]);
+            tvi_identity_seal(bytes, s.size);
+            int n = 0;
+            const tvi_status seen = tvi_state_peek(bytes, s.size, &n, NULL, NULL, NULL);
+            const size_t room = (s.size - sizeof(tvi_identity)) / sizeof(double);
+            const bool has_room = numbers[i] >= 1 && numbers[i] <= (int64_t)(room - 1) / 2;
+            ck_assert_int_eq(seen, k || has_room ? TVI_OK : TVI_EINVAL); /* nothing is read behind the bytes */
+            const bool is_sound = k && (numbers[i] == 0 || numbers[i] == 3);
+            ck_assert_int_eq(tvi_state_load(integrator, bytes, s.size), is_sound ? TVI_OK : TVI_EINVAL);
+            free(bytes);
+        }
+    free(s.bytes);
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 START_TEST(small_buffers_and_null_are_refused)
 {
     tvi_system *system = model_system(&model_kepler);
@@ -242,6 +276,7 @@ Suite *suite_states(void)
     tcase_add_loop_test(tcase, cut_runs_are_whole_runs, 0, MODELS);
     tcase_add_test(tcase, the_state_alone_is_not_enough);
     tcase_add_loop_test(tcase, every_damaged_byte_is_refused, 0, MODELS);
+    tcase_add_test(tcase, forged_numbers_are_refused);
     tcase_add_test(tcase, small_buffers_and_null_are_refused);
     tcase_add_test(tcase, other_methods_and_systems_are_refused);
     suite_add_tcase(suite, tcase);
