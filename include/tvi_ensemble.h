@@ -25,6 +25,7 @@ typedef struct tvi_ensemble tvi_ensemble;
 /* options NULL: tvi_options_default. threads 0: as many as OpenMP has; without OpenMP it is always one. *out is NULL on
  * failure.
  *   TVI_EINVAL  also members < 1, threads < 0
+ *   TVI_ENOMEM  also more threads than can be started
  *   others      as of tvi_integrator_create */
 TVI_NODISCARD tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, const tvi_options *options,
                                              int members, int threads);

@@ -64,6 +64,10 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     tvi_ensemble *e = calloc(1, sizeof *e);
     if (!e) return jet_refuse_memory(TVI_ENOMEM);
     const int wanted = threads > 0 ? threads : tvi_spread_threads();
+    if (!tvi_spread_can_start(wanted < members ? wanted : members)) {
+        free(e);
+        return jet_refuse(TVI_ENOMEM, "so many threads cannot be started");
+    }
     *e = (tvi_ensemble){.system = system, .n = system->n, .members = members};
     e->threads = wanted < members ? wanted : members;
     (void)pthread_mutex_init(&e->told, NULL);

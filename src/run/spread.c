@@ -3,8 +3,33 @@
 
 #ifdef _OPENMP
 #include <omp.h>
+#include <pthread.h>
+#include <stdlib.h>
 
 int tvi_spread_threads(void) { return omp_get_max_threads(); }
+
+static void *wait_for(void *gate)
+{
+    (void)pthread_mutex_lock(gate);
+    (void)pthread_mutex_unlock(gate);
+    return NULL;
+}
+
+bool tvi_spread_can_start(int threads)
+{
+    pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
+    const int others = threads - 1;
+    int started = 0;
+    if (threads <= omp_get_num_procs()) return true;
+    pthread_t *all = malloc((size_t)others * sizeof *all);
+    if (!all) return false;
+    (void)pthread_mutex_lock(&gate);
+    while (started < others && pthread_create(&all[started], NULL, wait_for, &gate) == 0) started++;
+    (void)pthread_mutex_unlock(&gate);
+    for (int i = 0; i < started; i++) (void)pthread_join(all[i], NULL);
+    free(all);
+    return started == others;
+}
 
 void tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx)
 {
@@ -15,6 +40,8 @@ void tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx)
 #else
 
 int tvi_spread_threads(void) { return 1; }
+
+bool tvi_spread_can_start(int threads) { return threads > 0; }
 
 void tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx)
 {

@@ -1,8 +1,11 @@
 /* test_refused.c - what is no ensemble and no run of one: nothing is touched, and the text names it. */
 #include "ensemble.h"
+#include "run/spread.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 enum { MEMBERS = 5 };
 
@@ -108,6 +111,20 @@ START_TEST(no_steps)
 }
 END_TEST
 
+/* Threads of eight megabytes of stack in an address space of two gigabytes. */
+START_TEST(too_many_threads)
+{
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    if (tvi_spread_threads() == 1) return; /* as without OpenMP, which ends the program */
+    tvi_ensemble *none = ensemble;
+    const struct rlimit two = {(rlim_t)2 << 30, (rlim_t)2 << 30};
+    ck_assert_int_eq(setrlimit(RLIMIT_AS, &two), 0);
+    expect_refusal(tvi_ensemble_create(&none, system_one, NULL, 4096, 4096), TVI_ENOMEM, "threads");
+    ck_assert_ptr_null(none);
+#endif
+}
+END_TEST
+
 START_TEST(arguments_that_are_missing)
 {
     const tvi_ensemble_plan plan = {.h = H, .steps = 1}, fine = {.tolerance = 1e-9, .t_end = 1};
@@ -157,6 +174,7 @@ Suite *suite_refused(void)
     tcase_add_checked_fixture(tests, open_one, close_one);
     tcase_add_loop_test(tests, plans_that_are_none, 0, PLANS);
     tcase_add_test(tests, no_steps);
+    if (getenv("CK_FORK") == NULL) tcase_add_test(tests, too_many_threads); /* whose limit stays */
     tcase_add_test(tests, arguments_that_are_missing);
     suite_add_tcase(suite, tests);
     return suite;
