@@ -174,8 +174,7 @@ static tvi_status settle(tvi_finder *s, tvi_root *r, double way, double x[])
 static tvi_status set_base(tvi_finder *s, double theta)
 {
     const int n = s->search->it->system->n;
-    const tvi_status status =
-        tvi_between_state(s->search->between, theta == 1 ? s->search->it->h : theta * s->search->it->h);
+    const tvi_status status = tvi_between_state(s->search->between, theta * s->search->it->h);
     if (status != TVI_OK) return status;
     copy_between(s, theta);
     const double apart = fmax(fmax(distance_of(s, 0, n), distance_of(s, n, n)), time_distance(s));

@@ -109,7 +109,7 @@ static tvi_status movement(tvi_search *s, double theta, double d[])
     const int n = s->it->system->n;
     const tvi_increments *by = &s->between->partial->by;
     const tvi_run_state *start = &s->it->start, *now = &s->it->now;
-    const tvi_status status = tvi_between_state(s->between, theta == 1 ? s->it->h : theta * s->it->h);
+    const tvi_status status = tvi_between_state(s->between, theta * s->it->h);
     if (status != TVI_OK) return status;
     if (theta == 1) { /* the step itself */
         for (int i = 0; i < n; i++) {

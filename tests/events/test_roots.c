@@ -96,6 +96,8 @@ static jet distance(const jet q[], const jet p[], jet t, void *R)
     return jet_sub(jet_hypot(q[0], q[1]), *(const double *)R);
 }
 
+static jet tiny(const jet q[], const jet p[], jet t, void *R) { return jet_mul(1e-18, distance(q, p, t, R)); }
+
 static jet square(const jet q[], const jet p[], jet t, void *R)
 {
     (void)p, (void)t;
@@ -119,23 +121,23 @@ static jet angle(const jet q[], const jet p[], jet t, void *R)
 START_TEST(passages_are_seen)
 {
     const double Rs[] = {1e-4, 1e-3, 0.01, 0.02, 0.04, 0.08};
-    tvi_event_fn *const all[] = {distance, square, inverse, angle};
+    tvi_event_fn *const all[] = {distance, tiny, square, inverse, angle};
     double R = Rs[_i];
     for (int i = 0; i < 1000; i++) {
         static diary d;
         const double at = 2 + (i + 0.5) / 1000, half = sqrt(0.75) * R;
         run r = open_potential(2, free_of_force, "galerkin", 16);
         r.x = (point){0, {-at, R / 2}, {1, 0}};
-        tvi_event *events[4];
-        int told[4] = {0};
-        for (int k = 0; k < 4; k++) events[k] = event_of(2, TVI_EITHER, false, all[k], &R);
+        tvi_event *events[5];
+        int told[5] = {0};
+        for (int k = 0; k < 5; k++) events[k] = event_of(2, TVI_EITHER, false, all[k], &R);
         d = (diary){0};
-        ck_assert_int_eq(watch(&r, 1, 5, events, 4, &d), TVI_OK);
+        ck_assert_int_eq(watch(&r, 1, 5, events, 5, &d), TVI_OK);
         for (int k = 0; k < d.count; k++) {
             const double expected = at + (told[d.which[k]]++ == 0 ? -half : half);
             ck_assert_double_eq_tol(d.at[k].t, expected, 1e-12);
         }
-        for (int k = 0; k < 4; k++) ck_assert_msg(told[k] == 2, "R = %g, %g: function %d tells %d", R, at, k, told[k]);
+        for (int k = 0; k < 5; k++) ck_assert_msg(told[k] == 2, "R = %g, %g: function %d tells %d", R, at, k, told[k]);
         run_close(&r);
     }
 }
