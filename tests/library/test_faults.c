@@ -238,7 +238,8 @@ static tvi_status make_ensemble(const void *argument, bool *cleared)
     double t[MEMBERS] = {0}, q[N * MEMBERS], p[N * MEMBERS], D[2 * N * MEMBERS] = {42};
     tvi_status status = tvi_ensemble_create(&ensemble, of->system, of->options, MEMBERS, 2), of_member[MEMBERS];
     for (int k = 0; k < N * MEMBERS; k++) q[k] = 0.1 + 0.01 * k, p[k] = 0.1;
-    const tvi_ensemble_plan plan = {.h = 0.01, .steps = 1, .D = D, .columns = of->options->order == 16};
+    const bool has_D = of->options->order == 16;
+    const tvi_ensemble_plan plan = {.h = 0.01, .steps = 1, .D = has_D ? D : NULL, .columns = has_D};
     *cleared = status == TVI_OK || ensemble == NULL;
     if (status == TVI_OK) status = tvi_ensemble_run(ensemble, &plan, t, q, p, of_member);
     *cleared = *cleared && t[0] == 0 && q[0] == 0.1;
