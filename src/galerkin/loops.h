@@ -13,8 +13,8 @@
 
 /* The numbers of lanes that there are: 1, 2, 4, 8 and MAX_LANES. */
 enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
-/* The steps whose impulses are kept: the last two, and the one that is made, and at most so many where the next ones
- * are fitted to those before; and where steps of few unknowns leave how the next one begins, behind these. */
+/* The steps whose impulses are kept: the last two, and the one that is made; and the most unknowns of which a step
+ * leaves how the next one begins, behind these. */
 enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
 /* Of so few unknowns at eight nodes each operation waits for the one before it (few.h). */
 enum { GALERKIN_FEWEST = 4 };

@@ -81,6 +81,14 @@ tvi_status tvi_between_state(tvi_between *between, double part)
     return TVI_OK;
 }
 
+void tvi_between_copy(const tvi_between *between, double x[])
+{
+    const size_t n = (size_t)between->steps->system->n;
+    memcpy(x, between->q, n * sizeof *x);
+    memcpy(x + n, between->p, n * sizeof *x);
+    x[2 * n] = between->t;
+}
+
 /* ---- Given times ------------------------------------------------------------------------------------------------- */
 
 /* A time of a step in s, from its start. */

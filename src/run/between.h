@@ -28,6 +28,9 @@ TVI_NODISCARD tvi_status tvi_between_set_parameters(tvi_between *between);
  * Fails as a step does. */
 TVI_NODISCARD tvi_status tvi_between_state(tvi_between *between, double part);
 
+/* The state asked for last, as one vector x [2n + 1]: q, p, t. */
+void tvi_between_copy(const tvi_between *between, double x[]);
+
 /* The state at a time of the last step, to roundoff of the time. */
 TVI_NODISCARD tvi_status tvi_between_time(tvi_between *between, double time);
 

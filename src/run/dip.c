@@ -8,8 +8,8 @@
 static const double UNITS = 64, LEAST_SECTION = 1e-8;
 enum { MOST_SECTIONS = 120 };
 
-/* Where to look next: the least place of the parabola through the three; where that is outside, or a golden section is
- * wanted, one of the larger part. */
+/* The next place to look at: where the parabola through the three is least; or a golden section of the larger part, if
+ * that is outside or a section is wanted. */
 static double next_section(const tvi_place x[TVI_DIP], bool wants_golden)
 {
     const double golden = 0.3819660112501051;
@@ -26,7 +26,7 @@ static double slope_of(tvi_place a, tvi_place b) { return (b.g - a.g) / (b.at - 
 static double least_between(tvi_place a, double down, tvi_place b, double up)
 {
     const double width = b.at - a.at;
-    return a.g + down * (b.g - a.g - up * width) / (down - up);
+    return a.g + down / (down - up) * (b.g - a.g - up * width);
 }
 
 /* Whether g, convex where the five places are, has no zero among them: it lies above the chords that lead there. A kink

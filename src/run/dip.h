@@ -13,9 +13,9 @@ typedef struct {
  * x[4] lie farther out, or are nowhere, with g a NAN. */
 enum { TVI_DIP = 5 };
 
-/* Where to look next, after so many looks; false where g is known to have no zero between x[1] and x[3]. */
+/* The next place to look at, after so many looks; false where g is known to have no zero between x[1] and x[3]. */
 bool tvi_dip_next(const tvi_place x[TVI_DIP], int looks, double *at);
-/* What was found there, of the same sign, becomes the middle of the three, or an end of them. */
+/* Puts what was found there, of the same sign, in the middle of the three, or at an end of them. */
 void tvi_dip_take(tvi_place x[TVI_DIP], tvi_place found);
 
 #endif

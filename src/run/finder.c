@@ -14,7 +14,7 @@
 
 /* Half the distance of the points that give the slopes of the curve and of g. */
 static const double CHORD = 1e-5;
-enum { MOST_LINES = 5, MOST_RETURNS = 200, MOST_WIDER = TVI_SAMPLES };
+enum { MOST_LINES = 5 };
 /* A guess is good where the slope leads no further, in parts of the step and of the distance from its ends. */
 static const double LEAST_WAY = 1e-6, NEAR = 1e-3;
 /* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
@@ -90,13 +90,10 @@ static double time_distance(const tvi_finder *s)
     return tvi_ratio(fabs(s->base[t] - s->middle[t]), fabs(s->base[t]) + fabs(s->rate[t]));
 }
 
-/* The last state of s->between, at theta. */
+/* s->base: the last state of s->search->between, at theta. */
 static void copy_between(tvi_finder *s, double theta)
 {
-    const size_t n = (size_t)s->search->it->system->n;
-    memcpy(s->base, s->search->between->q, n * sizeof *s->base);
-    memcpy(s->base + n, s->search->between->p, n * sizeof *s->base);
-    s->base[2 * n] = s->search->between->t;
+    tvi_between_copy(s->search->between, s->base);
     s->base_at = theta;
 }
 
@@ -120,8 +117,7 @@ static tvi_status value_on_line(void *ctx, double way, double *g)
     return value_ahead(line->s, line->which, way, line->s->trial, g);
 }
 
-/* Ways about `way`, no farther than FARTHEST and within the step, between which g changes sign. Where it does not: the
- * farthest one. */
+/* Ways about `way`, no farther than FARTHEST and within the step, between which g changes sign, if it does. */
 static tvi_status enclose(tvi_finder *s, const tvi_root *r, double way, tvi_bracket *z)
 {
     const double low = fmax(-s->base_at, -FARTHEST), high = fmin(1 - s->base_at, FARTHEST);
@@ -143,7 +139,8 @@ static tvi_status enclose(tvi_finder *s, const tvi_root *r, double way, tvi_brac
     return status;
 }
 
-/* The way from s->base, where g is given, to the root on the line; slope: that of g along it, or anything. */
+/* The way from s->base, where g is given, to the root on the line, if s->is_enclosed; slope: that of g along it, or
+ * anything. */
 static tvi_status root_on_line(tvi_finder *s, const tvi_root *r, double g, double slope, double *way)
 {
     double next;
@@ -154,20 +151,27 @@ static tvi_status root_on_line(tvi_finder *s, const tvi_root *r, double g, doubl
     const double second = *way - next / slope;
     if (fabs(next) < fabs(g) && fabs(second) <= FARTHEST) *way = second;
     if (status == TVI_OK) status = enclose(s, r, *way, &z);
-    const bool is_sure = z.b - z.a <= 2 * SURE;
     s->is_enclosed = status == TVI_OK && !tvi_is_behind(r, z.ga) && tvi_is_behind(r, z.gb);
-    if (status != TVI_OK || (is_sure && s->is_enclosed)) return status;
-    if (s->is_enclosed) status = tvi_narrow(&z, DBL_EPSILON / 4, value_on_line, &(on_line){s, r->which});
-    *way = tvi_is_behind(r, z.ga) ? z.a : z.b;
+    if (!s->is_enclosed || z.b - z.a <= 2 * SURE) return status;
+    status = tvi_narrow(&z, DBL_EPSILON / 4, value_on_line, &(on_line){s, r->which});
+    *way = z.b;
     return status;
 }
 
 /* The event at the end of the way. */
-static tvi_status settle(tvi_finder *s, tvi_root *r, double way, double x[])
+static void settle(const tvi_finder *s, tvi_root *r, double way, double x[])
 {
     r->theta = s->base_at + way;
     for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
-    return TVI_OK;
+}
+
+/* The event at theta, by a step of a part of h. */
+static tvi_status settle_at(tvi_finder *s, tvi_root *r, double theta, double x[])
+{
+    const tvi_status status = tvi_between_state(s->search->between, theta * s->search->it->h);
+    copy_between(s, theta);
+    if (status == TVI_OK) settle(s, r, 0, x);
+    return status;
 }
 
 /* s->base at theta, by a step of a part of h, and how far the curve's slope leads on without an error that shows. */
@@ -198,12 +202,12 @@ static tvi_status find_by_steps(tvi_finder *s, tvi_root *r, double x[])
     tvi_bracket z = {r->a, 0, r->b, 0};
     tvi_status status = value_of_step(&at, z.a, &z.ga);
     if (status == TVI_OK) status = value_of_step(&at, z.b, &z.gb);
-    for (int k = 0; k < MOST_WIDER && status == TVI_OK && tvi_is_behind(r, z.ga) && z.a > 0; k++) {
+    while (status == TVI_OK && tvi_is_behind(r, z.ga) && z.a > 0) {
         z.b = z.a, z.gb = z.ga;
         z.a = fmax(z.a - tvi_sample_place[0], 0);
         status = value_of_step(&at, z.a, &z.ga);
     }
-    for (int k = 0; k < MOST_WIDER && status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1; k++) {
+    while (status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1) {
         z.a = z.b, z.ga = z.gb;
         z.b = fmin(z.b + tvi_sample_place[0], 1);
         status = value_of_step(&at, z.b, &z.gb);
@@ -212,8 +216,7 @@ static tvi_status find_by_steps(tvi_finder *s, tvi_root *r, double x[])
     r->is_none = tvi_is_behind(r, z.ga) || !tvi_is_behind(r, z.gb);
     if (r->is_none) return TVI_OK;
     status = tvi_narrow(&z, DBL_EPSILON / 4, value_of_step, &at);
-    if (status == TVI_OK) status = set_base(s, z.b);
-    return status == TVI_OK ? settle(s, r, 0, x) : status;
+    return status == TVI_OK ? settle_at(s, r, z.b, x) : status;
 }
 
 /* The root on the curve, and then on lines, each from where the one before it has its root, until that is near. */
@@ -230,7 +233,10 @@ static tvi_status polish(tvi_finder *s, tvi_root *r, double x[])
         if (status == TVI_OK) status = root_on_line(s, r, g, slope, &way);
         if (status != TVI_OK) return status;
         if (!s->is_enclosed) break;
-        if (fabs(way) <= fmax(s->reach, DBL_EPSILON)) return settle(s, r, way, x);
+        if (fabs(way) <= fmax(s->reach, DBL_EPSILON)) {
+            settle(s, r, way, x);
+            return TVI_OK;
+        }
         theta = fmin(fmax(theta + way, 0), 1);
     }
     return status == TVI_OK ? find_by_steps(s, r, x) : status;
@@ -270,7 +276,7 @@ static tvi_status polish_by_rates(tvi_finder *s, tvi_root *r, double x[], bool *
         status = rates_at(s, s->trial);
     }
     if (status == TVI_OK) status = root_on_line(s, r, g, slope, &found);
-    if (status == TVI_OK) status = settle(s, r, found, x);
+    if (status == TVI_OK) settle(s, r, found, x);
     *is_done = status == TVI_OK && s->is_enclosed && fabs(found - way) <= REACH && tvi_all_finite(s->size, x);
     return status;
 }
@@ -284,51 +290,42 @@ static bool knows_rates(const tvi_finder *s)
 
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
-/* A return to the event that the step began on, by its rise from there over the way, nearly linear in it: false
- * position and bisection, of places or of their powers where these are far apart. */
-static tvi_status find_return(tvi_finder *s, tvi_root *r, double x[])
+/* The rise from the event that the step began on, over the way: nearly linear where the way is short. */
+static tvi_status rise_over_way(void *ctx, double theta, double *g)
 {
-    const double left = s->search->of[r->which].left_at;
-    double a = left, b = fmax(r->b, left), slope_a = 0, slope_b = 0, theta = a, rise;
+    const on_line *at = ctx;
+    double rise = 0;
     bool known;
-    tvi_status status = tvi_start_rise(s->search, r->which, a, &rise, &known);
-    slope_a = rise / a;
-    if (status == TVI_OK) status = tvi_start_rise(s->search, r->which, b, &rise, &known);
-    while (status == TVI_OK && !tvi_is_behind(r, rise) && b < 1) { /* the curve returns sooner */
-        b = fmin(b + tvi_sample_place[0], 1);
-        status = tvi_start_rise(s->search, r->which, b, &rise, &known);
-    }
-    if (status != TVI_OK) return status;
-    r->is_none = !tvi_is_behind(r, rise);
-    if (r->is_none) return TVI_OK;
-    slope_b = rise / b;
-    theta = b;
-    for (int k = 0; k < MOST_RETURNS && status == TVI_OK && b - a > DBL_EPSILON / 2 * b && slope_b != 0; k++) {
-        const double secant = a - slope_a * (b - a) / (slope_b - slope_a),
-                     middle = b > 4 * a ? sqrt(a * b) : (a + b) / 2;
-        theta = k % 3 < 2 && secant > a && secant < b ? secant : middle;
-        status = tvi_start_rise(s->search, r->which, theta, &rise, &known);
-        if (tvi_is_behind(r, rise)) b = theta, slope_b = rise / theta;
-        else a = theta, slope_a = rise / theta;
-        if (theta == a && nextafter(a, b) >= b) theta = b;
-    }
-    if (status == TVI_OK) status = tvi_between_state(s->search->between, b * s->search->it->h);
-    if (status != TVI_OK) return status;
-    copy_between(s, b);
-    return settle(s, r, 0, x);
+    const tvi_status status = tvi_start_rise(at->s->search, at->which, theta, &rise, &known);
+    *g = rise / theta;
+    return status;
 }
 
-/* An event of the step, and x, its state. */
+/* A return to the event that the step began on. The curve may have it sooner than the method's own solution. */
+static tvi_status find_return(tvi_finder *s, tvi_root *r, double x[])
+{
+    on_line at = {s, r->which};
+    const double first = s->search->of[r->which].left_at;
+    tvi_bracket z = {.a = first, .b = fmax(r->b, first)};
+    tvi_status status = rise_over_way(&at, z.a, &z.ga);
+    if (status == TVI_OK) status = rise_over_way(&at, z.b, &z.gb);
+    while (status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1) {
+        z.b = fmin(z.b + tvi_sample_place[0], 1);
+        status = rise_over_way(&at, z.b, &z.gb);
+    }
+    if (status != TVI_OK) return status;
+    r->is_none = !tvi_is_behind(r, z.gb);
+    if (r->is_none) return TVI_OK;
+    status = tvi_narrow(&z, DBL_EPSILON / 4 * first, rise_over_way, &at);
+    return status == TVI_OK ? settle_at(s, r, z.b, x) : status;
+}
+
 tvi_status tvi_finder_find(tvi_finder *s, tvi_root *r, double x[])
 {
     bool is_done = false;
     tvi_status status = TVI_OK;
     if (r->is_return) return find_return(s, r, x);
-    if (r->b == 1 && r->gb == 0) {
-        status = tvi_between_state(s->search->between, s->search->it->h);
-        copy_between(s, 1);
-        return status == TVI_OK ? settle(s, r, 0, x) : status;
-    }
+    if (r->b == 1 && r->gb == 0) return settle_at(s, r, 1, x);
     if (has_guess(r) && knows_rates(s)) status = polish_by_rates(s, r, x, &is_done);
     return is_done || status != TVI_OK ? status : polish(s, r, x);
 }

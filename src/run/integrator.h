@@ -17,8 +17,8 @@ typedef struct {
 /* What tvi_step_tangent needs, made when it is first called (tangent.c). */
 typedef struct tvi_tangent tvi_tangent;
 
-/* Where a run was stopped by events, and the functions that were told there: as long as t and q are these, whatever p
- * was made, the run that goes on has left them. Beyond so many all others are judged by their roundoff. */
+/* A state at which events have stopped a run, and the functions that were told there: as long as t and q are these,
+ * whatever p was made, the run that goes on has left them. Beyond so many all others are judged by their roundoff. */
 enum { TVI_STOP_TOLD = 32 };
 typedef struct {
     int64_t is_set, count;
@@ -77,7 +77,7 @@ TVI_NODISCARD tvi_status tvi_integrator_begin(tvi_integrator *integrator, double
 /* Whether its own state is bitwise this one, also after a step that failed. */
 bool tvi_integrator_has(const tvi_integrator *integrator, double t, const double q[], const double p[]);
 
-/* What observers return, while the integrator refuses to be stepped. */
+/* Call an observer, while the integrator refuses to be stepped, and return what it does; 0 where it is NULL. */
 int tvi_tell_step(tvi_integrator *integrator, tvi_observer *observer, long step, double t, const double q[],
                   const double p[], void *ctx);
 int tvi_tell_event(tvi_integrator *integrator, tvi_event_observer *observer, int which, double t, const double q[],

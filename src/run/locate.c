@@ -23,10 +23,9 @@ typedef struct tvi_locator {
     tvi_between between;
     tvi_search seen;
     tvi_finder finder;
-    long parameter_sets; /* of the integrator, when the parameters here were its own */
-    int size;            /* of a state */
-    double *kept;        /* [KEPT + 1] */
-    double *sizes;       /* scratch, a state */
+    int size;      /* of a state */
+    double *kept;  /* [KEPT + 1] */
+    double *sizes; /* scratch, a state */
 } locator;
 
 static double *kept_state(locator *s, int kept)
@@ -86,7 +85,7 @@ typedef struct {
     void *ctx;
 } telling;
 
-/* What the observer says of an event, with the state x. */
+/* Tells of an event, with the state x; whether the observer ends the run. */
 static bool tell(locator *s, const tvi_root *r, const double x[], const telling *to)
 {
     const int n = s->seen.it->system->n;
@@ -160,7 +159,7 @@ static tvi_status stop_at(locator *s, int last, const double x[], const telling 
             stop->told[stop->count++] = event->hash;
     }
     memcpy(stop->state, x, (size_t)s->size * sizeof *x);
-    stop->is_set = it->parameter_sets == s->parameter_sets; /* else they are other events now */
+    stop->is_set = it->parameter_sets == s->between.parameter_sets; /* else they are other events now */
     tvi_integrator_reset(it);
     return TVI_ESTOPPED;
 }
@@ -169,8 +168,7 @@ static tvi_status stop_at(locator *s, int last, const double x[], const telling 
 static tvi_status take_parameters(locator *s)
 {
     const tvi_integrator *it = s->seen.it;
-    if (s->parameter_sets == it->parameter_sets) return TVI_OK;
-    s->parameter_sets = it->parameter_sets;
+    if (s->between.parameter_sets == it->parameter_sets) return TVI_OK;
     tvi_search_set_parameters(&s->seen);
     tvi_rates_set_parameters(&s->finder.rates, it->parameters);
     return tvi_between_set_parameters(&s->between);
@@ -218,7 +216,7 @@ static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *
                                const double *const state[2])
 {
     const int size = 2 * it->system->n + 1;
-    *s = (locator){.size = size, .parameter_sets = it->parameter_sets};
+    *s = (locator){.size = size};
     tvi_status status = tvi_between_open(&s->between, it, true);
     if (status == TVI_OK) status = tvi_search_open(&s->seen, &s->between, events, count, t, state);
     if (status == TVI_OK) status = tvi_finder_open(&s->finder, &s->seen);

@@ -22,6 +22,7 @@ tvi_status tvi_narrow(tvi_bracket *z, double least, tvi_signed_fn *g, void *ctx)
     const double width = z->b - z->a;
     const int most = (int)ceil(log2(fmax(width / least, 1))) + 1;
     for (int k = 0; k < most && z->b - z->a > 2 * least && z->ga != 0 && z->gb != 0; k++) {
+        if (nextafter(z->a, z->b) >= z->b) break;
         const double at = next_place(z->a, z->ga, z->b, z->gb, width, least, most - k);
         double here;
         const tvi_status status = g(ctx, at, &here);

@@ -26,6 +26,8 @@ enum { MOST_SECANTS = 6 };
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
+static bool have_one_sign(double a, double b) { return a > 0 ? b > 0 : a < 0 && b < 0; }
+
 tvi_status tvi_search_state(tvi_search *s, double theta, double x[])
 {
     const int n = s->it->system->n;
@@ -179,7 +181,7 @@ static bool may_dip_at_end(const double g[], int stride)
 {
     const double rise = fabs(g[stride]) - fabs(g[0]);
     const bool rises = stride > 0 ? rise >= 0 : rise > 0; /* equal ones at the end are a dip there */
-    return (g[0] * g[stride] > 0) & rises && (falls(g, stride, rise) || is_kinked(g, stride));
+    return have_one_sign(g[0], g[stride]) && rises && (falls(g, stride, rise) || is_kinked(g, stride));
 }
 
 /* What comparisons of a jet_v2 give. */
@@ -260,8 +262,9 @@ static tvi_status search_event(tvi_search *s, int which)
     const bool may_return = !s->of[which].leaves && may_dip_at_end(g, 1);
     tvi_status status = may_return ? look_at_end(s, which, false) : TVI_OK;
     for (int j = 1; j <= TVI_SAMPLES && status == TVI_OK; j++) {
-        if (!(g[j - 1] * g[j] > 0)) status = look_between(s, which, x[j - 1], x[j], g[j - 1] != 0 && g[j] != 0);
-        else if (j < TVI_SAMPLES && g[j] * g[j + 1] > 0 && is_dip(g + j)) status = look_into_dip(s, which, x + j - 2);
+        if (!have_one_sign(g[j - 1], g[j])) status = look_between(s, which, x[j - 1], x[j], g[j - 1] != 0 && g[j] != 0);
+        else if (j < TVI_SAMPLES && have_one_sign(g[j], g[j + 1]) && is_dip(g + j))
+            status = look_into_dip(s, which, x + j - 2);
     }
     if (status == TVI_OK && may_dip_at_end(g + TVI_SAMPLES, -1)) status = look_at_end(s, which, true);
     return status == TVI_OK && s->found > before ? drop_noise(s, which, before) : status;

@@ -17,9 +17,8 @@
 static const double UNITS = 64;
 /* The roundoff of a state that steps computed, in units of that of its size: it is a sum, and so is the curve. */
 static const double OF_STEPS = 4;
-/* The first place of a step that is looked at, where a time that moves so little is right, or of a rescaled step; the
- * least one where an event may come back, and what separates the
- * following ones, in parts of the step. */
+/* In parts of the step: the first place that is looked at, which in s is one where the time moves; the least one where
+ * an event may come back; and how much farther off the following ones are. */
 static const double FIRST = 0x1p-200, FIRST_IN_S = 0x1p-60, LEAST = 0x1p-52, FARTHER = 16;
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
@@ -127,14 +126,6 @@ static tvi_status movement(tvi_search *s, double theta, double d[])
     return TVI_OK;
 }
 
-static void copy_between(const tvi_search *s, double x[])
-{
-    const size_t n = (size_t)s->it->system->n;
-    memcpy(x, s->between->q, n * sizeof *x);
-    memcpy(x + n, s->between->p, n * sizeof *x);
-    x[2 * n] = s->between->t;
-}
-
 tvi_status tvi_start_rise(tvi_search *s, int which, double theta, double *rise, bool *known)
 {
     const tvi_watch *w = &s->of[which];
@@ -146,7 +137,7 @@ tvi_status tvi_start_rise(tvi_search *s, int which, double theta, double *rise, 
     if (status != TVI_OK) return status;
     *known = fabs(*rise) > UNITS * DBL_EPSILON * scale;
     if (is_exact) return TVI_OK;
-    copy_between(s, s->state);
+    tvi_between_copy(s->between, s->state);
     return tvi_search_value(s, which, s->state, rise);
 }
 

@@ -2,6 +2,8 @@
  * is that of its time whatever g is. */
 #include "diary.h"
 #include "events.h"
+#include "problems/random.h"
+#include "run/dip.h"
 
 #include <float.h>
 #include <math.h>
@@ -96,7 +98,7 @@ static jet distance(const jet q[], const jet p[], jet t, void *R)
     return jet_sub(jet_hypot(q[0], q[1]), *(const double *)R);
 }
 
-static jet tiny(const jet q[], const jet p[], jet t, void *R) { return jet_mul(1e-18, distance(q, p, t, R)); }
+static jet tiny(const jet q[], const jet p[], jet t, void *R) { return jet_mul(1e-200, distance(q, p, t, R)); }
 
 static jet square(const jet q[], const jet p[], jet t, void *R)
 {
@@ -139,6 +141,44 @@ START_TEST(passages_are_seen)
         }
         for (int k = 0; k < 5; k++) ck_assert_msg(told[k] == 2, "R = %g, %g: function %d tells %d", R, at, k, told[k]);
         run_close(&r);
+    }
+}
+END_TEST
+
+/* Convex ones, with and without a kink, and a peak, over the distance from where they are least, 0 there. */
+static double shape(int which, double x)
+{
+    const double r = fabs(x);
+    return which == 0 ? x * x : which == 1 ? r : which == 2 ? hypot(r, 0.01) - 0.01 : which == 3 ? r + x * x : sqrt(r);
+}
+
+/* The dip itself, at random places: a function that is below 0 by a little somewhere is found to be, whatever its size;
+ * one that is above 0 is hardly looked at where that is more than it changes by, and else few times. */
+START_TEST(dips_are_decided)
+{
+    enum { SHAPES = 5, PEAK = 4 };
+    uint64_t bits = (uint64_t)_i + 1;
+    for (int k = 0; k < 4000; k++) {
+        const int which = k % SHAPES;
+        const double at = 2 + (number_of(&bits) - 0.5) * 0.98, unit = pow(10, 250 * (number_of(&bits) - 0.5));
+        /* a peak is below 0 over its depth to the square, which is to be more than the 1e-8 that are looked at */
+        const double above = (k / SHAPES % 3 - 1) * pow(10, (which == PEAK ? -1 : -4) * number_of(&bits) - 2.5);
+        const double base = k / SHAPES % 3 == 1 ? 10 : above; /* the lowest value: below 0, far above or near */
+        tvi_place x[TVI_DIP];
+        for (int i = 0; i < TVI_DIP; i++) x[i] = (tvi_place){i, unit * (base + shape(which, i - at))};
+        if (!(x[2].g <= x[1].g && x[2].g <= x[3].g && x[2].g > 0)) continue;
+        tvi_place next;
+        bool is_below = false;
+        int looks = 0;
+        for (; !is_below && tvi_dip_next(x, looks, &next.at); looks++) {
+            next.g = unit * (base + shape(which, next.at - at));
+            is_below = next.g <= 0;
+            if (!is_below) tvi_dip_take(x, next);
+        }
+        ck_assert_msg(is_below == (base < 0), "shape %d, %g above 0 at %g", which, base, at);
+        const bool is_rounded = which == 1; /* flat flanks are convex but for roundoff */
+        ck_assert_msg(looks < 60 && (base < 10 || looks <= 2 || which == PEAK || is_rounded), "shape %d, %g: %d looks",
+                      which, base, looks);
     }
 }
 END_TEST
@@ -245,6 +285,7 @@ Suite *suite_roots(void)
     tcase_add_loop_test(tcase, both_are_told_once, 0, 5);
     tcase_add_loop_test(tcase, ties, 0, 8);
     tcase_add_loop_test(tcase, passages_are_seen, 0, 6);
+    tcase_add_loop_test(tcase, dips_are_decided, 0, 4);
     tcase_add_loop_test(tcase, states_do_not_know_g, 0, 8);
     tcase_add_loop_test(tcase, touches_are_where_they_are, 0, 6);
     suite_add_tcase(suite, tcase);
