@@ -194,6 +194,19 @@ static void put(void *work, int lane, const void *one)
     for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), lane, impulses(w, -i));
 }
 
+static void forget(void *work, int lane)
+{
+    const crowd *w = work;
+    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = w->last.slowest[lane] = w->last.steps[lane] = 0;
+    w->pace[lane] = (galerkin_pace){0};
+}
+
+static bool is_sound(const void *work)
+{
+    const int turn = *((const crowd *)work)->turn;
+    return turn >= 0 && turn < GALERKIN_TURNS;
+}
+
 static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
                            tvi_stats *stats)
 {
@@ -369,5 +382,12 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
         if (end->status[m] == TVI_OK && !w->nodes.in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
 }
 
-const tvi_crowd_stepper tvi_galerkin_crowd = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put, .simplify = simplify};
+const tvi_crowd_stepper tvi_galerkin_crowd = {.width = width_of,
+                                              .take = take,
+                                              .prepare = prepare,
+                                              .step = step,
+                                              .get = get,
+                                              .put = put,
+                                              .forget = forget,
+                                              .is_sound = is_sound,
+                                              .simplify = simplify};

@@ -386,6 +386,8 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
     return used;
 }
 
+static bool is_sound(const void *work) { return galerkin_is_sound(((const galerkin *)work)->predictor.last); }
+
 const tvi_stepper tvi_stepper_galerkin = {.take = take,
                                           .prepare = prepare,
                                           .step = step,
@@ -393,5 +395,6 @@ const tvi_stepper tvi_stepper_galerkin = {.take = take,
                                           .dense = dense,
                                           .sample = sample,
                                           .is_superconvergent = true,
+                                          .is_sound = is_sound,
                                           .uses = uses,
                                           .crowd = &tvi_galerkin_crowd};

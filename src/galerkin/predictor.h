@@ -16,6 +16,12 @@ typedef struct {
                            fewest of them rise to */
 } galerkin_history;
 
+/* Whether one that came from elsewhere has its index within the turns. */
+static inline bool galerkin_is_sound(const galerkin_history *last)
+{
+    return last->turn >= 0 && last->turn < GALERKIN_TURNS;
+}
+
 typedef struct {
     galerkin_history *last;
     double *impulses[GALERKIN_TURNS];     /* in the history, filled in turns: [unknowns][lanes] of a step, and

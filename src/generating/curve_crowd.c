@@ -290,6 +290,8 @@ static void put(void *work, int lane, const void *one)
     ((crowd *)work)->history[lane] = *((const tvi_curve_work *)one)->newton.history;
 }
 
+static void forget(void *work, int lane) { memset(&((crowd *)work)->history[lane], 0, sizeof(tvi_newton_history)); }
+
 static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
                            tvi_stats *stats)
 {
@@ -311,4 +313,4 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
 }
 
 const tvi_crowd_stepper tvi_curve_crowd = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put};
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put, .forget = forget};

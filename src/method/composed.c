@@ -86,4 +86,13 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
     return tvi_method_stepper(&half)->uses(system, &half);
 }
 
-const tvi_stepper tvi_stepper_composed = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};
+static bool is_sound(const void *work)
+{
+    const composed *c = work;
+    for (int half = 0; half < 2; half++)
+        if (c->stepper[half]->is_sound && !c->stepper[half]->is_sound(c->work[half])) return false;
+    return true;
+}
+
+const tvi_stepper tvi_stepper_composed = {
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .is_sound = is_sound, .uses = uses};

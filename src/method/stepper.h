@@ -50,6 +50,10 @@ typedef struct {
      * is all zeros, and the reverse. NULL: they leave nothing. */
     void (*get)(const void *work, int lane, void *one);
     void (*put)(void *work, int lane, const void *one);
+    /* The lane is as before a first step. NULL: steps leave nothing. */
+    void (*forget)(void *work, int lane);
+    /* As that of the stepper. */
+    bool (*is_sound)(const void *work);
     /* Makes the stepper's own work leave no more than these know to its next step, so that a member's steps do not
      * depend on the calls that they are made in. NULL: it leaves no more. */
     void (*simplify)(void *one);
@@ -86,6 +90,9 @@ typedef struct {
     /* More than the last step changes the energy by, where the forces grow or shrink all along it, and terms that are
      * left out become smaller. NULL, and in s: the tail says whether the energy is looked at (guard.c). */
     double (*most_change)(const void *work);
+    /* Whether the work's part of a history that came from elsewhere has its indices within their arrays. NULL: it has
+     * none. */
+    bool (*is_sound)(const void *work);
     tvi_uses (*uses)(const tvi_system *system, const tvi_options *options);
     const tvi_crowd_stepper *crowd; /* NULL: members of an ensemble go one after the other */
 } tvi_stepper;

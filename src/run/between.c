@@ -23,7 +23,7 @@ tvi_status tvi_between_open(tvi_between *between, tvi_integrator *steps, bool kn
     between->p = between->q + n;
     between->x = between->p + n;
     between->rate = between->x + wide;
-    tvi_status status = tvi_integrator_twin(&between->partial, steps);
+    tvi_status status = tvi_integrator_twin(&between->partial, steps, 1);
     if (status == TVI_OK && tvi_is_rescaled(steps))
         status = tvi_rates_open(&between->rates, steps->system->stepped, steps->parameters);
     if (status != TVI_OK) tvi_between_close(between);

@@ -1,6 +1,7 @@
-/* ensemble.c - many members, and the few integrators that take turns in stepping them: all that one member is between
- * two steps is an integrator's history (arena.h), or a lane of a crowd's. */
+/* ensemble.c - makes ensembles: many members, and the few integrators that take turns in stepping them. All that the
+ * members of a batch are between two steps is an integrator's history (arena.h), their parameters and their stops. */
 #include "run/ensemble.h"
+#include "run/saved.h"
 #include "run/spread.h"
 #include "system/refuse.h"
 
@@ -18,29 +19,33 @@ static size_t parameter_count(const tvi_ensemble *e)
 /* The first worker's integrator is made by the options, the others are its twins. */
 static tvi_status make_worker(tvi_worker *w, const tvi_ensemble *e, const tvi_options *options)
 {
-    const tvi_status status =
-        w == e->worker ? tvi_integrator_create(&w->it, e->system, options) : tvi_integrator_twin(&w->it, e->worker->it);
+    tvi_status status = w == e->worker ? tvi_integrator_create(&w->one, e->system, options)
+                                       : tvi_integrator_twin(&w->one, e->worker->one, 1);
     if (status != TVI_OK) return status;
     w->q = calloc(2 * (size_t)e->n, sizeof *w->q);
     if (!w->q) return TVI_ENOMEM;
     w->p = w->q + e->n;
-    return tvi_crowd_create(&w->crowd, w->it);
+    const tvi_crowd_stepper *stepper = w->one->stepper->crowd;
+    const int width = tvi_integrator_width(w->one);
+    w->batch = w->one;
+    if (width > 1 && stepper->simplify) stepper->simplify(w->one->work);
+    return width > 1 ? tvi_integrator_twin(&w->batch, w->one, width) : TVI_OK;
 }
 
 static tvi_status make_members(tvi_ensemble *e)
 {
-    const tvi_crowd *crowd = e->worker->crowd;
-    const tvi_integrator *it = e->worker->it;
-    e->lanes = crowd ? crowd->width : 1;
-    e->blocks = (e->members - 1) / e->lanes + 1;
-    e->remembered = crowd ? crowd->remembered : it->remembered;
-    e->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)e->blocks * e->remembered);
+    const tvi_integrator *batch = e->worker->batch;
+    e->width = batch->width;
+    e->batches = (e->members - 1) / e->width + 1;
+    e->remembered = batch->remembered;
+    e->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)e->batches * e->remembered);
     e->parameters = calloc(parameter_count(e) + 1, sizeof *e->parameters);
     e->stops = calloc((size_t)e->members, tvi_stop_bytes(e->n));
     e->failed = calloc((size_t)e->members, sizeof *e->failed);
     if (!e->memory || !e->parameters || !e->stops || !e->failed) return TVI_ENOMEM;
-    memset(e->memory, 0, (size_t)e->blocks * e->remembered);
-    for (size_t i = 0; i < parameter_count(e); i++) e->parameters[i] = it->parameters[i / (size_t)e->members];
+    memset(e->memory, 0, (size_t)e->batches * e->remembered);
+    for (size_t i = 0; i < parameter_count(e); i++)
+        e->parameters[i] = e->worker->one->parameters[i / (size_t)e->members];
     return TVI_OK;
 }
 
@@ -81,8 +86,8 @@ void tvi_ensemble_free(tvi_ensemble *e)
 {
     if (!e) return;
     for (int i = 0; e->worker && i < e->threads; i++) {
-        tvi_crowd_free(e->worker[i].crowd);
-        tvi_integrator_free(e->worker[i].it);
+        if (e->worker[i].batch != e->worker[i].one) tvi_integrator_free(e->worker[i].batch);
+        tvi_integrator_free(e->worker[i].one);
         free(e->worker[i].q);
         free(e->worker[i].D);
     }
@@ -97,42 +102,36 @@ void tvi_ensemble_free(tvi_ensemble *e)
 
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
-static char *memory_of(const tvi_ensemble *e, int block) { return e->memory + (size_t)block * e->remembered; }
+static char *memory_of(const tvi_ensemble *e, int batch) { return e->memory + (size_t)batch * e->remembered; }
 
 static char *stop_of(const tvi_ensemble *e, int member) { return e->stops + (size_t)member * tvi_stop_bytes(e->n); }
 
-void tvi_worker_load(tvi_worker *w, const tvi_ensemble *e, int block)
+void tvi_worker_load(tvi_worker *w, const tvi_ensemble *e, int batch)
 {
-    const int parameters = tvi_system_parameters(e->system), count = tvi_members_of(e, block);
-    const double *value = e->parameters + tvi_first_member(e, block);
-    if (!w->crowd) {
-        tvi_arena_copy(w->it->history, memory_of(e, block), e->remembered);
-        return;
-    }
-    tvi_arena_copy(w->crowd->history, memory_of(e, block), e->remembered);
-    for (int i = 0; i < parameters; i++, value += e->members)
-        for (int lane = 0; lane < e->lanes; lane++)
-            w->crowd->parameters[i * e->lanes + lane] = value[lane < count ? lane : 0];
-    if (parameters > 0) tvi_crowd_apply_parameters(w->crowd);
+    tvi_arena_copy(w->batch->history, memory_of(e, batch), e->remembered);
+    tvi_integrator_lend_parameters(w->batch, e->parameters + tvi_first_member(e, batch), (size_t)e->members,
+                                   tvi_members_of(e, batch));
+    w->batch->has_dense = false;
 }
 
-void tvi_worker_store(const tvi_worker *w, tvi_ensemble *e, int block)
+void tvi_worker_store(const tvi_worker *w, tvi_ensemble *e, int batch)
 {
-    tvi_arena_copy(memory_of(e, block), w->crowd ? w->crowd->history : w->it->history, e->remembered);
+    tvi_arena_copy(memory_of(e, batch), w->batch->history, e->remembered);
 }
 
 void tvi_worker_enter(tvi_worker *w, const tvi_ensemble *e, int member)
 {
-    if (w->crowd) tvi_crowd_get(w->crowd, member % e->lanes, w->it);
-    tvi_integrator_lend_parameters(w->it, e->parameters + member, e->members);
-    memcpy(w->it->stop, stop_of(e, member), tvi_stop_bytes(e->n));
-    w->it->has_dense = false;
+    if (w->batch != w->one) {
+        tvi_member_copy(w->one, 0, w->batch, member % e->width);
+        tvi_integrator_lend_parameters(w->one, e->parameters + member, (size_t)e->members, 1);
+    }
+    memcpy(w->one->stop, stop_of(e, member), tvi_stop_bytes(e->n));
 }
 
 void tvi_worker_leave(tvi_worker *w, const tvi_ensemble *e, int member)
 {
-    if (w->crowd) tvi_crowd_put(w->crowd, member % e->lanes, w->it);
-    memcpy(stop_of(e, member), w->it->stop, tvi_stop_bytes(e->n));
+    if (w->batch != w->one) tvi_member_copy(w->batch, member % e->width, w->one, 0);
+    memcpy(stop_of(e, member), w->one->stop, tvi_stop_bytes(e->n));
 }
 
 /* ---- What is asked of all ---------------------------------------------------------------------------------------- */
@@ -152,11 +151,11 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *e, const double value[])
 void tvi_ensemble_reset(tvi_ensemble *e)
 {
     if (!e) return;
-    memset(e->memory, 0, (size_t)e->blocks * e->remembered);
+    memset(e->memory, 0, (size_t)e->batches * e->remembered);
     memset(e->failed, 0, (size_t)e->members * sizeof *e->failed);
     for (int i = 0; i < e->threads; i++) {
-        e->worker[i].it->stats.largest_tail = 0;
-        if (e->worker[i].crowd) e->worker[i].crowd->stats.largest_tail = 0;
+        e->worker[i].one->stats.largest_tail = 0;
+        e->worker[i].batch->stats.largest_tail = 0;
     }
     e->before.largest_tail = 0;
     e->has_run = false;
@@ -178,12 +177,106 @@ tvi_status tvi_ensemble_stats(const tvi_ensemble *e, tvi_stats *stats)
     if (!e || !stats)
         return tvi_refuse_null(2, (const void *const[]){e, stats}, (const char *const[]){"ensemble", "stats"});
     *stats = e->before;
-    stats->bytes = sizeof *e + (size_t)e->blocks * e->remembered + parameter_count(e) * sizeof *e->parameters +
+    stats->bytes = sizeof *e + (size_t)e->batches * e->remembered + parameter_count(e) * sizeof *e->parameters +
                    (size_t)e->members * (sizeof *e->failed + tvi_stop_bytes(e->n));
     for (int i = 0; i < e->threads; i++) {
-        add_stats(stats, &e->worker[i].it->stats);
-        if (e->worker[i].crowd) add_stats(stats, &e->worker[i].crowd->stats);
+        add_stats(stats, &e->worker[i].one->stats);
+        if (e->worker[i].batch != e->worker[i].one) add_stats(stats, &e->worker[i].batch->stats);
     }
-    stats->is_compiled = e->worker->it->stats.is_compiled;
+    stats->is_compiled = e->worker->one->stats.is_compiled;
+    return TVI_OK;
+}
+
+/* ---- Saved states ------------------------------------------------------------------------------------------------ */
+
+/* identity | counts | statuses | parameters | stops | histories | checksum */
+enum { COUNTS, STATUSES, PARAMETERS, STOPS, HISTORIES };
+
+static void list_pieces(const tvi_ensemble *e, tvi_stats *stats, tvi_pieces *pieces)
+{
+    const size_t members = (size_t)e->members;
+    pieces->count = 0;
+    tvi_pieces_add(pieces, stats, sizeof *stats);
+    tvi_pieces_add(pieces, e->failed, members * sizeof *e->failed);
+    tvi_pieces_add(pieces, e->parameters, parameter_count(e) * sizeof *e->parameters);
+    tvi_pieces_add(pieces, e->stops, members * tvi_stop_bytes(e->n));
+    tvi_pieces_add(pieces, e->memory, (size_t)e->batches * e->remembered);
+}
+
+static tvi_identity identity_of(const tvi_ensemble *e, const tvi_pieces *pieces)
+{
+    tvi_identity who = tvi_identity_of(e->worker->one, tvi_saved_size(pieces));
+    who.has_stepped = e->has_run;
+    who.members = e->members;
+    who.width = e->width;
+    return who;
+}
+
+tvi_status tvi_ensemble_save(const tvi_ensemble *e, void *buffer, size_t *size)
+{
+    if (!e || !size) return jet_refuse(TVI_EINVAL, "%s is NULL", e ? "size" : "ensemble");
+    tvi_stats stats;
+    tvi_pieces pieces;
+    const tvi_status status = tvi_ensemble_stats(e, &stats);
+    if (status != TVI_OK) return status;
+    list_pieces(e, &stats, &pieces);
+    const tvi_identity own = identity_of(e, &pieces);
+    return tvi_saved_write(&own, &pieces, buffer, size);
+}
+
+/* Whether all that stands in the pieces is what a run can go on from. */
+static bool are_sound(tvi_ensemble *e, const tvi_pieces *pieces, const void *buffer)
+{
+    const char *histories = tvi_saved_piece(pieces, HISTORIES, buffer);
+    tvi_integrator *it = e->worker->batch;
+    if (!tvi_stops_are_sound(tvi_saved_piece(pieces, STOPS, buffer), e->n, e->members) ||
+        !tvi_numbers_are_finite(tvi_saved_piece(pieces, PARAMETERS, buffer), pieces->piece[PARAMETERS].bytes))
+        return false;
+    for (int m = 0; m < e->members; m++) {
+        tvi_status status;
+        memcpy(&status, tvi_saved_piece(pieces, STATUSES, buffer) + (size_t)m * sizeof status, sizeof status);
+        if (status != TVI_OK && !tvi_status_is_of_member(status)) return false;
+    }
+    for (int batch = 0; batch < e->batches; batch++) {
+        tvi_arena_copy(it->history, histories + (size_t)batch * e->remembered, e->remembered);
+        if (!tvi_history_is_sound(it)) return false;
+    }
+    return true;
+}
+
+tvi_status tvi_ensemble_load(tvi_ensemble *e, const void *buffer, size_t size)
+{
+    if (!e || !buffer) return jet_refuse(TVI_EINVAL, "%s is NULL", e ? "buffer" : "ensemble");
+    tvi_stats stats;
+    tvi_pieces pieces;
+    tvi_identity who;
+    list_pieces(e, &stats, &pieces);
+    const tvi_identity own = identity_of(e, &pieces);
+    const char *const misfit = tvi_saved_misfit(&own, buffer, size);
+    if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);
+    if (!are_sound(e, &pieces, buffer)) return jet_refuse(TVI_EINVAL, "the state is damaged");
+    (void)tvi_saved_fault(buffer, size, &who);
+    tvi_saved_read(&pieces, buffer);
+    e->before = stats;
+    for (int i = 0; i < e->threads; i++) {
+        tvi_stats *const all[] = {&e->worker[i].one->stats, &e->worker[i].batch->stats};
+        for (int k = 0; k < 2; k++) *all[k] = (tvi_stats){.bytes = all[k]->bytes, .is_compiled = all[k]->is_compiled};
+    }
+    e->has_run = who.has_stepped != 0;
+    return TVI_OK;
+}
+
+tvi_status tvi_ensemble_last(const tvi_ensemble *e, double t[], double q[], double p[], tvi_status status[])
+{
+    if (!e || !t || !q || !p || !status)
+        return tvi_refuse_null(5, (const void *const[]){e, t, q, p, status},
+                               (const char *const[]){"ensemble", "t", "q", "p", "status"});
+    if (!e->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");
+    tvi_worker *w = e->worker;
+    for (int m = 0; m < e->members; m++) {
+        if (m % e->width == 0) tvi_worker_load(w, e, m / e->width);
+        tvi_member_give(w->batch, m % e->width, &t[m], q + m, p + m, (size_t)e->members);
+        status[m] = e->failed[m];
+    }
     return TVI_OK;
 }

@@ -1,5 +1,5 @@
-/* ensemble_run.c - runs of all members, block by block: each as an integrator of its own runs, or all members of a
- * block at once. */
+/* ensemble_run.c - runs all members, batch by batch: each as an integrator of its own runs, or all members of a batch
+ * at once. */
 #include "run/ensemble.h"
 #include "run/run.h"
 #include "run/spread.h"
@@ -15,7 +15,7 @@ typedef struct {
     const tvi_ensemble_plan *plan;
     /* Of one member, whose state the worker has. */
     tvi_status (*go)(const void *turn, tvi_worker *worker, int member, double *t);
-    bool in_lanes; /* steps and nothing else: blocks may go at once */
+    bool at_once; /* steps and nothing else: the members of a batch are stepped together */
     long steps;
     double *t, *q, *p;
     tvi_status *status;
@@ -51,7 +51,7 @@ static tvi_status go_steps(const void *of, tvi_worker *w, int member, double *t)
     const turn *r = of;
     const tvi_ensemble_plan *plan = r->plan;
     listener to = {r->e, plan->on_event, plan->ctx, member};
-    return tvi_integrate_events(w->it, plan->h, r->steps, plan->events, plan->event_count, t, w->q, w->p, NULL, tell,
+    return tvi_integrate_events(w->one, plan->h, r->steps, plan->events, plan->event_count, t, w->q, w->p, NULL, tell,
                                 &to);
 }
 
@@ -61,7 +61,7 @@ static tvi_status go_to(const void *of, tvi_worker *w, int member, double *t)
     const tvi_ensemble_plan *plan = r->plan;
     listener to = {r->e, plan->on_event, plan->ctx, member};
     const tvi_audience audience = {plan->events, plan->event_count, tell, NULL, &to};
-    return tvi_run_to(w->it, plan->h, plan->t_end, &audience, t, w->q, w->p);
+    return tvi_run_to(w->one, plan->h, plan->t_end, &audience, t, w->q, w->p);
 }
 
 static tvi_status go_within(const void *of, tvi_worker *w, int member, double *t)
@@ -69,8 +69,8 @@ static tvi_status go_within(const void *of, tvi_worker *w, int member, double *t
     const turn *r = of;
     const tvi_ensemble_plan *plan = r->plan;
     listener to = {r->e, plan->on_event, plan->ctx, member};
-    return tvi_integrate_tolerance_events(w->it, plan->tolerance, plan->t_end, plan->events, plan->event_count, t, w->q,
-                                          w->p, NULL, tell, &to);
+    return tvi_integrate_tolerance_events(w->one, plan->tolerance, plan->t_end, plan->events, plan->event_count, t,
+                                          w->q, w->p, NULL, tell, &to);
 }
 
 static tvi_status go_through(const void *of, tvi_worker *w, int member, double *t)
@@ -78,7 +78,7 @@ static tvi_status go_through(const void *of, tvi_worker *w, int member, double *
     const turn *r = of;
     const tvi_ensemble_plan *plan = r->plan;
     listener to = {r->e, plan->at_time, plan->ctx, member};
-    return tvi_integrate_at(w->it, plan->h, plan->times, plan->time_count, t, w->q, w->p, tell_time, &to);
+    return tvi_integrate_at(w->one, plan->h, plan->times, plan->time_count, t, w->q, w->p, tell_time, &to);
 }
 
 /* The member's columns of D, [rows][columns] of the worker's. */
@@ -95,7 +95,7 @@ static tvi_status go_tangent(const void *of, tvi_worker *w, int member, double *
     tvi_status status = TVI_OK;
     for (size_t k = 0; k < count; k++) w->D[k] = D[k * members];
     for (long step = 0; step < r->steps && status == TVI_OK; step++)
-        status = tvi_step_tangent(w->it, r->plan->h, t, w->q, w->p, w->D, r->plan->columns);
+        status = tvi_step_tangent(w->one, r->plan->h, t, w->q, w->p, w->D, r->plan->columns);
     for (size_t k = 0; k < count; k++) D[k * members] = w->D[k];
     return status;
 }
@@ -118,17 +118,10 @@ static void scatter(const turn *r, const tvi_worker *w, int member)
     }
 }
 
-/* Whether the member itself has failed: others tell of the run, or of this call. */
-static bool has_failed(tvi_status status)
-{
-    return status == TVI_ENONFINITE || status == TVI_EDOMAIN || status == TVI_ENOCONV || status == TVI_ESINGULAR ||
-           status == TVI_ETOOLARGE;
-}
-
 static void set_status(const turn *r, int member, tvi_status status)
 {
     r->status[member] = status;
-    r->e->failed[member] = has_failed(status) ? status : TVI_OK;
+    r->e->failed[member] = tvi_status_is_of_member(status) ? status : TVI_OK;
 }
 
 static void run_member(const turn *r, tvi_worker *w, int member)
@@ -137,61 +130,55 @@ static void run_member(const turn *r, tvi_worker *w, int member)
     gather(r, w, member);
     tvi_worker_enter(w, e, member);
     r->status[member] = e->failed[member];
-    if (e->failed[member] != TVI_OK && tvi_integrator_has(w->it, r->t[member], w->q, w->p)) return;
+    if (e->failed[member] != TVI_OK && tvi_integrator_has(w->one, r->t[member], w->q, w->p)) return;
     set_status(r, member, r->go(r, w, member, &r->t[member]));
     scatter(r, w, member);
     tvi_worker_leave(w, e, member);
 }
 
-/* ---- A block of them --------------------------------------------------------------------------------------------- */
+/* ---- A batch of them --------------------------------------------------------------------------------------------- */
 
-/* Makes the state that of its lane, and says whether it is to be stepped. */
-static tvi_status begin_lane(const turn *r, tvi_worker *w, int lane, int member)
+/* Makes the user's state that of the member, and says whether it is to be stepped. */
+static tvi_status begin_member(const turn *r, tvi_integrator *it, int m, int member)
 {
+    const tvi_given_state given = {r->q + member, r->p + member, (size_t)r->e->members, r->t[member]};
     const tvi_status failed = r->e->failed[member];
-    const double t = r->t[member];
-    gather(r, w, member);
-    if (failed != TVI_OK && tvi_crowd_has(w->crowd, lane, t, w->q, w->p)) return failed;
-    return tvi_crowd_begin(w->crowd, lane, t, w->q, w->p);
+    if (failed != TVI_OK && tvi_member_has(it, m, &given)) return failed;
+    return tvi_member_begin(it, m, &given);
 }
 
-/* The state of a lane, as the user has it. */
-static void scatter_lane(const turn *r, const tvi_crowd *crowd, int lane, int member)
+/* A lane that has no member holds the first one's state, and is not stepped. */
+static void fill(tvi_integrator *it, int m)
+{
+    for (int i = 0; i <= it->stepped->n; i++) it->now.q[i * it->width + m] = it->now.q[i * it->width];
+    for (int i = 0; i < it->stepped->n; i++) it->now.p[i * it->width + m] = it->now.p[i * it->width];
+    it->status[m] = TVI_EINVAL;
+}
+
+static void run_together(const turn *r, tvi_integrator *it, int first, int count)
 {
     const size_t members = (size_t)r->e->members;
-    const int n = r->e->n, width = crowd->width;
-    for (int i = 0; i < n; i++) {
-        r->q[(size_t)i * members + (size_t)member] = crowd->now.q[i * width + lane];
-        r->p[(size_t)i * members + (size_t)member] = crowd->now.p[i * width + lane];
-    }
-    r->t[member] = crowd->now.q[n * width + lane];
-}
-
-static void run_lanes(const turn *r, tvi_worker *w, int first, int count)
-{
-    tvi_status *status = w->crowd->end.status, *begun = r->status + first;
-    for (int lane = 0; lane < w->crowd->width; lane++) {
-        status[lane] = lane < count ? begin_lane(r, w, lane, first + lane) : TVI_EINVAL;
-        if (lane < count) begun[lane] = status[lane];
-        else tvi_crowd_repeat(w->crowd, lane);
-    }
-    tvi_crowd_steps(w->crowd, r->plan->h, r->steps);
-    for (int lane = 0; lane < count; lane++) {
-        if (begun[lane] == TVI_OK) scatter_lane(r, w->crowd, lane, first + lane);
-        set_status(r, first + lane, status[lane]);
+    tvi_status *begun = r->status + first;
+    for (int m = 0; m < count; m++) begun[m] = it->status[m] = begin_member(r, it, m, first + m);
+    for (int m = count; m < it->width; m++) fill(it, m);
+    tvi_members_step(it, r->steps, r->plan->h);
+    for (int m = 0; m < count; m++) {
+        const int at = first + m;
+        if (begun[m] == TVI_OK) tvi_member_give(it, m, &r->t[at], r->q + at, r->p + at, members);
+        set_status(r, at, it->status[m]);
     }
 }
 
-static void run_block(void *ctx, int thread, int block)
+static void run_batch(void *ctx, int thread, int batch)
 {
     const turn *r = ctx;
     tvi_worker *w = &r->e->worker[thread];
-    const int first = tvi_first_member(r->e, block), count = tvi_members_of(r->e, block);
-    tvi_worker_load(w, r->e, block);
-    if (w->crowd && r->in_lanes) run_lanes(r, w, first, count);
+    const int first = tvi_first_member(r->e, batch), count = tvi_members_of(r->e, batch);
+    tvi_worker_load(w, r->e, batch);
+    if (w->batch->width > 1 && r->at_once) run_together(r, w->batch, first, count);
     else
         for (int member = first; member < first + count; member++) run_member(r, w, member);
-    tvi_worker_store(w, r->e, block);
+    tvi_worker_store(w, r->e, batch);
 }
 
 /* ---- The run ----------------------------------------------------------------------------------------------------- */
@@ -200,7 +187,7 @@ static tvi_status run_all(const turn *r)
 {
     const tvi_ensemble *e = r->e;
     tvi_status status = TVI_OK;
-    tvi_spread(e->threads, e->blocks, run_block, (void *)r);
+    tvi_spread(e->threads, e->batches, run_batch, (void *)r);
     for (int member = 0; member < e->members; member++)
         if (r->status[member] == TVI_ENOMEM) status = jet_refuse_memory(TVI_ENOMEM);
     r->e->has_run = true;
@@ -231,7 +218,7 @@ static tvi_status provide_columns(tvi_ensemble *e, const turn *r)
         double *D = realloc(w->D, columns_of(r) * sizeof *D);
         if (!D) return jet_refuse_memory(TVI_ENOMEM);
         w->D = D;
-        const tvi_status status = tvi_integrator_provide_tangent(w->it, columns);
+        const tvi_status status = tvi_integrator_provide_tangent(w->one, columns);
         if (status != TVI_OK) return status;
     }
     if (columns > e->columns) e->columns = columns;
@@ -287,14 +274,14 @@ tvi_status tvi_ensemble_run(tvi_ensemble *e, const tvi_ensemble_plan *plan, doub
     if (!e || !t || !q || !p || !status) return refuse_null(e, t, q, p, status);
     const char *const reason = plan ? misfit(plan) : "plan is NULL";
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
-    const tvi_integrator *it = e->worker->it;
+    const tvi_integrator *it = e->worker->one;
     if (!tvi_events_fit(it, plan->events, plan->event_count)) return TVI_EINVAL;
     const tvi_status served = plan->tolerance != 0 ? tvi_serves_tolerance(it, plan->tolerance) : TVI_OK;
     if (served != TVI_OK) return served;
     turn r = {.e = e, .plan = plan, .t = t, .q = q, .p = p, .status = status};
     const tvi_status provided = provide_columns(e, &r);
     if (provided != TVI_OK) return provided;
-    r.in_lanes = plan->steps > 0 && plan->event_count == 0 && plan->columns == 0;
+    r.at_once = plan->steps > 0 && plan->event_count == 0 && plan->columns == 0;
     r.go = plan->columns > 0      ? go_tangent
            : plan->steps > 0      ? go_steps
            : plan->time_count > 0 ? go_through

@@ -5,6 +5,7 @@
 #include "run/guard.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
+#include "vector.h"
 
 #include <float.h>
 #include <math.h>
@@ -28,53 +29,121 @@ static bool keeps_energy(const tvi_integrator *it)
     return it->energy.block && it->options.max_tail >= 0 && is_kept;
 }
 
-static void find_scale(tvi_integrator *it)
+/* ---- Energies ---------------------------------------------------------------------------------------------------- */
+
+/* That of the member at (q, p), rows as those of a tvi_run_state; infinite where it overflows, NAN where it has no
+ * value. */
+static double energy_of(tvi_integrator *it, int m, const double *q, const double *p)
 {
     double H;
-    const int n = it->system->n;
-    const double *q = it->begun, *p = q + n + 1;
-    const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &H);
-    tvi_guard_set_scale(it->kept, status == TVI_OK ? H : 0);
+    const tvi_status status = tvi_member_energy(it, m, q, p, &H);
+    return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
-void tvi_guard_begin(tvi_integrator *it)
+/* H[width] of the members that are in doubt. */
+static void find_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
-    const int n = it->system->n;
-    for (int i = 0; i <= n; i++) it->begun[i] = it->now.q[i];
-    for (int i = 0; i < n; i++) it->begun[n + 1 + i] = it->now.p[i];
-    if (it->stepper->most_change && keeps_energy(it)) find_scale(it);
+    if (it->energies.block) {
+        tvi_energy_in_lanes(&it->energies, q + it->system->n * it->width, q, p, H);
+        return;
+    }
+    for (int m = 0; m < it->width; m++)
+        if (it->doubts[m]) H[m] = energy_of(it, m, q, p);
 }
+
+/* Where the runs began; 0: it is not known. */
+static void set_scale(tvi_kept_energy *kept, double H)
+{
+    kept->scale = isfinite(H) ? fabs(H) : 0;
+    kept->has_scale = true;
+}
+
+static void find_scales(tvi_integrator *it)
+{
+    const double *q = it->begun, *p = q + (it->system->n + 1) * it->width;
+    find_energies(it, q, p, it->energy_before);
+    for (int m = 0; m < it->width; m++)
+        if (it->doubts[m] && !it->kept[m].has_scale) set_scale(&it->kept[m], it->energy_before[m]);
+}
+
+void tvi_guard_begin(tvi_integrator *it, int m)
+{
+    const double *q = it->begun, *p = q + (it->system->n + 1) * it->width;
+    if (it->stepper->most_change && keeps_energy(it)) set_scale(&it->kept[m], energy_of(it, m, q, p));
+}
+
+/* ---- What a step changes ----------------------------------------------------------------------------------------- */
 
 /* p.dq/dt of the step: 2 T, where there is one. */
-static double action_of(const tvi_guarded *s)
+static double action_of(const tvi_integrator *it, int m)
 {
+    const int width = it->width, end = it->system->n * width;
+    const double *p = it->now.p, *dp = it->by.dp, *dq = it->by.dq;
     double action = 0;
-    for (int k = 0; k < s->n * s->stride; k += s->stride)
-        action += (fabs(s->p[k]) + fabs(s->p[k] + s->dp[k])) * fabs(s->dq[k]);
-    return action / (2 * fabs(s->dq[s->n * s->stride]));
+    for (int k = m; k < end; k += width) action += (fabs(p[k]) + fabs(p[k] + dp[k])) * fabs(dq[k]);
+    return action / (2 * fabs(dq[end + m]));
 }
 
 /* What the roundoff of q and p makes of the energy, H_p = dq/dt and -H_q = dp/dt: where terms cancel that are much
  * larger than their sum, as along an unstable direction. */
-static double roundoff_of(const tvi_guarded *s)
+static double roundoff_of(const tvi_integrator *it, int m)
 {
+    const int width = it->width, end = it->system->n * width;
+    const double *q = it->now.q, *p = it->now.p, *dp = it->by.dp, *dq = it->by.dq;
     double sum = 0;
-    for (int k = 0; k < s->n * s->stride; k += s->stride) sum += fabs(s->q[k] * s->dp[k]) + fabs(s->p[k] * s->dq[k]);
-    return ROUNDOFF * sum / fabs(s->dq[s->n * s->stride]);
+    for (int k = m; k < end; k += width) sum += fabs(q[k] * dp[k]) + fabs(p[k] * dq[k]);
+    return ROUNDOFF * sum / fabs(dq[end + m]);
 }
 
-bool tvi_guard_loses(const tvi_guarded *s, tvi_kept_energy *kept, tvi_status status, double after)
+/* Whether the energy becomes `after`, by what no step does. Where it has no value nothing is known, and the next step
+ * says so. */
+static bool loses_energy(tvi_integrator *it, int m, double after)
 {
+    tvi_kept_energy *kept = &it->kept[m];
     const double before = kept->H;
-    kept->is_known = status == TVI_OK;
-    if (status != TVI_OK) return status == TVI_ENONFINITE;
+    kept->is_known = isfinite(before) && isfinite(after);
+    if (!kept->is_known) return isfinite(before) && isinf(after);
     kept->H = after;
-    const double action = action_of(s), of_e = s->dimension > s->n ? s->dp[s->n * s->stride] : 0;
+    const double action = action_of(it, m), of_e = tvi_is_rescaled(it) ? it->by.dp[it->system->n * it->width + m] : 0;
     const double size = kept->scale > NO_ENERGY * action ? fmax(kept->scale, fabs(before)) : PART_OF_ACTION * action;
-    return fabs(after - before + of_e) > MOST_CHANGE * size + roundoff_of(s);
+    return fabs(after - before + of_e) > MOST_CHANGE * size + roundoff_of(it, m);
 }
+
+/* Refuses the doubtful members whose energy says that the step is too large. */
+static void look_at_energies(tvi_integrator *it)
+{
+    const int width = it->width, n = it->system->n;
+    bool has_scales = true, knows_all = true;
+    for (int m = 0; m < width; m++) {
+        has_scales = has_scales && (it->kept[m].has_scale || !it->doubts[m]);
+        knows_all = knows_all && (it->kept[m].is_known || !it->doubts[m]);
+    }
+    if (!has_scales) find_scales(it);
+    if (!knows_all) find_energies(it, it->now.q, it->now.p, it->energy_before);
+    for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->now.q[k] + it->by.dq[k];
+    for (int k = 0; k < n * width; k++) it->end.p[k] = it->now.p[k] + it->by.dp[k];
+    find_energies(it, it->end.q, it->end.p, it->energy_after);
+    for (int m = 0; m < width; m++) {
+        if (!it->doubts[m]) continue;
+        if (!it->kept[m].is_known) it->kept[m].H = it->energy_before[m];
+        if (loses_energy(it, m, it->energy_after[m]))
+            it->status[m] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
+    }
+}
+
+/* ---- Which steps are in doubt ------------------------------------------------------------------------------------ */
 
 static bool knows_change(const tvi_integrator *it) { return it->stepper->most_change && !tvi_is_rescaled(it); }
+
+/* The most that the step changes the energy of each member by, as the stepper knows it; else more than it can be. */
+static void find_changes(tvi_integrator *it)
+{
+    const tvi_crowd_stepper *batch = tvi_batch_of(it);
+    if (!batch) it->change[0] = it->stepper->most_change(it->work);
+    else if (batch->most_change) batch->most_change(it->work, it->change);
+    else
+        for (int m = 0; m < it->width; m++) it->change[m] = INFINITY;
+}
 
 /* Forces of one term, as those of a single node, have the tail 0, which shows nothing. */
 static bool shows_tail(const tvi_integrator *it, bool took_series)
@@ -83,12 +152,12 @@ static bool shows_tail(const tvi_integrator *it, bool took_series)
 }
 
 /* Whether the energy need not be computed. */
-static bool is_sure(const tvi_integrator *it, const tvi_signs *signs, const tvi_kept_energy *kept)
+static bool is_sure(const tvi_integrator *it, int m, bool took_series)
 {
-    if (knows_change(it)) return signs->most_change && *signs->most_change <= MOST_CHANGE * kept->scale;
-    if (!shows_tail(it, signs->took_series)) return false;
-    if (signs->took_series) return signs->tail <= SURE_SERIES_TAIL && signs->passes <= SURE_SERIES_PASSES;
-    return signs->tail <= SURE_TAIL && signs->passes <= SURE_PASSES;
+    if (knows_change(it)) return it->change[m] <= MOST_CHANGE * it->kept[m].scale;
+    if (!shows_tail(it, took_series)) return false;
+    if (took_series) return it->tail[m] <= SURE_SERIES_TAIL && it->passes[m] <= SURE_SERIES_PASSES;
+    return it->tail[m] <= SURE_TAIL && it->passes[m] <= SURE_PASSES;
 }
 
 tvi_sure tvi_guard_sure(const tvi_integrator *it)
@@ -98,43 +167,36 @@ tvi_sure tvi_guard_sure(const tvi_integrator *it)
     return (tvi_sure){shows_tail(it, false) ? tvi_smaller(most, SURE_TAIL) : -1, SURE_PASSES};
 }
 
-bool tvi_guard_asks(const tvi_integrator *it, const tvi_signs *signs, tvi_kept_energy *kept)
-{
-    if (!is_sure(it, signs, kept) && keeps_energy(it)) return true;
-    kept->is_known = false;
-    return false;
-}
-
-tvi_status tvi_guard_tail(const tvi_integrator *it, double tail)
+static bool has_small_tail(const tvi_integrator *it, double tail)
 {
     const double most = it->options.max_tail;
-    return most >= 0 && tail > most ? jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", tail, most)
-                                    : TVI_OK;
+    return most < 0 || !(tail > most);
 }
 
-/* The energies where the run began and where the step starts, if they are not known, and where it ends. */
-static bool loses_energy(tvi_integrator *it)
+JET_INLINE void guard_members(tvi_integrator *it, int width, bool took_series)
 {
-    const int n = it->system->n, dimension = it->stepped->n;
-    const tvi_guarded s = {n, dimension, 1, it->start.q, it->start.p, it->by.dq, it->by.dp};
-    double *q = it->end, *p = q + dimension + 1, after = 0;
-    tvi_kept_energy *kept = it->kept;
-    for (int i = 0; i <= n; i++) q[i] = s.q[i] + s.dq[i];
-    for (int i = 0; i < n; i++) p[i] = s.p[i] + s.dp[i];
-    if (!kept->has_scale) find_scale(it);
-    if (!kept->is_known && tvi_energy_of(&it->energy, s.q[n], s.q, s.p, &kept->H) != TVI_OK) return false;
-    const tvi_status status = tvi_energy_of(&it->energy, q[n], q, p, &after);
-    return tvi_guard_loses(&s, kept, status, after);
+    const bool keeps = keeps_energy(it);
+    double *largest = &it->stats.largest_tail;
+    bool any = false;
+    if (knows_change(it)) find_changes(it);
+    for (int m = 0; m < width; m++) {
+        const double tail = it->tail[m];
+        it->doubts[m] = false;
+        if (it->status[m] != TVI_OK) continue;
+        if (tail > *largest) *largest = tail;
+        if (!has_small_tail(it, tail)) {
+            it->status[m] = jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", tail, it->options.max_tail);
+            continue;
+        }
+        it->doubts[m] = keeps && !is_sure(it, m, took_series);
+        any = any || it->doubts[m];
+        if (!it->doubts[m]) it->kept[m].is_known = false;
+    }
+    if (any) look_at_energies(it);
 }
 
-tvi_status tvi_guard_step(tvi_integrator *it, long passes, long expansions)
+void tvi_guard_step(tvi_integrator *it, bool took_series)
 {
-    tvi_stats *stats = &it->stats;
-    const double change = knows_change(it) ? it->stepper->most_change(it->work) : 0;
-    const tvi_signs signs = {stats->tail, stats->passes - passes, stats->expansions != expansions,
-                             knows_change(it) ? &change : NULL};
-    if (signs.tail > stats->largest_tail) stats->largest_tail = signs.tail;
-    const tvi_status status = tvi_guard_tail(it, signs.tail);
-    const bool is_lost = status == TVI_OK && tvi_guard_asks(it, &signs, it->kept) && loses_energy(it);
-    return is_lost ? jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does") : status;
+    if (it->width == 1) guard_members(it, 1, took_series);
+    else guard_members(it, it->width, took_series);
 }

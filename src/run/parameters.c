@@ -9,17 +9,20 @@ static tvi_status no_integrator(void) { return jet_refuse(TVI_EINVAL, "integrato
 
 void tvi_integrator_apply_parameters(tvi_integrator *it)
 {
-    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), 1, it->parameters);
+    tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->width, it->parameters);
+    tvi_member_lend_parameters(it, 0);
 }
 
-void tvi_integrator_lend_parameters(tvi_integrator *it, const double value[], int stride)
+void tvi_integrator_lend_parameters(tvi_integrator *it, const double value[], size_t stride, int count)
 {
-    const int count = tvi_system_parameters(it->system);
+    const int parameters = tvi_system_parameters(it->system), width = it->width;
     bool is_same = true;
-    for (int i = 0; i < count; i++) {
-        is_same = is_same && it->parameters[i] == value[i * stride];
-        it->parameters[i] = value[i * stride];
-    }
+    for (int i = 0; i < parameters; i++)
+        for (int m = 0; m < width; m++) {
+            const double of_member = value[(size_t)i * stride + (size_t)(m < count ? m : 0)];
+            is_same = is_same && it->parameters[i * width + m] == of_member;
+            it->parameters[i * width + m] = of_member;
+        }
     if (!is_same) tvi_integrator_apply_parameters(it);
 }
 

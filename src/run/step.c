@@ -1,173 +1,206 @@
-/* step.c - a step: checks what comes in, holds the state between steps, and adds the increments by compensated
- * summation. */
+/* step.c - makes steps: the stepper finds the increments of all members, and those whose new state is one to return are
+ * added to them by compensated summation. */
+#include "run/advance.h"
+#include "run/guard.h"
 #include "run/integrator.h"
 #include "algebra/sizes.h"
-#include "run/guard.h"
 #include "system/refuse.h"
+#include "vector.h"
 
-#include <float.h>
 #include <math.h>
 #include <string.h>
+
+static const tvi_advance_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_advance_loops_base,
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = &tvi_advance_loops_avx2,
+    [jet_isa_avx512] = &tvi_advance_loops_avx512,
+#endif
+};
 
 void tvi_integrator_reset(tvi_integrator *integrator)
 {
     if (!integrator) return;
-    *integrator->continues = false;
+    for (int m = 0; m < integrator->width; m++) integrator->continues[m] = false;
     integrator->stats.largest_tail = 0;
 }
 
-/* All bits in which the components differ, of a vector that steps have left in parts. */
-static uint64_t difference(int n, const double a[], const double b[])
-{
-    uint64_t any = 0;
-    for (int i = 0; i < n; i++) {
-        any |= tvi_bits(a[i]) ^ tvi_bits(b[i]);
-        if (n < 8) __asm__("" : "+r"(any));
-    }
-    return any;
-}
+/* Loops over the members stand in functions that are told the width, so that they are compiled for one member, and for
+ * any number. */
 
-bool tvi_integrator_has(const tvi_integrator *it, double t, const double q[], const double p[])
-{
-    const int n = it->system->n;
-    return (difference(n, q, it->now.q) | difference(n, p, it->now.p) | difference(1, &t, &it->now.q[n])) == 0;
-}
+/* ---- The increments ---------------------------------------------------------------------------------------------- */
 
-/* K as it is with another e, in long double. */
-static long double transformed_with(tvi_integrator *it, double e)
-{
-    it->now.p[it->system->n] = e;
-    return tvi_energy_precise(&it->transformed, 0, it->now.q, it->now.p);
-}
-
-/* e = -H(q, p, t), where K = g (H + e) is 0 (rescaled.c). The roundoff of H at a pericentre, whose terms cancel, would
- * shift the period of the orbit: e is the root of K in long double, of which K is a linear function. */
-static tvi_status set_energy(tvi_integrator *it)
-{
-    const int n = it->system->n;
-    double H;
-    const tvi_status status = tvi_energy_of(&it->energy, it->now.q[n], it->now.q, it->now.p, &H);
-    if (status != TVI_OK) return tvi_refuse_as("energy", status);
-    const double apart = H != 0 ? H : 1;
-    const long double there = transformed_with(it, apart - H), here = transformed_with(it, -H);
-    const long double correction = apart * (here / (here - there)), e = isfinite(correction) ? correction - H : -H;
-    it->now.p[n] = (double)e;
-    it->now.p_low[n] = (double)(e - it->now.p[n]);
-    return TVI_OK;
-}
-
-tvi_status tvi_integrator_begin(tvi_integrator *it, double t, const double q[], const double p[])
-{
-    const int n = it->system->n;
-    if (it->is_telling) return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not step it");
-    if (*it->continues && tvi_integrator_has(it, t, q, p)) return TVI_OK;
-    if (!isfinite(t) || !tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
-    tvi_arena_copy(it->history, NULL, it->remembered);
-    memcpy(it->now.q, q, (size_t)n * sizeof *q);
-    memcpy(it->now.p, p, (size_t)n * sizeof *p);
-    it->now.q[n] = t;
-    tvi_guard_begin(it);
-    return tvi_is_rescaled(it) ? set_energy(it) : TVI_OK;
-}
-
-void tvi_state_now(const tvi_integrator *it, double *t, double q[], double p[])
-{
-    const int n = it->system->n;
-    for (int i = 0; i < n; i++) {
-        q[i] = it->now.q[i];
-        p[i] = it->now.p[i];
-        TVI_ONE_BY_ONE(n, p[i]);
-    }
-    *t = it->now.q[n];
-}
-
-/* Of a rescaled system the time goes the way of h, and moves. */
-static tvi_status check_time(const tvi_integrator *it, double h)
-{
-    const double dt = it->by.dq[it->system->n], t = it->now.q[it->system->n];
-    if (fabs(dt) <= tvi_least_time(t)) return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
-    return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
-}
-
-/* Whether the field has finite values where the step starts; that of a Lagrangian at rest there. */
-static bool starts_finite(const tvi_integrator *it)
-{
-    const tvi_system *system = it->stepped;
-    const jet_tape *tape = system->field_values;
-    const int n = system->n;
-    memcpy(it->field, it->start.q, (size_t)n * sizeof *it->field);
-    for (int i = n; i < system->inputs; i++) it->field[i] = system->form == TVI_HAMILTONIAN ? it->start.p[i - n] : 0;
-    tvi_system_set_time(system, it->field, 1, &it->start.q[n]);
-    bool is_finite = tape->interpreted->values(tape, it->field, 1);
-    for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field[tape->output[i]]);
-    return is_finite;
-}
-
-tvi_status tvi_step_overflow(const tvi_integrator *it) { return starts_finite(it) ? TVI_ETOOLARGE : TVI_ENONFINITE; }
-
-static tvi_status check_sums(const tvi_integrator *it)
-{
-    const tvi_run_state *now = &it->now;
-    for (int i = 0; i <= it->stepped->n; i++)
-        if (!isfinite(now->q[i])) return jet_refuse(tvi_step_overflow(it), "q[%d] overflows", i);
-    for (int i = 0; i < it->stepped->n; i++)
-        if (!isfinite(now->p[i])) return jet_refuse(tvi_step_overflow(it), "p[%d] overflows", i);
-    return TVI_OK;
-}
-
-/* The new state from the increments; it is finite. */
-static tvi_status advance(tvi_integrator *it, double h)
-{
-    const tvi_run_state *now = &it->now;
-    const int dimension = it->stepped->n;
-    const tvi_increments *by = &it->by;
-    const uint64_t q = tvi_add_all_compensated(dimension + 1, now->q, now->q_low, by->dq, by->dq_low),
-                   p = tvi_add_all_compensated(dimension, now->p, now->p_low, by->dp, by->dp_low);
-    const tvi_status status = (q | p) == 0 ? TVI_OK : check_sums(it);
-    if (status != TVI_OK) return status;
-    return tvi_is_rescaled(it) ? check_time(it, h) : TVI_OK;
-}
-
-/* The increments of a step; with a tolerance its size is chosen, and *h is the farthest it may go. */
-static tvi_status find_increments(tvi_integrator *it, double tolerance, double *h)
+/* By the stepper's own step; with a tolerance its size is chosen, and *h is the farthest it may go. */
+static void find_increments_alone(tvi_integrator *it, double tolerance, double *h)
 {
     const tvi_stepper *stepper = it->stepper;
     const tvi_run_state *now = &it->now;
     const tvi_increments *by = &it->by;
     const int dimension = it->stepped->n;
+    const long passes = it->stats.passes;
     const size_t bytes = (size_t)dimension * sizeof *by->dq_low;
     const tvi_origin origin = {now->q[dimension], now->q_low[dimension], now->q, now->q_low, now->p, now->p_low};
     memset(by->dq_low, 0, bytes);
     memset(by->dp_low, 0, bytes);
-    const tvi_status status = tolerance > 0 ? stepper->step_within(it->work, tolerance, h, &origin, by, &it->stats)
-                                            : stepper->step(it->work, *h, &origin, by, &it->stats);
-    by->dq[dimension] = *h;
-    return status;
+    it->status[0] = tolerance > 0 ? stepper->step_within(it->work, tolerance, h, &origin, by, &it->stats)
+                                  : stepper->step(it->work, *h, &origin, by, &it->stats);
+    it->tail[0] = it->stats.tail;
+    it->passes[0] = (int)(it->stats.passes - passes);
 }
 
-/* The step from the integrator's own state; with a tolerance its size is chosen, and h is the farthest it may go. */
-static tvi_status step(tvi_integrator *it, double tolerance, double h)
+/* Of all members that move; their statuses are those of the stepper. */
+JET_INLINE void find_increments(tvi_integrator *it, int width, double tolerance, double *h)
 {
-    const long passes = it->stats.passes, expansions = it->stats.expansions;
-    it->has_dense = false;
-    tvi_arena_copy(it->before, it->history, it->marked);
-    tvi_status status = find_increments(it, tolerance, &h);
-    if (status == TVI_ENONFINITE && tvi_step_overflow(it) == TVI_ETOOLARGE)
-        status = jet_refuse(TVI_ETOOLARGE, "its passes overflow: the step is too large");
-    else if (status != TVI_OK) status = tvi_refuse_as("its equations", status);
-    if (status == TVI_OK) status = advance(it, h);
-    if (status == TVI_OK) status = tvi_guard_step(it, passes, expansions);
-    if (status == TVI_OK) {
-        it->h = h;
-        it->covered = it->by.dq[it->system->n];
-        *it->continues = true;
-        it->has_dense = true;
-        it->stats.steps++;
-        return TVI_OK;
+    const tvi_run_state *now = &it->now;
+    const int time = it->stepped->n * width;
+    if (width > 1) {
+        const tvi_crowd_origin origin = {now->q + time, now->q_low + time, now->q, now->q_low, now->p, now->p_low};
+        const tvi_crowd_end end = {it->by, it->status, it->tail, it->passes};
+        it->stepper->crowd->step(it->work, *h, &origin, &end, &it->stats);
+    } else {
+        find_increments_alone(it, tolerance, h);
     }
-    tvi_arena_copy(it->history, it->before, it->marked);
-    const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
-    return jet_refuse(status, "step of %g%s from t = %g: %s", h, of, it->now.q[it->system->n], jet_refusal());
+    for (int m = 0; m < width; m++) it->by.dq[time + m] = *h;
+}
+
+/* ---- Whether they are to be added -------------------------------------------------------------------------------- */
+
+/* Whether the field has finite values where the member's step starts; that of a Lagrangian at rest there. */
+static bool starts_finite(tvi_integrator *it, int m)
+{
+    const tvi_system *system = it->stepped;
+    const jet_tape *tape = system->field_values;
+    const int n = system->n;
+    const double t = it->now.q[n * it->width + m];
+    tvi_member_lend_parameters(it, m);
+    tvi_member_gather(it, n, it->now.q, m, it->field);
+    for (int i = n; i < system->inputs; i++) it->field[i] = 0;
+    if (system->form == TVI_HAMILTONIAN) tvi_member_gather(it, n, it->now.p, m, it->field + n);
+    tvi_system_set_time(system, it->field, 1, &t);
+    bool is_finite = tape->interpreted->values(tape, it->field, 1);
+    for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field[tape->output[i]]);
+    return is_finite;
+}
+
+/* A step that overflows is too large, or what the user computes is not finite where it starts. */
+static tvi_status overflow_status(tvi_integrator *it, int m)
+{
+    return starts_finite(it, m) ? TVI_ETOOLARGE : TVI_ENONFINITE;
+}
+
+/* Why the stepper's step has failed. */
+static tvi_status explain(tvi_integrator *it, int m)
+{
+    const tvi_status status = it->status[m];
+    if (status == TVI_ENONFINITE && overflow_status(it, m) == TVI_ETOOLARGE)
+        return jet_refuse(TVI_ETOOLARGE, "its passes overflow: the step is too large");
+    return tvi_refuse_as("its equations", status);
+}
+
+/* Which component of the member's new state is not finite. */
+static tvi_status refuse_overflow(tvi_integrator *it, int m)
+{
+    const int width = it->width, rows = it->stepped->n;
+    const tvi_status status = overflow_status(it, m);
+    for (int i = 0, at = m; i <= rows; i++, at += width)
+        if (!isfinite(it->now.q[at] + (it->now.q_low[at] + it->by.dq[at])))
+            return jet_refuse(status, "q[%d] overflows", i);
+    for (int i = 0, at = m; i < rows; i++, at += width)
+        if (!isfinite(it->now.p[at] + (it->now.p_low[at] + it->by.dp[at])))
+            return jet_refuse(status, "p[%d] overflows", i);
+    return TVI_OK;
+}
+
+/* In a rescaled system the time is a coordinate, which has to move in the direction of h. */
+static tvi_status check_time(const tvi_integrator *it, int m, double h)
+{
+    const int time = it->system->n * it->width + m;
+    const double dt = it->by.dq[time], t = it->now.q[time];
+    if (fabs(dt) <= tvi_least_time(t)) return jet_refuse(TVI_ENOCONV, "the time does not move, as before a collision");
+    return (dt > 0) == (h > 0) ? TVI_OK : jet_refuse(TVI_ETOOLARGE, "the time goes the other way");
+}
+
+JET_INLINE void find_overflows(tvi_integrator *it, int width)
+{
+    const tvi_run_state *now = &it->now;
+    const tvi_increments *by = &it->by;
+    const int rows = it->stepped->n;
+    for (int m = 0; m < width; m++) it->overflows[m] = 0;
+    if (width == 1) {
+        tvi_find_overflows(rows + 1, 1, now->q, now->q_low, by->dq, it->overflows);
+        tvi_find_overflows(rows, 1, now->p, now->p_low, by->dp, it->overflows);
+    } else {
+        const tvi_advance_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        loops->find_overflows(rows + 1, width, now->q, now->q_low, by->dq, it->overflows);
+        loops->find_overflows(rows, width, now->p, now->p_low, by->dp, it->overflows);
+    }
+}
+
+/* Sets the status of the members whose step of size h is not to be returned. */
+JET_INLINE void check_members(tvi_integrator *it, int width, double h, bool took_series)
+{
+    find_overflows(it, width);
+    for (int m = 0; m < width; m++) {
+        if (!it->moves[m]) continue;
+        tvi_status *status = &it->status[m];
+        if (*status != TVI_OK) *status = explain(it, m);
+        else if (it->overflows[m] != 0) *status = refuse_overflow(it, m);
+        else if (tvi_is_rescaled(it)) *status = check_time(it, m, h);
+    }
+    tvi_guard_step(it, took_series);
+}
+
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+
+/* The new states of the members whose step is made. */
+JET_INLINE void advance(tvi_integrator *it, int width)
+{
+    const tvi_run_state *now = &it->now;
+    const tvi_increments *by = &it->by;
+    const int rows = it->stepped->n;
+    if (width == 1 && it->status[0] == TVI_OK) {
+        tvi_advance(rows + 1, 1, now->q, now->q_low, by->dq, by->dq_low, it->status);
+        tvi_advance(rows, 1, now->p, now->p_low, by->dp, by->dp_low, it->status);
+    } else if (width > 1) {
+        const tvi_advance_loops *loops = loops_of[it->stepped->field_values->sweeps->isa];
+        loops->advance(rows + 1, width, now->q, now->q_low, by->dq, by->dq_low, it->status);
+        loops->advance(rows, width, now->p, now->p_low, by->dp, by->dp_low, it->status);
+    }
+}
+
+/* A step of the members that are TVI_OK from their own states; with a tolerance its size is chosen, and h is the
+ * farthest it may go. Members that fail keep their state, and get a status. Returns how many have made it. */
+JET_INLINE int step_members(tvi_integrator *it, int width, double tolerance, double h)
+{
+    const long expansions = it->stats.expansions;
+    int made = 0;
+    it->has_dense = false;
+    for (int m = 0; m < width; m++) it->moves[m] = it->status[m] == TVI_OK;
+    tvi_arena_copy(it->before, it->history, it->marked);
+    find_increments(it, width, tolerance, &h);
+    check_members(it, width, h, it->stats.expansions != expansions);
+    advance(it, width);
+    for (int m = 0; m < width; m++) {
+        if (it->status[m] != TVI_OK) continue;
+        it->continues[m] = true;
+        made++;
+    }
+    if (made == 0) tvi_arena_copy(it->history, it->before, it->marked);
+    it->stats.steps += made;
+    it->has_dense = made > 0;
+    it->h = h;
+    it->covered = it->by.dq[it->system->n * width];
+    return made;
+}
+
+static int step(tvi_integrator *it, double tolerance, double h)
+{
+    return it->width == 1 ? step_members(it, 1, tolerance, h) : step_members(it, it->width, tolerance, h);
+}
+
+void tvi_members_step(tvi_integrator *it, long steps, double h)
+{
+    for (long k = 0, made = 1; k < steps && made > 0; k++) made = step(it, 0, h);
 }
 
 /* Steps of generated code of which nothing is asked, all but the last one of a run. */
@@ -184,6 +217,14 @@ static long make_row(tvi_integrator *it, long steps, double h, double t_end)
     return made;
 }
 
+/* Says of an integrator's step that failed which one it was. */
+static tvi_status refuse_step(const tvi_integrator *it)
+{
+    const char *const of = tvi_is_rescaled(it) ? " in s, of K = g (H + e)," : "";
+    return jet_refuse(it->status[0], "step of %g%s from t = %g: %s", it->h, of, it->now.q[it->system->n],
+                      jet_refusal());
+}
+
 /* At least one step; up to the first that fails or comes to t_end. */
 static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h, double t_end, double *t, double q[],
                      double p[])
@@ -198,7 +239,8 @@ static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h,
     const double *now = &it->now.q[it->system->n], way = copysign(1, h);
     for (long k = 0; status == TVI_OK && k < steps && (k == 0 || way * (t_end - *now) > 0); k++) {
         if (in_rows) k += make_row(it, steps - 1 - k, h, t_end);
-        status = step(it, tolerance, h);
+        it->status[0] = TVI_OK;
+        if (step(it, tolerance, h) == 0) status = refuse_step(it);
     }
     tvi_state_now(it, t, q, p);
     return status;

@@ -20,6 +20,11 @@ TVI_NODISCARD tvi_status tvi_energy_at(const tvi_system *system, const double pa
                                        const double p[], double *H);
 TVI_NODISCARD tvi_status tvi_transform(const tvi_system *system, const double parameters[], double t, const double q[],
                                        const double in[], double out[], bool to_momenta);
+/* The next one does not start where the one before ended. */
+static inline void tvi_energy_forget(tvi_energy_work *work)
+{
+    if (work->velocity) memset(work->velocity, 0, (size_t)work->system->n * sizeof *work->velocity);
+}
 /* tvi_energy of a state that is finite. */
 TVI_NODISCARD tvi_status tvi_energy_of(tvi_energy_work *work, double t, const double q[], const double p[], double *H);
 

@@ -183,4 +183,4 @@ crowd *crowd_of(const alone *a, crowd *c)
     return c;
 }
 
-bool has_lanes(const tvi_ensemble *ensemble) { return ensemble->lanes > 1; }
+bool has_lanes(const tvi_ensemble *ensemble) { return ensemble->width > 1; }

@@ -1,0 +1,133 @@
+/* saved.c - writes states as bytes, and says of bytes whether they are a state (saved.h). */
+#include "run/saved.h"
+#include "compiled/compiled.h"
+#include "algebra/sizes.h"
+#include "method/fingerprint.h"
+#include "system/refuse.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { STATE_VERSION = 11 };
+
+static const char MAGIC[] = "tvistate";
+
+tvi_identity tvi_identity_of(const tvi_integrator *it, size_t bytes)
+{
+    tvi_identity who = {
+        .version = STATE_VERSION,
+        .bytes = (int64_t)bytes,
+        .n = it->system->n,
+        .has_stepped = *it->continues,
+        .system = tvi_system_fingerprint(it->stepped),
+        .options = tvi_options_fingerprint(&it->options),
+        .code = it->options.compiled ? tvi_compiled_library() : 0,
+    };
+    memcpy(who.magic, MAGIC, sizeof who.magic);
+    return who;
+}
+
+size_t tvi_saved_size(const tvi_pieces *pieces)
+{
+    size_t bytes = sizeof(tvi_identity) + sizeof(uint64_t);
+    for (int i = 0; i < pieces->count; i++) bytes += pieces->piece[i].bytes;
+    return bytes;
+}
+
+void tvi_saved_seal(void *buffer, size_t size)
+{
+    const size_t before = size - sizeof(uint64_t);
+    const uint64_t checksum = jet_hash(JET_HASH_OF_NOTHING, buffer, before);
+    memcpy((char *)buffer + before, &checksum, sizeof checksum);
+}
+
+tvi_status tvi_saved_write(const tvi_identity *own, const tvi_pieces *pieces, void *buffer, size_t *size)
+{
+    const size_t bytes = tvi_saved_size(pieces);
+    if (buffer && *size < bytes) return jet_refuse(TVI_EINVAL, "the buffer has %zu bytes, the state %zu", *size, bytes);
+    *size = bytes;
+    if (!buffer) return TVI_OK;
+    char *at = buffer;
+    memcpy(at, own, sizeof *own);
+    at += sizeof *own;
+    for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
+        tvi_arena_copy(at, pieces->piece[i].data, pieces->piece[i].bytes);
+    tvi_saved_seal(buffer, bytes);
+    return TVI_OK;
+}
+
+const char *tvi_saved_fault(const void *buffer, size_t size, tvi_identity *who)
+{
+    uint64_t checksum;
+    if (size < sizeof *who + sizeof checksum) return "the bytes are too few for a state";
+    memcpy(who, buffer, sizeof *who);
+    memcpy(&checksum, (const char *)buffer + size - sizeof checksum, sizeof checksum);
+    if (memcmp(who->magic, MAGIC, sizeof who->magic) != 0) return "the bytes are no state";
+    if (who->version != STATE_VERSION) return "the state is of another version of the library";
+    const bool is_sound = checksum == jet_hash(JET_HASH_OF_NOTHING, buffer, size - sizeof checksum);
+    return is_sound && who->bytes == (int64_t)size ? NULL : "the state is damaged";
+}
+
+const char *tvi_saved_misfit(const tvi_identity *own, const void *buffer, size_t size)
+{
+    tvi_identity who;
+    const char *const fault = tvi_saved_fault(buffer, size, &who);
+    if (fault) return fault;
+    if (who.members != own->members)
+        return who.members == 0    ? "the state is of an integrator"
+               : own->members == 0 ? "the state is of an ensemble"
+                                   : "the state is of an ensemble of another size";
+    if (who.n != own->n) return "the state is of a system of another dimension";
+    if (who.system != own->system) return "the state is of another system";
+    if (who.code != own->code)
+        return own->code ? "the state is not of compiled steps" : "the state is of compiled steps";
+    const bool fits = who.options == own->options && who.bytes == own->bytes && who.width == own->width;
+    return fits ? NULL : "the state is of other options";
+}
+
+const char *tvi_saved_piece(const tvi_pieces *pieces, int index, const void *buffer)
+{
+    const char *at = (const char *)buffer + sizeof(tvi_identity);
+    for (int i = 0; i < index; i++) at += pieces->piece[i].bytes;
+    return at;
+}
+
+void tvi_saved_read(const tvi_pieces *pieces, const void *buffer)
+{
+    const char *at = tvi_saved_piece(pieces, 0, buffer);
+    for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
+        tvi_arena_copy(pieces->piece[i].data, at, pieces->piece[i].bytes);
+}
+
+bool tvi_numbers_are_finite(const void *bytes, size_t size)
+{
+    double number;
+    for (const char *at = bytes; at < (const char *)bytes + size; at += sizeof number) {
+        memcpy(&number, at, sizeof number);
+        if (!isfinite(number)) return false;
+    }
+    return true;
+}
+
+bool tvi_stops_are_sound(const void *bytes, int n, int members)
+{
+    for (int m = 0; m < members; m++) {
+        tvi_stop stop;
+        memcpy(&stop, (const char *)bytes + (size_t)m * tvi_stop_bytes(n), sizeof stop);
+        if (stop.count < 0 || stop.count > TVI_STOP_TOLD) return false;
+    }
+    return true;
+}
+
+bool tvi_history_is_sound(const tvi_integrator *it)
+{
+    const tvi_crowd_stepper *batch = tvi_batch_of(it);
+    const tvi_run_state *now = &it->now;
+    const int rows = it->stepped->n * it->width, width = it->width;
+    bool is_sound = tvi_all_finite(rows + width, now->q) && tvi_all_finite(rows + width, now->q_low) &&
+                    tvi_all_finite(rows, now->p) && tvi_all_finite(rows, now->p_low);
+    for (int m = 0; m < width; m++)
+        is_sound = is_sound && isfinite(it->kept[m].scale) && (!it->kept[m].is_known || isfinite(it->kept[m].H));
+    bool (*const of_work)(const void *) = batch ? batch->is_sound : it->stepper->is_sound;
+    return is_sound && (!of_work || of_work(it->work));
+}
