@@ -158,7 +158,7 @@ $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
 # the loops of the Galerkin curve, for one number of unknowns
 EMBEDDED_GALERKIN := src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h tail.h) \
-                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h few.h loosen.h folded.h pairs.h columns.h rounds.h loops.c \
+                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h few.h folded.h pairs.h columns.h rounds.h loops.c \
                          lagrangian_loops.c blocks.h lagrangian_passes.h hamiltonian_passes.h steady.h \
                          emitted_loops.h emitted_passes.h emitted_steps.h emitted_forms.h)
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)

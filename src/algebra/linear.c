@@ -13,8 +13,6 @@ void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *ipiv, i
 void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, int *info);
 void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
              double *b, const int *ldb, int *info, size_t trans_length);
-void dsyev_(const char *jobz, const char *uplo, const int *n, double *a, const int *lda, double *w, double *work,
-            const int *lwork, int *info, size_t jobz_length, size_t uplo_length);
 
 /* Below this size OpenBLAS factors with one thread, so that dgetrf gives the same bits for any number of threads; above
  * it dgetf2 does. */
@@ -73,12 +71,3 @@ static void solve(const tvi_factor *factor, bool transposed, double x[])
 void tvi_factor_solve(const tvi_factor *factor, double x[]) { solve(factor, false, x); }
 
 void tvi_factor_solve_transposed(const tvi_factor *factor, double x[]) { solve(factor, true, x); }
-
-/* With the least room it goes column by column, for any number of threads. */
-bool tvi_eigen(int n, double *matrix, double *value, double *scratch)
-{
-    const int room = 3 * n;
-    int info = 0;
-    dsyev_("V", "L", &n, matrix, &n, value, scratch, &room, &info, 1, 1);
-    return info == 0;
-}

@@ -29,8 +29,4 @@ double tvi_factor_least_pivot(const tvi_factor *factor);
 void tvi_factor_solve(const tvi_factor *factor, double x[]);
 void tvi_factor_solve_transposed(const tvi_factor *factor, double x[]);
 
-/* The eigenvalues of a symmetric matrix of finite numbers, from the least one on, and the unit vectors, as rows, which
- * replace it; scratch [3n]. False where they are not found. */
-bool tvi_eigen(int n, double *matrix, double *value, double *scratch);
-
 #endif

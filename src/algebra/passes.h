@@ -171,13 +171,6 @@ static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_
     return tvi_passes_is_known(passes, rule) && !tvi_passes_is_cycle(passes) ? TVI_PASSES_GO_ON : TVI_PASSES_MAY_END;
 }
 
-/* Of passes whose next correction is no measure of what they leave: at the goal, or where they no longer shrink and are
- * as small as roundoff, which they make so many times larger. */
-static inline bool tvi_passes_are_at_floor(const tvi_passes_rule *rule, double size, double before, double larger)
-{
-    return size <= rule->goal || (size >= before && size <= rule->roundoff * (larger > 1 ? larger : 1));
-}
-
 /* Those that were stuck: the roundoff is so large, as was measured since. */
 static inline bool tvi_passes_are_roundoff(tvi_passes *passes, double roundoff)
 {

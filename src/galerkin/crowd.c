@@ -165,20 +165,12 @@ static void get(const void *work, int lane, void *one)
     const crowd *w = work;
     const galerkin_predictor *predictor = &((galerkin *)one)->predictor;
     const galerkin_crowd_history *last = &w->last;
-    tvi_galerkin_forget_steps(one);
     *predictor->last = (galerkin_history){.h = last->h[lane],
                                           .h_before = last->h_before[lane],
                                           .t = last->t[lane],
                                           .pace = w->pace[lane],
                                           .steps = last->steps[lane]};
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
-}
-
-/* No modes, which a lane does not keep. */
-static void simplify(void *one)
-{
-    galerkin *w = one;
-    w->springs.last = NULL;
 }
 
 static void put(void *work, int lane, const void *one)
@@ -389,5 +381,4 @@ const tvi_crowd_stepper tvi_galerkin_crowd = {.width = width_of,
                                               .get = get,
                                               .put = put,
                                               .forget = forget,
-                                              .is_sound = is_sound,
-                                              .simplify = simplify};
+                                              .is_sound = is_sound};

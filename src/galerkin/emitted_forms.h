@@ -50,8 +50,8 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         }                                                                                                              \
         return inside;                                                                                                 \
     }                                                                                                                  \
-    JET_INLINE long NAME##_go_so(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,            \
-                                 const tvi_run_state *now, galerkin_outcome *to, bool loosens)                         \
+    STEADY_ORDER static long NAME##_go(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin,      \
+                                       const tvi_run_state *now, galerkin_outcome *to)                                 \
     {                                                                                                                  \
         enum { IS_SMALL = T##_is_split && (KEPT) * (LANES) <= STEADY_MOST };                                           \
         const galerkin_motion motion = NAME##_motion(frame->motion);                                                   \
@@ -59,7 +59,6 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         const steady_form form = {.rows = (UNKNOWNS),                                                                  \
                                   .rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
                                   .drive = NAME##_drive,                                                               \
-                                  .loosens = loosens,                                                                  \
                                   .folds = T##_is_split && motion.has_masses && ARE_FEW(&nodes, LANES)};               \
         _Alignas(64) double x[IS_SMALL ? (KEPT) * (LANES) : 1];                                                        \
         if (IS_SMALL) {                                                                                                \
@@ -69,26 +68,6 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         if (STEADY_LEADS(UNKNOWNS, LANES))                                                                             \
             return steady_few(frame, &nodes, motion, &form, row, origin, now, to, (LANES));                            \
         return steady_lanes(frame, &nodes, &motion, &form, row, origin, now, to, (LANES));                             \
-    }
-
-/* Steps without springs, and where there may be modes (springs.h) those with them, too. */
-#define STEADY_ARGUMENTS                                                                                               \
-    const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,               \
-        galerkin_outcome *to
-#define GALERKIN_EMITTED_PLAINLY(NAME)                                                                                 \
-    STEADY_ORDER static long NAME##_go(STEADY_ARGUMENTS) { return NAME##_go_so(frame, row, origin, now, to, false); }
-#define GALERKIN_EMITTED_LOOSELY(NAME)                                                                                 \
-    STEADY_ORDER static long NAME##_plainly(STEADY_ARGUMENTS)                                                          \
-    {                                                                                                                  \
-        return NAME##_go_so(frame, row, origin, now, to, false);                                                       \
-    }                                                                                                                  \
-    STEADY_ORDER static long NAME##_loosely(STEADY_ARGUMENTS)                                                          \
-    {                                                                                                                  \
-        return NAME##_go_so(frame, row, origin, now, to, true);                                                        \
-    }                                                                                                                  \
-    static long NAME##_go(STEADY_ARGUMENTS)                                                                            \
-    {                                                                                                                  \
-        return (frame->springs->count > 0 ? NAME##_loosely : NAME##_plainly)(frame, row, origin, now, to);             \
     }
 
 /* The blocks of the tapes of passes that know second derivatives, of which KEPT rows are not of their operations; small

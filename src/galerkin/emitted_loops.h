@@ -44,11 +44,6 @@
         const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
         predict_lanes(&sized, steps, matrix, impulses, (LANES));                                                       \
     }                                                                                                                  \
-    static void NAME##_loosen(const galerkin_nodes *nodes, const galerkin_springs *springs)                            \
-    {                                                                                                                  \
-        const galerkin_nodes sized = NAME##_sized(nodes);                                                              \
-        loosen_lanes(&sized, springs, (LANES));                                                                        \
-    }                                                                                                                  \
     static void NAME##_go_round(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives,         \
                                 const int slot[], bool is_new, double moved, double least, double *changes)            \
     {                                                                                                                  \
@@ -95,8 +90,7 @@
     }
 
 #define GALERKIN_EMITTED_TABLE(NAME)                                                                                   \
-    NAME##_move, NAME##_move_in_parts, NAME##_move_both, NAME##_predict, NAME##_loosen, NAME##_go_round,               \
-        NAME##_integrate, NAME##_start, NAME##_start_drifting, NAME##_end_drifting, NAME##_tail, NAME##_place,         \
-        NAME##_steady
+    NAME##_move, NAME##_move_in_parts, NAME##_move_both, NAME##_predict, NAME##_go_round, NAME##_integrate,            \
+        NAME##_start, NAME##_start_drifting, NAME##_end_drifting, NAME##_tail, NAME##_place, NAME##_steady
 
 #endif

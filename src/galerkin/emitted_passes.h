@@ -16,8 +16,7 @@ typedef struct {
     int rows; /* of the nodes' x, that it begins with */
     const tvi_passes_rule *rule;
     steady_field *drive;
-    bool folds;   /* passes that cannot be the last are folded.h's */
-    bool loosens; /* springs.h */
+    bool folds; /* passes that cannot be the last are folded.h's */
     galerkin_sweep *sweep;
     lagrangian_passes *lagrangian;
     hamiltonian_passes *hamiltonian;
@@ -35,19 +34,6 @@ JET_INLINE bool steady_drive(const galerkin_nodes *nodes, const steady_form *for
 JET_INLINE bool steady_begin(const galerkin_nodes *nodes, const steady_form *form, int lanes)
 {
     return steady_drive(nodes, form, true, lanes);
-}
-
-/* The unknowns move by the impulses, and by what springs add to that if another pass follows. left: see follow_to. */
-JET_INLINE double steady_follow(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                                double *left, int lanes)
-{
-    if (form->loosens) copy_lanes(frame->springs->r, nodes->x, nodes->unknowns, lanes);
-    return follow_to(nodes, frame->matrix, NULL, left, lanes);
-}
-JET_INLINE void steady_loosen(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
-                              bool may_be_last, int lanes)
-{
-    if (form->loosens && (!may_be_last || frame->springs->always)) loosen_lanes(nodes, frame->springs, lanes);
 }
 
 JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *nodes, const steady_form *form,
@@ -68,7 +54,7 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
         follow_few(nodes, frame->matrix, &squares);
         *moved = sum_of_few(squares);
     } else {
-        *moved = steady_follow(frame, nodes, form, NULL, lanes);
+        *moved = follow_to(nodes, frame->matrix, NULL, NULL, lanes);
     }
     return true;
 }
@@ -87,21 +73,13 @@ typedef struct {
  * folded are rounded. */
 enum { STEADY_BLIND = 16 };
 #define STEADY_NEAR 0x1p-4
-#define STEADY_NONE 0x1p-12
 JET_INLINE bool steady_is_blind(int pass, long blind) { return 0 < pass && pass <= blind; }
 /* The first one that is judged: that behind these. */
 JET_INLINE int steady_first(long blind) { return blind > 0 ? (int)blind + 1 : 0; }
 
-/* Where passes that are not measured solve springs exactly, each does what several others do: so these are as few as
- * may be, but at least one. */
-JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, const steady_silence *silence, bool loosens)
+JET_INLINE long steady_blind(const tvi_passes_rule *rule, long blind, const steady_silence *silence)
 {
     const int first = steady_first(blind), second = first + 1;
-    if (loosens) {
-        if (silence->count <= first || silence->moved[first] <= STEADY_NONE * rule->noise)
-            return blind > 1 ? blind - 1 : 1;
-        return silence->moved[first] > rule->noise && blind < STEADY_BLIND ? blind + 1 : blind;
-    }
     if (silence->count <= first || silence->moved[first] <= STEADY_NEAR * rule->noise) return blind > 1 ? blind - 1 : 0;
     const bool may_be_more = silence->count > second && silence->moved[second] > rule->noise;
     return may_be_more && blind < STEADY_BLIND ? blind + 1 : blind;
@@ -173,12 +151,11 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
         } else {
             few_vector moved;
             if (ARE_TURNED(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
-            else (void)steady_follow(frame, nodes, form, (double *)&moved, lanes);
+            else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
             /* folded passes were all that were blind, which the compiler does not see by itself */
             if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_zero(moved);
         }
         if (of->rests) break;
-        steady_loosen(frame, nodes, form, now >= first, lanes);
         if (few && !steady_begin(nodes, form, lanes)) return false;
     }
     if (!ARE_EIGHT(lanes)) return true;
@@ -214,15 +191,12 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         shown->size = 0;
         shown->pace.first = silence.moved[0];
         shown->pace.silent = silence.count + STEADY_MORE(nodes->unknowns);
-        shown->pace.blind = steady_blind(rule, blind, &silence, form->loosens);
+        shown->pace.blind = steady_blind(rule, blind, &silence);
         if (silence.rests) return true;
     }
     tvi_passes_begin(&passes);
     passes.slowest = shown->pace.slowest;
     passes.early = shown->early;
-    const bool is_loose = form->loosens && frame->springs->always;
-    double before = INFINITY;
-    if (form->loosens && !is_loose) passes.slowest = tvi_larger(passes.slowest, frame->springs->left);
     while (verdict == TVI_PASSES_GO_ON && first + passes.count < rule->most) {
         double moved;
         const int now = first + passes.count;
@@ -232,13 +206,8 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         else if (!steady_end(frame, nodes, form, &moved, lanes)) return false;
         if (!(moved < INFINITY)) return false;
         verdict = tvi_passes_judge(&passes, rule, moved);
-        if (is_loose)
-            verdict = tvi_passes_are_at_floor(rule, moved, before, frame->springs->left) ? TVI_PASSES_MAY_END
-                                                                                         : TVI_PASSES_GO_ON;
-        before = moved;
         if (now == 0) shown->pace.first = moved;
         if (was_made || verdict != TVI_PASSES_GO_ON) continue;
-        steady_loosen(frame, nodes, form, true, lanes);
         if (few && !steady_begin(nodes, form, lanes)) return false;
     }
     const int made = first + passes.count;

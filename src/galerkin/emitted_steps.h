@@ -181,13 +181,7 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
     double once[GALERKIN_FEW], twice[GALERKIN_FEW], last[GALERKIN_FEW], reach[GALERKIN_FEW];
     double once_low[GALERKIN_FEW], twice_low[GALERKIN_FEW];
     double share[GALERKIN_FEW], ratio[GALERKIN_FEW];
-    _Alignas(64) double r[BLOCK], part[BLOCK], more[BLOCK];
     galerkin_frame frame = *of;
-    galerkin_springs springs = *of->springs;
-    springs.r = r;
-    springs.part = part;
-    springs.more = more;
-    frame.springs = &springs;
     nodes->high = high;
     nodes->base = base;
     nodes->impulse = impulse;

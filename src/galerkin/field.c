@@ -37,7 +37,7 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     for (int u = 0; u < nodes->unknowns; u++)
         for (int i = 0; i < nodes->lanes; i++) nodes->x[u * nodes->lanes + i] = nodes->start[u];
     const tvi_status status = galerkin_evaluate(field);
-    if (status == TVI_OK) (void)galerkin_move(field, -1); /* in whatever sizes */
+    if (status == TVI_OK) (void)galerkin_move(field);
     return status;
 }
 
@@ -52,7 +52,6 @@ static void emit(jet_text *text, const galerkin_field *field, const char *name)
     tvi_galerkin_emit_ints(text, name, "slot", nodes->unknowns, field->slot);
     jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, tvi_values, %d, %d, %d)\n", name, nodes->unknowns,
                  galerkin_rows_kept(field->system->field_values), nodes->lanes);
-    jet_text_add(text, "GALERKIN_EMITTED_%s(%s)\n", galerkin_has_modes(field) ? "LOOSELY" : "PLAINLY", name);
 }
 
 const galerkin_form tvi_galerkin_form_plain = {-1,  &tvi_galerkin_fixed_point, take, prepare, start, predict, NULL,

@@ -21,17 +21,15 @@ typedef struct {
     const lagrangian_loops *lagrangian;
     int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
-    int rows;                        /* of nodes.x that a pass begins with */
-    double h;                        /* of the nodes' weights and scales; 0: none yet */
-    double *b;                       /* [lanes] */
-    int *slot;                       /* [unknowns] where in nodes.x what drives each unknown is */
-    double *inputs;                  /* block of the field's tape, which has the time */
-    double *matrix;                  /* of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
-    double *ahead;                   /* [j][i] what `predict` wants extrapolations multiplied by */
-    tvi_roundoff *noise;             /* what the values of the field are displaced by; NULL: they are not */
-    void *own;                       /* of the form */
-    const galerkin_springs *springs; /* of the passes of a force, */
-    bool loosens;                    /* which they solve exactly now */
+    int rows;            /* of nodes.x that a pass begins with */
+    double h;            /* of the nodes' weights and scales; 0: none yet */
+    double *b;           /* [lanes] */
+    int *slot;           /* [unknowns] where in nodes.x what drives each unknown is */
+    double *inputs;      /* block of the field's tape, which has the time */
+    double *matrix;      /* of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
+    double *ahead;       /* [j][i] what `predict` wants extrapolations multiplied by */
+    tvi_roundoff *noise; /* what the values of the field are displaced by; NULL: they are not */
+    void *own;           /* of the form */
 } galerkin_field;
 
 struct galerkin_form {
@@ -52,17 +50,6 @@ struct galerkin_form {
 
 /* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: passes.c. */
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
-
-/* Whether the springs of a system have modes; in generated code passes of the fewest unknowns take less time than
- * these. */
-static inline bool galerkin_may_have_modes(const galerkin_field *field)
-{
-    return field->system->form == TVI_SEPARABLE && field->system->n <= GALERKIN_MOST_WITH_MODES;
-}
-static inline bool galerkin_has_modes(const galerkin_field *field)
-{
-    return galerkin_may_have_modes(field) && field->system->n > GALERKIN_FEWEST;
-}
 
 /* A tape's inputs are the unknowns, and its outputs drive them; those that know second derivatives. */
 extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
@@ -94,16 +81,10 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
     return TVI_OK;
 }
 
-/* The unknowns moved by what drives them, as far as `move` says, and by what springs add to more than `least`. */
-static inline double galerkin_move(const galerkin_field *field, double least)
+/* The unknowns moved by what drives them, as far as `move` says. */
+static inline double galerkin_move(const galerkin_field *field)
 {
-    const galerkin_loops *loops = field->loops;
-    const galerkin_nodes *nodes = &field->nodes;
-    if (!field->loosens) return loops->move(nodes, field->matrix, nodes->x, field->slot);
-    memcpy(field->springs->r, nodes->x, (size_t)(nodes->unknowns * nodes->lanes) * sizeof *nodes->x);
-    const double moved = loops->move(nodes, field->matrix, nodes->x, field->slot);
-    if (moved > least) loops->loosen(nodes, field->springs);
-    return moved;
+    return field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
 }
 
 /* A pass: what drives the unknowns where they are, and they moved by it, as far as `move` says. Counts. */
@@ -115,7 +96,7 @@ static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved,
         if (status != TVI_OK) return status;
     } else {
         if (galerkin_evaluate(field) != TVI_OK) return TVI_EDOMAIN;
-        *moved = galerkin_move(field, field->springs->least);
+        *moved = galerkin_move(field);
     }
     stats->passes++;
     return isfinite(*moved) ? TVI_OK : TVI_ENONFINITE;

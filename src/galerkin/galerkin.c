@@ -127,7 +127,6 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
     tvi_galerkin_probe_take(&w.probe, arena, &w.field);
-    tvi_galerkin_springs_take(&w.springs, arena, &w.field, options);
     if (taken) *taken = w;
     return taken;
 }
@@ -140,8 +139,6 @@ static void prepare(void *work)
     const int numbers = w->field.nodes.unknowns * w->field.nodes.lanes;
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
     w->motion.per_weight = w->coefficients.inverse_b;
-    w->field.springs = &w->springs.of_passes;
-    tvi_galerkin_springs_ready(&w->springs, &w->coefficients, &w->field);
     w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
     w->frame = (galerkin_frame){.nodes = &w->field.nodes,
                                 .motion = &w->motion,
@@ -157,8 +154,7 @@ static void prepare(void *work)
                                 .share = w->share,
                                 .ratio = w->ratio,
                                 .h = &w->field.h,
-                                .own = w->field.own,
-                                .springs = w->field.springs};
+                                .own = w->field.own};
 }
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
@@ -201,7 +197,6 @@ static void set_start(galerkin *w, const tvi_origin *origin)
 static tvi_status predict(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
 {
     galerkin_field *field = &w->field;
-    field->loosens = w->springs.of_passes.count > 0;
     field->nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
     set_start(w, origin);
     if (part) {
@@ -269,51 +264,29 @@ static bool step_generated(galerkin *w, const tvi_origin *origin, const tvi_incr
     return true;
 }
 
-/* From the steps before, else from the state alone, and then with other springs; the passes that did it. */
-static tvi_status solve_somehow(galerkin *w, const tvi_origin *origin, galerkin_pace *pace, long *passes,
-                                tvi_stats *stats)
+/* From the steps before, else from the state alone. */
+static tvi_status solve_somehow(galerkin *w, const tvi_origin *origin, galerkin_pace *pace, tvi_stats *stats)
 {
     double place;
     const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
     const bool follows = iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place);
-    int turns = w->springs.of_passes.count > 0 ? 2 : 1;
-    long before = stats->passes;
-    tvi_status status = solve(w, origin, follows ? &place : NULL, pace, stats);
-    if (status != TVI_OK && follows) before = stats->passes, status = solve(w, origin, NULL, pace, stats);
-    for (; status != TVI_OK && turns > 0 && tvi_galerkin_springs_turn(w, origin, stats); turns--) {
-        before = stats->passes;
-        *pace = galerkin_pace_before(w);
-        status = solve(w, origin, NULL, pace, stats);
-    }
-    *passes = stats->passes - before;
-    return status;
+    const tvi_status status = solve(w, origin, follows ? &place : NULL, pace, stats);
+    return status != TVI_OK && follows ? solve(w, origin, NULL, pace, stats) : status;
 }
 
-static tvi_status make(galerkin *w, const tvi_origin *origin, const tvi_increments *by, long *passes, tvi_stats *stats)
+static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
+    galerkin *w = work;
+    tvi_galerkin_set_size(w, h);
+    if (tvi_galerkin_is_steady(w) && step_generated(w, origin, by, stats)) return TVI_OK;
     galerkin_pace pace = galerkin_pace_before(w);
-    const long before = stats->passes;
-    const bool is_made = tvi_galerkin_is_steady(w) && step_generated(w, origin, by, stats);
-    *passes = stats->passes - before;
-    if (is_made) return TVI_OK;
-    const tvi_status status = solve_somehow(w, origin, &pace, passes, stats);
+    const tvi_status status = solve_somehow(w, origin, &pace, stats);
     if (status != TVI_OK) return status;
     w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
     tvi_galerkin_remember(&w->predictor, w->field.h, origin->t, pace);
     set_increments(w, by);
     stats->tail = tvi_galerkin_tail(w, origin, by->dp);
     return TVI_OK;
-}
-
-static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
-{
-    galerkin *w = work;
-    long passes;
-    tvi_galerkin_set_size(w, h);
-    tvi_galerkin_prepare_steps(w, origin, stats);
-    const tvi_status status = make(w, origin, by, &passes, stats);
-    if (status == TVI_OK) tvi_galerkin_count_steps(w, 1, passes);
-    return status;
 }
 
 /* ---- Dense output -------------------------------------------------------------------------------------------------

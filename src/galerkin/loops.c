@@ -3,7 +3,6 @@
 #include "algebra/tail.h"
 #include "galerkin/columns.h"
 #include "galerkin/few.h"
-#include "galerkin/loosen.h"
 #include "galerkin/rounds.h"
 #include "rule.h"
 
@@ -388,8 +387,8 @@ BY_LANES(void, , place, (const galerkin_places *p, const double *table, const do
 #ifndef JET_EMITTED
 #define LOOPS_OF(lanes)                                                                                                \
     {                                                                                                                  \
-        move_##lanes, move_in_parts_##lanes, move_both_##lanes, predict_##lanes, loosen_##lanes, go_round_##lanes,     \
-            integrate_##lanes, start_##lanes, start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL          \
+        move_##lanes, move_in_parts_##lanes, move_both_##lanes, predict_##lanes, go_round_##lanes, integrate_##lanes,  \
+            start_##lanes, start_drifting_##lanes, end_drifting, tail, place_##lanes, NULL                             \
     }
 const galerkin_loops JET_FOR_ISA(tvi_galerkin_loops)[GALERKIN_LOOPS] = {LOOPS_OF(1), LOOPS_OF(2), LOOPS_OF(4),
                                                                         LOOPS_OF(8), LOOPS_OF(most)};

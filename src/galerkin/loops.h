@@ -18,9 +18,6 @@ enum { TVI_GALERKIN_MAX_LANES = 12, GALERKIN_LOOPS = 5 };
 enum { GALERKIN_TURNS = 3, GALERKIN_FEW = 8 };
 /* Of so few unknowns at eight nodes each operation waits for the one before it (few.h). */
 enum { GALERKIN_FEWEST = 4 };
-/* Of so many unknowns at most springs have modes (springs.h); in generated code half as many of a few. */
-enum { GALERKIN_MOST_WITH_MODES = 32 };
-#define GALERKIN_MODES(unknowns) (((unknowns) + 1) / 2)
 
 /* Numbers of a matrix that multiplies what the lanes have; of eight lanes the same, turned, is behind it (few.h). */
 static inline int galerkin_matrix_size(int lanes) { return (lanes == 8 ? 2 : 1) * lanes * lanes; }
@@ -132,18 +129,6 @@ static inline galerkin_nodes galerkin_all_moving(const galerkin_nodes *nodes)
     return all;
 }
 
-/* The stiffest springs, which passes solve exactly (springs.h). */
-typedef struct {
-    int count;                 /* of their modes; 0: none */
-    bool always;               /* in the last passes of a step, too, which would not contract */
-    double left;               /* the part of a movement without; squared, as passes have it */
-    double least;              /* movements of less are those of the last passes, if not always: a square, too */
-    const double *mode, *dual; /* [count][unknowns] v and M v */
-    const double *table;       /* [count][j][i] D - 1 */
-    double *r;                 /* [unknowns][lanes] where the unknowns were, then how far they moved */
-    double *part, *more;       /* [count][lanes] v . M r, and what is added to it */
-} galerkin_springs;
-
 /* out[u][k] = start[u] + (theta[k] drift[u] + scale[u] sum_j table_jk impulses[u][j]), u < count, k < places: 1, all
  * lanes or TVI_SAMPLES; table [lanes][places]. */
 typedef struct {
@@ -165,8 +150,6 @@ typedef struct galerkin_loops {
                         const int slot[]);
     /* The same with the impulses of earlier steps: impulses[step][u][j], matrix [steps][j][i]. */
     void (*predict)(const galerkin_nodes *nodes, int steps, const double *matrix, const double *const impulses[]);
-    /* Behind a movement, which began at the springs' r: what they add. */
-    void (*loosen)(const galerkin_nodes *nodes, const galerkin_springs *springs);
     /* The changes of impulses, [unknowns][lanes], by a movement and by the rounds that follow it (rounds.h), until the
      * square of the next one is, as they shrink, at most `least` or what the first order leaves out; 0 where they do
      * not. moved: that of the pass whose second derivatives serve again, unless they are new. */

@@ -44,41 +44,16 @@ tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, co
     return tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
 }
 
-/* Passes that move by what springs add, too: to their end, or as long as they shrink, and are no roundoff. If springs
- * added to the last ones wherever they can be made without, the energy would drift. */
-static tvi_status iterate_loosely(galerkin_field *field, const tvi_passes_rule *rule, int *count, double *moved,
-                                  bool *ends, galerkin_pace *pace, tvi_stats *stats)
-{
-    const galerkin_springs *springs = field->springs;
-    double before = INFINITY;
-    for (*count = 1; *count <= rule->most; ++*count, before = *moved) {
-        const tvi_status status = tvi_galerkin_pass(field, moved, stats);
-        if (status != TVI_OK) return status;
-        if (*count == 1) pace->first = *moved;
-        *ends = springs->always ? tvi_passes_are_at_floor(rule, *moved, before, springs->left) : *moved == 0;
-        const bool shrinks = *count <= rule->patience || *moved < rule->contraction * before;
-        if (*ends || (!springs->always && (*moved <= springs->least || !shrinks))) break;
-    }
-    field->loosens = springs->always;
-    return *count <= rule->most ? TVI_OK : TVI_ENOCONV;
-}
-
 tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
                                 const tvi_origin *origin, double early, galerkin_pace *pace, tvi_stats *stats)
 {
     tvi_passes passes;
-    bool is_stuck = false, ends = false;
+    bool is_stuck = false;
     int count = 0;
     double moved;
     tvi_passes_begin(&passes);
     passes.slowest = pace->slowest;
     passes.early = early;
-    if (field->loosens) {
-        const tvi_status status = iterate_loosely(field, rule, &count, &moved, &ends, pace, stats);
-        if (ends) stats->residual = sqrt(moved);
-        if (status != TVI_OK || ends) return status;
-        passes.slowest = fmax(passes.slowest, field->springs->left);
-    }
     while (++count <= rule->most) {
         const bool suspects =
             is_stuck && passes.roundoff == 0 && count < rule->most && tvi_galerkin_is_near(field, origin);

@@ -60,43 +60,22 @@ static double tail_of_last(galerkin *w, const tvi_row *row, const tvi_run_state 
     return tvi_galerkin_tail(w, &(tvi_origin){.q = q, .p = p}, row->by.dp);
 }
 
-/* Steps of a row until the next look at how they go; how many, and whether these are all until then. */
-static long run_until_look(galerkin *w, tvi_row row, const tvi_run_state *now, galerkin_outcome *to, tvi_stats *stats,
-                           bool *are_all)
-{
-    const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
-    *are_all = false;
-    tvi_galerkin_prepare_steps(w, &origin, stats);
-    if (!tvi_galerkin_is_steady(w)) return 0;
-    tvi_stats counted = *stats;
-    if (tvi_galerkin_begin(w, &origin, &to->known, &counted) != TVI_OK) return 0;
-    row.steps = tvi_galerkin_steps_until(w, row.steps);
-    const galerkin_trial last = to->last;
-    const long made = tvi_galerkin_make_steadily(w, &row, &origin, now, to);
-    if (made < 1) {
-        to->last = last;
-        return 0;
-    }
-    tvi_galerkin_count_steps(w, made, to->count);
-    *stats = counted;
-    tvi_galerkin_count(w, to, stats);
-    *are_all = made == row.steps;
-    return made;
-}
-
 long tvi_galerkin_run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats)
 {
     galerkin *w = work;
+    const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
     galerkin_outcome to = {.largest_tail = stats->largest_tail};
-    tvi_row rest = *row;
-    bool goes_on = true;
-    if (!w->field.loops->steady || w->field.system->uses_time) return 0;
+    tvi_stats counted = *stats;
+    if (!tvi_galerkin_is_steady(w) || w->field.system->uses_time) return 0;
     tvi_galerkin_set_size(w, row->h);
     row->by.dq[w->n] = row->h;
-    while (goes_on && rest.steps > 0) rest.steps -= run_until_look(w, rest, now, &to, stats, &goes_on);
-    if (rest.steps == row->steps) return 0;
+    if (tvi_galerkin_begin(w, &origin, &to.known, &counted) != TVI_OK) return 0;
+    const long made = tvi_galerkin_make_steadily(w, row, &origin, now, &to);
+    if (made < 1) return 0;
+    *stats = counted;
+    tvi_galerkin_count(w, &to, stats);
     stats->residual = sqrt(to.last.size);
     stats->tail = tail_of_last(w, row, now);
     stats->largest_tail = to.largest_tail;
-    return row->steps - rest.steps;
+    return made;
 }

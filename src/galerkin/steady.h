@@ -24,7 +24,6 @@ typedef struct galerkin_frame {
     const double *h;
     void *own;            /* of the form of the field: lagrangian_passes of a Lagrangian */
     const double *folded; /* folded.h */
-    const galerkin_springs *springs;
 } galerkin_frame;
 
 /* The last step, and the size of its last movement. */

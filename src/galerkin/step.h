@@ -4,7 +4,6 @@
 
 #include "galerkin/passes.h"
 #include "galerkin/predictor.h"
-#include "galerkin/springs.h"
 #include "galerkin/steady.h"
 
 typedef struct {
@@ -14,7 +13,6 @@ typedef struct {
     galerkin_coefficients coefficients;
     galerkin_predictor predictor;
     galerkin_probe probe;
-    galerkin_springs_work springs;
     tvi_passes_rule rule;
     galerkin_dense dense;
     double *drift, *drift_low; /* [unknowns] h M^-1 p0 of a separable system, in two parts; else 0 */
@@ -30,49 +28,10 @@ typedef struct {
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
 void tvi_galerkin_set_size(galerkin *w, double h);
 
-/* After a look at how the steps before went, where it is time for one: the modes of the next one. */
-void tvi_galerkin_springs_prepare(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
-static inline void tvi_galerkin_springs_begin(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
-{
-    const galerkin_springs_history *last = w->springs.last;
-    if (!last) return;
-    w->springs.of_passes.count = last->count;
-    if (last->count > 0 || last->h != w->field.h || last->steps >= last->wait)
-        tvi_galerkin_springs_prepare(w, origin, stats);
-}
-long tvi_galerkin_springs_until(const galerkin *w, long steps);
-/* Of a step that failed: with the modes that are at the origin, or without if it was made with these; false where
- * nothing changes. */
-bool tvi_galerkin_springs_turn(galerkin *w, const tvi_origin *origin, tvi_stats *stats);
-void tvi_galerkin_springs_forget(galerkin *w);
-
-/* Before a step of the field's size, or a row of them. */
-static inline void tvi_galerkin_prepare_steps(galerkin *w, const tvi_origin *origin, tvi_stats *stats)
-{
-    tvi_galerkin_springs_begin(w, origin, stats);
-}
-/* So many steps, or those until the next look. */
-static inline long tvi_galerkin_steps_until(const galerkin *w, long steps)
-{
-    return tvi_galerkin_springs_until(w, steps);
-}
-/* After steps of so many passes in all. */
-static inline void tvi_galerkin_count_steps(galerkin *w, long steps, long passes)
-{
-    galerkin_springs_history *springs = w->springs.last;
-    if (!springs) return;
-    springs->steps += (double)steps;
-    springs->used += (double)steps;
-    springs->passes += (double)passes;
-}
-/* As before a first step. */
-static inline void tvi_galerkin_forget_steps(galerkin *w) { tvi_galerkin_springs_forget(w); }
-
-/* Whether generated code makes the steps: that of the fewest unknowns has no modes. */
+/* Whether generated code makes the steps. */
 static inline bool tvi_galerkin_is_steady(const galerkin *w)
 {
-    return w->field.loops->steady && w->options->passes != TVI_PREDICT_ONLY &&
-           (w->springs.is_wanted || w->springs.of_passes.count == 0);
+    return w->field.loops->steady && w->options->passes != TVI_PREDICT_ONLY;
 }
 
 /* What the passes of the step of the field's size have from the steps before. */

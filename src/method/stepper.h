@@ -54,9 +54,6 @@ typedef struct {
     void (*forget)(void *work, int lane);
     /* As that of the stepper. */
     bool (*is_sound)(const void *work);
-    /* Makes the stepper's own work leave no more than these know to its next step, so that a member's steps do not
-     * depend on the calls that they are made in. NULL: it leaves no more. */
-    void (*simplify)(void *one);
     /* As that of the stepper, [width]; NULL: it has none. */
     void (*most_change)(const void *work, double change[]);
 } tvi_crowd_stepper;

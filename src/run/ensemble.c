@@ -25,10 +25,8 @@ static tvi_status make_worker(tvi_worker *w, const tvi_ensemble *e, const tvi_op
     w->q = calloc(2 * (size_t)e->n, sizeof *w->q);
     if (!w->q) return TVI_ENOMEM;
     w->p = w->q + e->n;
-    const tvi_crowd_stepper *stepper = w->one->stepper->crowd;
     const int width = tvi_integrator_width(w->one);
     w->batch = w->one;
-    if (width > 1 && stepper->simplify) stepper->simplify(w->one->work);
     return width > 1 ? tvi_integrator_twin(&w->batch, w->one, width) : TVI_OK;
 }
 

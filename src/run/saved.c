@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STATE_VERSION = 11 };
+enum { STATE_VERSION = 12 };
 
 static const char MAGIC[] = "tvistate";
 

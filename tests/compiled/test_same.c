@@ -35,7 +35,7 @@ static const struct {
     {&pendulum, "galerkin", 4, QUICK},
     {&henon_heiles, "galerkin", 6, WIDE},
     {&chain, "galerkin", 6, QUICK},  /* a force that knows the time */
-    {&fpu, "galerkin", 16, QUICK},   /* stiff springs, cubes */
+    {&fpu, "galerkin", 16, QUICK},   /* cubes */
     {&ring, "galerkin", 20, WIDE},   /* elementary functions, quotients */
     {&solar, "galerkin", 16, QUICK}, /* too many unknowns for registers, equal operations in runs */
     {&solar, "galerkin", 2, QUICK},  /* eight sums at once */

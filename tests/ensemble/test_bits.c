@@ -56,33 +56,6 @@ START_TEST(members_are_what_they_are_alone)
 }
 END_TEST
 
-/* A spring on which a step is 16 / w, so that its modes have to be solved (galerkin/springs.h): not those of the member
- * that was stepped before. */
-static jet spring(const jet q[], jet t, void *ctx)
-{
-    const double w = 16 / H;
-    const jet a = jet_parameter(q[0], 0, 1), r = jet_sub(q[0], jet_mul(a, q[1]));
-    (void)t, (void)ctx;
-    return jet_add(jet_mul(w * w / 2, jet_sqr(r)), jet_mul(0.25, jet_sqr(jet_dot(q, q, N))));
-}
-
-START_TEST(members_on_springs)
-{
-    tvi_system *system;
-    tvi_options options;
-    OK(tvi_system_potential(&system, N, NULL, spring, NULL));
-    OK(tvi_options_named("galerkin", 16, &options));
-    options.max_tail = -1;
-    ck_assert(run(&few, system, &options, 9, 1, 0, NULL));
-    for (int m = 0; m < few.members; m++) {
-        (void)run(&of_one, system, &options, 1, 1, m, NULL);
-        expect_same("on a spring", &few, m, &of_one, 0);
-    }
-    ck_assert_double_gt(distance(&few, 1, &few, 2), 1e-3);
-    tvi_system_free(system);
-}
-END_TEST
-
 /* In lanes to roundoff, else to the bit. */
 START_TEST(members_are_integrators)
 {
@@ -192,7 +165,6 @@ Suite *suite_bits(void)
     TCase *tests = tcase_create("bits");
     const int pairs = form_count * method_count;
     tcase_add_loop_test(tests, members_are_what_they_are_alone, 0, pairs);
-    tcase_add_test(tests, members_on_springs);
     tcase_add_loop_test(tests, members_are_integrators, 0, pairs);
     tcase_add_loop_test(tests, neither_number_nor_threads_matter, 0, 3 * SIZES);
     tcase_add_loop_test(tests, a_new_state_is_the_members_own, 0, 2 * pairs);

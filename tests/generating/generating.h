@@ -25,6 +25,5 @@ Suite *suite_galerkin(void);
 void add_galerkin_passes(Suite *suite); /* a case of it */
 Suite *suite_galerkin_lagrangian(void);
 Suite *suite_galerkin_quad(void); /* likewise */
-Suite *suite_springs(void);
 
 #endif

@@ -21,7 +21,6 @@ static Suite *(*const suites[])(void) = {
     suite_galerkin,
     suite_galerkin_lagrangian,
     suite_galerkin_quad,
-    suite_springs,
 };
 
 int main(void)

@@ -358,34 +358,12 @@ START_TEST(plain_factors_refuse_what_needs_exchanges)
 }
 END_TEST
 
-/* Of a symmetric matrix with eigenvalues of both signs: A v = value v for each row; rows are orthonormal, in order. */
-START_TEST(eigenvectors_are_those_of_the_matrix)
-{
-    const int n = _i;
-    double A[MOST * MOST], v[MOST * MOST], value[MOST], scratch[3 * MOST];
-    for (int i = 0; i < n; i++)
-        for (int j = 0; j < n; j++) A[i * n + j] = cos(1 + i + j) + sin(2.0 * i * j) - 2 * (i == j);
-    memcpy(v, A, (size_t)(n * n) * sizeof *v);
-    ck_assert(tvi_eigen(n, v, value, scratch));
-    for (int k = 0; k < n; k++) {
-        ck_assert(k == 0 || value[k - 1] <= value[k]);
-        for (int i = 0; i < n; i++) {
-            double product = 0, overlap = 0;
-            for (int j = 0; j < n; j++) product += A[i * n + j] * v[k * n + j], overlap += v[i * n + j] * v[k * n + j];
-            ck_assert_double_eq_tol(product, value[k] * v[k * n + i], 1e-13);
-            ck_assert_double_eq_tol(overlap, i == k, 1e-14);
-        }
-    }
-}
-END_TEST
-
 Suite *suite_linear(void)
 {
     Suite *suite = suite_create("linear");
     TCase *linear = tcase_create("linear");
     tcase_add_loop_test(linear, solutions_are_those_of_lapack, 1, MOST + 1);
     tcase_add_loop_test(linear, singular_matrices_are_refused, 1, MOST + 1);
-    tcase_add_loop_test(linear, eigenvectors_are_those_of_the_matrix, 1, MOST + 1);
     tcase_add_loop_test(linear, lone_entries_are_scaled, 1, MOST + 1);
     tcase_add_loop_test(linear, units_of_columns_show_nowhere, 2, MOST + 1);
     tcase_add_loop_test(linear, small_unknowns_have_their_own_roundoff, 2, MOST + 1);
