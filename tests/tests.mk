@@ -80,8 +80,8 @@ $(PROGRAMS) $(GENERATED):
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
 
-# All suites of a program, and the two programs that have none.
-FUZZERS := fuzz fuzz_steps
+# All suites of a program, and the three programs that have none.
+FUZZERS := fuzz fuzz_steps fuzz_states
 $(FOLDERS:%=check-%): check-%: ; $(REPORT) "tests/$*" $(DO)
 $(FOLDERS:%=do-%): do-%: $(BUILD)/check/%
 	$(if $(filter $*,$(FUZZERS)),,tests/suites.sh '' )$<
@@ -153,12 +153,13 @@ IN_ONE_GO  := CK_FORK=no tests/suites.sh
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz)
+do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz fuzz_states)
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
 	$(IN_ONE_GO) 'failing,states,refused,lanes/lanes,runs/following' $(BUILD)/check/ensemble
 	$(BUILD)/check/fuzz
+	$(BUILD)/check/fuzz_states 1 1250000
 
 check-valgrind: ; $(REPORT) "valgrind" $(DO)
 do-valgrind: $(addprefix $(BUILD)/check/,library ad)

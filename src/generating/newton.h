@@ -31,7 +31,7 @@ typedef struct {
 
 /* What earlier solutions taught; in the arena's history. */
 typedef struct {
-    long solves;
+    unsigned long solves;
     double slack;     /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
     double curvature; /* the second correction through the square of the first one, the most that was seen; 0: none */
     double bound;     /* what that is at most, by second ones that were roundoff; 0: not known */

@@ -227,7 +227,8 @@ static bool are_sound(tvi_ensemble *e, const tvi_pieces *pieces, const void *buf
 {
     const char *histories = tvi_saved_piece(pieces, HISTORIES, buffer);
     tvi_integrator *it = e->worker->batch;
-    if (!tvi_stops_are_sound(tvi_saved_piece(pieces, STOPS, buffer), e->n, e->members) ||
+    if (!tvi_stats_are_sound(tvi_saved_piece(pieces, COUNTS, buffer)) ||
+        !tvi_stops_are_sound(tvi_saved_piece(pieces, STOPS, buffer), e->n, e->members) ||
         !tvi_numbers_are_finite(tvi_saved_piece(pieces, PARAMETERS, buffer), pieces->piece[PARAMETERS].bytes))
         return false;
     for (int m = 0; m < e->members; m++) {

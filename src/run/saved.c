@@ -5,6 +5,7 @@
 #include "method/fingerprint.h"
 #include "system/refuse.h"
 
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -97,6 +98,17 @@ void tvi_saved_read(const tvi_pieces *pieces, const void *buffer)
     const char *at = tvi_saved_piece(pieces, 0, buffer);
     for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
         tvi_arena_copy(pieces->piece[i].data, at, pieces->piece[i].bytes);
+}
+
+bool tvi_stats_are_sound(const void *bytes)
+{
+    const size_t numbers = offsetof(tvi_stats, is_compiled); /* which may be no truth value, and is not read */
+    tvi_stats s = {0};
+    memcpy(&s, bytes, numbers);
+    const long counts[] = {s.steps, s.passes, s.expansions, s.force_evaluations, s.factorisations};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        if (counts[i] < 0 || counts[i] > LONG_MAX / 2) return false;
+    return true;
 }
 
 bool tvi_numbers_are_finite(const void *bytes, size_t size)

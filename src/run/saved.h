@@ -54,6 +54,8 @@ const char *tvi_saved_piece(const tvi_pieces *pieces, int index, const void *buf
 /* Copies all pieces from a buffer that fits. */
 void tvi_saved_read(const tvi_pieces *pieces, const void *buffer);
 
+/* Whether bytes from elsewhere are counts that a run may go on from. */
+bool tvi_stats_are_sound(const void *bytes);
 /* Whether bytes from elsewhere are finite numbers. */
 bool tvi_numbers_are_finite(const void *bytes, size_t size);
 /* Whether bytes from elsewhere are so many stops of dimension n, one after the other. */

@@ -62,7 +62,8 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     const tvi_identity own = tvi_identity_of(it, tvi_saved_size(&pieces));
     const char *const misfit = tvi_saved_misfit(&own, buffer, size);
     if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);
-    if (!tvi_stops_are_sound(tvi_saved_piece(&pieces, STOP, buffer), it->system->n, 1) ||
+    if (!tvi_stats_are_sound(tvi_saved_piece(&pieces, COUNTS, buffer)) ||
+        !tvi_stops_are_sound(tvi_saved_piece(&pieces, STOP, buffer), it->system->n, 1) ||
         !tvi_numbers_are_finite(tvi_saved_piece(&pieces, PARAMETERS, buffer), pieces.piece[PARAMETERS].bytes))
         return jet_refuse(TVI_EINVAL, "the state is damaged");
     const tvi_status status = load_history(it, tvi_saved_piece(&pieces, HISTORY, buffer));
