@@ -25,16 +25,6 @@ const jet_sweeps *jet_sweeps_choose(void)
     if (has_avx512() && !(wish && strcmp(wish, "avx2") == 0)) return &jet_sweeps_avx512;
     return has_avx2() ? &jet_sweeps_avx2 : &jet_sweeps_base;
 }
-
-bool jet_reads_sooner(void) { return __builtin_cpu_is("intel") && !__builtin_cpu_is("icelake-server"); }
-
-bool jet_slows_for_wide(void)
-{
-    return __builtin_cpu_is("skylake-avx512") || __builtin_cpu_is("cascadelake") || __builtin_cpu_is("cooperlake") ||
-           __builtin_cpu_is("icelake-server");
-}
 #else
 const jet_sweeps *jet_sweeps_choose(void) { return &jet_sweeps_base; }
-bool jet_reads_sooner(void) { return false; }
-bool jet_slows_for_wide(void) { return false; }
 #endif

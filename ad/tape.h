@@ -106,11 +106,6 @@ struct jet_sweeps {
 
 /* The widest that the machine has; the environment variable TVI_ISA = base or avx2 asks for less. */
 const jet_sweeps *jet_sweeps_choose(void);
-/* Whether the machine is known to read what it has just stored sooner than it turns the lanes of many registers: it has
- * one unit for that, which products need, too, and reads two registers at a time. */
-bool jet_reads_sooner(void);
-/* Whether the clock falls by a fifth while vectors of eight numbers are multiplied. */
-bool jet_slows_for_wide(void);
 
 /* Sets the text of the refusal (refusal.h): the first operation of a block of values that is outside its domain,
  * whose values are computed again. Returns false. */

@@ -12,8 +12,8 @@
 
 #define JET_INLINE static inline __attribute__((always_inline))
 
-/* Whether eight numbers are one vector. Generated code has JET_NARROW 1 where vectors of four serve it better. */
-#if defined(__AVX512F__) && !(JET_NARROW + 0)
+/* Eight numbers are one vector. */
+#ifdef __AVX512F__
 #define JET_WIDE
 #endif
 

@@ -32,7 +32,6 @@ void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_pa
 {
     const int lanes = field->nodes.lanes;
     jet_text_add(text, "enum { GALERKIN_LANES = %d, GALERKIN_POINTS = %d };\n", lanes, field->points);
-    jet_text_add(text, "#ifndef GALERKIN_IN_REGISTER\n#define GALERKIN_IN_REGISTER %d\n#endif\n", !jet_reads_sooner());
     for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_add(text, "%s", *line);
     jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d, %d)\n", name, field->system->n, field->nodes.moving,
                  field->nodes.unknowns, lanes);

@@ -49,7 +49,7 @@ JET_INLINE bool steady_end(const galerkin_frame *frame, const galerkin_nodes *no
         *moved = form->hamiltonian->moved;
         return is_inside;
     }
-    if (ARE_TURNED(nodes, lanes)) {
+    if (ARE_FEW(nodes, lanes)) {
         few_vector squares;
         follow_few(nodes, frame->matrix, &squares);
         *moved = sum_of_few(squares);
@@ -150,7 +150,7 @@ JET_INLINE bool steady_keep_silent(const galerkin_frame *frame, const galerkin_n
             if (!steady_is_blind(now, blind)) of->moved[now] = moved, of->rests = moved == 0;
         } else {
             few_vector moved;
-            if (ARE_TURNED(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
+            if (ARE_FEW(nodes, lanes)) follow_few(nodes, frame->matrix, &moved);
             else (void)follow_to(nodes, frame->matrix, NULL, (double *)&moved, lanes);
             /* folded passes were all that were blind, which the compiler does not see by itself */
             if (form->folds || !steady_is_blind(now, blind)) squares[now] = moved, of->rests = are_zero(moved);

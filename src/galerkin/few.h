@@ -34,13 +34,6 @@ JET_INLINE bool are_zero(few_vector x) { return sum_of_few(x) == 0; }
 #define ARE_EIGHT(lanes) (HAS_EIGHT && (lanes) == 8)
 #define ARE_FEW(nodes, lanes)                                                                                          \
     (ARE_EIGHT(lanes) && (nodes)->unknowns <= GALERKIN_FEWEST && (nodes)->moving == (nodes)->unknowns)
-/* Generated code is of the machine it was generated on, which may read eight numbers sooner where they were stored. */
-#if defined(JET_EMITTED) && defined(JET_WIDE)
-#define IN_REGISTER GALERKIN_IN_REGISTER
-#else
-#define IN_REGISTER true
-#endif
-#define ARE_TURNED(nodes, lanes) (IN_REGISTER && ARE_FEW(nodes, lanes))
 
 /* sum = from, or nothing, + the sum over k, what is known last at the end of its chain. */
 #ifdef JET_WIDE

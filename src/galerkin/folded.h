@@ -37,25 +37,13 @@ JET_INLINE void set_next_origin(const galerkin_nodes *nodes, const double *c, co
     }
 }
 
-/* sum = from + what drives one unknown, read where it is stored. */
-JET_INLINE void sum_of_stored(const double *matrix, const double *drive, const few_vector *from, few_vector *sum)
-{
-    for (int k = 0; k < OF_EIGHT; k++) {
-        few_vector part[CHAINS] = {from[k]};
-        for (int j = 0; j < 8; j++) part[j % CHAINS] += BLOCK_OF(few_vector, matrix, j * OF_EIGHT + k) * drive[j];
-        sum[k] = (part[0] + part[2]) + (part[1] + part[3]);
-    }
-}
-
 /* nodes->impulse: the drives. */
 JET_INLINE void follow_folded(const galerkin_nodes *nodes, const double *folded, const few_vector *origin)
 {
     const double *drive = nodes->impulse;
-    if (!IN_REGISTER) LEAVE_REGISTERS(drive);
     for (int u = 0; u < nodes->unknowns; u++, drive += 8, origin += OF_EIGHT, folded += galerkin_matrix_size(8)) {
         few_vector *x = &BLOCK_AT(few_vector, nodes->x, u * OF_EIGHT);
-        if (IN_REGISTER) sum_of_turned(folded + 8 * 8, (const few_vector *)drive, origin, x);
-        else sum_of_stored(folded, drive, origin, x);
+        sum_of_turned(folded + 8 * 8, (const few_vector *)drive, origin, x);
     }
 }
 

@@ -353,8 +353,7 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
     tvi_uses used = {
         .values = {.name = "tvi_values", .lanes = {lanes, of_crowd}, .is_force = system->form == TVI_SEPARABLE},
         .member = "galerkin",
-        .emit_loops = emit_loops,
-        .is_short = tvi_steps_are_short(system, GALERKIN_FEWEST)};
+        .emit_loops = emit_loops};
     if (system->second_values) used.second = (jet_emission){.name = "tvi_second", .lanes = {lanes}};
     return used;
 }

@@ -127,7 +127,7 @@ JET_INLINE double move_lanes(const galerkin_nodes *nodes, const double *matrix, 
                              int lanes)
 {
 #ifdef JET_WIDE
-    if (ARE_TURNED(nodes, lanes)) return move_few(nodes, matrix, drives, slot);
+    if (ARE_FEW(nodes, lanes)) return move_few(nodes, matrix, drives, slot);
 #endif
     weigh_lanes(nodes, drives, slot, lanes);
     return follow_lanes(nodes, matrix, NULL, lanes);

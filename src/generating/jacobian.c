@@ -62,9 +62,6 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     else curve_sum_jacobian(curve, combination, matrix);
 }
 
-/* tvi_steps_are_short */
-enum { MOST_OF_SHORT = 8 };
-
 /* Matrices take their directions in blocks, the last one of what is left. */
 tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
                         tvi_jacobians jacobians)
@@ -77,8 +74,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
                                 .has_series = !is_whole,
                                 .has_inner_tangents = system->form == TVI_LAGRANGIAN},
                      .member = "curve",
-                     .emit_loops = is_whole ? tvi_curve_emit_series : NULL,
-                     .is_short = tvi_steps_are_short(system, MOST_OF_SHORT)};
+                     .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
     used.series.beside = used.series.has_adjoints ? 0 : (directions + TVI_CURVE_LANES - 1) / TVI_CURVE_LANES;

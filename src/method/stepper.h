@@ -18,14 +18,7 @@ typedef struct {
      * such thing. */
     const char *member;
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
-    bool is_short; /* its operations wait for each other: wide vectors gain less than a slower clock loses */
 } tvi_uses;
-
-/* So it is where there are a few coordinates, at most so many, of a force. */
-static inline bool tvi_steps_are_short(const tvi_system *system, int most)
-{
-    return system->form == TVI_SEPARABLE && system->n > 1 && system->n <= most;
-}
 
 /* What a step made of the members: all that the stepper writes, but its own work. */
 typedef struct {
