@@ -13,16 +13,51 @@ static const char words[] =
     " const const_cast constexpr continue decltype default defined delete do double dynamic_cast else enum explicit"
     " export extern false float for friend goto if inline int long may_alias mutable namespace new noexcept noinline"
     " not not_eq nullptr operator or or_eq private protected public register reinterpret_cast restrict return short"
-    " signed sizeof static static_assert static_cast struct switch template this thread_local throw true try typedef"
-    " typeid typename typeof union unsigned using vector_size virtual void volatile wchar_t while xor xor_eq ",
-                  library[] =
-                      " abort abs acos acosh asin asinh atan atan2 atanh calloc cbrt ceil copysign cos cosh erf erfc"
-                      " exit exp exp2 expm1 fabs fdim floor fma fmax fmin fmod free frexp hypot ilogb isfinite isinf"
-                      " isnan ldexp lgamma llrint llround log log10 log1p log2 logb lrint lround main malloc memchr"
-                      " memcmp memcpy memmove memset modf nan nearbyint nextafter pow printf puts realloc remainder"
-                      " remquo rint round scalbn signbit sin sinh size_t sqrt strcmp strlen tan tanh tgamma trunc"
-                      " uint64_t ",
-                  *const own[] = {"tvi_", "jet_", "TVI_", "JET_"};
+    " signed sizeof static static_assert static_cast std struct switch template this thread_local throw true try "
+    "typedef"
+    " typeid typename typeof union unsigned using vector_size virtual void volatile wchar_t while xor xor_eq ";
+/* The names that the C library has for types, macros and functions, those of POSIX among them that programs use most;
+ * and the functions that it has with f and l behind their names, too. */
+static const char library[] =
+    " abort abs accept access alarm aligned_alloc alloca asctime assert at_quick_exit atexit atof atoi atol atoll"
+    " bcopy bind brk bsearch btowc bzero c16rtomb c32rtomb call_once calloc char16_t char32_t chdir chmod chown"
+    " clearerr clock clock_t close cnd_broadcast cnd_destroy cnd_init cnd_signal cnd_timedwait cnd_wait complex"
+    " connect creat ctime difftime div double_t drand48 dup environ errno execv execve exit fclose feclearexcept"
+    " fegetenv fegetexceptflag fegetround feholdexcept feof feraiseexcept ferror fesetenv fesetexceptflag fesetround"
+    " fetestexcept feupdateenv fexcept_t fflush fgetc fgetpos fgets fgetwc fgetws float_t fopen fork fpclassify fpos_t"
+    " fprintf fputc fputs fputwc fputws fread free freopen fscanf fseek fsetpos fstat fsync ftell fwide fwprintf"
+    " fwrite fwscanf gamma getc getchar getenv getline getpid getuid getwc getwchar gmtime imaxabs imaxdiv index"
+    " int16_t int32_t int64_t int8_t int_fast16_t int_fast32_t int_fast64_t int_fast8_t int_least16_t int_least32_t"
+    " int_least64_t int_least8_t intmax_t intptr_t ioctl isalnum isalpha isatty isblank iscntrl isdigit isfinite"
+    " isgraph isgreater isgreaterequal isinf isless islessequal islessgreater islower isnan isnormal isprint ispunct"
+    " isspace isunordered isupper iswalnum iswalpha iswblank iswcntrl iswctype iswdigit iswgraph iswlower iswprint"
+    " iswpunct iswspace iswupper iswxdigit isxdigit j0 j1 jn kill kill_dependency labs ldiv link i386 linux listen "
+    "llabs"
+    " lldiv localeconv localtime longjmp lseek main malloc math_errhandling mblen mbrlen mbrtoc16 mbrtoc32 mbrtowc"
+    " mbsinit mbsrtowcs mbstate_t mbstowcs mbtowc memchr memcmp memcpy memmove memset mkdir mktime mmap mtx_destroy"
+    " mtx_init mtx_lock mtx_timedlock mtx_trylock mtx_unlock munmap nice noreturn offsetof once_flag open pause perror"
+    " pipe poll printf ptrdiff_t putc putchar putenv puts putwc putwchar qsort quick_exit raise rand random read"
+    " realloc recv remove rename rewind rindex rmdir sbrk scanf select send setbuf setenv setjmp setlocale setvbuf"
+    " sig_atomic_t signal signbit signgam size_t sleep snprintf socket sprintf srand srandom sscanf stat stderr stdin"
+    " stdout strcat strchr strcmp strcoll strcpy strcspn strdup strerror strftime strlen strncat strncmp strncpy"
+    " strpbrk strrchr strspn strstr strtod strtof strtoimax strtok strtok_r strtol strtold strtoll strtoul strtoull"
+    " strtoumax strxfrm swprintf swscanf symlink sync system thrd_create thrd_current thrd_detach thrd_equal thrd_exit"
+    " thrd_join thrd_sleep thrd_t thrd_yield time time_t times timespec_get tmpfile tmpnam tolower toupper towctrans"
+    " towlower towupper tss_create tss_delete tss_get tss_set tss_t uint16_t uint32_t uint64_t uint8_t uint_fast16_t"
+    " uint_fast32_t uint_fast64_t uint_fast8_t uint_least16_t uint_least32_t uint_least64_t uint_least8_t uintmax_t"
+    " uintptr_t ungetc ungetwc unix unlink usleep va_arg va_copy va_end va_list va_start vfprintf vfscanf vfwprintf"
+    " vfwscanf vprintf vscanf vsnprintf vsprintf vsscanf vswprintf vswscanf vwprintf vwscanf wait wcrtomb wcscat"
+    " wcschr wcscmp wcscoll wcscpy wcscspn wcsftime wcslen wcsncat wcsncmp wcsncpy wcspbrk wcsrchr wcsrtombs wcsspn"
+    " wcsstr wcstod wcstof wcstoimax wcstok wcstol wcstold wcstoll wcstombs wcstoul wcstoull wcstoumax wcsxfrm wctob"
+    " wctomb wctrans wctrans_t wctype wctype_t wint_t wmemchr wmemcmp wmemcpy wmemmove wmemset wprintf write wscanf y0"
+    " y1 yn ";
+static const char in_three_types[] =
+    " acos acosh asin asinh atan atan2 atanh cabs cacos cacosh carg casin casinh catan catanh cbrt ccos ccosh ceil"
+    " cexp cimag clog conj copysign cos cosh cpow cproj creal csin csinh csqrt ctan ctanh erf erfc exp exp2 expm1 fabs"
+    " fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint"
+    " lround modf nan nearbyint nextafter nexttoward pow remainder remquo rint round scalbln scalbn sin sinh sqrt tan"
+    " tanh tgamma trunc ";
+static const char *const own[] = {"tvi_", "jet_", "TVI_", "JET_", "Sleef_"}, *const families[] = {"atomic_"};
 
 static bool is_among(const char *name, const char *list)
 {
@@ -30,6 +65,27 @@ static bool is_among(const char *name, const char *list)
     for (const char *at = list; (at = strstr(at, name)); at++)
         if (at[-1] == ' ' && at[size] == ' ') return true;
     return false;
+}
+
+static bool begins_as(const char *name, const char *const beginning[], size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!strncmp(name, beginning[i], strlen(beginning[i]))) return true;
+    return false;
+}
+
+enum { LONGEST = 32 /* characters of any of its names, and more */ };
+
+static bool is_of_library(const char *name)
+{
+    char type[LONGEST];
+    const size_t size = strlen(name);
+    if (is_among(name, library) || is_among(name, in_three_types)) return true;
+    if (begins_as(name, families, sizeof families / sizeof *families)) return true;
+    if (size < 2 || size >= LONGEST || !strchr("fl", name[size - 1])) return false;
+    memcpy(type, name, size - 1);
+    type[size - 1] = 0;
+    return is_among(type, in_three_types);
 }
 
 static bool is_identifier(const char *name)
@@ -44,9 +100,9 @@ const char *tvi_compiled_misnamed(const char *name)
 {
     if (!is_identifier(name)) return "is no identifier";
     if (is_among(name, words)) return "is a word of C or C++";
-    if (is_among(name, library)) return "is a name of the C library";
+    if (is_of_library(name)) return "is a name of the C library";
     if (*name == '_') return "begins with _, as the names of the compiler do";
-    for (size_t i = 0; i < sizeof own / sizeof *own; i++)
-        if (!strncmp(name, own[i], strlen(own[i]))) return "begins as the names of this library do";
+    if (!strcmp(name, "jet") || begins_as(name, own, sizeof own / sizeof *own))
+        return "begins as the names of this library do";
     return strpbrk(name, small) ? NULL : "is in capitals, as macros are";
 }

@@ -113,14 +113,30 @@ START_TEST(other_names_are_refused)
 {
     static const struct {
         const char *name, *why;
-    } refused[] = {{"", "identifier"},   {"1st", "identifier"},   {"a b", "identifier"}, {"a-b", "identifier"},
-                   {"int", "word of C"}, {"class", "word of C"},  {"sqrt", "C library"}, {"main", "C library"},
-                   {"_orbit", "begins"}, {"tvi_orbit", "begins"}, {"jet_run", "begins"}, {"NULL", "macros"},
-                   {"MOVE", "macros"}};
+    } refused[] = {
+        {"", "identifier"},           {"1st", "identifier"},   {"a b", "identifier"},  {"a-b", "identifier"},
+        {"int", "word of C"},         {"class", "word of C"},  {"sqrt", "C library"},  {"main", "C library"},
+        {"_orbit", "begins"},         {"tvi_orbit", "begins"}, {"jet_run", "begins"},  {"jet", "begins"},
+        {"std", "word of C"},         {"NULL", "macros"},      {"MOVE", "macros"},     {"isnan", "C library"},
+        {"fpclassify", "C library"},  {"sinf", "C library"},   {"cexpl", "C library"}, {"int32_t", "C library"},
+        {"offsetof", "C library"},    {"strlen", "C library"}, {"read", "C library"},  {"errno", "C library"},
+        {"atomic_load", "C library"}, {"va_list", "C library"}};
     for (size_t i = 0; i < sizeof refused / sizeof *refused; i++) {
         ck_assert_str_eq(written(0, "/nowhere", refused[i].name), "");
         ck_assert_ptr_nonnull(strstr(tvi_last_error(), refused[i].why));
     }
+}
+END_TEST
+
+/* Names beside those of the C library are the user's. */
+START_TEST(names_beside_those_are_allowed)
+{
+    static const char *const allowed[] = {"orbit", "sinus",     "off",       "f",     "l",    "fl",
+                                          "torus", "isosceles", "string_of", "sqrtx", "reads"};
+    const char *directory = directory_make();
+    for (size_t i = 0; i < sizeof allowed / sizeof *allowed; i++)
+        ck_assert_str_ne(written(0, directory, allowed[i]), "");
+    directory_remove(directory);
 }
 END_TEST
 
@@ -131,6 +147,7 @@ Suite *suite_names(void)
     tcase_add_test(tcase, own_words_are_names_like_any_other);
     tcase_add_test(tcase, each_word_of_the_code_is_refused_or_compiles);
     tcase_add_test(tcase, other_names_are_refused);
+    tcase_add_test(tcase, names_beside_those_are_allowed);
     suite_add_tcase(suite, tcase);
     return suite;
 }
