@@ -91,12 +91,12 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
     w.copied = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.copied);
     galerkin_crowd_passes *passes = &w.passes;
-    double **const of_passes[] = {&passes->size,  &passes->before, &passes->part,  &passes->slowest,
-                                  &passes->shown, &passes->early,  &passes->count, &passes->steps};
-    for (size_t i = 0; i < 8; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
+    double **const of_passes[] = {&passes->size,    &passes->before, &passes->part,
+                                  &passes->slowest, &passes->shown,  &passes->count};
+    for (size_t i = 0; i < 6; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
     passes->is_stuck = tvi_arena_take(arena, count * sizeof *passes->is_stuck);
-    double **const of_last[] = {&w.last.h, &w.last.h_before, &w.last.t, &w.last.slowest, &w.last.steps};
-    for (size_t i = 0; i < 5; i++) *of_last[i] = tvi_arena_history(arena, count * sizeof(double));
+    double **const of_last[] = {&w.last.h, &w.last.h_before, &w.last.t, &w.last.slowest};
+    for (size_t i = 0; i < 4; i++) *of_last[i] = tvi_arena_history(arena, count * sizeof(double));
     w.pace = tvi_arena_history(arena, count * sizeof *w.pace);
     w.turn = tvi_arena_history(arena, sizeof *w.turn);
     for (int i = 0; i < GALERKIN_TURNS; i++)
@@ -165,11 +165,8 @@ static void get(const void *work, int lane, void *one)
     const crowd *w = work;
     const galerkin_predictor *predictor = &((galerkin *)one)->predictor;
     const galerkin_crowd_history *last = &w->last;
-    *predictor->last = (galerkin_history){.h = last->h[lane],
-                                          .h_before = last->h_before[lane],
-                                          .t = last->t[lane],
-                                          .pace = w->pace[lane],
-                                          .steps = last->steps[lane]};
+    *predictor->last = (galerkin_history){
+        .h = last->h[lane], .h_before = last->h_before[lane], .t = last->t[lane], .pace = w->pace[lane]};
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
 }
 
@@ -182,14 +179,13 @@ static void put(void *work, int lane, const void *one)
     w->last.t[lane] = predictor->last->t;
     w->pace[lane] = predictor->last->pace;
     w->last.slowest[lane] = w->pace[lane].slowest;
-    w->last.steps[lane] = predictor->last->steps;
     for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), lane, impulses(w, -i));
 }
 
 static void forget(void *work, int lane)
 {
     const crowd *w = work;
-    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = w->last.slowest[lane] = w->last.steps[lane] = 0;
+    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = w->last.slowest[lane] = 0;
     w->pace[lane] = (galerkin_pace){0};
 }
 
@@ -352,7 +348,6 @@ static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end
     w->loops->choose(nodes, 1, w->moved, end->tail);
     w->loops->choose(nodes, 1, origin->t, w->last.t);
     w->loops->choose(nodes, 1, w->passes.slowest, w->last.slowest);
-    w->loops->choose(nodes, 1, w->passes.steps, w->last.steps);
     for (int m = 0; m < nodes->width; m++) w->pace[m] = (galerkin_pace){.slowest = w->last.slowest[m]};
     for (int m = 0; m < nodes->width; m++)
         end->passes[m] = nodes->in_lanes[m] ? (int)w->passes.count[m] : end->passes[m];
@@ -363,7 +358,7 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
     crowd *w = work;
     tvi_galerkin_set_size(w->single, h);
     w->nodes.impulse = impulses(w, 1);
-    const int count = w->loops->begin(&w->nodes, &w->last, &w->rule, h, origin->t, end->status, &w->passes);
+    const int count = w->loops->begin(&w->nodes, &w->last, h, origin->t, end->status, &w->passes);
     w->are_all_in_lanes = count == w->nodes.width;
     if (count > 0) {
         predict(w, h, origin);

@@ -31,13 +31,12 @@ typedef struct {
 
 /* The last two steps of each member, as in galerkin_history, [width] each. */
 typedef struct {
-    double *h, *h_before, *t, *slowest, *steps;
+    double *h, *h_before, *t, *slowest;
 } galerkin_crowd_history;
 
 /* What the passes of each member have shown (algebra/passes.h), [width] each. */
 typedef struct {
-    double *size, *before, *part, *slowest, *shown, *early;
-    double *count, *steps; /* the steps with this one */
+    double *size, *before, *part, *slowest, *shown, *count;
     long long *is_stuck;
 } galerkin_crowd_passes;
 
@@ -54,11 +53,11 @@ typedef struct {
     void (*move)(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
                  const int slot[], double moved[]);
     /* In lanes, and moving, are those that are TVI_OK and whose last two steps have the size h, and end where this one
-     * begins. Passes: TVI_NO_PASSES, but for how slow the last ones were, and `early`. Returns how many. */
-    int (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, const tvi_passes_rule *rule,
-                 double h, const double t[], const tvi_status status[], const galerkin_crowd_passes *passes);
-    /* tvi_passes_judge of the pass number `count` for all members that move, by a rule that learns no slack: those that
-     * may end, or are stuck, move no more. Returns how many go on; *any_stuck: some have become stuck. */
+     * begins, and their passes begin as slow as the last ones were. Returns how many. */
+    int (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h, const double t[],
+                 const tvi_status status[], const galerkin_crowd_passes *passes);
+    /* tvi_passes_judge of the pass number `count` for all members that move: those that may end, or
+     * are stuck, move no more. Returns how many go on; *any_stuck: some have become stuck. */
     int (*judge)(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
                  const galerkin_crowd_passes *passes, bool *any_stuck);
     /* sums [unknowns][width] */

@@ -47,9 +47,8 @@ JET_INLINE int count_of_jet_v4(JET_MASK(jet_v4) which) { return -(int)(which[0] 
 #define ARE_ALL(V, which) (COUNT(V, which) == sizeof(V) / sizeof(double))
 
 /* As galerkin_crowd_loops has them. */
-int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last,
-                             const tvi_passes_rule *rule, double h, const double t[], const tvi_status status[],
-                             const galerkin_crowd_passes *passes);
+int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
+                             const double t[], const tvi_status status[], const galerkin_crowd_passes *passes);
 int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count,
                              const double moved[], const galerkin_crowd_passes *passes, bool *any_stuck);
 

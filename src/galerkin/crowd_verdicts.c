@@ -8,17 +8,16 @@
 
 /* The numbers of the rule for one pass: what does not hold in it is beyond all sizes. */
 typedef struct {
-    double goal, far, noise, contraction, stuck, again, roundoff;
+    double goal, noise, contraction, stuck, again, before;
 } numbers;
 
 static numbers numbers_of(const tvi_passes_rule *rule, int count)
 {
-    const bool is_asked = rule->exactly > 0, has_two = rule->turns > 1 && count > 2;
-    numbers of = {rule->goal, rule->far, rule->noise, rule->contraction, rule->stuck, -1, rule->roundoff};
-    if (is_asked) of.goal = count == rule->exactly ? DBL_MAX : -1;
-    if (is_asked || count <= rule->patience) of.stuck = INFINITY;
-    if (count == 1) of.far = -1;
-    if (has_two) of.again = rule->stuck * rule->stuck;
+    const bool is_asked = rule->exactly > 0;
+    numbers of = {rule->goal, rule->noise, rule->contraction, rule->stuck, -1, count == 1 ? INFINITY : 0};
+    if (is_asked) of.goal = count == rule->exactly ? DBL_MAX : -1, of.noise = -1;
+    if (is_asked || count <= rule->turns) of.stuck = INFINITY;
+    if (rule->turns > 1) of.again = rule->stuck * rule->stuck;
     return of;
 }
 
@@ -37,28 +36,20 @@ static numbers numbers_of(const tvi_passes_rule *rule, int count)
         ROW_AT(V, of.slowest, 0) = ROW_OF(V, last->slowest, 0);                                                        \
         ROW_AT(V, of.size, 0) = ROW_AT(V, of.before, 0) = ALL_OF(V, INFINITY);                                         \
         ROW_AT(V, of.part, 0) = ROW_AT(V, of.shown, 0) = ROW_AT(V, of.count, 0) = ALL_OF(V, 0);                        \
-        ROW_AT(V, of.steps, 0) = ROW_OF(V, last->steps, 0) + 1;                                                        \
-        ROW_AT(V, of.early, 0) = early / (ROW_OF(V, of.steps, 0) * ROW_OF(V, of.steps, 0));                            \
         SET_WHICH(V, of.is_stuck, (WHICH(V)){0});                                                                      \
     }
 
-int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last,
-                             const tvi_passes_rule *rule, double h, const double t[], const tvi_status status[],
-                             const galerkin_crowd_passes *passes)
+int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
+                             const double t[], const tvi_status status[], const galerkin_crowd_passes *passes)
 {
     const size_t width = (size_t)nodes->width;
     const galerkin_crowd_passes of = *passes;
-    const double quarter = 0.25 * fabs(h), early = rule->exactly > 0 ? -1 : rule->early;
+    const double quarter = 0.25 * fabs(h);
     int count = 0;
     for (size_t m = 0; m < width; m++) nodes->in_lanes[m] = status[m] == TVI_OK ? -1 : 0;
     JET_EIGHTS((int)width, BEGIN, )
     return count;
 }
-
-/* Where sizes are far from all that ends passes, they show nothing but themselves. */
-#define IS_FAR(V, size, before)                                                                                        \
-    (IS_ABOVE(V, size, ALL_OF(V, by.far)) & IS_ABOVE(V, size, goal) & IS_ABOVE(V, ALL_OF(V, INFINITY), size) &         \
-     IS_AT_MOST(V, size, by.stuck * before))
 
 /* In the words of algebra/passes.h. */
 #define JUDGE(V, S)                                                                                                    \
@@ -66,32 +57,26 @@ int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_c
         const WHICH(V) moving = WHICH_OF(V, is_moving);                                                                \
         const V none = {0}, one = ALL_OF(V, 1), size = ROW_OF(V, moved, 0), before = ROW_OF(V, of.size, 0),            \
                 earlier = ROW_OF(V, of.before, 0), part_before = ROW_OF(V, of.part, 0),                                \
-                slowest_before = ROW_OF(V, of.slowest, 0), early = ROW_OF(V, of.early, 0),                             \
-                goal = CHOOSE(V, IS_ABOVE(V, ALL_OF(V, by.goal), early), ALL_OF(V, by.goal), early);                   \
-        const WHICH(V) is_far = IS_ABOVE(V, size, ALL_OF(V, by.far));                                                  \
-        ROW_AT(V, of.size, 0) = CHOOSE(V, moving, size, before);                                                       \
-        ROW_AT(V, of.count, 0) += CHOOSE(V, moving, one, none);                                                        \
-        ROW_AT(V, of.before, 0) = before;                                                                              \
-        if (ARE_ALL(V, IS_FAR(V, size, before) | NOT(V, moving))) {                                                    \
-            ROW_AT(V, of.shown, 0) = size;                                                                             \
-            go_on += COUNT(V, moving);                                                                                 \
-            continue;                                                                                                  \
-        }                                                                                                              \
-        const WHICH(V) is_loud = IS_ABOVE(V, size, ALL_OF(V, by.noise)), shows = NOT(V, is_far) & is_loud;             \
+                slowest_before = ROW_OF(V, of.slowest, 0);                                                             \
+        const WHICH(V) is_new = IS_ABOVE(V, ALL_OF(V, by.before), one),                                                \
+                       is_loud = IS_ABOVE(V, size, ALL_OF(V, by.noise));                                               \
         const V part_now = size / CHOOSE(V, IS_ABOVE(V, one, before), before, one);                                    \
         const V slower = CHOOSE(V, IS_ABOVE(V, part_now, part_before), part_now, part_before);                         \
+        const WHICH(V) shows = NOT(V, is_new) & is_loud;                                                               \
         const V slowest = CHOOSE(V, shows, slower, slowest_before);                                                    \
         const WHICH(V) is_known = IS_ABOVE(V, slowest, none) & IS_ABOVE(V, ALL_OF(V, by.contraction), slowest);        \
         const V part = CHOOSE(V, is_known, slowest, one), expected = part * ROW_OF(V, of.shown, 0);                    \
-        const V quiet = CHOOSE(V, IS_ABOVE(V, expected, size), size, expected);                                        \
-        const V shown = CHOOSE(V, is_far | is_loud, size, quiet), next = CHOOSE(V, is_far, size, part * shown);        \
-        const WHICH(V) is_stuck = IS_ABOVE(V, size, by.stuck * before) & IS_ABOVE(V, size, by.again * earlier);        \
-        const WHICH(V) is_large = IS_ABOVE(V, size, ALL_OF(V, by.roundoff));                                           \
-        const WHICH(V) is_cycle = IS_SAME(V, size, before) & IS_SAME(V, size, earlier);                                \
-        const WHICH(V) is_roundoff = is_stuck & NOT(V, is_large) & (NOT(V, is_known) | is_cycle);                      \
-        const WHICH(V) ends = IS_AT_MOST(V, next, goal) | is_roundoff;                                                 \
+        const V quiet = CHOOSE(V, is_new | IS_ABOVE(V, expected, size), size, expected);                               \
+        const V shown = CHOOSE(V, is_loud, size, quiet);                                                               \
+        const V next = CHOOSE(V, is_new & is_loud, size, part * shown);                                                \
+        const WHICH(V) grows = IS_ABOVE(V, size, by.stuck * before) & IS_ABOVE(V, size, by.again * earlier);           \
+        const WHICH(V) is_cycle = IS_SAME(V, size, before) & IS_SAME(V, size, earlier) & NOT(V, is_loud);              \
+        const WHICH(V) ends = IS_AT_MOST(V, next, ALL_OF(V, by.goal)) | is_cycle;                                      \
         const WHICH(V) is_finite = IS_ABOVE(V, ALL_OF(V, INFINITY), size);                                             \
-        const WHICH(V) fails = (is_stuck & is_large & NOT(V, ends)) | NOT(V, is_finite);                               \
+        const WHICH(V) fails = (grows & (is_loud | NOT(V, is_known)) & NOT(V, ends)) | NOT(V, is_finite);              \
+        ROW_AT(V, of.size, 0) = CHOOSE(V, moving, size, before);                                                       \
+        ROW_AT(V, of.count, 0) += CHOOSE(V, moving, one, none);                                                        \
+        ROW_AT(V, of.before, 0) = before;                                                                              \
         ROW_AT(V, of.slowest, 0) = CHOOSE(V, moving, slowest, slowest_before);                                         \
         ROW_AT(V, of.part, 0) = CHOOSE(V, shows, part_now, part_before);                                               \
         ROW_AT(V, of.shown, 0) = shown;                                                                                \

@@ -18,10 +18,8 @@ static void emit_rule(jet_text *text, const tvi_passes_rule *r, const char *name
     const struct {
         const char *name;
         double value; /* of integers, too */
-    } field[] = {{FIELD(most)},         {FIELD(exactly)},     {FIELD(goal)},      {FIELD(early)}, {FIELD(memory)},
-                 {FIELD(is_quadratic)}, {FIELD(contraction)}, {FIELD(far)},       {FIELD(noise)}, {FIELD(first_noise)},
-                 {FIELD(most_slack)},   {FIELD(slack_above)}, {FIELD(confirmed)}, {FIELD(stuck)}, {FIELD(turns)},
-                 {FIELD(patience)},     {FIELD(roundoff)}};
+    } field[] = {{FIELD(most)},        {FIELD(exactly)}, {FIELD(goal)},  {FIELD(noise)},
+                 {FIELD(contraction)}, {FIELD(stuck)},   {FIELD(turns)}, {FIELD(is_quadratic)}};
     jet_text_add(text, "static const tvi_passes_rule %s_rule = {", name);
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         jet_text_add(text, ".%s = %a, ", field[i].name, field[i].value);

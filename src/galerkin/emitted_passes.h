@@ -194,9 +194,7 @@ JET_INLINE bool steady_passes(const galerkin_frame *frame, const galerkin_nodes 
         shown->pace.blind = steady_blind(rule, blind, &silence);
         if (silence.rests) return true;
     }
-    tvi_passes_begin(&passes);
-    passes.slowest = shown->pace.slowest;
-    passes.early = shown->early;
+    tvi_passes_begin(&passes, shown->pace.slowest);
     while (verdict == TVI_PASSES_GO_ON && first + passes.count < rule->most) {
         double moved;
         const int now = first + passes.count;

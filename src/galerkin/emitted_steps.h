@@ -94,8 +94,6 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     bool begins = steady_begin_first(frame, nodes, form, &tried, &folding, lanes) &&
                   steady_begin_others(frame, nodes, form, &tried, &folding, lanes);
     while (begins) {
-        const double number = to->steps + 1;
-        tried.early = tvi_passes_early(form->rule, number);
         galerkin_set_sizes(nodes, motion->n);
         const bool ends = steady_passes(frame, nodes, form, &folding, &tried, lanes);
         tried.factors = form->lagrangian ? form->lagrangian->factors : 0;
@@ -115,7 +113,6 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
         if (now && !galerkin_advance(motion->n, row, now, &tried)) break;
         made++;
         known += known < 2;
-        to->steps = number;
         to->t = t;
         to->last = tried;
         to->count += tried.count;

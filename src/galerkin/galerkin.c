@@ -217,8 +217,7 @@ static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *par
     const tvi_status status = predict(w, origin, part, stats);
     if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
     galerkin_set_sizes(&w->field.nodes, w->n);
-    const double early = tvi_passes_early(&w->rule, w->predictor.last->steps + 1);
-    return tvi_galerkin_iterate(&w->field, &w->probe, &w->rule, origin, early, pace, stats);
+    return tvi_galerkin_iterate(&w->field, &w->probe, &w->rule, origin, pace, stats);
 }
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */

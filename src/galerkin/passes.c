@@ -8,52 +8,33 @@
 /* Sizes are squares, summed over all unknowns and lanes, relative to the sizes of the unknowns; here of one of them.
  * What a step leaves out has the same sign in the next one, where roundoff changes its sign: it stays below the
  * roundoff of N steps if it is that of one step / sqrt(N), with 2^-80 for more than 10^9 of them. A Newton method,
- * whose passes cost more, does so for 2^16 times fewer. The N-th step of a run leaves 2^-66 / N where that is more: all
- * of them together 2^-62, less than the roundoff of one; but not by Newton's methods, whose next movement is less well
- * known. Passes of a small step soon do no more than roundoff, which does not show how far they contract: then they do
- * as those of an earlier step did. */
-#define SQUARE(x)      ((x) * (x))
-#define FAR            SQUARE(1e-9)
-#define MAYBE_ROUNDOFF SQUARE(1e-12)
-#define NOISE          SQUARE(32 * DBL_EPSILON)
-
-/* In the equations of a Hamiltonian the passes of Q may contract as little as those of P contract much, in turns. */
-const tvi_passes_rule tvi_galerkin_fixed_point = {.most = 100,
-                                                  .goal = SQUARE(0x1p-80),
-                                                  .early = SQUARE(0x1p-66),
-                                                  .memory = 2,
-                                                  .contraction = 0.25,
-                                                  .far = FAR,
-                                                  .noise = NOISE,
-                                                  .first_noise = NOISE,
-                                                  .stuck = TVI_PASSES_ALL,
-                                                  .turns = 2,
-                                                  .patience = 2,
-                                                  .roundoff = MAYBE_ROUNDOFF};
-#define NEWTON                                                                                                         \
-    .most = 100, .goal = SQUARE(0x1p-72), .memory = 1, .contraction = 0.25, .far = FAR, .noise = NOISE,                \
-    .stuck = TVI_PASSES_ALL, .turns = 2, .patience = 2, .roundoff = MAYBE_ROUNDOFF
-const tvi_passes_rule tvi_galerkin_quasi_newton = {NEWTON};
-const tvi_passes_rule tvi_galerkin_newton = {NEWTON, .is_quadratic = true};
+ * whose passes cost more, does so for 2^16 times fewer. Passes of a small step soon do no more than roundoff, which
+ * does not show how far they contract: then they do as those of an earlier step did. In the equations of a Hamiltonian
+ * the passes of Q may contract as little as those of P contract much, in turns. */
+#define SQUARE(x) ((x) * (x))
+#define RULE(GOAL)                                                                                                     \
+    .most = 100, .goal = SQUARE(GOAL), .noise = SQUARE(32 * DBL_EPSILON), .contraction = SQUARE(0.5),                  \
+    .stuck = TVI_PASSES_ALL, .turns = 2
+const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(0x1p-80)};
+const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(0x1p-72)};
+const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true};
 
 tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *o)
 {
     tvi_passes_rule rule = *of_one;
-    double *const sizes[] = {&rule.goal, &rule.early, &rule.far, &rule.noise, &rule.first_noise, &rule.roundoff};
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) *sizes[i] *= numbers;
+    rule.goal *= numbers;
+    rule.noise *= numbers;
     return tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
 }
 
 tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
-                                const tvi_origin *origin, double early, galerkin_pace *pace, tvi_stats *stats)
+                                const tvi_origin *origin, galerkin_pace *pace, tvi_stats *stats)
 {
     tvi_passes passes;
     bool is_stuck = false;
     int count = 0;
     double moved;
-    tvi_passes_begin(&passes);
-    passes.slowest = pace->slowest;
-    passes.early = early;
+    tvi_passes_begin(&passes, pace->slowest);
     while (++count <= rule->most) {
         const bool suspects =
             is_stuck && passes.roundoff == 0 && count < rule->most && tvi_galerkin_is_near(field, origin);

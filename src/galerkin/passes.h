@@ -18,11 +18,10 @@ void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const gale
 tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *options);
 
 /* From the unknowns that the field has, until the rule lets the passes end.
- * *pace: how they go, of an earlier step of the same size, then of this one; early: the goal of this step, where that
- * is more. Sets stats->residual and counts. TVI_ENOCONV, TVI_ENONFINITE, and what the field fails with. */
+ * *pace: how they go, of an earlier step of the same size, then of this one. Sets stats->residual and counts.
+ * TVI_ENOCONV, TVI_ENONFINITE, and what the field fails with. */
 TVI_NODISCARD tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
-                                              const tvi_origin *origin, double early, galerkin_pace *pace,
-                                              tvi_stats *stats);
+                                              const tvi_origin *origin, galerkin_pace *pace, tvi_stats *stats);
 
 /* Whether the nodes have not run off: roundoff.h. */
 bool tvi_galerkin_is_near(const galerkin_field *field, const tvi_origin *origin);

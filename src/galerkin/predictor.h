@@ -10,7 +10,6 @@ typedef struct {
     double h, h_before; /* 0: none */
     double t;           /* where the last one began */
     galerkin_pace pace; /* of its passes; or, what they do not show, of those before it */
-    double steps;       /* so many were made */
     int turn;           /* where its impulses are */
     int leads;          /* behind these is what the next step of this size begins with: the unknowns, and where the
                            fewest of them rise to */
@@ -61,7 +60,7 @@ static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int aft
 static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, galerkin_pace pace)
 {
     const int next = w->last->turn + 1;
-    *w->last = (galerkin_history){h, w->last->h, t, pace, w->last->steps + 1, next % GALERKIN_TURNS, 0};
+    *w->last = (galerkin_history){h, w->last->h, t, pace, next % GALERKIN_TURNS, 0};
 }
 
 #endif

@@ -17,7 +17,6 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     to->turn = last->turn;
     to->last = (galerkin_trial){.pace = galerkin_pace_before(w)};
     to->leads = last->leads && to->known > 0;
-    to->steps = last->steps;
     to->count = to->factors = 0;
     set_folded(w);
     const long made = w->field.loops->steady(&w->frame, row, origin, now, to);
@@ -29,7 +28,6 @@ long tvi_galerkin_make_steadily(galerkin *w, const tvi_row *row, const tvi_origi
     last->turn = (int)((last->turn + made - 1) % GALERKIN_TURNS);
     if (made > 1) last->h = row->h;
     tvi_galerkin_remember(before, row->h, to->t, to->last.pace);
-    last->steps = to->steps;
     last->leads = to->leads;
     return made;
 }

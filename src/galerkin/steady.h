@@ -30,7 +30,7 @@ typedef struct galerkin_frame {
 typedef struct {
     int count;   /* of passes */
     int factors; /* so often were second derivatives at the nodes taken */
-    double size, early, tail;
+    double size, tail;
     galerkin_pace pace;
 } galerkin_trial;
 
@@ -42,7 +42,6 @@ typedef struct galerkin_outcome {
                                          the first one's unknowns are those of the frame's nodes; else: */
     bool leads;                 /* behind those of the last one is what the next one begins with */
     double t;                   /* where the last one began */
-    double steps;               /* that were made, and before these */
     galerkin_trial last, tried; /* the last one, and the one after it where that was not made */
     long count, factors;        /* of all steps */
     double largest_tail;        /* of these, and of those before */

@@ -292,7 +292,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     const tvi_equations equations = {
         .self = &a, .residual = residual, .scale = set_scale, .jacobian = jacobian, .roundoff = residual_roundoff};
     tvi_status status = predict(&a);
-    if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, w->options, stats);
+    if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, stats);
     if (status != TVI_OK) return status;
     keep_missing(w, origin);
     increments(w, by->dq, by->dp);

@@ -145,8 +145,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.tail = tvi_arena_doubles(arena, count);
     w.is_moving = tvi_arena_take(arena, count * sizeof *w.is_moving);
     w.now = tvi_arena_take(arena, count * sizeof *w.now);
-    w.passes = tvi_arena_take(arena, count * sizeof *w.passes);
     w.history = tvi_arena_history(arena, count * sizeof *w.history);
+    w.passes = tvi_arena_take(arena, count * sizeof *w.passes);
     if (taken) *taken = w;
     return taken;
 }
@@ -219,7 +219,7 @@ static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_s
         const bool moves = status[m] == TVI_OK;
         w->now[m] = moves ? TVI_MOVING : TVI_LEFT_ALONE;
         w->is_moving[m] = moves ? -1 : 0;
-        if (moves) tvi_newton_begin(&w->passes[m], &w->history[m], w->single->options, w->single->is_rough);
+        if (moves) tvi_newton_begin(&w->passes[m], &w->history[m], &w->rules, w->single->is_rough);
         count += moves;
     }
     return count;
@@ -240,7 +240,7 @@ static int judge(crowd *w)
         if (verdict != TVI_PASSES_MAY_END) continue;
         w->now[m] = TVI_DONE;
         w->is_moving[m] = 0;
-        tvi_newton_learn(&w->history[m], &w->passes[m], true);
+        tvi_newton_learn(&w->history[m], &w->passes[m]);
     }
     for (int m = 0; m < of->width; m++) count += w->is_moving[m] != 0;
     return count;
@@ -295,7 +295,6 @@ static void forget(void *work, int lane) { memset(&((crowd *)work)->history[lane
 static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
                            tvi_stats *stats)
 {
-    w->history[m].solves--; /* which is counted once more */
     get(w, m, w->single);
     if (tvi_single_step(&w->by_itself, w->system->field_series, w->curve.x, 1, h, origin, end, m, stats))
         put(w, m, w->single);

@@ -161,9 +161,8 @@ enum { STEP_QUICK_PASSES = 8 };
 static inline int step_passes(step_quick *a, const tvi_origin *origin, double *size)
 {
     tvi_newton *newton = &a->work->newton;
-    const tvi_newton_history before = *newton->history;
     tvi_newton_passes at;
-    tvi_newton_begin(&at, newton->history, a->work->options, newton->is_rough);
+    tvi_newton_begin(&at, newton->history, &newton->rules, newton->is_rough);
     matrices_begin(matrices_of(&a->work->closure));
     for (int count = 1; count <= STEP_QUICK_PASSES; count++) {
         tvi_newton_size correction;
@@ -171,13 +170,12 @@ static inline int step_passes(step_quick *a, const tvi_origin *origin, double *s
         const tvi_passes_verdict verdict = tvi_newton_judge(&at, &newton->rules, correction);
         if (verdict == TVI_PASSES_STUCK) break;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_learn(newton->history, &at, true);
+            tvi_newton_learn(newton->history, &at);
             *size = correction.relative;
             return count;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
     }
-    *newton->history = before;
     return 0;
 }
 

@@ -219,7 +219,7 @@ static tvi_status correct(attempt *a)
                                      .roundoff = residual_roundoff};
     solver->begin(&w->closure);
     memcpy(w->newton.x, w->z, unknowns * sizeof *w->z);
-    const tvi_status status = tvi_newton_solve(&w->newton, &equations, w->options, a->stats);
+    const tvi_status status = tvi_newton_solve(&w->newton, &equations, a->stats);
     memcpy(w->dz, w->newton.correction, unknowns * sizeof *w->dz);
     if (status == TVI_OK) tvi_curve_aim(&w->closure.curve, w->dz);
     return status;

@@ -10,27 +10,16 @@
 
 enum { MAX_REFRESHES = 3 };
 
-/* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns, or against what
- * the residual is computed from. */
-#define STAGNATION (256 * DBL_EPSILON)
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
 #define CONTRACTION 0.5
 
 /* Of the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just contract are there
  * after 53. */
-static const tvi_passes_rule of_each = {.most = 64,
-                                        .goal = DBL_EPSILON / 2,
-                                        .confirmed = 8 * DBL_EPSILON,
-                                        .memory = 2,
-                                        .contraction = 1,
-                                        .far = INFINITY,
-                                        .most_slack = 1e6,
-                                        .slack_above = 1e-13,
-                                        .stuck = CONTRACTION,
-                                        .turns = 1};
-/* Of the largest one of a group against the largest unknown: where the others are stuck it says whether they are
- * roundoff. */
-static const tvi_passes_rule of_largest = {.turns = 2, .roundoff = STAGNATION};
+static const tvi_passes_rule of_each = {
+    .most = 64, .goal = DBL_EPSILON / 2, .contraction = 1, .stuck = CONTRACTION, .turns = 1};
+/* Of the largest one of a group against the largest unknown. Without a matrix passes are not stuck as long as these
+ * settle: what one body hands on to the next in each pass, to bodies that had nothing before, is the last to do so. */
+static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .turns = 2};
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix)
 {
@@ -84,8 +73,8 @@ static void solve(const tvi_newton *newton, const tvi_equations *equations, doub
     else if (equations->solve) equations->solve(equations->self, vector);
 }
 
-/* The reach of the unknowns: their scales, and that of which the roundoff of the residual is the part STAGNATION.
- * Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
+/* The reach of the unknowns: their scales, and that of which the roundoff of the residual is the part
+ * NEWTON_STAGNATION. Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
 static void find_reach(tvi_newton *newton, const tvi_equations *equations)
 {
     const size_t bytes = (size_t)newton->group * sizeof(double);
@@ -96,17 +85,16 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
         solve(newton, equations, newton->trial);
         for (int i = 0; i < newton->size; i++)
             if (isfinite(newton->trial[i]))
-                newton->reach[i] += TVI_ROUNDOFF_UNITS / STAGNATION * fabs(newton->trial[i]);
+                newton->reach[i] += TVI_ROUNDOFF_UNITS / NEWTON_STAGNATION * fabs(newton->trial[i]);
     }
 }
 
 /* Corrections of q follow from those of p and these from those of q, without a matrix to make anew and where the first
- * contraction tells little. Without a matrix passes are not stuck as long as the largest unknowns settle: what one body
- * hands on to the next in each pass, to bodies that had nothing before, is the last to do so. */
+ * contraction tells little. */
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough)
 {
     tvi_newton_rules rules = {tvi_passes_rule_asked(&of_each, options, options->tolerance), of_largest};
-    if (!has_matrix) rules.of_largest.stuck = CONTRACTION;
+    if (has_matrix) rules.of_largest = (tvi_passes_rule){.turns = 1};
     if (!has_matrix || is_rough) rules.of_each.turns = 2;
     return rules;
 }
@@ -117,13 +105,13 @@ void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_
     newton->rules = tvi_newton_rules_asked(options, newton->has_matrix, is_rough);
 }
 
-/* Whether corrections that no longer shrink are roundoff, by that of the residual. */
-static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_passes *passes)
+/* Whether they are, by the roundoff of the residual. */
+static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_newton_passes *passes)
 {
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
     find_reach(newton, equations);
-    if (newton_measure(newton, newton->reach).of_group > STAGNATION) return false;
-    passes->slack = passes->seen = 0; /* nothing that this step has shown is known to be no roundoff */
+    if (newton_measure(newton, newton->reach).of_group > NEWTON_STAGNATION) return false;
+    passes->slack = 1; /* nothing that this step has shown is known to be no roundoff */
     return true;
 }
 
@@ -151,12 +139,11 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
     return TVI_OK;
 }
 
-tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, const tvi_options *options,
-                            tvi_stats *stats)
+tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, tvi_stats *stats)
 {
     const tvi_newton_rules *rules = &newton->rules;
     tvi_newton_passes at;
-    tvi_newton_begin(&at, newton->history, options, newton->is_rough);
+    tvi_newton_begin(&at, newton->history, &newton->rules, newton->is_rough);
     int refreshes = 0;
     bool refresh = false;
     for (int count = 1; count <= rules->of_each.most; count++) {
@@ -167,9 +154,9 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         const tvi_newton_size size = newton_measure(newton, newton->scale);
         stats->residual = size.relative;
         tvi_passes_verdict verdict = tvi_newton_judge(&at, rules, size);
-        if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at.of_each)) verdict = TVI_PASSES_MAY_END;
+        if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at)) verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_learn(newton->history, &at, newton->has_matrix && equations->jacobian);
+            tvi_newton_learn(newton->history, &at);
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];

@@ -31,11 +31,7 @@ typedef struct {
 
 /* What earlier solutions taught; in the arena's history. */
 typedef struct {
-    unsigned long solves;
-    double slack;     /* how much slower a later pass was seen to contract than the one before it; below 1 it is none */
-    double curvature; /* the second correction through the square of the first one, the most that was seen; 0: none */
-    double bound;     /* what that is at most, by second ones that were roundoff; 0: not known */
-    double first;     /* the first correction of the last solution */
+    double slack;   /* how much slower a later pass was seen to contract than the one before it; 0: none was */
     int by_library; /* steps to come that are not tried by generated code, which left one of the last to the library */
 } tvi_newton_history;
 
@@ -51,60 +47,62 @@ typedef struct {
 } tvi_newton_rules;
 typedef struct {
     tvi_passes of_each, of_largest;
+    double slack, seen; /* how much slower passes are than they showed: as is believed, and by the last correction */
+    bool checks;        /* a pass more than seems needed, until one confirms what was expected of it */
 } tvi_newton_passes;
 
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough);
-/* One step in so many makes a pass more than seems needed. */
-enum { TVI_NEWTON_CHECK_EVERY = 16 };
-/* First corrections below this show how passes contract near the solution; second ones up to that are roundoff. What
- * is expected of a single pass is taken to be so many times as much as was ever seen. */
-#define NEWTON_NEAR     1e-3
-#define NEWTON_ROUNDOFF (8 * DBL_EPSILON)
-#define NEWTON_SURE     1024
+/* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns, or against what
+ * the residual is computed from. */
+#define NEWTON_STAGNATION (256 * DBL_EPSILON)
 
-static inline void tvi_newton_begin(tvi_newton_passes *passes, tvi_newton_history *history, const tvi_options *options,
-                                    bool is_rough)
+/* Corrections above this are no roundoff, and show slack; what checks an expectation moves no more than that. */
+#define NEWTON_SHOWS_SLACK 1e-13
+#define NEWTON_CONFIRMS    (8 * DBL_EPSILON)
+#define NEWTON_MOST_SLACK  1e6
+
+/* The matrix leaves out what a first correction, which is mostly of the highest orders, may have little of: the passes
+ * after it then contract much less. The first solution shows that, as it makes a pass more than seems needed. */
+static inline void tvi_newton_begin(tvi_newton_passes *passes, const tvi_newton_history *history,
+                                    const tvi_newton_rules *rules, bool is_rough)
 {
-    const bool is_due = history->solves++ % TVI_NEWTON_CHECK_EVERY == 0;
-    tvi_passes_begin(&passes->of_each);
-    tvi_passes_begin(&passes->of_largest);
-    passes->of_each.slack = tvi_larger(history->slack, 1);
-    passes->of_each.checks = options->tolerance == 0 && (is_due || is_rough);
-    if (is_rough) return;
-    passes->of_each.curvature = NEWTON_SURE * (history->curvature > 0 ? history->curvature : history->bound);
-    passes->of_each.typical = history->first;
+    tvi_passes_begin(&passes->of_each, 0);
+    tvi_passes_begin(&passes->of_largest, 0);
+    passes->slack = tvi_larger(history->slack, 1);
+    passes->seen = 0;
+    passes->checks = rules->of_each.exactly == 0 && rules->of_each.contraction > 0 && (history->slack == 0 || is_rough);
 }
 
-/* What a solution taught. Where its first pass had a matrix of its own, it left a part of its correction that is in
- * proportion to it: so does Newton's method, and what the matrix leaves out, as both come from the orders that a step
- * does not have. */
-static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newton_passes *passes, bool has_own_matrix)
+static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newton_passes *passes)
+{
+    history->slack = tvi_larger(history->slack, passes->slack);
+}
+
+/* The slack that one correction shows is believed when the next one contracts again: one that was roundoff does not. */
+static inline void tvi_newton_learn_slack(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
     const tvi_passes *of = &passes->of_each;
-    history->slack = tvi_larger(history->slack, of->slack);
-    if (!has_own_matrix || of->count > 3) return;
-    const double first = of->count > 2 ? of->earlier : of->count > 1 ? of->before : of->size;
-    const double second = of->count > 2 ? of->before : of->size;
-    history->first = first;
-    if (of->count < 2 || !(first < NEWTON_NEAR)) return;
-    if (second > NEWTON_ROUNDOFF) {
-        history->curvature = tvi_larger(second / (first * first), history->curvature);
-    } else {
-        const double most = NEWTON_ROUNDOFF / (first * first);
-        history->bound = history->bound > 0 ? tvi_smaller(most, history->bound) : most;
-    }
+    const bool shows = size <= rules->of_each.stuck * of->size;
+    if (of->count < 2) return;
+    if (shows) passes->slack = tvi_smaller(tvi_larger(passes->slack, passes->seen), NEWTON_MOST_SLACK);
+    const double slack = of->slack * size / of->next;
+    passes->seen = shows && size > NEWTON_SHOWS_SLACK ? slack : 0;
 }
 
 /* Adds a pass with a correction of this size. TVI_PASSES_STUCK: the caller measures whether it is roundoff. */
 static inline tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules,
                                                   tvi_newton_size size)
 {
+    const double expected = passes->of_each.next;
+    tvi_newton_learn_slack(passes, rules, size.relative);
+    passes->of_each.slack = tvi_larger(passes->slack, passes->seen);
     const tvi_passes_verdict verdict = tvi_passes_judge(&passes->of_each, &rules->of_each, size.relative);
     const tvi_passes_verdict settled = tvi_passes_judge(&passes->of_largest, &rules->of_largest, size.of_group);
-    if (verdict != TVI_PASSES_STUCK || settled != TVI_PASSES_STUCK)
-        return verdict == TVI_PASSES_STUCK ? settled : verdict;
-    const bool shows_nothing = passes->of_each.count <= rules->of_each.turns; /* small and large in turns */
-    return shows_nothing ? TVI_PASSES_GO_ON : TVI_PASSES_STUCK;
+    const bool is_confirmed = expected <= rules->of_each.goal && size.relative <= NEWTON_CONFIRMS;
+    if (verdict == TVI_PASSES_MAY_END && passes->checks && size.relative > 0 && !is_confirmed) return TVI_PASSES_GO_ON;
+    if (verdict != TVI_PASSES_STUCK) return verdict;
+    if (size.of_group <= NEWTON_STAGNATION) return TVI_PASSES_MAY_END;
+    return settled == TVI_PASSES_STUCK ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
 typedef struct {
@@ -173,7 +171,6 @@ void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_
  * second order in the correction and saves the evaluation that would confirm it.
  * TVI_ENOCONV where passes do not contract, even with a fresh Jacobian by differences; else the status of the equations
  * or of the factorisation. Counts passes and factorisations, and sets stats->residual. */
-TVI_NODISCARD tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations,
-                                          const tvi_options *options, tvi_stats *stats);
+TVI_NODISCARD tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, tvi_stats *stats);
 
 #endif

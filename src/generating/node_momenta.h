@@ -112,11 +112,10 @@ static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
     const int count = curve_n(curve) * action->points;
     double *p = action->x + count;
     tvi_passes passes;
-    tvi_passes_begin(&passes);
+    tvi_passes_begin(&passes, 0);
     memcpy(p, action->momentum, (size_t)count * sizeof *p);
     const double size = tvi_largest(count, p, 1);
-    const tvi_passes_rule rule = {
-        .goal = DBL_EPSILON * size, .stuck = TVI_PASSES_ALL, .roundoff = MOMENTA_STALLED * size};
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 0.5, .stuck = TVI_PASSES_ALL, .turns = 1};
     for (int step = 0; step < MOMENTA_STEPS; step++) {
         tvi_status status = seeds_run_field(action);
         if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_SERVES * passes.before)))
@@ -128,7 +127,8 @@ static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
         const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, largest);
         for (int i = 0; i < count; i++) p[i] += action->correction[i];
         if (verdict == TVI_PASSES_MAY_END ||
-            (verdict == TVI_PASSES_STUCK && tvi_passes_are_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve))))
+            (verdict == TVI_PASSES_STUCK &&
+             (largest <= MOMENTA_STALLED * size || tvi_passes_are_roundoff(&passes, MOMENTA_ROUNDOFF(action, curve)))))
             return seeds_run_field(action);
     }
     return TVI_ENOCONV;

@@ -267,7 +267,7 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
     tvi_iteration *it = products_of(c);
     double goal = PRODUCTS_ENOUGH;
     tvi_passes passes;
-    tvi_passes_begin(&passes);
+    tvi_passes_begin(&passes, 0);
     if (!it->has_guess) memset(it->x, 0, (size_t)products_width(c) * sizeof *it->x);
     products_form_remainder(c, a);
     for (int step = 0; step < PRODUCTS_MOST; step++) {
@@ -276,13 +276,10 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
         const double size = products_measure(c, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (step == 0) goal = tvi_larger(PRODUCTS_ENOUGH, PRODUCTS_ROUGH * size);
-        const tvi_passes_rule rule = {.goal = goal,
-                                      .memory = 1,
-                                      .contraction = 0.5,
-                                      .far = INFINITY,
-                                      .stuck = 0.5,
-                                      .roundoff = PRODUCTS_STALLED * products_measure(c, it->x)};
-        const bool may_end = tvi_passes_judge(&passes, &rule, size) == TVI_PASSES_MAY_END;
+        const tvi_passes_rule rule = {.goal = goal, .contraction = 0.5, .stuck = 0.5, .turns = 1};
+        const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, size);
+        const bool may_end = verdict == TVI_PASSES_MAY_END ||
+                             (verdict == TVI_PASSES_STUCK && size <= PRODUCTS_STALLED * products_measure(c, it->x));
         if (may_end && a->second) products_add(c, 1, s, it->x); /* nothing else of r is needed */
         else products_minimise(c, products_rough_order(c, goal < size ? goal / size : 1), a, step);
         it->has_guess = may_end;

@@ -14,8 +14,7 @@ static inline tvi_passes_rule tvi_passes_rule_asked(const tvi_passes_rule *rule,
     if (options->passes > 0) asked.most = asked.exactly = options->passes;
     if (tolerance > 0) {
         asked.goal = tolerance;
-        asked.early = 0;
-        asked.far = 0;
+        asked.contraction = 0;
     }
     return asked;
 }

@@ -121,11 +121,11 @@ static double measure_roundoff(tvi_legendre *legendre, const double y[])
 static bool is_last(tvi_legendre *legendre, const double x[], const double y[], tvi_passes *passes)
 {
     const double size = tvi_largest(legendre->system->n, x, 1);
-    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .stuck = TVI_PASSES_ALL, .roundoff = STALLED * size};
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 0.5, .stuck = TVI_PASSES_ALL, .turns = 1};
     const double largest = tvi_largest(legendre->system->n, legendre->correction, 1);
     const tvi_passes_verdict verdict = tvi_passes_judge(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
-    return tvi_passes_are_roundoff(passes, measure_roundoff(legendre, y));
+    return largest <= STALLED * size || tvi_passes_are_roundoff(passes, measure_roundoff(legendre, y));
 }
 
 tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[], const double y[], double x[])
@@ -136,8 +136,9 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         return TVI_OK;
     }
     double reach = tvi_largest(n, y, 1), served = -1; /* what is left when the last slope still serves; below 0: none */
-    tvi_passes passes = TVI_NO_PASSES;
+    tvi_passes passes;
     bool was_singular = false;
+    tvi_passes_begin(&passes, 0);
     tvi_status status = tvi_legendre_state(legendre, t, q, x, legendre->value);
     if (status == TVI_OK) reach = fmax(reach, tvi_largest(n, legendre->value, 1));
     for (int step = 0; step < NEWTON_STEPS && status == TVI_OK; step++) {

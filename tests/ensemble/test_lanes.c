@@ -29,22 +29,18 @@ static double next_size(double size, uint64_t *bits)
 }
 
 typedef struct {
-    double size[WIDTH], before[WIDTH], part[WIDTH], slowest[WIDTH], shown[WIDTH], early[WIDTH], count[WIDTH],
-        moved[WIDTH];
+    double size[WIDTH], before[WIDTH], part[WIDTH], slowest[WIDTH], shown[WIDTH], count[WIDTH], moved[WIDTH];
     long long is_stuck[WIDTH], is_moving[WIDTH];
     tvi_passes one[WIDTH];
     tvi_passes_verdict verdict[WIDTH];
 } lanes;
 
-/* Each after so many steps. */
-static void start_lanes(lanes *w, const tvi_passes_rule *rule, double slowest)
+static void start_lanes(lanes *w, double slowest)
 {
     memset(w, 0, sizeof *w);
     for (int m = 0; m < WIDTH; m++) {
-        w->one[m] = TVI_NO_PASSES;
-        w->one[m].slowest = w->slowest[m] = slowest;
-        w->one[m].early = rule->early / ((1 + m) * (1 + m));
-        w->early[m] = rule->exactly > 0 ? -1 : w->one[m].early;
+        tvi_passes_begin(&w->one[m], slowest);
+        w->slowest[m] = slowest;
         w->size[m] = w->before[m] = INFINITY;
         w->moved[m] = 1;
         w->is_moving[m] = -1;
@@ -61,7 +57,6 @@ static bool judge_both(lanes *w, const galerkin_crowd_loops *loops, const tvi_pa
                                           .part = w->part,
                                           .slowest = w->slowest,
                                           .shown = w->shown,
-                                          .early = w->early,
                                           .count = w->count,
                                           .is_stuck = w->is_stuck};
     bool any_stuck, is_same = true;
@@ -97,7 +92,7 @@ START_TEST(lanes_judge_as_one_member_does)
     bool is_same = true;
     static lanes w;
     for (int k = 0; k < SEQUENCES; k++) {
-        start_lanes(&w, &rule, k % 2 == 0 ? 0 : number_of(&bits));
+        start_lanes(&w, k % 2 == 0 ? 0 : number_of(&bits));
         for (int pass = 1; pass <= PASSES; pass++) is_same &= judge_both(&w, loops_of[isa], &rule, pass, &bits);
         for (int m = 0; m < WIDTH; m++) {
             ended += w.verdict[m] == TVI_PASSES_MAY_END;

@@ -28,49 +28,6 @@ START_TEST(energy_does_not_drift)
 }
 END_TEST
 
-enum { OSCILLATORS = 40 };
-
-static jet oscillators(const jet q[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    jet sum = jet_const(0);
-    for (int i = 0; i < OSCILLATORS; i++) sum = jet_add(sum, jet_sqr(q[i]));
-    return jet_mul(0.5, sum);
-}
-
-/* So many passes in `steps`, after `before` others. */
-static long passes_after(tvi_integrator *it, int before, int steps, double *t, double q[], double p[])
-{
-    ck_assert_int_eq(tvi_integrate(it, 0.1, before, t, q, p, NULL, NULL), TVI_OK);
-    const long passes = tvi_integrator_stats(it)->passes;
-    ck_assert_int_eq(tvi_integrate(it, 0.1, steps, t, q, p, NULL, NULL), TVI_OK);
-    return tvi_integrator_stats(it)->passes - passes;
-}
-
-/* The N-th step leaves 2^-66 / N: of the same motion later steps take more passes, until a run begins anew. They are a
- * hundred, as the last bits of ten decide on one or two passes. */
-START_TEST(long_runs_leave_less)
-{
-    const tvi_options options = gauss(8);
-    double mass[OSCILLATORS], q[OSCILLATORS], p[OSCILLATORS], t = 0;
-    for (int i = 0; i < OSCILLATORS; i++) {
-        mass[i] = 1;
-        q[i] = cos(i);
-        p[i] = sin(i);
-    }
-    tvi_system *system;
-    ck_assert_int_eq(tvi_system_potential(&system, OSCILLATORS, mass, oscillators, NULL), TVI_OK);
-    tvi_integrator *it = integrator_of(system, &options);
-    const long first = passes_after(it, 2, 10, &t, q, p), last = passes_after(it, 2000, 100, &t, q, p);
-    tvi_integrator_reset(it);
-    const long anew = passes_after(it, 2, 10, &t, q, p);
-    ck_assert_msg(first <= 30 && last - 10 * first >= 60 && anew <= 30, "%ld, then %ld, anew %ld passes", first, last,
-                  anew);
-    tvi_integrator_free(it);
-    tvi_system_free(system);
-}
-END_TEST
-
 /* ---- The predictor and the passes ---------------------------------------------------------------------------------
  */
 
@@ -137,7 +94,7 @@ START_TEST(steps_do_not_know_where_they_began)
     tvi_integrator *it = integrator_of(system, &options);
     const tvi_increments *by = &it->by;
     test_state x = model_start(m);
-    long same = 0, others = 0;
+    long same = 0, others = 0, passes = 0;
     go(it, rows[_i].h, 2, &x);
     for (int k = 0; k < STEPS; k++) {
         tvi_integrator *other = new_at(it, system, &options);
@@ -150,10 +107,12 @@ START_TEST(steps_do_not_know_where_they_began)
             same += by->dp[i] == its->dp[i] && by->dp_low[i] == its->dp_low[i];
             others += 2;
         }
+        passes += tvi_integrator_stats(other)->passes;
         tvi_integrator_free(other);
     }
     const double part = 1 - (double)same / (double)others;
-    ck_assert_msg(part > 0 && part <= rows[_i].most, "%s: %g of the increments differ", m->name, part);
+    ck_assert_int_gt(passes, tvi_integrator_stats(it)->passes); /* they began elsewhere */
+    ck_assert_msg(part <= rows[_i].most, "%s: %g of the increments differ", m->name, part);
     tvi_integrator_free(it);
     tvi_system_free(system);
 }
@@ -311,7 +270,6 @@ void add_galerkin_passes(Suite *suite)
 {
     TCase *tcase = tcase_create("passes");
     tcase_add_loop_test(tcase, energy_does_not_drift, 0, 4);
-    tcase_add_test(tcase, long_runs_leave_less);
     tcase_add_loop_test(tcase, steps_before_predict, 0, 5);
     tcase_add_loop_test(tcase, steps_do_not_know_where_they_began, 0, 3);
     tcase_add_loop_test(tcase, other_steps_begin_anew, 0, 4);
