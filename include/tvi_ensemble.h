@@ -36,10 +36,6 @@ TVI_NODISCARD tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, con
 /* As tvi_integrator_reset for each member; members that have failed are tried again. */
 void tvi_ensemble_reset(tvi_ensemble *ensemble);
 
-/* Called after each step, 1..steps, with the states of all members, on the thread that runs the ensemble; a value other
- * than 0 stops. */
-typedef int tvi_ensemble_observer(long step, int members, const double t[], const double q[], const double p[],
-                                  const tvi_status status[], void *ctx);
 /* steps steps of size h of each member. status[m] is TVI_OK, or that of the step at which member m failed, as of
  * tvi_step. The observer may be NULL, and members then need not wait for each other.
  *   TVI_OK        also where members have failed
@@ -50,30 +46,12 @@ TVI_NODISCARD tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h
                                                 double p[], tvi_status status[], tvi_ensemble_observer *observer,
                                                 void *ctx);
 
-/* Called for one member, with q[n] and p[n], one call at a time, but on any thread; of one member in order of time, of
- * several in any order. A value other than 0 ends the run of the member (TVI_ESTOPPED). */
-typedef int tvi_member_observer(int member, int which, double t, const double q[], const double p[], void *ctx);
-
-/* Any other run: how far it goes, and what it tells. 0 or NULL: nothing of that kind. */
-typedef struct {
-    double h;            /* the step, or 0 and */
-    double tolerance;    /* steps as those of tvi_integrate_tolerance */
-    long steps;          /* so many steps of h; 0: */
-    double t_end;        /* to this time exactly, as tvi_integrate_to; */
-    const double *times; /* or steps of h as tvi_integrate_at, */
-    int time_count;      /* and at_time is called at each of the times, with 1..time_count */
-    const tvi_event *const *events;
-    int event_count;                 /* on_event is called at each event, with its index, as by tvi_integrate_events */
-    double *D;                       /* [2n + parameters][columns][members], moved on as by tvi_step_tangent */
-    int columns;                     /* of D, with steps alone */
-    tvi_ensemble_observer *observer; /* of steps, without events; it may change D */
-    tvi_member_observer *at_time, *on_event;
-    void *ctx; /* of all three */
-} tvi_ensemble_plan;
-/* Members are as after a run of an integrator of their own, and status[m] is its status, so TVI_ESTOPPED where an event
- * or an observer of the member ended it: from there its next run goes on.
- *   TVI_EINVAL       as of these runs, NULL, a plan of more than one way to go, and what does not go with its way
- *   TVI_EUNSUPPORTED a tolerance with another method than "taylor", or a rescaled system
+/* A plan for all members (tvi_runs.h). */
+typedef tvi_run_plan tvi_ensemble_plan;
+/* Members are as after tvi_run by integrators of their own, and status[m] is its status, so TVI_ESTOPPED where an event
+ * or an observer of the member ended it: from there its next run goes on. D is [2n + parameters][columns][members].
+ *   TVI_EINVAL       as of these runs, NULL
+ *   TVI_EUNSUPPORTED as of these runs
  *   others           as of tvi_ensemble_integrate */
 TVI_NODISCARD tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *plan, double t[], double q[],
                                           double p[], tvi_status status[]);

@@ -1,5 +1,5 @@
-/* tvi_runs.h - runs with events, results at given times, to a given time, to a tolerance; the step for an error.
- * Included by tvi.h. */
+/* tvi_runs.h - runs with events, results at given times, to a given time, to a tolerance, any of them by a plan; the
+ * step for an error. Included by tvi.h. */
 #ifndef TVI_RUNS_H
 #define TVI_RUNS_H
 
@@ -112,6 +112,65 @@ TVI_NODISCARD tvi_status tvi_integrate_tolerance_events(tvi_integrator *integrat
                                                         const tvi_event *const events[], int count, double *t,
                                                         double q[], double p[], tvi_observer *observer,
                                                         tvi_event_observer *on_event, void *ctx);
+/* The order of "taylor" that suits a tolerance, N = ceil(1 - ln(tolerance) / 2), for tvi_options_named; 0 for a
+ * tolerance that tvi_integrate_tolerance refuses. */
+int tvi_taylor_order(double tolerance);
+
+/* ---- Any run, by a plan ------------------------------------------------------------------------------------------ */
+
+/* Called for one member, with q[n] and p[n]; an integrator is an ensemble of one, member 0. For members of an ensemble
+ * it is called on any thread, one call at a time; for one member in order of time, for several in any order. A value
+ * other than 0 ends the run of the member (TVI_ESTOPPED). */
+typedef int tvi_member_observer(int member, int which, double t, const double q[], const double p[], void *ctx);
+/* Called after each step, 1..steps, with the states of all members, t[members], q[n][members], p[n][members],
+ * status[members], on the thread that called the run; a value other than 0 stops. */
+typedef int tvi_ensemble_observer(long step, int members, const double t[], const double q[], const double p[],
+                                  const tvi_status status[], void *ctx);
+
+/* How far a run goes, and what it tells: by tvi_run for an integrator, by tvi_ensemble_run for an ensemble. 0 or NULL:
+ * nothing of that kind. The ways to go are h and steps; h and t_end; h and times; tolerance and t_end. Each goes with
+ * events, with D and with the observers of members. */
+typedef struct {
+    double h;            /* the step, or 0 and */
+    double tolerance;    /* steps as those of tvi_integrate_tolerance, to t_end */
+    long steps;          /* so many steps of h; 0: */
+    double t_end;        /* to this time exactly, as tvi_integrate_to; */
+    const double *times; /* or steps of h as tvi_integrate_at, */
+    int time_count;      /* and at_time is called at each of the times, with 1..time_count */
+    const tvi_event *const *events;
+    int event_count;                 /* on_event is called at each event, with its index, as by tvi_integrate_events */
+    double *D;                       /* [2n + parameters][columns], of an ensemble [..][columns][members]: tangent */
+    int columns;                     /* vectors, moved on as by tvi_step_tangent */
+    tvi_ensemble_observer *observer; /* called after each of the steps of all members, with steps alone */
+    tvi_member_observer *at_time, *on_event;
+    void *ctx;                    /* of all observers */
+    double largest_step;          /* no step to a tolerance is larger; 0: none is too large */
+    tvi_member_observer *at_step; /* called after each step of a member, with 1.. (INT_MAX from there on) */
+    size_t size;                  /* sizeof(tvi_run_plan), or 0: that of the first version that had it */
+} tvi_run_plan;
+
+/* The run that the plan says, from (t, q, p) in place. Within a step the times and the events are told in order of
+ * time, a time before an event at the same time; then at_step is called, then observer. The steps, and all that is told
+ * of them, are bit for bit those of the functions above, and D after a step is bit for bit that of tvi_step_tangent.
+ * While at_time or on_event is called, D is that at the state told, at this fixed time: D at the start of the step,
+ * moved by the part of the step that leads there. What is written to it there has no effect on the steps that follow;
+ * at_step and observer may change D. With a tolerance D is moved by a step of the size that was chosen, without the
+ * refinement of the state in long double.
+ * The run ends, as those of the functions above,
+ *   - where on_event returned a value other than 0, or at a terminal event: at the event, with D there;
+ *   - where at_time did: after the step that holds the time, with D after that step. With events in the plan, all
+ *     events and times of that step are told before; without, its other times may be given in the next call, and D, if
+ *     there is one, has to be what this run left.
+ * Where a step or a column of D fails, t, q, p and D are those after the last step that did not.
+ *   TVI_EINVAL        NULL; a plan of two ways to go, or whose members contradict each other, which tvi_last_error
+ *                     names; another size; what the function above for its way refuses
+ *   TVI_EUNSUPPORTED  a tolerance with another method than "taylor", or a rescaled system
+ *   TVI_ENONFINITE    also D that is not finite, before or after a step
+ *   TVI_ESTOPPED      an observer or a terminal event ended the run
+ *   TVI_ENOMEM        no memory
+ *   others            as of the function above for its way, and of tvi_step_tangent */
+TVI_NODISCARD tvi_status tvi_run(tvi_integrator *integrator, const tvi_run_plan *plan, double *t, double q[],
+                                 double p[]);
 
 /* ---- Which step -------------------------------------------------------------------------------------------------- */
 

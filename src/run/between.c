@@ -1,7 +1,6 @@
-/* between.c - the state inside a step, and results at given times. */
+/* between.c - makes states inside a step: those at a part of it, and those at a time. */
 #include "run/between.h"
 #include "run/narrow.h"
-#include "run/run.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 
@@ -156,74 +155,4 @@ tvi_status tvi_between_time(tvi_between *between, double time)
     between->step = 0;
     const tvi_status status = tvi_narrow(&z, DBL_EPSILON / 2, beyond, &(wanted_time){between, way});
     return status == TVI_OK ? correct(between, time, way, (z.ga == 0 ? z.a : z.b) * h) : status;
-}
-
-/* The first that is not finite, or not in the order of h, or before t; count where there is none. */
-static int first_out_of_order(double h, double t, const double times[], int count)
-{
-    for (int i = 0; i < count; i++) {
-        const double before = i > 0 ? times[i - 1] : t;
-        if (!isfinite(times[i]) || (h > 0 ? times[i] < before : times[i] > before)) return i;
-    }
-    return count;
-}
-
-/* The observer is called at the times from the next on that are not after the last step. */
-static tvi_status tell_times(tvi_between *between, const double times[], int count, int *next, tvi_observer *observer,
-                             void *ctx)
-{
-    const tvi_integrator *steps = between->steps;
-    const double h = steps->h, t = steps->now.q[steps->system->n];
-    for (; *next < count && (h > 0 ? times[*next] <= t : times[*next] >= t); ++*next) {
-        const tvi_status status = tvi_between_time(between, times[*next]);
-        if (status != TVI_OK) return status;
-        if (tvi_tell_step(between->steps, observer, *next + 1, times[*next], between->q, between->p, ctx) != 0)
-            return TVI_ESTOPPED;
-    }
-    return TVI_OK;
-}
-
-/* The steps up to the last of the times from the next on. */
-static tvi_status go_through(tvi_between *between, double h, const double times[], int count, int next, double *t,
-                             double q[], double p[], tvi_observer *observer, void *ctx)
-{
-    int slow = 0;
-    tvi_status status = TVI_OK;
-    while (next < count && status == TVI_OK) {
-        status = tvi_step(between->steps, h, t, q, p);
-        if (status == TVI_OK) status = tvi_between_set_parameters(between);
-        if (status == TVI_OK) status = tell_times(between, times, count, &next, observer, ctx);
-        if (status == TVI_OK && next < count) status = tvi_goes_on(between->steps, times[count - 1], &slow);
-    }
-    return status;
-}
-
-/* Whether the state is the end of the last step, which went the way of h, and still has all that it left. */
-static bool has_last_step(const tvi_integrator *it, double h, double t, const double q[], const double p[])
-{
-    return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has(it, t, q, p);
-}
-
-tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
-                            double p[], tvi_observer *observer, void *ctx)
-{
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || count < 0 || (count > 0 && !times))
-        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, count < 0 ? "count is negative" : "times is NULL");
-    const int n = it->system->n;
-    if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, *t, q, "p", p);
-    const bool has_step = has_last_step(it, h, *t, q, p);
-    const int first = first_out_of_order(h, has_step ? it->start.q[n] : *t, times, count);
-    if (first < count)
-        return jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
-    int next = 0;
-    for (; !has_step && next < count && times[next] == *t; next++)
-        if (tvi_tell_step(it, observer, next + 1, *t, q, p, ctx) != 0) return TVI_ESTOPPED;
-    if (next == count) return TVI_OK;
-    tvi_between between;
-    tvi_status status = tvi_between_open(&between, it, false);
-    if (status != TVI_OK) return status;
-    if (has_step) status = tell_times(&between, times, count, &next, observer, ctx);
-    if (status == TVI_OK) status = go_through(&between, h, times, count, next, t, q, p, observer, ctx);
-    tvi_between_close(&between);
-    return status;
 }

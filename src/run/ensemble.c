@@ -87,7 +87,6 @@ void tvi_ensemble_free(tvi_ensemble *e)
         if (e->worker[i].batch != e->worker[i].one) tvi_integrator_free(e->worker[i].batch);
         tvi_integrator_free(e->worker[i].one);
         free(e->worker[i].q);
-        free(e->worker[i].D);
     }
     free(e->worker);
     free(e->memory);

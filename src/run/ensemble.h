@@ -11,7 +11,6 @@ typedef struct {
     tvi_integrator *batch; /* [width] */
     tvi_integrator *one;   /* the same where the width is 1 */
     double *q, *p;         /* [n] of the member at hand */
-    double *D;             /* [rows][columns] */
 } tvi_worker;
 
 struct tvi_ensemble {
@@ -26,7 +25,6 @@ struct tvi_ensemble {
     tvi_status *failed;   /* [members] TVI_OK: it goes on */
     bool has_run;         /* since it was made or reset: the histories hold states */
     tvi_stats before;     /* counts of those who were loaded */
-    int columns;          /* that the workers have room for */
     pthread_mutex_t told; /* held while an observer of a member is called */
 };
 

@@ -47,49 +47,49 @@ void tvi_end_at(tvi_integrator *it, double t_end, double *t)
 
 /* The steps of size h that nobody is told of are made at once. Where they move in the time, all but the last ones, of
  * which roundoff says whether there is one more. */
-static long steps_at_once(const tvi_integrator *it, const tvi_plan *plan, double rest)
+static long steps_at_once(const tvi_integrator *it, const tvi_course *course, double rest)
 {
-    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / plan->h)) - 1;
-    return whole < 1 ? 1 : (long)fmin(whole, (double)plan->at_once);
+    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / course->plan->h)) - 1;
+    return whole < 1 ? 1 : (long)fmin(whole, (double)course->at_once);
 }
 
 /* Steps of size h, or the last one. Where steps move in the time, its size is the rest of the way. */
-static tvi_status step_to(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[], bool *is_last)
+static tvi_status step_to(tvi_integrator *it, const tvi_course *course, double *t, double q[], double p[],
+                          bool *is_last)
 {
-    const double t_end = plan->t_end, rest = tvi_time_left(it, t_end);
+    const double h = course->plan->h, t_end = course->t_end, rest = tvi_time_left(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
-    const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(plan->h) + roundoff;
-    const double before_end = t_end - copysign(roundoff, plan->h);
+    const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(h) + roundoff;
+    const double before_end = t_end - copysign(roundoff, h);
     tvi_status status =
-        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, plan, rest), plan->h, before_end, t, q, p);
+        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, course, rest), h, before_end, t, q, p);
     const double left = ends ? 0 : tvi_time_left(it, t_end);
-    *is_last = fabs(left) <= roundoff || (left > 0) != (plan->h > 0);
+    *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten(it, t_end, t, q, p);
     if (status == TVI_OK && *is_last) tvi_end_at(it, t_end, t);
     return status;
 }
 
-tvi_status tvi_run_to(tvi_integrator *it, double h, double t_end, const tvi_audience *to, double *t, double q[],
-                      double p[])
+tvi_status tvi_set_course_to_time(const tvi_integrator *it, const tvi_run_plan *plan, double t, bool is_told,
+                                  tvi_course *course)
 {
-    if (!it || !t || !q || !p || h == 0 || !isfinite(h) || !isfinite(t_end))
-        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, h}, "t_end is not finite");
-    if (h > 0 ? t_end < *t : t_end > *t)
-        return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", h, *t, t_end);
-    const long steps = *t == t_end ? 0 : LONG_MAX;
-    const bool is_told = to->count > 0 || to->observer;
-    const tvi_plan plan = {.step = step_to,
-                           .steps = steps,
+    if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
+    if (plan->h > 0 ? plan->t_end < t : plan->t_end > t)
+        return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
+    *course = (tvi_course){.step = step_to,
+                           .plan = plan,
+                           .steps = t == plan->t_end ? 0 : LONG_MAX,
                            .at_once = is_told || !it->stats.is_compiled ? 1 : AT_ONCE,
-                           .h = h,
-                           .t_end = t_end,
-                           .to_time = true};
-    const tvi_status status = tvi_integrator_begin(it, *t, q, p);
-    return status == TVI_OK ? tvi_run(it, &plan, to, t, q, p) : status;
+                           .begins = true,
+                           .is_to_time = true,
+                           .t_end = plan->t_end};
+    return TVI_OK;
 }
 
 tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *t, double q[], double p[],
                             tvi_observer *observer, void *ctx)
 {
-    return tvi_run_to(it, h, t_end, &(tvi_audience){.observer = observer, .ctx = ctx}, t, q, p);
+    const tvi_run_plan plan = {.h = h, .t_end = t_end};
+    const tvi_audience audience = {.at_step = observer, .ctx = ctx};
+    return tvi_run_one(it, &(tvi_run_of_one){.way = TVI_TO_A_TIME, .plan = &plan, .audience = audience}, t, q, p);
 }

@@ -15,32 +15,45 @@ tvi_status tvi_serves_tolerance(const tvi_integrator *it, double tolerance)
                : jet_refuse(TVI_EUNSUPPORTED, "a tolerance is for \"taylor\" and systems that are not rescaled");
 }
 
-/* A step to t_end at most. */
-static tvi_status step_within(tvi_integrator *it, const tvi_plan *plan, double *t, double q[], double p[],
+int tvi_taylor_order(double tolerance)
+{
+    if (!(tolerance >= DBL_EPSILON && tolerance < 1)) return 0;
+    return (int)ceil(1 - log(tolerance) / 2);
+}
+
+/* A step to t_end at most. One that ends there but for roundoff ends there, so that no step of roundoff follows. */
+static tvi_status step_within(tvi_integrator *it, const tvi_course *course, double *t, double q[], double p[],
                               bool *is_last)
 {
-    const double rest = tvi_time_left(it, plan->t_end);
-    const tvi_status status = tvi_step_within(it, plan->tolerance, rest, t, q, p);
-    *is_last = status == TVI_OK && (it->h == rest || *t == plan->t_end);
-    if (*is_last) tvi_end_at(it, plan->t_end, t);
+    const double rest = tvi_time_left(it, course->t_end), largest = course->plan->largest_step;
+    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(course->t_end), fabs(*t));
+    const bool is_limited = largest > 0 && fabs(rest) > largest + roundoff;
+    const double farthest = is_limited ? copysign(largest, rest) : rest;
+    const tvi_status status = tvi_step_within(it, course->plan->tolerance, farthest, t, q, p);
+    *is_last = status == TVI_OK && (it->h == rest || *t == course->t_end);
+    if (*is_last) tvi_end_at(it, course->t_end, t);
     return status;
+}
+
+tvi_status tvi_set_course_by_tolerance(const tvi_integrator *it, const tvi_run_plan *plan, double t, tvi_course *course)
+{
+    if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
+    *course = (tvi_course){.step = step_within,
+                           .plan = plan,
+                           .steps = t == plan->t_end ? 0 : LONG_MAX,
+                           .begins = true,
+                           .is_to_time = true,
+                           .t_end = plan->t_end};
+    return tvi_serves_tolerance(it, plan->tolerance);
 }
 
 tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, double t_end,
                                           const tvi_event *const events[], int count, double *t, double q[], double p[],
                                           tvi_observer *observer, tvi_event_observer *on_event, void *ctx)
 {
-    if (!it || !t || !q || !p || !isfinite(t_end))
-        return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "t_end is not finite");
-    if (!tvi_events_fit(it, events, count)) return TVI_EINVAL;
-    const tvi_status served = tvi_serves_tolerance(it, tolerance);
-    if (served != TVI_OK) return served;
-    const long steps = *t == t_end ? 0 : LONG_MAX;
-    const tvi_plan plan = {
-        .step = step_within, .steps = steps, .tolerance = tolerance, .t_end = t_end, .to_time = true};
-    const tvi_status status = tvi_integrator_begin(it, *t, q, p);
-    if (status != TVI_OK) return status;
-    return tvi_run(it, &plan, &(tvi_audience){events, count, on_event, observer, ctx}, t, q, p);
+    const tvi_run_plan plan = {.tolerance = tolerance, .t_end = t_end, .events = events, .event_count = count};
+    const tvi_audience audience = {.at_step = observer, .on_event = on_event, .ctx = ctx};
+    return tvi_run_one(it, &(tvi_run_of_one){.way = TVI_BY_TOLERANCE, .plan = &plan, .audience = audience}, t, q, p);
 }
 
 tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],

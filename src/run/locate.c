@@ -1,7 +1,9 @@
 /* locate.c - a run that looks for events: those of each step in order of time, and where one of them ends the run. */
 #include "run/locate.h"
 #include "run/finder.h"
+#include "run/run.h"
 #include "run/start.h"
+#include "run/times.h"
 #include "system/refuse.h"
 
 #include <float.h>
@@ -20,6 +22,7 @@ enum { KEPT = 32 };
 
 /* States are [2n + 1]: q, p, t. */
 typedef struct tvi_locator {
+    const tvi_run_of_one *run;
     tvi_between between;
     tvi_search seen;
     tvi_finder finder;
@@ -79,17 +82,20 @@ static tvi_status locate_events(locator *s)
     return status;
 }
 
-/* Who is told of events. */
-typedef struct {
-    tvi_event_observer *on_event;
-    void *ctx;
-} telling;
-
 /* Tells of an event, with the state x; whether the observer ends the run. */
-static bool tell(locator *s, const tvi_root *r, const double x[], const telling *to)
+static bool tell(locator *s, const tvi_root *r, const double x[])
 {
     const int n = s->seen.it->system->n;
+    const tvi_audience *to = &s->run->audience;
     return tvi_tell_event(s->seen.it, to->on_event, r->which, x[2 * n], x, x + n, to->ctx) != 0;
+}
+
+/* Makes the columns those at the root, which is told now, or ends the run. */
+static tvi_status show_columns(locator *s, const tvi_root *r)
+{
+    const bool is_seen = s->run->audience.on_event || s->seen.of[r->which].event->terminal;
+    const double part = r->theta * s->seen.it->h;
+    return is_seen ? tvi_columns_show(s->seen.it, &s->run->columns, part, s->between.partial->parameters) : TVI_OK;
 }
 
 /* Whether the root is at the stop x, at theta: at its time; or so near that g says that it has not come there, or has,
@@ -120,7 +126,7 @@ static tvi_status crosses_back(locator *s, int which, const double x[], bool *is
 
 /* An event at the stop x, which is that of the root `last`: *is_here, as itself, or its root before that, or its next
  * one, which then is told now. */
-static tvi_status look_at_stop(locator *s, int which, int last, const double x[], const telling *to, bool *is_here)
+static tvi_status look_at_stop(locator *s, int which, int last, const double x[], bool *is_here)
 {
     const tvi_root *told = NULL, *next = NULL;
     const double theta = s->seen.roots[last].theta;
@@ -136,14 +142,14 @@ static tvi_status look_at_stop(locator *s, int which, int last, const double x[]
     const bool is_other = s->seen.of[which].event->direction != TVI_EITHER && theta < 1 - NEAR_STOP;
     const bool is_ahead = next && next->theta - theta <= tvi_sample_place[0]; /* or here: roundoff of g decides */
     if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead) status = crosses_back(s, which, x, &was_here);
-    if (status == TVI_OK && comes) (void)tell(s, next, x, to);
+    if (status == TVI_OK && comes) (void)tell(s, next, x);
     *is_here = was_here || comes;
     return status;
 }
 
 /* The run ends at the event with the state x: the others of its time are told, too, and all of them are kept, so that
  * the run that goes on has left them; and those of the stop before, if that was hardly sooner. */
-static tvi_status stop_at(locator *s, int last, const double x[], const telling *to)
+static tvi_status stop_at(locator *s, int last, const double x[])
 {
     tvi_integrator *it = s->seen.it;
     tvi_stop *stop = it->stop;
@@ -152,7 +158,7 @@ static tvi_status stop_at(locator *s, int last, const double x[], const telling 
     if (!is_soon) stop->count = 0;
     for (int which = 0; which < s->seen.count; which++) {
         bool is_here;
-        const tvi_status status = look_at_stop(s, which, last, x, to, &is_here);
+        const tvi_status status = look_at_stop(s, which, last, x, &is_here);
         if (status != TVI_OK) return status;
         const tvi_event *event = s->seen.of[which].event;
         if (is_here && stop->count < TVI_STOP_TOLD && !tvi_start_is_among(stop, event))
@@ -183,22 +189,31 @@ static void give(const locator *s, const double x[], double *t, double q[], doub
     memcpy(p, x + n, n * sizeof *p);
 }
 
-tvi_status tvi_locator_tell(locator *s, double *t, double q[], double p[], tvi_event_observer *on_event, void *ctx)
+/* Tells the root with the number i, after the times before it; TVI_ESTOPPED: the run ends there. */
+static tvi_status tell_root(locator *s, tvi_times *times, int i, double *t, double q[], double p[])
 {
-    const telling to = {on_event, ctx};
+    tvi_root *r = &s->seen.roots[i];
+    double *x = kept_state(s, r->number);
+    tvi_status status = r->number >= KEPT ? tvi_finder_find(&s->finder, r, x) : TVI_OK;
+    if (status == TVI_OK && times) status = tvi_times_tell(times, x[s->size - 1]);
+    if (status == TVI_OK) status = show_columns(s, r);
+    if (status != TVI_OK) return status;
+    const bool ends = tell(s, r, x);
+    if (!ends && !s->seen.of[r->which].event->terminal) return TVI_OK;
+    status = stop_at(s, i, x);
+    if (status == TVI_ESTOPPED) give(s, x, t, q, p);
+    return status;
+}
+
+tvi_status tvi_locator_tell(locator *s, tvi_times *times, double *t, double q[], double p[])
+{
+    const tvi_columns *columns = &s->run->columns;
     tvi_status status = take_parameters(s);
     if (status == TVI_OK) status = locate_events(s);
     if (s->seen.rests) tvi_integrator_take_back(s->seen.it, t, q, p);
-    for (int i = 0; i < s->seen.found && status == TVI_OK; i++) {
-        tvi_root *r = &s->seen.roots[i];
-        double *x = kept_state(s, r->number);
-        if (r->number >= KEPT) status = tvi_finder_find(&s->finder, r, x);
-        if (status != TVI_OK) return status;
-        const bool ends = tell(s, r, x, &to);
-        if (!ends && !s->seen.of[r->which].event->terminal) continue;
-        status = stop_at(s, i, x, &to);
-        if (status == TVI_ESTOPPED) give(s, x, t, q, p);
-    }
+    if (s->seen.rests) tvi_columns_to_start(s->seen.it, columns);
+    for (int i = 0; i < s->seen.found && status == TVI_OK; i++) status = tell_root(s, times, i, t, q, p);
+    if (status != TVI_ESTOPPED && !s->seen.rests) tvi_columns_to_end(s->seen.it, columns);
     return status;
 }
 
@@ -212,13 +227,14 @@ void tvi_locator_close(locator *s)
     free(s);
 }
 
-static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *const events[], int count, double t,
+static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_run_of_one *run, double t,
                                const double *const state[2])
 {
     const int size = 2 * it->system->n + 1;
-    *s = (locator){.size = size};
+    const tvi_run_plan *plan = run->plan;
+    *s = (locator){.run = run, .size = size};
     tvi_status status = tvi_between_open(&s->between, it, true);
-    if (status == TVI_OK) status = tvi_search_open(&s->seen, &s->between, events, count, t, state);
+    if (status == TVI_OK) status = tvi_search_open(&s->seen, &s->between, plan->events, plan->event_count, t, state);
     if (status == TVI_OK) status = tvi_finder_open(&s->finder, &s->seen);
     if (status != TVI_OK) return status;
     s->kept = calloc((size_t)size * (KEPT + 2), sizeof *s->kept);
@@ -227,12 +243,12 @@ static tvi_status open_locator(locator *s, tvi_integrator *it, const tvi_event *
     return TVI_OK;
 }
 
-tvi_status tvi_locator_open(locator **out, tvi_integrator *it, const tvi_event *const events[], int count, double t,
+tvi_status tvi_locator_open(locator **out, tvi_integrator *it, const tvi_run_of_one *run, double t,
                             const double *const state[2])
 {
     *out = malloc(sizeof **out);
     if (!*out) return jet_refuse_memory(TVI_ENOMEM);
-    const tvi_status status = open_locator(*out, it, events, count, t, state);
+    const tvi_status status = open_locator(*out, it, run, t, state);
     if (status == TVI_OK) return status;
     tvi_locator_close(*out);
     *out = NULL;

@@ -1,6 +1,6 @@
 /* tangent.c - the derivative of a step: D <- M D, by the same method on the lifted system (docs/method.md section 10).
  * A column is one lifted step, which forgets the one before it. */
-#include "run/integrator.h"
+#include "run/tangent.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -10,21 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct tvi_tangent {
-    int n;       /* of the system that steps are made of */
-    bool paired; /* the momenta of (q, dq) are (dp, p), else (p, dp) */
-    tvi_system *system;
-    tvi_integrator *integrator;
-    double *Q, *P;    /* [2n] the lifted state */
-    double *column;   /* [2n + parameters] one vector, */
-    double *gradient; /* [2n] K_q, K_p */
-    double *flow;     /* of a rescaled system: a block of the field's tape, else NULL, */
-    double *change;   /* and one of the lift's energy, the change of K along a column */
-    double *values;   /* [2 parameters] of the lifted system: the integrator's, and the rates of those */
-    double *D;        /* [2 n of the user][columns] the result until the whole step is known to succeed */
-    int columns;      /* that it has room for */
-};
-
 static void free_tangent(tvi_tangent *tangent)
 {
     if (!tangent) return;
@@ -32,7 +17,8 @@ static void free_tangent(tvi_tangent *tangent)
     tvi_system_free(tangent->system);
     free(tangent->Q);
     free(tangent->flow);
-    free(tangent->D);
+    free(tangent->start);
+    free(tangent->end);
     free(tangent);
 }
 
@@ -74,6 +60,23 @@ static tvi_status create(tvi_tangent **out, tvi_integrator *it)
     return tvi_integrator_create(&tangent->integrator, tangent->system, &options);
 }
 
+/* Room for so many columns; what is there stays. */
+static tvi_status widen(tvi_integrator *it, int columns)
+{
+    tvi_tangent *tangent = it->tangent;
+    if (columns <= tangent->columns) return TVI_OK;
+    const size_t row = (2 * (size_t)it->system->n + (size_t)tvi_system_parameters(it->system)) * sizeof(double);
+    double **const both[] = {&tangent->start, &tangent->end};
+    for (int i = 0; i < 2; i++) {
+        double *D = (size_t)columns > SIZE_MAX / row ? NULL : realloc(*both[i], (size_t)columns * row);
+        if (!D) return jet_refuse_memory(TVI_ENOMEM);
+        *both[i] = D;
+    }
+    it->stats.bytes += 2 * (size_t)(columns - tangent->columns) * row;
+    tangent->columns = columns;
+    return TVI_OK;
+}
+
 /* Makes the integrator's tangent at its first use, and room for the columns. */
 tvi_status tvi_integrator_provide_tangent(tvi_integrator *it, int columns)
 {
@@ -89,15 +92,7 @@ tvi_status tvi_integrator_provide_tangent(tvi_integrator *it, int columns)
         it->stats.bytes +=
             sizeof *tangent + 8 * (size_t)tangent->n * sizeof *tangent->Q + tangent->integrator->stats.bytes;
     }
-    tvi_tangent *tangent = it->tangent;
-    if (columns <= tangent->columns) return TVI_OK;
-    const size_t row = 2 * (size_t)it->system->n * sizeof *tangent->D;
-    double *D = (size_t)columns > SIZE_MAX / row ? NULL : realloc(tangent->D, (size_t)columns * row);
-    if (!D) return jet_refuse_memory(TVI_ENOMEM);
-    it->stats.bytes += (size_t)(columns - tangent->columns) * row;
-    tangent->D = D;
-    tangent->columns = columns;
-    return TVI_OK;
+    return widen(it, columns);
 }
 
 /* The power of two that brings a column to the size of the state, so that neither rules the corrector's measure: M is
@@ -112,46 +107,46 @@ static int exponent_of(int n, const double q[], const double p[], const double c
     return exponent;
 }
 
-/* The parameters of the integrator, and their rates, those of the column at the scale of the rest of it. */
-static tvi_status set_parameters(const tvi_integrator *it, int exponent)
+/* The parameters of the step, and their rates, those of the column at the scale of the rest of it. */
+static tvi_status set_parameters(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
 {
     tvi_tangent *tangent = it->tangent;
     const int parameters = tvi_system_parameters(it->system);
     const double *column = tangent->column + 2 * tangent->n;
     for (int i = 0; i < parameters; i++) {
-        tangent->values[i] = it->parameters[i];
+        tangent->values[i] = step->parameters[i];
         tangent->values[parameters + i] = ldexp(column[i], -exponent);
     }
     return tvi_integrator_set_parameters(tangent->integrator, tangent->values);
 }
 
-/* The lifted state: the integrator's own, and the column at a scale. */
-static void place_column(const tvi_integrator *it, int exponent)
+/* The lifted state: that at the start of the step, and the column at a scale. */
+static void place_column(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
     const size_t bytes = (size_t)n * sizeof(double);
     double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n);
-    memcpy(tangent->Q, it->now.q, bytes);
-    memcpy(tangent->P + (tangent->paired ? n : 0), it->now.p, bytes);
+    memcpy(tangent->Q, step->from->q, bytes);
+    memcpy(tangent->P + (tangent->paired ? n : 0), step->from->p, bytes);
     for (int i = 0; i < n; i++) {
         dq[i] = ldexp(tangent->column[i], -exponent);
         dp[i] = ldexp(tangent->column[n + i], -exponent);
     }
 }
 
-/* column <- M column, of a step from the integrator's own state. */
-static tvi_status step_column(const tvi_integrator *it, double h)
+/* column <- M column. */
+static tvi_status step_column(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
     double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n), *column = tangent->column;
-    double t = it->now.q[n];
-    const int exponent = exponent_of(n, it->now.q, it->now.p, column);
-    place_column(it, exponent);
+    double t = step->from->q[n];
+    const int exponent = exponent_of(n, step->from->q, step->from->p, column);
+    place_column(it, step, exponent);
     tvi_integrator_reset(tangent->integrator);
-    tvi_status status = set_parameters(it, exponent);
-    if (status == TVI_OK) status = tvi_step(tangent->integrator, h, &t, tangent->Q, tangent->P);
+    tvi_status status = set_parameters(it, step, exponent);
+    if (status == TVI_OK) status = tvi_step(tangent->integrator, step->h, &t, tangent->Q, tangent->P);
     for (int i = 0; i < n && status == TVI_OK; i++) {
         column[i] = ldexp(dq[i], exponent);
         column[n + i] = ldexp(dp[i], exponent);
@@ -162,29 +157,29 @@ static tvi_status step_column(const tvi_integrator *it, double h)
 /* ---- At equal times ---------------------------------------------------------------------------------------------- */
 
 /* Of a rescaled system, K_q and K_p at a state. */
-static tvi_status differentiate(const tvi_integrator *it, const double q[], const double p[])
+static tvi_status differentiate(const tvi_integrator *it, const double parameters[], const double q[], const double p[])
 {
     const jet_tape *tape = it->stepped->field_values;
     const tvi_tangent *tangent = it->tangent;
     const size_t n = (size_t)tangent->n, bytes = n * sizeof *q;
     memcpy(tangent->flow, q, bytes);
     memcpy(tangent->flow + n, p, bytes);
-    jet_tape_place_parameters(tape, tangent->flow, 1, tvi_system_parameters(it->system), 1, it->parameters);
+    jet_tape_place_parameters(tape, tangent->flow, 1, tvi_system_parameters(it->system), 1, parameters);
     if (!jet_sweep_values(tape, tangent->flow, 1)) return TVI_EDOMAIN;
     for (size_t i = 0; i < 2 * n; i++) tangent->gradient[i] = tangent->flow[tape->output[i]];
     return TVI_OK;
 }
 
 /* The neighbour at the same time has its own e, for which K is as 0 as here: dK = 0, K_e = g. */
-static tvi_status set_energy(const tvi_integrator *it)
+static tvi_status set_energy(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->system->energy;
     const int n = tangent->n, e = 2 * n - 1;
-    tvi_status status = differentiate(it, it->now.q, it->now.p);
-    if (status == TVI_OK) status = set_parameters(it, 0);
+    tvi_status status = differentiate(it, step->parameters, step->from->q, step->from->p);
+    if (status == TVI_OK) status = set_parameters(it, step, 0);
     if (status != TVI_OK) return status;
-    place_column(it, 0);
+    place_column(it, step, 0);
     memcpy(tangent->change, tangent->Q, 4 * (size_t)n * sizeof *tangent->Q);
     jet_tape_place_parameters(tape, tangent->change, 1, tvi_system_parameters(tangent->system), 1, tangent->values);
     const bool inside = jet_sweep_values(tape, tangent->change, 1);
@@ -193,11 +188,11 @@ static tvi_status set_energy(const tvi_integrator *it)
 }
 
 /* After a step in s it is at another time: back along the flow, dq - dt K_p / g, dp + dt K_q / g. */
-static tvi_status project(const tvi_integrator *it)
+static tvi_status project(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
-    const tvi_status status = differentiate(it, tangent->Q, tangent->P + (tangent->paired ? n : 0));
+    const tvi_status status = differentiate(it, step->parameters, tangent->Q, tangent->P + (tangent->paired ? n : 0));
     const double ds = tangent->column[n - 1] / tangent->gradient[2 * n - 1];
     for (int i = 0; i < n; i++) {
         tangent->column[i] -= tangent->gradient[n + i] * ds;
@@ -220,24 +215,44 @@ static void read_column(const tvi_integrator *it, const double D[], size_t strid
     for (int i = 0; i < parameters; i++) rate[i] = D[(size_t)(2 * n + i) * stride];
 }
 
-/* One column: out = M column. */
-static tvi_status move_column(const tvi_integrator *it, double h, const double D[], int columns, double out[])
+/* One column: out = M column, in rows of `stride`. */
+static tvi_status move_column(const tvi_integrator *it, const tvi_lifted_step *step, double out[], size_t stride)
 {
-    const size_t stride = (size_t)columns;
     const tvi_tangent *tangent = it->tangent;
     const int n = it->system->n;
     const bool rescaled = tangent->flow != NULL;
-    double *dq = tangent->column, *dp = dq + tangent->n;
-    read_column(it, D, stride);
-    tvi_status status = rescaled ? set_energy(it) : TVI_OK;
-    if (status == TVI_OK) status = step_column(it, h);
-    if (status == TVI_OK && rescaled) status = project(it);
+    const double *dq = tangent->column, *dp = dq + tangent->n;
+    tvi_status status = rescaled ? set_energy(it, step) : TVI_OK;
+    if (status == TVI_OK) status = step_column(it, step);
+    if (status == TVI_OK && rescaled) status = project(it, step);
     for (int row = 0; row < n; row++) {
         out[(size_t)row * stride] = dq[row];
         out[(size_t)(n + row) * stride] = dp[row];
     }
     if (status != TVI_OK || (tvi_all_finite(n, dq) && tvi_all_finite(n, dp))) return status;
     return jet_refuse(TVI_ENONFINITE, "it overflows");
+}
+
+tvi_status tvi_columns_move(const tvi_integrator *it, const tvi_lifted_step *step, const tvi_columns *columns,
+                            const tvi_columns *out)
+{
+    const size_t stride = (size_t)columns->columns * columns->apart, out_stride = (size_t)out->columns * out->apart;
+    for (int i = 0; i < columns->columns; i++) {
+        read_column(it, columns->D + (size_t)i * columns->apart, stride);
+        const tvi_status status = move_column(it, step, out->D + (size_t)i * out->apart, out_stride);
+        if (status != TVI_OK) return jet_refuse(status, "column %d of D: %s", i, jet_refusal());
+    }
+    return TVI_OK;
+}
+
+tvi_status tvi_columns_check(const tvi_integrator *it, const tvi_columns *columns)
+{
+    const int rows = 2 * it->system->n + tvi_system_parameters(it->system);
+    for (int row = 0; row < rows; row++)
+        for (int i = 0; i < columns->columns; i++)
+            if (!isfinite(columns->D[((size_t)row * (size_t)columns->columns + (size_t)i) * columns->apart]))
+                return jet_refuse(TVI_ENONFINITE, "row %d of D is not finite", row);
+    return TVI_OK;
 }
 
 tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[], double p[], double D[], int columns)
@@ -247,17 +262,15 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
     if (!it->is_telling) it->has_dense = false;
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
         return tvi_refuse_run(given, D ? "columns is not positive" : "D is NULL");
-    const int n = it->system->n;
-    for (int row = 0; row < 2 * n + tvi_system_parameters(it->system); row++)
-        if (!tvi_all_finite(columns, D + (size_t)row * (size_t)columns))
-            return jet_refuse(TVI_ENONFINITE, "row %d of D is not finite", row);
-    tvi_status status = tvi_integrator_provide_tangent(it, columns);
+    const tvi_columns own = {D, columns, 1};
+    tvi_status status = tvi_columns_check(it, &own);
+    if (status == TVI_OK) status = tvi_integrator_provide_tangent(it, columns);
     if (status == TVI_OK) status = tvi_integrator_begin(it, *t, q, p);
-    for (int i = 0; i < columns && status == TVI_OK; i++) {
-        status = move_column(it, h, D + i, columns, it->tangent->D + i);
-        if (status != TVI_OK) status = jet_refuse(status, "column %d of D: %s", i, jet_refusal());
-    }
+    if (status != TVI_OK) return status;
+    const tvi_columns moved = {it->tangent->end, columns, 1};
+    it->tangent->step = 0;
+    status = tvi_columns_move(it, &(tvi_lifted_step){&it->now, it->parameters, h}, &own, &moved);
     if (status == TVI_OK) status = tvi_step(it, h, t, q, p);
-    if (status == TVI_OK) memcpy(D, it->tangent->D, 2 * (size_t)n * (size_t)columns * sizeof *D);
+    if (status == TVI_OK) memcpy(D, moved.D, 2 * (size_t)it->system->n * (size_t)columns * sizeof *D);
     return status;
 }

@@ -78,15 +78,14 @@ static const struct {
     {{.h = H, .steps = 1, .event_count = -1}, "a count is negative"},
     {{.h = H, .steps = 1, .event_count = 1}, "event_count is given, and events is NULL"},
     {{.h = H, .steps = 1, .events = nothing, .event_count = 1}, "events[0] is NULL"},
-    {{.h = H, .times = times, .time_count = 1, .events = nothing, .event_count = 1},
-     "times and event_count are both given"},
     {{.h = H, .steps = 1, .columns = -1}, "a count is negative"},
-    {{.h = H, .steps = 1, .columns = 1}, "D is NULL"},
-    {{.h = H, .t_end = 1, .D = D, .columns = 1}, "D is given without steps"},
-    {{.h = H, .steps = 1, .events = nothing, .event_count = 1, .D = D, .columns = 1},
-     "D and event_count are both given"},
+    {{.h = H, .steps = 1, .columns = 1}, "columns is given, and D is NULL"},
     {{.h = H, .t_end = 1, .observer = never_all}, "observer is given without steps"},
-    {{.h = H, .steps = 1, .events = nothing, .event_count = 1, .observer = never_all}, "observer and event_count"},
+    {{.h = H, .steps = 1, .largest_step = 0.1}, "largest_step is given without tolerance"},
+    {{.tolerance = 1e-9, .t_end = 1, .largest_step = -0.1}, "largest_step is negative"},
+    {{.tolerance = 1e-9, .t_end = 1, .largest_step = INFINITY}, "largest_step is negative or not finite"},
+    {{.h = H, .steps = 1, .size = sizeof(tvi_run_plan) - 1}, "size is not that of"},
+    {{.h = H, .steps = 1, .size = sizeof(tvi_run_plan) + 8}, "size is not that of"},
 };
 enum { PLANS = sizeof plans / sizeof *plans };
 

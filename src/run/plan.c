@@ -1,0 +1,131 @@
+/* plan.c - runs an integrator by a plan: refuses plans that contradict themselves, and calls the plan's observers. */
+#include "run/plan.h"
+#include "system/refuse.h"
+
+#include <limits.h>
+#include <math.h>
+
+/* ---- Plans that are none ----------------------------------------------------------------------------------------- */
+
+typedef struct {
+    bool is_so;
+    const char *reason;
+} contradiction;
+
+static const char *first_of(size_t count, const contradiction list[])
+{
+    for (size_t i = 0; i < count; i++)
+        if (list[i].is_so) return list[i].reason;
+    return NULL;
+}
+
+/* Why it goes no way, or NULL. */
+static const char *misfit_of_ways(const tvi_run_plan *plan)
+{
+    const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
+    const contradiction list[] = {
+        {plan->size != 0 && plan->size != sizeof *plan, "size is not that of a tvi_run_plan of this version"},
+        {plan->steps < 0, "steps is negative"},
+        {plan->time_count < 0 || plan->event_count < 0 || plan->columns < 0, "a count is negative"},
+        {to_times && !plan->times, "times is NULL"},
+        {by_tolerance && plan->h != 0, "h and tolerance are both given"},
+        {!by_tolerance && (plan->h == 0 || !isfinite(plan->h)), "h is 0 or not finite"},
+        {in_steps && by_tolerance, "steps and tolerance are both given: a tolerance goes to t_end"},
+        {to_times && by_tolerance, "times and tolerance are both given: a tolerance goes to t_end"},
+        {in_steps && to_times, "steps and time_count are both given"},
+        {in_steps && plan->t_end != 0, "steps and t_end are both given"},
+        {to_times && plan->t_end != 0, "times and t_end are both given"},
+        {!isfinite(plan->t_end), "t_end is not finite"},
+        {!by_tolerance && plan->largest_step != 0, "largest_step is given without tolerance"},
+        {!(plan->largest_step >= 0 && isfinite(plan->largest_step)), "largest_step is negative or not finite"},
+    };
+    return first_of(sizeof list / sizeof *list, list);
+}
+
+/* Why what it tells does not go with the way, or NULL. */
+static const char *misfit_of_members(const tvi_run_plan *plan)
+{
+    const contradiction list[] = {
+        {plan->columns > 0 && !plan->D, "columns is given, and D is NULL"},
+        {plan->D && plan->columns == 0, "D is given, and columns is 0"},
+        {plan->times && plan->time_count == 0, "times is given, and time_count is 0"},
+        {plan->at_time && plan->time_count == 0, "at_time is given, and time_count is 0"},
+        {plan->on_event && plan->event_count == 0, "on_event is given, and event_count is 0"},
+        {plan->event_count > 0 && !plan->events, "event_count is given, and events is NULL"},
+        {plan->observer && plan->steps == 0, "observer is given without steps: it goes with steps alone"},
+    };
+    return first_of(sizeof list / sizeof *list, list);
+}
+
+tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
+{
+    const char *reason = plan ? misfit_of_ways(plan) : "plan is NULL";
+    if (!reason) reason = misfit_of_members(plan);
+    if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
+    if (!tvi_events_fit(it, plan->events, plan->event_count)) return TVI_EINVAL;
+    return plan->tolerance != 0 ? tvi_serves_tolerance(it, plan->tolerance) : TVI_OK;
+}
+
+tvi_run_way tvi_plan_way(const tvi_run_plan *plan)
+{
+    if (plan->tolerance != 0) return TVI_BY_TOLERANCE;
+    if (plan->time_count != 0) return TVI_AT_TIMES;
+    return plan->steps != 0 ? TVI_SO_MANY_STEPS : TVI_TO_A_TIME;
+}
+
+/* ---- Its observers ----------------------------------------------------------------------------------------------- */
+
+static int tell(const tvi_member_run *to, tvi_member_observer *observer, long which, double t, const double q[],
+                const double p[])
+{
+    if (!observer) return 0;
+    if (to->lock) (void)pthread_mutex_lock(to->lock);
+    const int stop = observer(to->member, which < INT_MAX ? (int)which : INT_MAX, t, q, p, to->plan->ctx);
+    if (to->lock) (void)pthread_mutex_unlock(to->lock);
+    return stop;
+}
+
+static int tell_event(int which, double t, const double q[], const double p[], void *ctx)
+{
+    const tvi_member_run *to = ctx;
+    return tell(to, to->plan->on_event, which, t, q, p);
+}
+
+static int tell_time(long which, double t, const double q[], const double p[], void *ctx)
+{
+    const tvi_member_run *to = ctx;
+    return tell(to, to->plan->at_time, which, t, q, p);
+}
+
+static int tell_step(long step, double t, const double q[], const double p[], void *ctx)
+{
+    const tvi_member_run *to = ctx;
+    const int stop = tell(to, to->plan->at_step, step, t, q, p);
+    const tvi_status status = stop ? TVI_ESTOPPED : TVI_OK;
+    return to->observer && to->observer(step, 1, &t, q, p, &status, to->plan->ctx) != 0 ? 1 : stop;
+}
+
+tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member, double *t, double q[], double p[])
+{
+    const tvi_run_plan *plan = member->plan;
+    const tvi_run_of_one run = {
+        .way = member->way,
+        .plan = plan,
+        .audience = {.at_step = plan->at_step || member->observer ? tell_step : NULL,
+                     .at_time = plan->at_time ? tell_time : NULL,
+                     .on_event = plan->on_event ? tell_event : NULL,
+                     .ctx = (void *)member},
+        .columns = {plan->D ? plan->D + member->member : NULL, plan->columns, (size_t)member->members},
+        .steps_told = member->steps_told,
+    };
+    return tvi_run_one(it, &run, t, q, p);
+}
+
+tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, double q[], double p[])
+{
+    if (!it || !t || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "");
+    const tvi_status status = tvi_plan_check(it, plan);
+    if (status != TVI_OK) return status;
+    const tvi_member_run all = {.plan = plan, .way = tvi_plan_way(plan), .members = 1, .observer = plan->observer};
+    return tvi_run_member(it, &all, t, q, p);
+}
