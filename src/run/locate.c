@@ -139,7 +139,9 @@ static tvi_status look_at_stop(locator *s, int which, int last, const double x[]
     }
     if (next) status = is_at_stop(s, next, theta, x, &comes);
     if (status == TVI_OK && told && !was_here) status = is_at_stop(s, told, theta, x, &was_here);
-    const bool is_other = s->seen.of[which].event->direction != TVI_EITHER && theta < 1 - NEAR_STOP;
+    const double resolved = SOON * fabs(x[s->size - 1] / s->seen.it->covered); /* the end of the step is later, too */
+    const bool has_other_way = s->seen.of[which].event->direction != TVI_EITHER;
+    const bool is_other = has_other_way && theta < 1 - fmax(NEAR_STOP, resolved);
     const bool is_ahead = next && next->theta - theta <= tvi_sample_place[0]; /* or here: roundoff of g decides */
     if (status == TVI_OK && !comes && !was_here && is_other && !is_ahead) status = crosses_back(s, which, x, &was_here);
     if (status == TVI_OK && comes) (void)tell(s, next, x);
