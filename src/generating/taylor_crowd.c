@@ -1,5 +1,6 @@
 /* taylor_crowd.c - steps of the plain Taylor method of several members of an ensemble at once: lane m of a sweep is
  * member m. A member whose curve cannot be expanded goes by itself, and fails as it does there. */
+#include "generating/curve_stepper.h"
 #include "generating/taylor_loops.h"
 #include "method/single.h"
 
@@ -18,6 +19,7 @@ typedef struct {
     tvi_taylor_lanes curve;
     double *kappa;                          /* [n] */
     double *dq, *dp, *share, *ratio, *tail; /* [n][width] */
+    double *chosen;                         /* [width] as that of curve_stepper.h, in the history */
 } crowd;
 
 static const tvi_taylor_loops *const loops_of[JET_ISA_COUNT] = {
@@ -52,6 +54,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio, &w.tail};
     for (size_t i = 0; i < 5; i++) *of_n[i] = tvi_arena_doubles(arena, n * (size_t)width);
     w.kappa = tvi_arena_doubles(arena, n);
+    w.chosen = tvi_arena_history(arena, (size_t)width * sizeof *w.chosen);
     w.curve = (tvi_taylor_lanes){.n = system->n,
                                  .width = width,
                                  .top = options->degree,
@@ -123,5 +126,17 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
     }
 }
 
-/* Of steps of a given size there is no history. */
-const tvi_crowd_stepper tvi_taylor_crowd = {.width = width_of, .take = take, .prepare = prepare, .step = step};
+/* Steps of a given size leave nothing to the next one. A step to a tolerance leaves its size, which members go on from
+ * in later runs. */
+static void get(const void *work, int lane, void *one)
+{
+    *((tvi_curve_work *)one)->chosen = ((const crowd *)work)->chosen[lane];
+}
+
+static void put(void *work, int lane, const void *one)
+{
+    ((crowd *)work)->chosen[lane] = *((const tvi_curve_work *)one)->chosen;
+}
+
+const tvi_crowd_stepper tvi_taylor_crowd = {
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put};
