@@ -1,7 +1,7 @@
 /* test_cuts.c - however a run is cut into calls, each event is told once (tvi_runs.h): 2000 runs at random, of all
- * forms of systems, fixed and rescaled steps and steps to a tolerance, one member and several, forward and back, with
- * steps that divide the periods of strobes, times up to 1.7e9, events that end the run, that come together, that only
- * touch 0 or have a kink there. */
+ * forms of systems, fixed and rescaled steps and steps to a tolerance, so many steps, runs to a time and at times, with
+ * and without tangent vectors, integrators and ensembles, forward and back, with steps that divide the periods of
+ * strobes, times up to 1.7e9, events that end the run, that come together, that only touch 0 or have a kink there. */
 #include "cuts.h"
 #include "events.h"
 #include "problems/random.h"
@@ -16,7 +16,7 @@ static uint64_t seed_of(int loop, int k) { return UINT64_C(0x9e3779b97f4a7c15) *
 
 /* ---- Between steps ----------------------------------------------------------------------------------------------- */
 
-static void compare(const notes *whole, const notes *pieces, int members, const random_run *r)
+static void compare(const notes *whole, const notes *pieces, const random_run *r)
 {
     ck_assert_msg(whole->count == pieces->count && whole->status == pieces->status,
                   "%s %s %d, kind %d, h = %g: %d events and %d, %s and %s", r->of->scene->name, r->of->method,
@@ -24,15 +24,18 @@ static void compare(const notes *whole, const notes *pieces, int members, const 
                   tvi_status_string(pieces->status));
     for (int i = 0; i < whole->count; i++) {
         const event_note *a = &whole->note[i], *b = &pieces->note[i];
-        ck_assert_msg(a->member == b->member && a->which == b->which && same_point(&a->x, &b->x),
+        const bool is_same = a->member == b->member && a->which == b->which && same_point(&a->x, &b->x);
+        ck_assert_msg(is_same && memcmp(a->D, b->D, sizeof a->D) == 0,
                       "%s %s %d, kind %d: event %d at %.17g and %d at %.17g", r->of->scene->name, r->of->method,
                       r->of->order, (int)r->kind, a->which, a->x.t, b->which, b->x.t);
     }
-    for (int m = 0; m < members; m++) ck_assert(same_point(&whole->end[m], &pieces->end[m]));
+    for (int m = 0; m < whole->members; m++) ck_assert(same_point(&whole->end[m], &pieces->end[m]));
+    ck_assert(memcmp(whole->D, pieces->D, sizeof whole->D) == 0);
 }
 
-/* Calls of some steps, observers that stop, states saved and loaded: all events, with their times and states, and the
- * end are those of one call, bit for bit; also where terminal events end the run, which then goes on, with p or -p. */
+/* Calls of some steps or some times, observers that stop, states saved and loaded: all events and times, with their
+ * states and D, and the end are those of one call, bit for bit; also where terminal events end the run, which then goes
+ * on, with p or -p. */
 START_TEST(cuts_between_steps)
 {
     static notes whole, pieces;
@@ -43,7 +46,7 @@ START_TEST(cuts_between_steps)
         if (make_run(&r, &bits, true, true)) {
             make_notes(&r, NULL, &whole);
             make_notes(&r, &bits, &pieces);
-            compare(&whole, &pieces, r.members, &r);
+            compare(&whole, &pieces, &r);
             made++;
             told += whole.count;
         }
@@ -65,34 +68,52 @@ static const pairing regular[] = {
     {&scene_magnetic, "galerkin", 12, 0.05}, {&scene_double_pendulum, "galerkin", 12, 0.005},
 };
 enum { REGULAR = sizeof regular / sizeof *regular };
-typedef enum { AT_TIMES = 1, AT_EVENTS = 2 } cuts;
+typedef enum { CUT_AT_TIMES = 1, CUT_AT_EVENTS = 2 } cuts;
 
-/* To t_end by an ensemble of one, in calls that are cut there; 0: in one. */
-static void go_to(const random_run *r, double t_end, unsigned where, uint64_t *bits, notes *to)
+/* To the end, by an integrator or an ensemble of one, in calls that are cut there; 0: in one. */
+static void go_to(const random_run *r, unsigned where, uint64_t *bits, notes *to)
 {
     point x = start_of_member(r, 0);
     tvi_ensemble *e;
-    tvi_status status = TVI_OK;
-    const bool by_tolerance = r->kind == BY_TOLERANCE;
-    memset(to, 0, sizeof *to);
-    to->n = r->of->scene->n;
-    to->by_event = where & AT_EVENTS;
+    tvi_integrator *it;
+    start_notes(r, to);
+    to->by_event = where & CUT_AT_EVENTS;
     ck_assert_int_eq(tvi_ensemble_create(&e, r->system, &r->options, 1, 1), TVI_OK);
-    while (x.t != t_end) {
-        const double part = where & AT_TIMES ? number_of(bits) : 1;
-        const tvi_ensemble_plan plan = {.h = by_tolerance ? 0 : r->h,
-                                        .tolerance = by_tolerance ? 1e-15 : 0,
-                                        .t_end = part > 0.8 ? t_end : x.t + part * (t_end - x.t),
-                                        .events = (const tvi_event *const *)r->events,
-                                        .event_count = r->count,
-                                        .on_event = take_member_note,
-                                        .ctx = to};
-        ck_assert_int_eq(tvi_ensemble_run(e, &plan, &x.t, x.q, x.p, &status), TVI_OK);
-        ck_assert_msg(status == TVI_OK || status == TVI_ESTOPPED, "%s", tvi_last_error());
-        to->stops += status == TVI_ESTOPPED;
+    ck_assert_int_eq(tvi_integrator_create(&it, r->system, &r->options), TVI_OK);
+    while (x.t != r->t_end) {
+        const double part = where & CUT_AT_TIMES ? number_of(bits) : 1;
+        tvi_run_plan plan = plan_of(r, to);
+        if (part <= 0.8) plan.t_end = x.t + part * (r->t_end - x.t);
+        if (r->members == 0) to->status = tvi_run(it, &plan, &x.t, x.q, x.p);
+        else ck_assert_int_eq(tvi_ensemble_run(e, &plan, &x.t, x.q, x.p, &to->status), TVI_OK);
+        ck_assert_msg(to->status == TVI_OK || to->status == TVI_ESTOPPED, "%s", tvi_last_error());
+        to->stops += to->status == TVI_ESTOPPED;
     }
     to->end[0] = x;
     tvi_ensemble_free(e);
+    tvi_integrator_free(it);
+}
+
+/* One of the runs that are cut so: to a time, or to a tolerance. */
+static bool make_run_to(random_run *r, const pairing *of, uint64_t *bits)
+{
+    if (!make_run_of(r, of, bits, false, false)) return false;
+    if (r->kind != BY_TOLERANCE) r->kind = TO_TIME;
+    r->tolerance = 1e-15;
+    r->t_end = r->t0 + (double)r->steps * r->h;
+    if (r->members > 1) r->members = 1;
+    return true;
+}
+
+/* The same columns, relative to the largest number in them, whose time scale is that of a step of size h. */
+static void compare_columns(const notes *a, const notes *b, double near, double h)
+{
+    double size = 0, apart = 0;
+    for (int k = 0; k < 2 * a->n * a->columns; k++) {
+        size = fmax(size, fabs(a->D[k]));
+        apart = fmax(apart, fabs(a->D[k] - b->D[k]));
+    }
+    ck_assert_double_le(apart, size * near / h);
 }
 
 /* The times of an event, but those at the end. */
@@ -115,11 +136,12 @@ START_TEST(cuts_that_change_steps)
         uint64_t bits = seed_of(LOOPS + _i, k);
         random_run r;
         const pairing *of = &regular[_i % REGULAR];
-        if (make_run_of(&r, of, &bits, false, false) && r.kind != OF_MEMBERS) {
-            const double t_end = r.t0 + (double)r.steps * r.h;
-            go_to(&r, t_end, 0, &bits, &whole);
-            go_to(&r, t_end, 1 + (unsigned)_i % 3, &bits, &pieces);
+        if (make_run_to(&r, of, &bits)) {
+            const double t_end = r.t_end;
+            go_to(&r, 0, &bits, &whole);
+            go_to(&r, 1 + (unsigned)_i % 3, &bits, &pieces);
             const double near = 1e-10 * of->h + (2 + pieces.stops) * DBL_EPSILON * fmax(fabs(r.t0), fabs(t_end));
+            compare_columns(&whole, &pieces, near, of->h);
             for (int which = 0; which < r.count; which++) {
                 const int count = times_of(&whole, which, t_end, near, a);
                 const int again = times_of(&pieces, which, t_end, near, b);
