@@ -71,6 +71,19 @@ START_TEST(both_are_told_once)
 }
 END_TEST
 
+/* Nearly no force. */
+static jet sliding(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(1e-9, q[0]);
+}
+
+static jet above(const jet q[], const jet p[], jet t, void *floor)
+{
+    (void)p, (void)t;
+    return jet_sub(q[0], *(const double *)floor);
+}
+
 /* The middle of a part, where both ends of it have the same value. */
 START_TEST(ties)
 {
@@ -85,6 +98,31 @@ START_TEST(ties)
     ck_assert_int_eq(d.count, 2);
     ck_assert_double_eq_tol(d.at[0].t, roots.a, 1e-15);
     ck_assert_double_eq_tol(d.at[1].t, roots.b, 1e-15);
+    run_close(&r);
+}
+END_TEST
+
+/* Two floors that are two units of q apart, which a slow ball passes at times that differ by 1e6 units: the run stops at
+ * the first, where the other is within its roundoff, and goes on faster than it came. */
+START_TEST(a_floor_just_below_a_stop)
+{
+    static diary d;
+    double floors[] = {1000, 1000 - 0x1p-42};
+    run r = open_potential(1, sliding, "galerkin", 8);
+    tvi_event *events[] = {event_of(1, TVI_FALLING, true, above, &floors[0]),
+                           event_of(1, TVI_FALLING, false, above, &floors[1])};
+    const tvi_event *const all[] = {events[0], events[1]};
+    r.x.q[0] = 1000 + 1e-3, r.x.p[0] = -1e-3;
+    d = (diary){.n = 1};
+    for (int call = 0; call < 2; call++) {
+        const tvi_status status =
+            tvi_integrate_events(r.integrator, 0.25, 8, all, 2, &r.x.t, r.x.q, r.x.p, NULL, note_event, &d);
+        ck_assert_int_eq(status, call == 0 ? TVI_ESTOPPED : TVI_OK);
+        ck_assert_int_eq(d.count, call + 1);
+        ck_assert_int_eq(d.which[call], call);
+        if (_i) r.x.p[0] *= 2;
+    }
+    for (int i = 0; i < 2; i++) tvi_event_free(events[i]);
     run_close(&r);
 }
 END_TEST
@@ -284,6 +322,7 @@ Suite *suite_roots(void)
     TCase *tcase = tcase_create("roots");
     tcase_add_loop_test(tcase, both_are_told_once, 0, 5);
     tcase_add_loop_test(tcase, ties, 0, 8);
+    tcase_add_loop_test(tcase, a_floor_just_below_a_stop, 0, 2);
     tcase_add_loop_test(tcase, passages_are_seen, 0, 6);
     tcase_add_loop_test(tcase, dips_are_decided, 0, 4);
     tcase_add_loop_test(tcase, states_do_not_know_g, 0, 8);
