@@ -347,10 +347,10 @@ static void emit_loops(jet_text *text, const tvi_system *system, const tvi_optio
 
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
-    const int lanes = lanes_for(options->degree), width = tvi_galerkin_crowd.width(system, options);
-    const int of_crowd = width > 1 ? width * options->degree : 0;
+    const int lanes = lanes_for(options->degree), width = tvi_galerkin_batch.width(system, options);
+    const int of_batch = width > 1 ? width * options->degree : 0;
     tvi_uses used = {
-        .values = {.name = "tvi_values", .lanes = {lanes, of_crowd}, .is_force = system->form == TVI_SEPARABLE},
+        .values = {.name = "tvi_values", .lanes = {lanes, of_batch}, .is_force = system->form == TVI_SEPARABLE},
         .member = "galerkin",
         .emit_loops = emit_loops};
     if (system->second_values) used.second = (jet_emission){.name = "tvi_second", .lanes = {lanes}};
@@ -368,4 +368,4 @@ const tvi_stepper tvi_stepper_galerkin = {.take = take,
                                           .is_superconvergent = true,
                                           .is_sound = is_sound,
                                           .uses = uses,
-                                          .crowd = &tvi_galerkin_crowd};
+                                          .batch = &tvi_galerkin_batch};

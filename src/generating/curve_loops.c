@@ -162,7 +162,7 @@ static void close(const tvi_curve_members *of, const tvi_mean_closing *closing)
         }
 }
 
-static void residual(const tvi_curve_members *of, const double *restrict Q0, const tvi_crowd_origin *origin)
+static void residual(const tvi_curve_members *of, const double *restrict Q0, const tvi_batch_origin *origin)
 {
     const int width = of->width, half = of->n * width;
     const double *q = origin->q, *q_low = origin->q_low, *p = origin->p, *p_low = origin->p_low;

@@ -1,4 +1,4 @@
-/* curve_loops.h - the loops of the corrected curves of several members at once (curve_crowd.c), compiled once for each
+/* curve_loops.h - the loops of the corrected curves of several members at once (curve_batch.c), compiled once for each
  * instruction set. Arrays are [rows][width], the member fastest, so that no sum runs across lanes; the width is a
  * multiple of 8. */
 #ifndef TVI_SRC_GENERATING_CURVE_LOOPS_H
@@ -49,7 +49,7 @@ typedef struct {
     void (*close)(const tvi_curve_members *of, const tvi_mean_closing *closing);
     /* correction = -r, r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first; it is (q- - Q_0,
      * kappa p-) beforehand, and Q0 where the curve's start stands. */
-    void (*residual)(const tvi_curve_members *of, const double *Q0, const tvi_crowd_origin *origin);
+    void (*residual)(const tvi_curve_members *of, const double *Q0, const tvi_batch_origin *origin);
     /* As newton.c: an unknown without a size has the largest of its group, or 1. */
     void (*fill_scale)(const tvi_curve_members *of);
     void (*measure)(const tvi_curve_members *of);

@@ -4,38 +4,38 @@
 #include <math.h>
 #include <string.h>
 
-typedef tvi_curve_crowd_work crowd;
+typedef tvi_curve_batch_work batch;
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
-static tvi_curve_sums sums_of(const crowd *w, const tvi_combination *combination)
+static tvi_curve_sums sums_of(const batch *w, const tvi_combination *combination)
 {
     return (tvi_curve_sums){combination->of_momentum, {combination->weight, 1, w->curve.top + 1, 0, 1}};
 }
 
 /* out [n][width] = the sum over orders `stride` apart. */
-static void sum_orders(const crowd *w, const tvi_combination *combination, const double *x, size_t stride, double *out)
+static void sum_orders(const batch *w, const tvi_combination *combination, const double *x, size_t stride, double *out)
 {
     const int width = w->curve.width * w->curve.n;
     const tvi_curve_sums s = sums_of(w, combination);
     w->loops->combine(&s.weights, stride, width, x + (s.of_momentum ? width : 0), 0, out);
 }
 
-static void sum_curve(const crowd *w, const tvi_combination *combination, double *out)
+static void sum_curve(const batch *w, const tvi_combination *combination, double *out)
 {
     sum_orders(w, combination, w->curve.x, w->curve.stride, out);
 }
 
 /* Of a change of the coefficients, [top + 1][inputs][width]. */
-static size_t stride_of_change(const crowd *w) { return (size_t)w->system->inputs * (size_t)w->curve.width; }
+static size_t stride_of_change(const batch *w) { return (size_t)w->system->inputs * (size_t)w->curve.width; }
 
-static void sum_change(const crowd *w, const tvi_combination *combination, const double *of, double *out)
+static void sum_change(const batch *w, const tvi_combination *combination, const double *of, double *out)
 {
     sum_orders(w, combination, of, stride_of_change(w), out);
 }
 
 /* Component i at the nodes. */
-static void sum_at_nodes(const crowd *w, int which, int i, double *out)
+static void sum_at_nodes(const batch *w, int which, int i, double *out)
 {
     const tvi_curve_sums *s = &w->node_sums[which];
     const int width = w->curve.width, row = i + (s->of_momentum ? w->curve.n : 0);
@@ -45,14 +45,14 @@ static void sum_at_nodes(const crowd *w, int which, int i, double *out)
 /* ---- The curves -------------------------------------------------------------------------------------------------- */
 
 /* Those outside of the domain of a tape go by themselves. */
-static void leave_outside(crowd *w, const jet_tape *tape, const double *x, int points)
+static void leave_outside(batch *w, const jet_tape *tape, const double *x, int points)
 {
     for (int m = 0; m < w->curve.width; m++)
         if (w->is_moving[m] && !tvi_single_is_inside(&w->by_itself, tape, x, points, m)) tvi_curve_leave(w, m);
 }
 
 /* From z, about t + (t_low + later). */
-static void expand(crowd *w, const tvi_crowd_origin *origin, double later)
+static void expand(batch *w, const tvi_batch_origin *origin, double later)
 {
     const tvi_taylor_lanes *curve = &w->curve;
     const jet_tape *tape = w->system->field_series;
@@ -69,7 +69,7 @@ static void expand(crowd *w, const tvi_crowd_origin *origin, double later)
 }
 
 /* dz = a unit vector. */
-static void aim(const crowd *w, int direction)
+static void aim(const batch *w, int direction)
 {
     const tvi_taylor_lanes *d = &w->tangent;
     const size_t width = (size_t)d->width, bytes = (size_t)w->system->inputs * width * sizeof *d->x;
@@ -80,7 +80,7 @@ static void aim(const crowd *w, int direction)
     for (size_t m = 0; m < width; m++) one[m] = 1;
 }
 
-static void differentiate(crowd *w)
+static void differentiate(batch *w)
 {
     const jet_tape *tape = w->system->field_series;
     const tvi_taylor_lanes *d = &w->tangent;
@@ -97,7 +97,7 @@ static void differentiate(crowd *w)
 }
 
 /* The transposed Jacobians of two combinations, [2n][2n][width], one beside the other. */
-static void join_jacobians(const crowd *w, const tvi_combination *first, const tvi_combination *second, double *out)
+static void join_jacobians(const batch *w, const tvi_combination *first, const tvi_combination *second, double *out)
 {
     const size_t half = (size_t)w->curve.n * (size_t)w->curve.width;
     const size_t of_direction = ((size_t)w->curve.top + 1) * stride_of_change(w);
@@ -109,7 +109,7 @@ static void join_jacobians(const crowd *w, const tvi_combination *first, const t
 
 /* ---- A pass ------------------------------------------------------------------------------------------------------ */
 
-static void run_field(crowd *w, const tvi_crowd_origin *origin, double later)
+static void run_field(batch *w, const tvi_batch_origin *origin, double later)
 {
     const jet_tape *tape = w->system->field_values;
     const tvi_action *action = &w->action;
@@ -124,7 +124,7 @@ static void run_field(crowd *w, const tvi_crowd_origin *origin, double later)
 }
 
 /* On q: tau (F or -H_q) - dp/ds. On p / kappa: dq/ds - u of a separable system, else dq/ds - tau H_p. */
-static void find_defects(const crowd *w, int i)
+static void find_defects(const batch *w, int i)
 {
     const bool is_separable = w->curve.has_masses;
     const int n = w->curve.n, lanes = w->action.points * w->curve.width;
@@ -141,7 +141,7 @@ static void find_defects(const crowd *w, int i)
                        w->defect + lanes);
 }
 
-static void find_seeds(const crowd *w)
+static void find_seeds(const batch *w)
 {
     const int n = w->curve.n, width = w->curve.width, lanes = w->action.points * width;
     const size_t stride = stride_of_change(w), row = (size_t)width;
@@ -154,7 +154,7 @@ static void find_seeds(const crowd *w)
 }
 
 /* The corrections of the ends. */
-static void close(const crowd *w)
+static void close(const batch *w)
 {
     const tvi_closure *c = &w->single->closure;
     const tvi_curve_members *of = &w->members;
@@ -166,7 +166,7 @@ static void close(const crowd *w)
     w->loops->close(of, w->closing);
 }
 
-static void find_scale(const crowd *w)
+static void find_scale(const batch *w)
 {
     const tvi_curve_members *of = &w->members;
     const int width = of->n * of->width;
@@ -177,7 +177,7 @@ static void find_scale(const crowd *w)
     w->loops->fill_scale(of);
 }
 
-void tvi_curve_pass(crowd *w, const tvi_crowd_origin *origin, bool is_first)
+void tvi_curve_pass(batch *w, const tvi_batch_origin *origin, bool is_first)
 {
     const tvi_closure *c = &w->single->closure;
     const tvi_curve_members *of = &w->members;
@@ -201,7 +201,7 @@ void tvi_curve_pass(crowd *w, const tvi_crowd_origin *origin, bool is_first)
 
 /* ---- The ends of a step ------------------------------------------------------------------------------------------ */
 
-void tvi_curve_predict_members(crowd *w, const tvi_crowd_origin *origin)
+void tvi_curve_predict_members(batch *w, const tvi_batch_origin *origin)
 {
     const int half = w->members.n * w->members.width;
     expand(w, origin, 0);
@@ -209,7 +209,7 @@ void tvi_curve_predict_members(crowd *w, const tvi_crowd_origin *origin)
     sum_curve(w, &w->single->z_centre, w->members.z + half);
 }
 
-void tvi_curve_end_members(crowd *w)
+void tvi_curve_end_members(batch *w)
 {
     const tvi_closure *c = &w->single->closure;
     const tvi_curve_members *of = &w->members;

@@ -1,4 +1,4 @@
-/* curve_pass.h - a pass of several members of an ensemble that each correct a curve (curve_crowd.c): lane m of a sweep
+/* curve_pass.h - a pass of several members of an ensemble that each correct a curve (curve_batch.c): lane m of a sweep
  * is member m, node * width + m at the nodes. */
 #ifndef TVI_SRC_GENERATING_CURVE_PASS_H
 #define TVI_SRC_GENERATING_CURVE_PASS_H
@@ -46,21 +46,21 @@ typedef struct {
     tvi_newton_rules rules;
     tvi_newton_passes *passes;   /* [width] */
     tvi_newton_history *history; /* [width] */
-} tvi_curve_crowd_work;
+} tvi_curve_batch_work;
 
 /* The member goes by itself. */
-static inline void tvi_curve_leave(tvi_curve_crowd_work *w, int m)
+static inline void tvi_curve_leave(tvi_curve_batch_work *w, int m)
 {
     w->now[m] = TVI_BY_ITSELF;
     w->is_moving[m] = 0;
 }
 
 /* z at the centre, by the curves from the starts (q0, kappa p0) that z has. */
-void tvi_curve_predict_members(tvi_curve_crowd_work *w, const tvi_crowd_origin *origin);
+void tvi_curve_predict_members(tvi_curve_batch_work *w, const tvi_batch_origin *origin);
 /* All that follows from z: curves, Jacobians, corrections of the ends, and the correction of z with its sizes; in the
  * first pass the natural sizes of z. */
-void tvi_curve_pass(tvi_curve_crowd_work *w, const tvi_crowd_origin *origin, bool is_first);
+void tvi_curve_pass(tvi_curve_batch_work *w, const tvi_batch_origin *origin, bool is_first);
 /* dq, dp and the tails [width] of the steps, with the last correction to first order. */
-void tvi_curve_end_members(tvi_curve_crowd_work *w);
+void tvi_curve_end_members(tvi_curve_batch_work *w);
 
 #endif

@@ -335,7 +335,7 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 }
 
 const tvi_stepper tvi_stepper_curve = {
-    .take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses, .crowd = &tvi_curve_crowd};
+    .take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses, .batch = &tvi_curve_batch};
 const tvi_stepper tvi_stepper_taylor = {.take = take,
                                         .prepare = prepare,
                                         .step = step,
@@ -343,4 +343,4 @@ const tvi_stepper tvi_stepper_taylor = {.take = take,
                                         .step_within = step_within,
                                         .most_change = most_change,
                                         .uses = uses,
-                                        .crowd = &tvi_taylor_crowd};
+                                        .batch = &tvi_taylor_batch};

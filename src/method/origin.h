@@ -92,7 +92,7 @@ static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, do
 typedef struct {
     const double *t, *t_low;
     const double *q, *q_low, *p, *p_low;
-} tvi_crowd_origin;
+} tvi_batch_origin;
 
 /* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
 enum { TVI_SAMPLES = 8 };

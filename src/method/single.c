@@ -42,7 +42,7 @@ bool tvi_single_is_inside(const tvi_single *single, const jet_tape *tape, const 
 }
 
 bool tvi_single_step(const tvi_single *single, const jet_tape *tape, const double *x, int points, double h,
-                     const tvi_crowd_origin *origin, const tvi_crowd_end *end, int member, tvi_stats *stats)
+                     const tvi_batch_origin *origin, const tvi_batch_end *end, int member, tvi_stats *stats)
 {
     const int n = single->system->n, width = single->width;
     const tvi_origin from = {origin->t[member], origin->t_low[member], single->q, single->q_low,

@@ -31,6 +31,6 @@ bool tvi_single_is_inside(const tvi_single *single, const jet_tape *tape, const 
 
 /* Makes the step of the member, with the parameters that x has of it; false where it fails. */
 bool tvi_single_step(const tvi_single *single, const jet_tape *tape, const double *x, int points, double h,
-                     const tvi_crowd_origin *origin, const tvi_crowd_end *end, int member, tvi_stats *stats);
+                     const tvi_batch_origin *origin, const tvi_batch_end *end, int member, tvi_stats *stats);
 
 #endif

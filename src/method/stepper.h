@@ -26,7 +26,7 @@ typedef struct {
     tvi_status *status; /* [width] a lane with another one than TVI_OK is left alone: nothing of it is written */
     double *tail;       /* [width] tvi_stats.tail of the lane */
     int *passes;        /* [width] of this step */
-} tvi_crowd_end;
+} tvi_batch_end;
 
 /* Steps of several members at once. Lanes do not know of each other: the bits of a member depend neither on its lane
  * nor on what the others do, and to roundoff they are those of the stepper's own step. */
@@ -38,7 +38,7 @@ typedef struct {
     void (*prepare)(void *work);
     /* Lanes that are left alone hold a state that is finite, in the domain as far as is known. The counts of the stats
      * are those of all lanes together. */
-    void (*step)(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats);
+    void (*step)(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats);
     /* What steps have left to the next one: from the history of the lane to that of the stepper's own work `one`, which
      * is all zeros, and the reverse. NULL: they leave nothing. */
     void (*get)(const void *work, int lane, void *one);
@@ -49,7 +49,7 @@ typedef struct {
     bool (*is_sound)(const void *work);
     /* As that of the stepper, [width]; NULL: it has none. */
     void (*most_change)(const void *work, double change[]);
-} tvi_crowd_stepper;
+} tvi_batch_stepper;
 
 typedef struct {
     /* Lays out the stepper's work in the arena; NULL while the arena only measures. What a step leaves to the next one
@@ -84,10 +84,10 @@ typedef struct {
      * none. */
     bool (*is_sound)(const void *work);
     tvi_uses (*uses)(const tvi_system *system, const tvi_options *options);
-    const tvi_crowd_stepper *crowd; /* NULL: members of an ensemble go one after the other */
+    const tvi_batch_stepper *batch; /* NULL: members of an ensemble go one after the other */
 } tvi_stepper;
 
 extern const tvi_stepper tvi_stepper_curve, tvi_stepper_taylor, tvi_stepper_composed, tvi_stepper_galerkin;
-extern const tvi_crowd_stepper tvi_curve_crowd, tvi_taylor_crowd, tvi_verlet_crowd, tvi_galerkin_crowd;
+extern const tvi_batch_stepper tvi_curve_batch, tvi_taylor_batch, tvi_verlet_batch, tvi_galerkin_batch;
 
 #endif

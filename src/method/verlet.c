@@ -84,11 +84,11 @@ static double most_change(const void *work)
 
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
-    return (tvi_uses){.values = {.name = "tvi_values", .lanes = {1, tvi_verlet_crowd.width(system, options)}}};
+    return (tvi_uses){.values = {.name = "tvi_values", .lanes = {1, tvi_verlet_batch.width(system, options)}}};
 }
 
 static const tvi_stepper stepper = {
-    .take = take, .step = step, .dense = dense, .most_change = most_change, .uses = uses, .crowd = &tvi_verlet_crowd};
+    .take = take, .step = step, .dense = dense, .most_change = most_change, .uses = uses, .batch = &tvi_verlet_batch};
 
 static const tvi_service service = {TVI_SERVES_SEPARABLE,
                                     "Stormer-Verlet needs a constant diagonal mass and a force without velocities"};

@@ -138,7 +138,7 @@ static bool knows_change(const tvi_integrator *it) { return it->stepper->most_ch
 /* The most that the step changes the energy of each member by, as the stepper knows it; else more than it can be. */
 static void find_changes(tvi_integrator *it)
 {
-    const tvi_crowd_stepper *batch = tvi_batch_of(it);
+    const tvi_batch_stepper *batch = tvi_batch_of(it);
     if (!batch) it->change[0] = it->stepper->most_change(it->work);
     else if (batch->most_change) batch->most_change(it->work, it->change);
     else

@@ -74,7 +74,7 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     take_members(&laid, arena);
     take_energies(&laid, arena);
     laid.of_state = arena->marked;
-    laid.work = width > 1 ? stepper->crowd->take(arena, laid.stepped, options, width)
+    laid.work = width > 1 ? stepper->batch->take(arena, laid.stepped, options, width)
                           : stepper->take(arena, laid.stepped, options);
     laid.blocks = arena->blocks;
     laid.history = arena->history;
@@ -103,7 +103,7 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     tvi_blocks_prepare(it->blocks);
     tvi_system_recorded_parameters(system, it->lent);
     tvi_integrator_lend_parameters(it, it->lent, 1, 1);
-    const tvi_crowd_stepper *batch = tvi_batch_of(it);
+    const tvi_batch_stepper *batch = tvi_batch_of(it);
     void (*prepare)(void *) = batch ? batch->prepare : it->stepper->prepare;
     if (prepare) prepare(it->work);
     if (it->energy.block) tvi_energy_prepare(&it->energy);
@@ -112,7 +112,7 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
 
 int tvi_integrator_width(const tvi_integrator *it)
 {
-    const tvi_crowd_stepper *batch = it->stepper->crowd;
+    const tvi_batch_stepper *batch = it->stepper->batch;
     return batch ? batch->width(it->stepped, &it->options) : 1;
 }
 

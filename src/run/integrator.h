@@ -39,7 +39,7 @@ struct tvi_integrator {
     tvi_options options;       /* as resolved */
     tvi_stats stats;           /* of all members together */
     const tvi_stepper *stepper;
-    void *work;            /* the stepper's; of a batch that of stepper->crowd */
+    void *work;            /* the stepper's; of a batch that of stepper->batch */
     char *history;         /* [remembered] all that one step leaves to the next, */
     char *before;          /* [marked] and its first part before the last step was tried; a batch keeps none */
     size_t remembered;     /* bytes */
@@ -82,9 +82,9 @@ static inline bool tvi_is_rescaled(const tvi_integrator *integrator)
 }
 
 /* The stepper's part of a batch; NULL where members are stepped one at a time. */
-static inline const tvi_crowd_stepper *tvi_batch_of(const tvi_integrator *integrator)
+static inline const tvi_batch_stepper *tvi_batch_of(const tvi_integrator *integrator)
 {
-    return integrator->width > 1 ? integrator->stepper->crowd : NULL;
+    return integrator->width > 1 ? integrator->stepper->batch : NULL;
 }
 
 /* ---- Members (member.c) ------------------------------------------------------------------------------------------ */

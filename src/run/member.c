@@ -87,7 +87,7 @@ void tvi_member_copy(tvi_integrator *to, int member_to, const tvi_integrator *fr
             *at(to, target[a], row, member_to) = *at(from, source[a], row, member_from);
     to->kept[member_to] = from->kept[member_from];
     to->continues[member_to] = from->continues[member_from];
-    const tvi_crowd_stepper *batch = to->stepper->crowd;
+    const tvi_batch_stepper *batch = to->stepper->batch;
     if (from->width > 1 && batch->get) batch->get(from->work, member_from, to->work);
     if (to->width > 1 && batch->put) batch->put(to->work, member_to, from->work);
     to->has_dense = false;

@@ -133,7 +133,7 @@ bool tvi_stops_are_sound(const void *bytes, int n, int members)
 
 bool tvi_history_is_sound(const tvi_integrator *it)
 {
-    const tvi_crowd_stepper *batch = tvi_batch_of(it);
+    const tvi_batch_stepper *batch = tvi_batch_of(it);
     const tvi_run_state *now = &it->now;
     const int rows = it->stepped->n * it->width, width = it->width;
     bool is_sound = tvi_all_finite(rows + width, now->q) && tvi_all_finite(rows + width, now->q_low) &&

@@ -54,9 +54,9 @@ JET_INLINE void find_increments(tvi_integrator *it, int width, double tolerance,
     const tvi_run_state *now = &it->now;
     const int time = it->stepped->n * width;
     if (width > 1) {
-        const tvi_crowd_origin origin = {now->q + time, now->q_low + time, now->q, now->q_low, now->p, now->p_low};
-        const tvi_crowd_end end = {it->by, it->status, it->tail, it->passes};
-        it->stepper->crowd->step(it->work, *h, &origin, &end, &it->stats);
+        const tvi_batch_origin origin = {now->q + time, now->q_low + time, now->q, now->q_low, now->p, now->p_low};
+        const tvi_batch_end end = {it->by, it->status, it->tail, it->passes};
+        it->stepper->batch->step(it->work, *h, &origin, &end, &it->stats);
     } else {
         find_increments_alone(it, tolerance, h);
     }

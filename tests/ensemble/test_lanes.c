@@ -1,7 +1,7 @@
 /* test_lanes.c - what steps in lanes must not lose beside those of one member: the rule that ends the passes, and what
  * states and increments have in their second parts. */
 #include "ensemble.h"
-#include "galerkin/crowd_loops.h"
+#include "galerkin/batch_loops.h"
 #include "galerkin/passes.h"
 #include "problems/galerkin_tables.h"
 #include "problems/random.h"
@@ -13,11 +13,11 @@
 
 enum { WIDTH = 8, SEQUENCES = 2000, PASSES = 30 };
 
-static const galerkin_crowd_loops *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_galerkin_crowd_loops_base,
+static const galerkin_batch_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_galerkin_batch_loops_base,
 #ifdef __x86_64__
-    [jet_isa_avx2] = &tvi_galerkin_crowd_loops_avx2,
-    [jet_isa_avx512] = &tvi_galerkin_crowd_loops_avx512,
+    [jet_isa_avx2] = &tvi_galerkin_batch_loops_avx2,
+    [jet_isa_avx512] = &tvi_galerkin_batch_loops_avx512,
 #endif
 };
 
@@ -48,11 +48,11 @@ static void start_lanes(lanes *w, double slowest)
 }
 
 /* A pass of all by both: whether they agree. An asked number of passes shows nothing. */
-static bool judge_both(lanes *w, const galerkin_crowd_loops *loops, const tvi_passes_rule *rule, int pass,
+static bool judge_both(lanes *w, const galerkin_batch_loops *loops, const tvi_passes_rule *rule, int pass,
                        uint64_t *bits)
 {
-    const galerkin_crowd_nodes nodes = {.width = WIDTH, .is_moving = w->is_moving};
-    const galerkin_crowd_passes passes = {.size = w->size,
+    const galerkin_batch_nodes nodes = {.width = WIDTH, .is_moving = w->is_moving};
+    const galerkin_batch_passes passes = {.size = w->size,
                                           .before = w->before,
                                           .part = w->part,
                                           .slowest = w->slowest,
@@ -159,7 +159,7 @@ START_TEST(nodes_start_as_those_of_one_member)
     for (int j = 0; j < POINTS; j++) c[j] = number_of(&bits);
     for (int u = 0; u < 4 * UNKNOWNS; u++)
         for (int m = 0; m < WIDTH; m++) state[u % 4][u / 4][m] = number_of(&bits) * (u % 2 == 0 ? 1 : 0x1p-54);
-    const galerkin_crowd_nodes nodes = {.width = WIDTH,
+    const galerkin_batch_nodes nodes = {.width = WIDTH,
                                         .points = POINTS,
                                         .unknowns = UNKNOWNS,
                                         .stride = POINTS,
@@ -167,8 +167,8 @@ START_TEST(nodes_start_as_those_of_one_member)
                                         .high = high[0][0],
                                         .low = low[0][0],
                                         .scale = scale};
-    const tvi_crowd_origin origin = {.q = state[0][0], .q_low = state[1][0], .p = state[2][0], .p_low = state[3][0]};
-    const galerkin_crowd_drift drift = {drifted, drifted_low};
+    const tvi_batch_origin origin = {.q = state[0][0], .q_low = state[1][0], .p = state[2][0], .p_low = state[3][0]};
+    const galerkin_batch_drift drift = {drifted, drifted_low};
     loops_of[isa]->start_drifting(&nodes, c, &origin, &drift);
     for (int m = 0; m < WIDTH; m++) {
         double of[4][UNKNOWNS], from[UNKNOWNS], both[2][UNKNOWNS][POINTS], its_drift[2][UNKNOWNS];
@@ -205,14 +205,14 @@ START_TEST(nodes_end_as_those_of_one_member)
     for (int k = 0; k < UNKNOWNS * POINTS; k++)
         for (int m = 0; m < WIDTH; m++) impulse[k / POINTS][k % POINTS][m] = (float)(number_of(&bits) - 0.25);
     for (int k = 0; k < 2 * NUMBERS; k++) drifted[k % 2][k / 2] = number_of(&bits) * (k % 2 ? 0x1p-54 : 1);
-    const galerkin_crowd_nodes nodes = {.width = WIDTH,
+    const galerkin_batch_nodes nodes = {.width = WIDTH,
                                         .points = POINTS,
                                         .unknowns = UNKNOWNS,
                                         .stride = POINTS,
                                         .impulse = impulse[0][0],
                                         .scale = scale};
     const galerkin_sums sums = {of_all[0], of_all[1], of_all[2], of_all[3], of_all[4], of_all[5]};
-    const galerkin_crowd_drift drift = {drifted[0], drifted[1]};
+    const galerkin_batch_drift drift = {drifted[0], drifted[1]};
     loops_of[isa]->integrate(&nodes, weights, &sums);
     loops_of[isa]->end_drifting(&nodes, &sums, &drift, dq[0], dq[1]);
     for (int m = 0; m < WIDTH; m++) {

@@ -102,8 +102,8 @@ START_TEST(ties)
 }
 END_TEST
 
-/* Two floors that are two units of q apart, which a slow ball passes at times that differ by 1e6 units: the run stops at
- * the first, where the other is within its roundoff, and goes on faster than it came. */
+/* Two floors are two units of q apart, which a slow ball passes at times that differ by 1e6 units. The run stops at the
+ * first, where the other is within its roundoff, and goes on faster than it came. */
 START_TEST(a_floor_just_below_a_stop)
 {
     static diary d;

@@ -1,7 +1,7 @@
-/* crowd_loops.h - the loops of the Galerkin curves of several members at once (crowd.c), compiled once for each
+/* batch_loops.h - the loops of the Galerkin curves of several members at once (batch.c), compiled once for each
  * instruction set: those of loops.h with the members as the fastest lanes, so that no sum runs across lanes. */
-#ifndef TVI_SRC_GALERKIN_CROWD_LOOPS_H
-#define TVI_SRC_GALERKIN_CROWD_LOOPS_H
+#ifndef TVI_SRC_GALERKIN_BATCH_LOOPS_H
+#define TVI_SRC_GALERKIN_BATCH_LOOPS_H
 
 #include "algebra/passes.h"
 #include "galerkin/halves.h"
@@ -22,56 +22,56 @@ typedef struct {
     double *inverse_size; /* [unknowns][width] */
     long long *is_moving; /* [width] all bits, or none: the impulses of the others stay, and so do their unknowns */
     long long *in_lanes;  /* [width] alike: what their steps leave behind stays */
-} galerkin_crowd_nodes;
+} galerkin_batch_nodes;
 
 /* Where the drift h M^-1 p0 of a separable system is, [unknowns][width] each; NULL of other systems. */
 typedef struct {
     double *high, *low;
-} galerkin_crowd_drift;
+} galerkin_batch_drift;
 
 /* The last two steps of each member, as in galerkin_history, [width] each. */
 typedef struct {
     double *h, *h_before, *t, *slowest;
-} galerkin_crowd_history;
+} galerkin_batch_history;
 
 /* What the passes of each member have shown (algebra/passes.h), [width] each. */
 typedef struct {
     double *size, *before, *part, *slowest, *shown, *count;
     long long *is_stuck;
-} galerkin_crowd_passes;
+} galerkin_batch_passes;
 
 typedef struct {
-    void (*start)(const galerkin_crowd_nodes *nodes, int first, int count, const double *q, const double *q_low);
-    void (*start_drifting)(const galerkin_crowd_nodes *nodes, const double c[], const tvi_crowd_origin *origin,
-                           const galerkin_crowd_drift *drift);
+    void (*start)(const galerkin_batch_nodes *nodes, int first, int count, const double *q, const double *q_low);
+    void (*start_drifting)(const galerkin_batch_nodes *nodes, const double c[], const tvi_batch_origin *origin,
+                           const galerkin_batch_drift *drift);
     /* inverse_size: 1 / (|start| + |x at the last node - start|) of each of the unknowns, in groups of n. */
-    void (*set_sizes)(const galerkin_crowd_nodes *nodes, int n);
+    void (*set_sizes)(const galerkin_batch_nodes *nodes, int n);
     /* From the impulses of the last two steps, matrix [2][j][i]. */
-    void (*predict)(const galerkin_crowd_nodes *nodes, const double *matrix, const double *last, const double *before);
+    void (*predict)(const galerkin_batch_nodes *nodes, const double *matrix, const double *last, const double *before);
     /* As that of loops.h, by what the impulses have changed since the pass before; drives are none of the unknowns.
      * moved [width]. */
-    void (*move)(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
+    void (*move)(const galerkin_batch_nodes *nodes, const galerkin_halves *halves, const double *drives,
                  const int slot[], double moved[]);
     /* In lanes, and moving, are those that are TVI_OK and whose last two steps have the size h, and end where this one
      * begins, and their passes begin as slow as the last ones were. Returns how many. */
-    int (*begin)(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h, const double t[],
-                 const tvi_status status[], const galerkin_crowd_passes *passes);
+    int (*begin)(const galerkin_batch_nodes *nodes, const galerkin_batch_history *last, double h, const double t[],
+                 const tvi_status status[], const galerkin_batch_passes *passes);
     /* tvi_passes_judge of the pass number `count` for all members that move: those that may end, or
      * are stuck, move no more. Returns how many go on; *any_stuck: some have become stuck. */
-    int (*judge)(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
-                 const galerkin_crowd_passes *passes, bool *any_stuck);
+    int (*judge)(const galerkin_batch_nodes *nodes, const tvi_passes_rule *rule, int count, const double moved[],
+                 const galerkin_batch_passes *passes, bool *any_stuck);
     /* sums [unknowns][width] */
-    void (*integrate)(const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
+    void (*integrate)(const galerkin_batch_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums);
     /* Of the members in lanes: to = from, of so many rows. */
-    void (*choose)(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to);
-    void (*end)(const galerkin_crowd_nodes *nodes, int first, int count, const double *once, double *rise);
-    void (*end_drifting)(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,
-                         const galerkin_crowd_drift *drift, double *dq, double *dq_low);
+    void (*choose)(const galerkin_batch_nodes *nodes, int rows, const double *from, double *to);
+    void (*end)(const galerkin_batch_nodes *nodes, int first, int count, const double *once, double *rise);
+    void (*end_drifting)(const galerkin_batch_nodes *nodes, const galerkin_sums *sums,
+                         const galerkin_batch_drift *drift, double *dq, double *dq_low);
     /* q, p, dp, tail: [n][width]; share, ratio: scratch. */
     void (*tail)(const galerkin_motion *of, int width, double *share, double *ratio, double tail[]);
-} galerkin_crowd_loops;
+} galerkin_batch_loops;
 
-extern const galerkin_crowd_loops tvi_galerkin_crowd_loops_base, tvi_galerkin_crowd_loops_avx2,
-    tvi_galerkin_crowd_loops_avx512;
+extern const galerkin_batch_loops tvi_galerkin_batch_loops_base, tvi_galerkin_batch_loops_avx2,
+    tvi_galerkin_batch_loops_avx512;
 
 #endif

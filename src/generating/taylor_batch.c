@@ -1,4 +1,4 @@
-/* taylor_crowd.c - steps of the plain Taylor method of several members of an ensemble at once: lane m of a sweep is
+/* taylor_batch.c - steps of the plain Taylor method of several members of an ensemble at once: lane m of a sweep is
  * member m. A member whose curve cannot be expanded goes by itself, and fails as it does there. */
 #include "generating/curve_stepper.h"
 #include "generating/taylor_loops.h"
@@ -20,7 +20,7 @@ typedef struct {
     double *kappa;                          /* [n] */
     double *dq, *dp, *share, *ratio, *tail; /* [n][width] */
     double *chosen;                         /* [width] as that of curve_stepper.h, in the history */
-} crowd;
+} batch;
 
 static const tvi_taylor_loops *const loops_of[JET_ISA_COUNT] = {
     [jet_isa_base] = &tvi_taylor_loops_base,
@@ -46,10 +46,10 @@ static int width_of(const tvi_system *system, const tvi_options *options)
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    crowd *taken = tvi_arena_take(arena, sizeof *taken);
+    batch *taken = tvi_arena_take(arena, sizeof *taken);
     const jet_tape *tape = system->field_series;
     const size_t n = (size_t)system->n;
-    crowd w = {.system = system, .loops = tvi_taylor_loops_of(system), .degree = options->degree};
+    batch w = {.system = system, .loops = tvi_taylor_loops_of(system), .degree = options->degree};
     tvi_single_take(&w.by_itself, arena, &tvi_stepper_taylor, system, options, width, 1);
     double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio, &w.tail};
     for (size_t i = 0; i < 5; i++) *of_n[i] = tvi_arena_doubles(arena, n * (size_t)width);
@@ -69,12 +69,12 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 
 static void prepare(void *work)
 {
-    crowd *w = work;
+    batch *w = work;
     tvi_single_prepare(&w->by_itself);
 }
 
 /* The data at the start: (q, tau v) or (q, p). */
-static void set_start(crowd *w, double h, const tvi_crowd_origin *origin)
+static void set_start(batch *w, double h, const tvi_batch_origin *origin)
 {
     tvi_taylor_lanes *curve = &w->curve;
     const int width = curve->width;
@@ -93,16 +93,16 @@ static void set_start(crowd *w, double h, const tvi_crowd_origin *origin)
     }
 }
 
-static bool is_finite(const crowd *w, int m)
+static bool is_finite(const batch *w, int m)
 {
     for (int at = m; at < w->curve.n * w->curve.width; at += w->curve.width)
         if (!isfinite(w->dq[at]) || !isfinite(w->dp[at])) return false;
     return true;
 }
 
-static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats)
 {
-    crowd *w = work;
+    batch *w = work;
     const tvi_taylor_lanes *curve = &w->curve;
     const jet_tape *tape = w->system->field_series;
     const int n = curve->n, width = curve->width, p_degree = w->degree - 1;
@@ -130,13 +130,13 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
  * in later runs. */
 static void get(const void *work, int lane, void *one)
 {
-    *((tvi_curve_work *)one)->chosen = ((const crowd *)work)->chosen[lane];
+    *((tvi_curve_work *)one)->chosen = ((const batch *)work)->chosen[lane];
 }
 
 static void put(void *work, int lane, const void *one)
 {
-    ((crowd *)work)->chosen[lane] = *((const tvi_curve_work *)one)->chosen;
+    ((batch *)work)->chosen[lane] = *((const tvi_curve_work *)one)->chosen;
 }
 
-const tvi_crowd_stepper tvi_taylor_crowd = {
+const tvi_batch_stepper tvi_taylor_batch = {
     .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put};

@@ -1,12 +1,12 @@
-/* crowd.c - steps of the Galerkin curves of several members of an ensemble at once. Lane i * width + m of a sweep is
- * node i of member m, so that all but the field is loops over members that need no sums across lanes (crowd_loops.h).
+/* batch.c - steps of the Galerkin curves of several members of an ensemble at once. Lane i * width + m of a sweep is
+ * node i of member m, so that all but the field is loops over members that need no sums across lanes (batch_loops.h).
  *
  * A member converges by passes of its own: one that has done so moves no more, while the others go on. Steps in lanes
  * are those that go on from two steps of the same size, and whose passes converge to a roundoff that is known. All
  * others, as the first two of a run, are made by the stepper of a single curve, one after the other; so whatever may
  * happen in a step is written once. */
 #include "compiled/code.h"
-#include "galerkin/crowd_loops.h"
+#include "galerkin/batch_loops.h"
 #include "galerkin/step.h"
 #include "method/single.h"
 
@@ -18,9 +18,9 @@ enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 typedef struct {
     tvi_single by_itself;
     galerkin *single; /* its work, which has all tables */
-    const galerkin_crowd_loops *loops;
-    galerkin_crowd_nodes nodes;
-    galerkin_crowd_drift drift;
+    const galerkin_batch_loops *loops;
+    galerkin_batch_nodes nodes;
+    galerkin_batch_drift drift;
     galerkin_motion motion;
     galerkin_halves halves;
     tvi_passes_rule rule;
@@ -30,20 +30,20 @@ typedef struct {
     tvi_increments by;            /* [n][width] each, */
     double *share, *ratio;        /* [n][width] */
     double *moved;                /* [width] */
-    galerkin_crowd_passes passes; /* [width] */
-    galerkin_crowd_history last;  /* in the history, as the impulses and where the last ones are */
+    galerkin_batch_passes passes; /* [width] */
+    galerkin_batch_history last;  /* in the history, as the impulses and where the last ones are */
     galerkin_pace *pace;          /* [width] likewise, of a step that a member made alone */
     int *turn;
     double *impulses[GALERKIN_TURNS]; /* [unknowns][points][width] of the last step, of the one before, of the next */
-} crowd;
+} batch;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
-static const galerkin_crowd_loops *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_galerkin_crowd_loops_base,
+static const galerkin_batch_loops *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_galerkin_batch_loops_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_galerkin_crowd_loops_avx2,
-    [jet_isa_avx512] = &tvi_galerkin_crowd_loops_avx512,
+    [jet_isa_avx2] = &tvi_galerkin_batch_loops_avx2,
+    [jet_isa_avx512] = &tvi_galerkin_batch_loops_avx512,
 #endif
 };
 
@@ -58,7 +58,7 @@ static int width_of(const tvi_system *system, const tvi_options *options)
     return width;
 }
 
-static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_system *system, int points, int width)
+static void take_nodes(galerkin_batch_nodes *nodes, tvi_arena *arena, const tvi_system *system, int points, int width)
 {
     const size_t of_unknowns = (size_t)system->inputs * (size_t)width, numbers = of_unknowns * (size_t)points;
     nodes->width = width;
@@ -75,8 +75,8 @@ static void take_nodes(galerkin_crowd_nodes *nodes, tvi_arena *arena, const tvi_
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    crowd *taken = tvi_arena_take(arena, sizeof *taken);
-    crowd w = {.loops = loops_of[system->field_values->sweeps->isa]};
+    batch *taken = tvi_arena_take(arena, sizeof *taken);
+    batch w = {.loops = loops_of[system->field_values->sweeps->isa]};
     tvi_single_take(&w.by_itself, arena, &tvi_stepper_galerkin, system, options, width, options->degree);
     w.single = w.by_itself.work;
     take_nodes(&w.nodes, arena, system, options->degree, width);
@@ -90,7 +90,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.moved = tvi_arena_doubles(arena, count);
     w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
     w.copied = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.copied);
-    galerkin_crowd_passes *passes = &w.passes;
+    galerkin_batch_passes *passes = &w.passes;
     double **const of_passes[] = {&passes->size,    &passes->before, &passes->part,
                                   &passes->slowest, &passes->shown,  &passes->count};
     for (size_t i = 0; i < 6; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
@@ -106,7 +106,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 }
 
 /* An output may be an input: then moving one unknown would change what drives another. */
-static void find_drives(crowd *w)
+static void find_drives(batch *w)
 {
     const tvi_system *system = w->single->field.system;
     w->copies = 0;
@@ -120,9 +120,9 @@ static void find_drives(crowd *w)
 
 static void prepare(void *work)
 {
-    crowd *w = work;
+    batch *w = work;
     galerkin *single = w->single;
-    galerkin_crowd_nodes *nodes = &w->nodes;
+    galerkin_batch_nodes *nodes = &w->nodes;
     tvi_single_prepare(&w->by_itself);
     nodes->stride = single->field.nodes.lanes;
     nodes->weight = single->field.nodes.weight;
@@ -138,22 +138,22 @@ static void prepare(void *work)
 /* ---- Members one by one ------------------------------------------------------------------------------------------ */
 
 /* As tvi_galerkin_impulses. */
-static double *impulses(const crowd *w, int after_last)
+static double *impulses(const batch *w, int after_last)
 {
     return w->impulses[(*w->turn + after_last + GALERKIN_TURNS) % GALERKIN_TURNS];
 }
 
 /* Between [unknowns][points][width] and [unknowns][lanes]. */
-static void gather_impulses(const crowd *w, const double *from, int m, double *to)
+static void gather_impulses(const batch *w, const double *from, int m, double *to)
 {
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
         tvi_gather(nodes->points, nodes->width, from + u * nodes->points * nodes->width, m, to + u * nodes->stride);
 }
 
-static void scatter_impulses(const crowd *w, const double *from, int m, double *to)
+static void scatter_impulses(const batch *w, const double *from, int m, double *to)
 {
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
         tvi_scatter(nodes->points, nodes->width, from + u * nodes->stride, m, to + u * nodes->points * nodes->width);
 }
@@ -162,9 +162,9 @@ static void scatter_impulses(const crowd *w, const double *from, int m, double *
  * how far the first movement went is not kept. */
 static void get(const void *work, int lane, void *one)
 {
-    const crowd *w = work;
+    const batch *w = work;
     const galerkin_predictor *predictor = &((galerkin *)one)->predictor;
-    const galerkin_crowd_history *last = &w->last;
+    const galerkin_batch_history *last = &w->last;
     *predictor->last = (galerkin_history){
         .h = last->h[lane], .h_before = last->h_before[lane], .t = last->t[lane], .pace = w->pace[lane]};
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
@@ -172,7 +172,7 @@ static void get(const void *work, int lane, void *one)
 
 static void put(void *work, int lane, const void *one)
 {
-    const crowd *w = work;
+    const batch *w = work;
     const galerkin_predictor *predictor = &((const galerkin *)one)->predictor;
     w->last.h[lane] = predictor->last->h;
     w->last.h_before[lane] = predictor->last->h_before;
@@ -184,18 +184,18 @@ static void put(void *work, int lane, const void *one)
 
 static void forget(void *work, int lane)
 {
-    const crowd *w = work;
+    const batch *w = work;
     w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = w->last.slowest[lane] = 0;
     w->pace[lane] = (galerkin_pace){0};
 }
 
 static bool is_sound(const void *work)
 {
-    const int turn = *((const crowd *)work)->turn;
+    const int turn = *((const batch *)work)->turn;
     return turn >= 0 && turn < GALERKIN_TURNS;
 }
 
-static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
+static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, int m,
                            tvi_stats *stats)
 {
     const jet_tape *tape = w->single->field.system->field_values;
@@ -207,9 +207,9 @@ static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, c
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
 /* What goes by itself rests where it starts, so that it does not disturb the sweeps. */
-static void rest(const crowd *w, int m)
+static void rest(const batch *w, int m)
 {
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     nodes->is_moving[m] = 0;
     for (int at = m; at < nodes->unknowns * nodes->points * nodes->width; at += nodes->width) {
         nodes->impulse[at] = nodes->low[at] = 0;
@@ -217,9 +217,9 @@ static void rest(const crowd *w, int m)
     }
 }
 
-static void set_start(crowd *w, const tvi_crowd_origin *origin)
+static void set_start(batch *w, const tvi_batch_origin *origin)
 {
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     if (galerkin_is_second_order(&w->single->field)) {
         w->loops->start_drifting(nodes, w->single->coefficients.c, origin, &w->drift);
     } else {
@@ -228,9 +228,9 @@ static void set_start(crowd *w, const tvi_crowd_origin *origin)
     }
 }
 
-static void set_times(const crowd *w, double h, const tvi_crowd_origin *origin)
+static void set_times(const batch *w, double h, const tvi_batch_origin *origin)
 {
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     double *t = nodes->x + nodes->unknowns * nodes->points * nodes->width;
     if (!w->single->field.system->uses_time) return;
     for (int i = 0; i < nodes->points; i++)
@@ -238,7 +238,7 @@ static void set_times(const crowd *w, double h, const tvi_crowd_origin *origin)
             *t++ = origin->t[m] + (origin->t_low[m] + h * w->single->coefficients.c[i]);
 }
 
-static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
+static void predict(batch *w, double h, const tvi_batch_origin *origin)
 {
     set_start(w, origin);
     for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
@@ -252,14 +252,14 @@ static void predict(crowd *w, double h, const tvi_crowd_origin *origin)
 /* ---- Passes ------------------------------------------------------------------------------------------------------ */
 
 /* Members that are outside of the domain, or whose passes are stuck, go by themselves. */
-static void leave(crowd *w, int m)
+static void leave(batch *w, int m)
 {
     w->nodes.in_lanes[m] = 0;
     w->are_all_in_lanes = false;
     rest(w, m);
 }
 
-static void copy_inputs(const crowd *w, int slots)
+static void copy_inputs(const batch *w, int slots)
 {
     const size_t count = (size_t)(w->nodes.points * w->nodes.width);
     double *x = w->nodes.x, *copy = x + (size_t)slots * count;
@@ -267,9 +267,9 @@ static void copy_inputs(const crowd *w, int slots)
         memcpy(copy, x + (size_t)w->copied[i] * count, count * sizeof *x);
 }
 
-static void pass(crowd *w, int count, tvi_stats *stats)
+static void pass(batch *w, int count, tvi_stats *stats)
 {
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     const jet_tape *tape = w->single->field.system->field_values;
     const bool inside = tape->sweeps->values(tape, nodes->x, nodes->points * nodes->width);
     stats->force_evaluations += count * nodes->points;
@@ -280,7 +280,7 @@ static void pass(crowd *w, int count, tvi_stats *stats)
     w->loops->move(nodes, &w->halves, nodes->x, w->slot, w->moved);
 }
 
-static void iterate(crowd *w, int count, tvi_stats *stats)
+static void iterate(batch *w, int count, tvi_stats *stats)
 {
     bool any_stuck;
     for (int passes = 1; count > 0 && passes <= w->rule.most; passes++) {
@@ -297,10 +297,10 @@ static void iterate(crowd *w, int count, tvi_stats *stats)
 /* ---- The end of a step ------------------------------------------------------------------------------------------- */
 
 /* Of all members. */
-static tvi_increments integrate(const crowd *w)
+static tvi_increments integrate(const batch *w)
 {
     const galerkin_sums *sums = &w->motion.sums;
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     const int n = w->single->n, momenta = n * nodes->width;
     tvi_increments by = w->by;
     w->loops->integrate(nodes, &w->single->coefficients.weights, sums);
@@ -318,7 +318,7 @@ static tvi_increments integrate(const crowd *w)
 }
 
 /* What goes by itself, or not at all, has the impulses that it had. */
-static void remember(const crowd *w)
+static void remember(const batch *w)
 {
     const int width = w->nodes.width, rows = w->nodes.unknowns * w->nodes.points;
     double *const before = impulses(w, -1), *const last = impulses(w, 0), *const next = impulses(w, 1);
@@ -331,9 +331,9 @@ static void remember(const crowd *w)
 }
 
 /* Of those that are solved in lanes. */
-static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end *end)
+static void finish(batch *w, const tvi_batch_origin *origin, const tvi_batch_end *end)
 {
-    const galerkin_crowd_nodes *nodes = &w->nodes;
+    const galerkin_batch_nodes *nodes = &w->nodes;
     const int n = w->single->n;
     const tvi_increments by = integrate(w);
     w->motion.q = origin->q;
@@ -353,9 +353,9 @@ static void finish(crowd *w, const tvi_crowd_origin *origin, const tvi_crowd_end
         end->passes[m] = nodes->in_lanes[m] ? (int)w->passes.count[m] : end->passes[m];
 }
 
-static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats)
 {
-    crowd *w = work;
+    batch *w = work;
     tvi_galerkin_set_size(w->single, h);
     w->nodes.impulse = impulses(w, 1);
     const int count = w->loops->begin(&w->nodes, &w->last, h, origin->t, end->status, &w->passes);
@@ -369,7 +369,7 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
         if (end->status[m] == TVI_OK && !w->nodes.in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
 }
 
-const tvi_crowd_stepper tvi_galerkin_crowd = {.width = width_of,
+const tvi_batch_stepper tvi_galerkin_batch = {.width = width_of,
                                               .take = take,
                                               .prepare = prepare,
                                               .step = step,

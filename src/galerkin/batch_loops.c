@@ -1,5 +1,5 @@
-/* crowd_loops.c - see crowd_loops.h. */
-#include "galerkin/crowd_vectors.h"
+/* batch_loops.c - see batch_loops.h. */
+#include "galerkin/batch_vectors.h"
 
 #include <math.h>
 
@@ -110,7 +110,7 @@
         ROW_AT(V, moved, 0) = size;                                                                                    \
     }
 
-JET_INLINE void move_halves(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
+JET_INLINE void move_halves(const galerkin_batch_nodes *nodes, const galerkin_halves *halves, const double *drives,
                             const int slot[], double moved[], int points, size_t width, bool is_crossed, bool is_first)
 {
     const int unknowns = nodes->unknowns, pairs = (points + 1) / 2;
@@ -118,7 +118,7 @@ JET_INLINE void move_halves(const galerkin_crowd_nodes *nodes, const galerkin_ha
     JET_EIGHTS((int)width, MOVE, )
 }
 
-JET_INLINE void move_sized(const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives,
+JET_INLINE void move_sized(const galerkin_batch_nodes *nodes, const galerkin_halves *halves, const double *drives,
                            const int slot[], double moved[], int points, int stride, size_t width)
 {
     (void)stride;
@@ -130,7 +130,7 @@ JET_INLINE void move_sized(const galerkin_crowd_nodes *nodes, const galerkin_hal
 }
 
 BY_SIZE(move,
-        (const galerkin_crowd_nodes *nodes, const galerkin_halves *halves, const double *drives, const int slot[],
+        (const galerkin_batch_nodes *nodes, const galerkin_halves *halves, const double *drives, const int slot[],
          double moved[]),
         nodes, halves, drives, slot, moved)
 
@@ -150,7 +150,7 @@ BY_SIZE(move,
         IN_NODES(PREDICT_NODES, V)                                                                                     \
     }
 
-JET_INLINE void predict_sized(const galerkin_crowd_nodes *nodes, const double *matrix, const double *last,
+JET_INLINE void predict_sized(const galerkin_batch_nodes *nodes, const double *matrix, const double *last,
                               const double *before, int points, int stride, size_t width)
 {
     const int unknowns = nodes->unknowns;
@@ -159,7 +159,7 @@ JET_INLINE void predict_sized(const galerkin_crowd_nodes *nodes, const double *m
     JET_EIGHTS((int)width, PREDICT, )
 }
 
-BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const double *last, const double *before),
+BY_SIZE(predict, (const galerkin_batch_nodes *nodes, const double *matrix, const double *last, const double *before),
         nodes, matrix, last, before)
 
 #define SIZES                                                                                                          \
@@ -210,7 +210,7 @@ BY_SIZE(predict, (const galerkin_crowd_nodes *nodes, const double *matrix, const
             JET_ABS(V, ROW_OF(V, impulse, u * points)) + JET_ABS(V, ROW_OF(V, impulse, (u + 1) * points - 1));         \
     }
 
-JET_INLINE void integrate_sized(const galerkin_crowd_nodes *nodes, const galerkin_weights *weights,
+JET_INLINE void integrate_sized(const galerkin_batch_nodes *nodes, const galerkin_weights *weights,
                                 const galerkin_sums *sums, int points, int stride, size_t width)
 {
     const int unknowns = nodes->unknowns;
@@ -219,22 +219,22 @@ JET_INLINE void integrate_sized(const galerkin_crowd_nodes *nodes, const galerki
     JET_EIGHTS((int)width, INTEGRATE, )
 }
 
-BY_SIZE(integrate, (const galerkin_crowd_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
+BY_SIZE(integrate, (const galerkin_batch_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums),
         nodes, weights, sums)
 
 #define CHOOSE_ROWS(V, S)                                                                                              \
     for (int row = 0; row < rows; row++)                                                                               \
         ROW_AT(V, to, row) = CHOOSE(V, WHICH_OF(V, nodes->in_lanes), ROW_OF(V, from, row), ROW_OF(V, to, row));
 
-static void choose(const galerkin_crowd_nodes *nodes, int rows, const double *from, double *to)
+static void choose(const galerkin_batch_nodes *nodes, int rows, const double *from, double *to)
 {
     const size_t width = (size_t)nodes->width;
     JET_EIGHTS(nodes->width, CHOOSE_ROWS, )
 }
 
 /* Products with the size of the step are exact, as in loops.c. */
-static void end_drifting(const galerkin_crowd_nodes *nodes, const galerkin_sums *sums,
-                         const galerkin_crowd_drift *drift, double *restrict dq, double *restrict dq_low)
+static void end_drifting(const galerkin_batch_nodes *nodes, const galerkin_sums *sums,
+                         const galerkin_batch_drift *drift, double *restrict dq, double *restrict dq_low)
 {
     const size_t width = (size_t)nodes->width, unknowns = (size_t)nodes->unknowns;
     for (size_t u = 0; u < unknowns; u++) {
@@ -245,7 +245,7 @@ static void end_drifting(const galerkin_crowd_nodes *nodes, const galerkin_sums 
     }
 }
 
-static void end(const galerkin_crowd_nodes *nodes, int first, int count, const double *once, double *restrict rise)
+static void end(const galerkin_batch_nodes *nodes, int first, int count, const double *once, double *restrict rise)
 {
     const size_t width = (size_t)nodes->width;
     for (int i = 0; i < count; i++, once += width, rise += width)
@@ -254,7 +254,7 @@ static void end(const galerkin_crowd_nodes *nodes, int first, int count, const d
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-static void start(const galerkin_crowd_nodes *nodes, int first, int count, const double *q, const double *q_low)
+static void start(const galerkin_batch_nodes *nodes, int first, int count, const double *q, const double *q_low)
 {
     const size_t width = (size_t)nodes->width, points = (size_t)nodes->points;
     double *restrict to = nodes->start + (size_t)first * width;
@@ -296,8 +296,8 @@ JET_INLINE void set_drift(size_t width, double scale, const double *restrict p, 
         for (int j = 0; j < points; j++) DRIFT(V, j)                                                                   \
     }
 
-JET_INLINE void start_drifting_sized(const galerkin_crowd_nodes *nodes, const double c[],
-                                     const tvi_crowd_origin *origin, const galerkin_crowd_drift *drift, int points,
+JET_INLINE void start_drifting_sized(const galerkin_batch_nodes *nodes, const double c[],
+                                     const tvi_batch_origin *origin, const galerkin_batch_drift *drift, int points,
                                      int stride, size_t width)
 {
     (void)stride;
@@ -309,8 +309,8 @@ JET_INLINE void start_drifting_sized(const galerkin_crowd_nodes *nodes, const do
 }
 
 BY_SIZE(start_drifting,
-        (const galerkin_crowd_nodes *nodes, const double c[], const tvi_crowd_origin *origin,
-         const galerkin_crowd_drift *drift),
+        (const galerkin_batch_nodes *nodes, const double c[], const tvi_batch_origin *origin,
+         const galerkin_batch_drift *drift),
         nodes, c, origin, drift)
 
 /* As set_sizes of galerkin.c, each member alone. */
@@ -329,7 +329,7 @@ BY_SIZE(start_drifting,
             ROW_AT(V, nodes->inverse_size, u) = 1 / (ROW_OF(V, nodes->inverse_size, u) + least);                       \
     }
 
-static void set_sizes(const galerkin_crowd_nodes *nodes, int n)
+static void set_sizes(const galerkin_batch_nodes *nodes, int n)
 {
     SIZES;
     JET_EIGHTS(nodes->width, SET_SIZES, )
@@ -360,6 +360,6 @@ static void tail(const galerkin_motion *of, int width, double *share, double *ra
     tvi_tails_of_members(of->n, width, share, ratio, out);
 }
 
-const galerkin_crowd_loops JET_FOR_ISA(tvi_galerkin_crowd_loops) = {
-    start,     start_drifting, set_sizes, predict,      move, tvi_galerkin_crowd_begin, tvi_galerkin_crowd_judge,
+const galerkin_batch_loops JET_FOR_ISA(tvi_galerkin_batch_loops) = {
+    start,     start_drifting, set_sizes, predict,      move, tvi_galerkin_batch_begin, tvi_galerkin_batch_judge,
     integrate, choose,         end,       end_drifting, tail};

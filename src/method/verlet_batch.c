@@ -1,4 +1,4 @@
-/* verlet_crowd.c - steps of Stormer-Verlet of several members of an ensemble at once, as in verlet.c: lane m of a sweep
+/* verlet_batch.c - steps of Stormer-Verlet of several members of an ensemble at once, as in verlet.c: lane m of a sweep
  * is member m. */
 #include "method/list.h"
 #include "method/single.h"
@@ -17,7 +17,7 @@ typedef struct {
     double *before, *after; /* [n][width] forces at the ends of the step */
     double *dq, *dp;        /* [n][width] */
     bool is_outside[MOST_WIDTH];
-} crowd;
+} batch;
 
 static int width_of(const tvi_system *system, const tvi_options *options)
 {
@@ -30,8 +30,8 @@ static int width_of(const tvi_system *system, const tvi_options *options)
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    crowd *taken = tvi_arena_take(arena, sizeof *taken);
-    crowd w = {.system = system, .width = width};
+    batch *taken = tvi_arena_take(arena, sizeof *taken);
+    batch w = {.system = system, .width = width};
     tvi_single_take(&w.by_itself, arena, tvi_stormer_verlet.stepper, system, options, width, 1);
     w.x = tvi_arena_block(arena, system->field_values, 1, width, 0);
     double **const vectors[] = {&w.before, &w.after, &w.dq, &w.dp};
@@ -42,12 +42,12 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 
 static void prepare(void *work)
 {
-    crowd *w = work;
+    batch *w = work;
     tvi_single_prepare(&w->by_itself);
 }
 
 /* out = F at the coordinates in w->x, at t + (t_low + later). */
-static void kick(crowd *w, const tvi_crowd_origin *origin, double later, double *out)
+static void kick(batch *w, const tvi_batch_origin *origin, double later, double *out)
 {
     const jet_tape *tape = w->system->field_values;
     const int n = w->system->n, width = w->width;
@@ -58,7 +58,7 @@ static void kick(crowd *w, const tvi_crowd_origin *origin, double later, double 
     for (int i = 0; i < n; i++) memcpy(out + i * width, w->x + tape->output[i] * width, (size_t)width * sizeof *out);
 }
 
-static void move(crowd *w, double h, const tvi_crowd_origin *origin)
+static void move(batch *w, double h, const tvi_batch_origin *origin)
 {
     const int n = w->system->n, width = w->width;
     memset(w->is_outside, 0, sizeof w->is_outside);
@@ -76,9 +76,9 @@ static void move(crowd *w, double h, const tvi_crowd_origin *origin)
     w->h = h;
 }
 
-static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats)
 {
-    crowd *w = work;
+    batch *w = work;
     const int n = w->system->n, width = w->width;
     move(w, h, origin);
     for (int m = 0; m < width; m++) {
@@ -101,7 +101,7 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
 /* As in verlet.c. */
 static void most_change(const void *work, double change[])
 {
-    const crowd *w = work;
+    const batch *w = work;
     const int width = w->width;
     memset(change, 0, (size_t)width * sizeof *change);
     for (int i = 0; i < w->system->n; i++) {
@@ -111,5 +111,5 @@ static void most_change(const void *work, double change[])
     }
 }
 
-const tvi_crowd_stepper tvi_verlet_crowd = {
+const tvi_batch_stepper tvi_verlet_batch = {
     .width = width_of, .take = take, .prepare = prepare, .step = step, .most_change = most_change};

@@ -1,5 +1,5 @@
-/* crowd_verdicts.c - when the passes of several members may end, each by itself. */
-#include "galerkin/crowd_vectors.h"
+/* batch_verdicts.c - when the passes of several members may end, each by itself. */
+#include "galerkin/batch_vectors.h"
 
 #include <float.h>
 #include <math.h>
@@ -39,11 +39,11 @@ static numbers numbers_of(const tvi_passes_rule *rule, int count)
         SET_WHICH(V, of.is_stuck, (WHICH(V)){0});                                                                      \
     }
 
-int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
-                             const double t[], const tvi_status status[], const galerkin_crowd_passes *passes)
+int tvi_galerkin_batch_begin(const galerkin_batch_nodes *nodes, const galerkin_batch_history *last, double h,
+                             const double t[], const tvi_status status[], const galerkin_batch_passes *passes)
 {
     const size_t width = (size_t)nodes->width;
-    const galerkin_crowd_passes of = *passes;
+    const galerkin_batch_passes of = *passes;
     const double quarter = 0.25 * fabs(h);
     int count = 0;
     for (size_t m = 0; m < width; m++) nodes->in_lanes[m] = status[m] == TVI_OK ? -1 : 0;
@@ -87,11 +87,11 @@ int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_c
         stuck_now += COUNT(V, stuck);                                                                                  \
     }
 
-int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count,
-                             const double moved[], const galerkin_crowd_passes *passes, bool *any_stuck)
+int tvi_galerkin_batch_judge(const galerkin_batch_nodes *nodes, const tvi_passes_rule *rule, int count,
+                             const double moved[], const galerkin_batch_passes *passes, bool *any_stuck)
 {
     const size_t width = (size_t)nodes->width;
-    const galerkin_crowd_passes of = *passes;
+    const galerkin_batch_passes of = *passes;
     const numbers by = numbers_of(rule, count);
     long long *is_moving = nodes->is_moving;
     int go_on = 0, stuck_now = 0;

@@ -1,4 +1,4 @@
-/* curve_crowd.c - corrected steps of several members of an ensemble at once, as in curve_stepper.c: lane m of a sweep
+/* curve_batch.c - corrected steps of several members of an ensemble at once, as in curve_stepper.c: lane m of a sweep
  * is member m. Served are generating functions whose equations are those of the mean of the ends, I + O(h), which are
  * factored without exchanges of rows.
  *
@@ -21,7 +21,7 @@ enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
 /* Smaller pivots, which do not depend on units where equations are I + O(h), are left to those that exchange rows. */
 static const double LEAST_PIVOT = 0.25;
 
-typedef tvi_curve_crowd_work crowd;
+typedef tvi_curve_batch_work batch;
 
 /* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
@@ -97,7 +97,7 @@ static tvi_weights take_weights(tvi_arena *arena, int outs, int rows)
     return (tvi_weights){tvi_arena_doubles(arena, (size_t)outs * (size_t)rows), outs, rows, (size_t)rows, 1};
 }
 
-static void take_nodes(crowd *w, tvi_arena *arena, const tvi_options *options, int orders, int width)
+static void take_nodes(batch *w, tvi_arena *arena, const tvi_options *options, int orders, int width)
 {
     const int points = options->quadrature_points;
     const bool is_separable = w->system->form == TVI_SEPARABLE;
@@ -116,12 +116,12 @@ static void take_nodes(crowd *w, tvi_arena *arena, const tvi_options *options, i
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
-    crowd *taken = tvi_arena_take(arena, sizeof *taken);
+    batch *taken = tvi_arena_take(arena, sizeof *taken);
     const jet_isa isa = system->field_series->sweeps->isa;
     const int n = system->n, top = top_of(system, options);
     const size_t count = (size_t)width, rows = 2 * (size_t)n * count, orders = (size_t)top + 1;
     const size_t coefficients = orders * (size_t)system->inputs * count;
-    crowd w = {.system = system, .series = series_of[isa], .loops = loops_of[isa]};
+    batch w = {.system = system, .series = series_of[isa], .loops = loops_of[isa]};
     tvi_single_take(&w.by_itself, arena, &tvi_stepper_curve, system, options, width, options->quadrature_points);
     w.single = w.by_itself.work;
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
@@ -152,7 +152,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 }
 
 /* As curve_stepper.c and action.c have them, in one table: [points][orders]. */
-static void set_node_sums(crowd *w, int which, bool of_momentum, const double *power, int degree)
+static void set_node_sums(batch *w, int which, bool of_momentum, const double *power, int degree)
 {
     const tvi_curve *curve = &w->single->closure.curve;
     const tvi_action *action = &w->action;
@@ -167,7 +167,7 @@ static void set_node_sums(crowd *w, int which, bool of_momentum, const double *p
 }
 
 /* dp_i of a separable system are of Q, U_k = (k+1) Q_{k+1}. */
-static void set_seeds(crowd *w)
+static void set_seeds(batch *w)
 {
     const tvi_action *action = &w->action;
     const int points = action->points;
@@ -184,7 +184,7 @@ static void set_seeds(crowd *w)
 
 static void prepare(void *work)
 {
-    crowd *w = work;
+    batch *w = work;
     tvi_single_prepare(&w->by_itself);
     const tvi_curve_work *single = w->single;
     const tvi_action *action = &w->action;
@@ -204,7 +204,7 @@ static void prepare(void *work)
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
 
 /* z is that of the curve from the start of the step. Returns how many are in lanes. */
-static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_status status[])
+static int begin(batch *w, double h, const tvi_batch_origin *origin, const tvi_status status[])
 {
     const tvi_curve_members *of = &w->members;
     const int half = of->n * of->width;
@@ -226,7 +226,7 @@ static int begin(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_s
 }
 
 /* Those that have not converged make the correction. Returns how many. */
-static int judge(crowd *w)
+static int judge(batch *w)
 {
     const tvi_curve_members *of = &w->members;
     int count = 0;
@@ -246,7 +246,7 @@ static int judge(crowd *w)
     return count;
 }
 
-static void iterate(crowd *w, const tvi_crowd_origin *origin, int count, tvi_stats *stats)
+static void iterate(batch *w, const tvi_batch_origin *origin, int count, tvi_stats *stats)
 {
     stats->expansions += count;
     for (int passes = 1; count > 0 && passes <= w->rules.of_each.most; passes++) {
@@ -263,7 +263,7 @@ static void iterate(crowd *w, const tvi_crowd_origin *origin, int count, tvi_sta
 }
 
 /* The increments of those that have converged. */
-static void finish(crowd *w, const tvi_crowd_end *end, tvi_stats *stats)
+static void finish(batch *w, const tvi_batch_end *end, tvi_stats *stats)
 {
     const tvi_curve_members *of = &w->members;
     const int half = of->n * of->width;
@@ -282,17 +282,17 @@ static void finish(crowd *w, const tvi_crowd_end *end, tvi_stats *stats)
 
 static void get(const void *work, int lane, void *one)
 {
-    *((tvi_curve_work *)one)->newton.history = ((const crowd *)work)->history[lane];
+    *((tvi_curve_work *)one)->newton.history = ((const batch *)work)->history[lane];
 }
 
 static void put(void *work, int lane, const void *one)
 {
-    ((crowd *)work)->history[lane] = *((const tvi_curve_work *)one)->newton.history;
+    ((batch *)work)->history[lane] = *((const tvi_curve_work *)one)->newton.history;
 }
 
-static void forget(void *work, int lane) { memset(&((crowd *)work)->history[lane], 0, sizeof(tvi_newton_history)); }
+static void forget(void *work, int lane) { memset(&((batch *)work)->history[lane], 0, sizeof(tvi_newton_history)); }
 
-static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, int m,
+static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, int m,
                            tvi_stats *stats)
 {
     get(w, m, w->single);
@@ -300,9 +300,9 @@ static void step_by_itself(crowd *w, double h, const tvi_crowd_origin *origin, c
         put(w, m, w->single);
 }
 
-static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi_crowd_end *end, tvi_stats *stats)
+static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats)
 {
-    crowd *w = work;
+    batch *w = work;
     const int count = begin(w, h, origin, end->status);
     tvi_curve_predict_members(w, origin);
     iterate(w, origin, count, stats);
@@ -311,5 +311,5 @@ static void step(void *work, double h, const tvi_crowd_origin *origin, const tvi
         if (w->now[m] == TVI_BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
 }
 
-const tvi_crowd_stepper tvi_curve_crowd = {
+const tvi_batch_stepper tvi_curve_batch = {
     .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put, .forget = forget};

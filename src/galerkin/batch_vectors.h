@@ -1,9 +1,9 @@
-/* crowd_vectors.h - members in vectors: what the loops of crowd_loops.h are written with. For files that are compiled
+/* batch_vectors.h - members in vectors: what the loops of batch_loops.h are written with. For files that are compiled
  * once for each instruction set (ad/vector.h). */
-#ifndef TVI_SRC_GALERKIN_CROWD_VECTORS_H
-#define TVI_SRC_GALERKIN_CROWD_VECTORS_H
+#ifndef TVI_SRC_GALERKIN_BATCH_VECTORS_H
+#define TVI_SRC_GALERKIN_BATCH_VECTORS_H
 
-#include "galerkin/crowd_loops.h"
+#include "galerkin/batch_loops.h"
 #include "rule.h"
 #include "vector.h"
 
@@ -11,8 +11,8 @@
 #include <immintrin.h>
 #endif
 
-#define tvi_galerkin_crowd_begin JET_FOR_ISA(tvi_galerkin_crowd_begin)
-#define tvi_galerkin_crowd_judge JET_FOR_ISA(tvi_galerkin_crowd_judge)
+#define tvi_galerkin_batch_begin JET_FOR_ISA(tvi_galerkin_batch_begin)
+#define tvi_galerkin_batch_judge JET_FOR_ISA(tvi_galerkin_batch_judge)
 
 /* Row of [rows][width], at the block of members. */
 #define ROW_AT(V, array, row) (*(V *)((array) + (size_t)(row)*width + here))
@@ -46,10 +46,10 @@ JET_INLINE int count_of_jet_v4(JET_MASK(jet_v4) which) { return -(int)(which[0] 
 #define COUNT(V, which)   count_of_##V(which)
 #define ARE_ALL(V, which) (COUNT(V, which) == sizeof(V) / sizeof(double))
 
-/* As galerkin_crowd_loops has them. */
-int tvi_galerkin_crowd_begin(const galerkin_crowd_nodes *nodes, const galerkin_crowd_history *last, double h,
-                             const double t[], const tvi_status status[], const galerkin_crowd_passes *passes);
-int tvi_galerkin_crowd_judge(const galerkin_crowd_nodes *nodes, const tvi_passes_rule *rule, int count,
-                             const double moved[], const galerkin_crowd_passes *passes, bool *any_stuck);
+/* As galerkin_batch_loops has them. */
+int tvi_galerkin_batch_begin(const galerkin_batch_nodes *nodes, const galerkin_batch_history *last, double h,
+                             const double t[], const tvi_status status[], const galerkin_batch_passes *passes);
+int tvi_galerkin_batch_judge(const galerkin_batch_nodes *nodes, const tvi_passes_rule *rule, int count,
+                             const double moved[], const galerkin_batch_passes *passes, bool *any_stuck);
 
 #endif
