@@ -76,6 +76,10 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     if (!expanded->close) {
         w.chosen = tvi_arena_history(arena, sizeof *w.chosen);
         tvi_refinement_take(&w.refinement, arena, curve);
+        if (system->form == TVI_SEPARABLE) {
+            w.field = tvi_arena_block(arena, system->field_values, 1, 1, 0);
+            tvi_roundoff_take(&w.roundoff, arena, system);
+        }
     }
     w.shift = tvi_arena_doubles(arena, n);
     w.z = tvi_arena_doubles(arena, 2 * n);
@@ -267,6 +271,8 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
     const work *w = a->work;
     const tvi_curve *curve = &w->closure.curve;
     int exponent, highest;
+    double least =
+        INFINITY; /* reach of the curves that were too large: coefficients that are 0 in smaller ones show it */
     (void)frexp(guess, &exponent);
     (void)frexp(most, &highest);
     for (int count = 0; count < MOST_EXPANSIONS; count++) {
@@ -276,12 +282,28 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
         double part = 0; /* where the coefficients overflow */
         if (status == TVI_OK) part = tvi_curve_reach(curve, w->log_tolerance);
-        *reach = part * fabs(a->tau);
+        *reach = fmin(part * fabs(a->tau), least);
         if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
+        if (part < 1 / WIDE && part > 0) {
+            highest = exponent - 1;
+            least = *reach;
+        }
         const int wanted = part == 0 ? -4 * WIDE_BITS : isfinite(part) ? ilogb(part) : highest - exponent;
         exponent = exponent + wanted < highest ? exponent + wanted : highest;
     }
     return TVI_ENOCONV;
+}
+
+/* A step is at most so many times as large as the one before it. One that the coefficients allow to be larger than that
+ * by much, and the first one, have to show that they are right where they end. */
+static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
+
+/* The increments of the step of size h, by the curve whose tau is that of the size before. */
+static void end_within(work *w, double h, const tvi_increments *by)
+{
+    tvi_curve *curve = &w->closure.curve;
+    tvi_curve_end_at(curve, h / curve->tau, by->dq, by->dp);
+    for (int i = 0; i < curve->n; i++) by->dp[i] /= curve->kappa[i];
 }
 
 static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin,
@@ -290,23 +312,29 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     work *w = taken;
     tvi_curve *curve = &w->closure.curve;
     attempt a = {w, origin, 0, stats};
+    const double before = *w->chosen;
     double reach;
     if (tolerance != w->tolerance) {
         w->tolerance = tolerance;
         w->log_tolerance = log(tolerance);
     }
-    const tvi_status status = expand_within(&a, *w->chosen != 0 ? *w->chosen : *h, *h, &reach);
+    const tvi_status status = expand_within(&a, before != 0 ? before : *h, *h, &reach);
     if (status != TVI_OK) { /* of the curve of this size */
         *h = a.tau;
         return status;
     }
-    if (reach < fabs(*h)) {
-        *h = copysign(reach, *h);
-        *w->chosen = reach;
-        if (origin->t + *h == origin->t) return TVI_ENOCONV;
+    const bool looks = reach > MUCH_LARGER * before;
+    if (before != 0) reach = fmin(reach, MOST_GROWTH * before);
+    bool is_chosen = reach < fabs(*h);
+    if (is_chosen) *h = copysign(reach, *h);
+    end_within(w, *h, by);
+    while (looks && !tvi_curve_ends_right(w, *h, origin, by) && origin->t + *h != origin->t) {
+        *h /= 2;
+        is_chosen = true;
+        end_within(w, *h, by);
     }
-    tvi_curve_end_at(curve, *h / a.tau, by->dq, by->dp);
-    for (int i = 0; i < curve->n; i++) by->dp[i] /= curve->kappa[i];
+    if (is_chosen) *w->chosen = fabs(*h);
+    if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_tail(curve);
     if (tvi_refines(w->closure.system, tolerance)) tvi_refine(&w->refinement, curve, *h, origin, by);
     return TVI_OK;

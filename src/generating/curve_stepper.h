@@ -7,6 +7,7 @@
 #include "generating/newton.h"
 #include "generating/refine.h"
 #include "system/legendre.h"
+#include "system/roundoff.h"
 
 typedef struct tvi_curve_work {
     tvi_closure closure;
@@ -25,9 +26,17 @@ typedef struct tvi_curve_work {
     double *dz;                         /* [2n] what z lacks at the end of the passes */
     double *velocity;                   /* [n] where the next predictor's is looked for, Lagrangian; in the history */
     double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
+    double *field;                      /* a block of the field's values at the end of one, of a separable system, */
+    tvi_roundoff roundoff;              /* and what roundoff makes of them */
     double tolerance, log_tolerance;    /* of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
 } tvi_curve_work;
+
+#ifndef JET_EMITTED
+/* Whether the curve ends with the force that is there, dp/ds = h F, to the tolerance. Coefficients beside a state that
+ * is large may tell nothing of what the body comes to. */
+bool tvi_curve_ends_right(tvi_curve_work *work, double h, const tvi_origin *origin, const tvi_increments *by);
+#endif
 
 #endif

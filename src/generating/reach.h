@@ -18,6 +18,11 @@ static const double REACH_SAFETY = 5;
 /* The coefficients looked at, at the start, and at the end, where two in a row may happen to be small. Of q one more at
  * the start, for p_k = (k + 1) q_{k+1} of a separable system. */
 enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
+/* A step is at most this part of the radius of convergence, which the last coefficients show in themselves: each with
+ * the one so many orders before it, which have the same phase where a pair of singularities makes them swing. Beside a
+ * state that is large they may be so small that they would allow any step. */
+static const double REACH_PART_OF_RADIUS = 0.7;
+enum { REACH_APART = 4 };
 
 /* log max_i |x_k|; -INFINITY where there is none. */
 typedef struct {
@@ -40,12 +45,15 @@ static inline double reach_size(const tvi_curve *curve, bool of_momentum, int k)
     return size;
 }
 
+/* What is smaller has lost digits where it was formed, and tells no more than 0. */
+static const double REACH_LEAST = 1e-280;
+
 /* The first one from order k on, before `end`. */
 static inline reach_term reach_find(const tvi_curve *curve, bool of_momentum, int k, int step, int end)
 {
     double size = 0;
-    while (step * (end - k) > 0 && (size = reach_size(curve, of_momentum, k)) == 0) k += step;
-    return (reach_term){k, size == 0 ? -INFINITY : log(size)};
+    while (step * (end - k) > 0 && (size = reach_size(curve, of_momentum, k)) < REACH_LEAST) k += step;
+    return (reach_term){k, size < REACH_LEAST ? -INFINITY : log(size)};
 }
 
 static inline void reach_find_ends(const tvi_curve *curve, bool of_momentum, int degree, reach_ends *ends)
@@ -102,6 +110,25 @@ static inline double reach_of(const tvi_curve *curve, const reach_ends *ends, in
     return least;
 }
 
+/* x_{k-4} / x_k, of one coefficient of q; INFINITY where there is none. */
+static inline double reach_ratio(const tvi_curve *curve, int k)
+{
+    const double last = k > REACH_APART + 1 ? reach_size(curve, false, k) : 0;
+    return last > REACH_LEAST ? reach_size(curve, false, k - REACH_APART) / last : INFINITY;
+}
+
+/* The reach, or less where the coefficients do not become smaller so far out: two of the last three decide. */
+static inline double reach_converging(const tvi_curve *curve, double reach)
+{
+    const int k = curve_q_degree(curve);
+    const double part = reach / REACH_PART_OF_RADIUS, fourth = (part * part) * (part * part);
+    const double first = reach_ratio(curve, k), second = reach_ratio(curve, k - 1);
+    if (tvi_smaller(first, second) >= fourth) return reach;
+    const double third = reach_ratio(curve, k - 2), smaller = tvi_smaller(first, second);
+    const double middle = tvi_larger(smaller, tvi_smaller(tvi_larger(first, second), third));
+    return middle >= fourth ? reach : REACH_PART_OF_RADIUS * sqrt(sqrt(middle));
+}
+
 static inline double curve_reach(const tvi_curve *curve, double log_tolerance)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
@@ -110,7 +137,9 @@ static inline double curve_reach(const tvi_curve *curve, double log_tolerance)
     reach_find_ends(curve, false, q_degree, &q);
     if (curve_form(curve) == TVI_SEPARABLE) reach_find_slopes(curve, &q, &p);
     else reach_find_ends(curve, true, p_degree, &p);
-    return exp(tvi_smaller(reach_of(curve, &q, q_degree, log_part), reach_of(curve, &p, p_degree, log_part)));
+    const double reach =
+        exp(tvi_smaller(reach_of(curve, &q, q_degree, log_part), reach_of(curve, &p, p_degree, log_part)));
+    return reach_converging(curve, reach);
 }
 
 /* ---- The end of the step ----------------------------------------------------------------------------------------- */

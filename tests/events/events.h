@@ -13,6 +13,7 @@ Suite *suite_cuts(void);
 Suite *suite_times(void);
 Suite *suite_tolerance(void);
 Suite *suite_tolerance_runs(void);
+Suite *suite_tolerance_far(void);
 Suite *suite_progress(void);
 Suite *suite_suggest(void);
 void add_refusals(TCase *tcase); /* to the suite of events */

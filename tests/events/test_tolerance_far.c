@@ -1,0 +1,124 @@
+/* test_tolerance_far.c - runs to a tolerance of bodies that come from afar, where the force is next to nothing beside
+ * the state: they feel what they meet. A constant in V changes nothing. */
+#include "events.h"
+#include "problems/random.h"
+#include "tolerance.h"
+
+#include <math.h>
+
+static double width, shift;
+
+static jet lennard_jones(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    const jet r6 = jet_pow(q[0], -6);
+    return jet_add(shift, jet_mul(4, jet_sub(jet_sqr(r6), r6)));
+}
+
+static jet yukawa(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(shift, jet_div(jet_exp(jet_neg(q[0])), q[0]));
+}
+
+static jet gaussian_wall(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(shift, jet_exp(jet_neg(jet_sqr(q[0]))));
+}
+
+static jet smooth_wall(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(shift, jet_tanh(q[0]));
+}
+
+static jet morse(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(shift, jet_sqr(jet_sub(1, jet_exp(jet_neg(q[0])))));
+}
+
+/* A spring that is switched on at t = 5. */
+static jet switched(const jet q[], jet t, void *ctx)
+{
+    (void)ctx;
+    const jet on = jet_add(1, jet_erf(jet_div(jet_sub(t, 5), width)));
+    return jet_add(shift, jet_mul(jet_div(on, 4), jet_sqr(q[0])));
+}
+
+/* largest: the largest step; 0: none is needed, as the series is not 0 in doubles where the run starts, or the end of
+ * a step shows what it missed. */
+static const struct {
+    const char *name;
+    tvi_potential_fn *V;
+    double q, p, t_end, largest, width;
+} cases[] = {{"Lennard-Jones", lennard_jones, 30, -1, 80, 0, 0},
+             {"Lennard-Jones", lennard_jones, 100, -1, 220, 0, 0},
+             {"Lennard-Jones", lennard_jones, 1000, -1, 2200, 0, 0},
+             {"Lennard-Jones", lennard_jones, 1e4, -1, 22000, 0, 0},
+             {"Yukawa", yukawa, 30, -1, 80, 0, 0},
+             {"Yukawa", yukawa, 300, -1, 800, 0, 0},
+             {"Gaussian wall", gaussian_wall, -5, 1, 12, 0, 0},
+             {"Gaussian wall", gaussian_wall, -10, 1, 22, 0, 0},
+             {"Gaussian wall", gaussian_wall, -20, 1, 42, 0, 0},
+             {"Gaussian wall", gaussian_wall, -100, 1, 202, 1, 0},
+             {"tanh wall", smooth_wall, -5, 1, 12, 0, 0},
+             {"tanh wall", smooth_wall, -15, 1, 32, 0, 0},
+             {"tanh wall", smooth_wall, -100, 1, 202, 1, 0},
+             {"Morse", morse, 50, -0.5, 200, 0, 0},
+             {"switch", switched, 1, 0, 20, 0, 0.05},
+             {"switch", switched, 1, 0, 20, 0, 0.2},
+             {"switch", switched, 1, 0, 20, 0, 1},
+             {"switch", switched, 1, 0, 20, 0.5, 0.05}};
+enum { CASES = sizeof cases / sizeof *cases };
+
+static void run(int i, double tolerance, double largest, double D[4], orbit *o)
+{
+    const tvi_run_plan plan = {.tolerance = tolerance,
+                               .t_end = cases[i].t_end,
+                               .largest_step = largest,
+                               .D = D,
+                               .columns = D ? 2 : 0,
+                               .size = sizeof plan};
+    width = cases[i].width;
+    *o = open_potential(cases[i].V, suited_order(tolerance), cases[i].q, cases[i].p);
+    ck_assert_msg(tvi_run(o->integrator, &plan, &o->t, o->q, o->p) == TVI_OK, "%s: %s", cases[i].name,
+                  tvi_last_error());
+}
+
+START_TEST(bodies_feel_what_they_meet)
+{
+    double D[] = {1, 0, 0, 1};
+    orbit right;
+    shift = 0;
+    run(_i, 1e-14, fabs(cases[_i].t_end) / 400, D, &right);
+    ck_assert(cases[_i].V == switched || right.p[0] * cases[_i].p < 0); /* it bounces */
+    for (int k = 0; k < 3; k++) {
+        const double tolerance = (const double[]){1e-6, 1e-9, 1e-12}[k];
+        uint64_t bits = (uint64_t)(100 * _i + k);
+        orbit o, shifted;
+        shift = 0;
+        run(_i, tolerance, cases[_i].largest, NULL, &o);
+        const double growth = fmax(fmax(fabs(D[0]) * fabs(cases[_i].q), fabs(D[1])), 1);
+        ck_assert_msg(fabs(o.q[0] - right.q[0]) <= 100 * tolerance * growth, "%s from %g: %g, %.9g instead of %.9g",
+                      cases[_i].name, cases[_i].q, tolerance, o.q[0], right.q[0]);
+        shift = 1000 * number_of(&bits);
+        run(_i, tolerance, cases[_i].largest, NULL, &shifted);
+        ck_assert_double_eq(shifted.q[0], o.q[0]);
+        ck_assert_int_eq(steps_of(&shifted), steps_of(&o));
+        close_orbit(&o);
+        close_orbit(&shifted);
+    }
+    close_orbit(&right);
+}
+END_TEST
+
+Suite *suite_tolerance_far(void)
+{
+    Suite *suite = suite_create("tolerance far");
+    TCase *tcase = tcase_create("tolerance far");
+    tcase_add_loop_test(tcase, bodies_feel_what_they_meet, 0, CASES);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
