@@ -116,8 +116,8 @@ TVI_NODISCARD tvi_status tvi_integrate_tolerance_events(tvi_integrator *integrat
                                                         const tvi_event *const events[], int count, double *t,
                                                         double q[], double p[], tvi_observer *observer,
                                                         tvi_event_observer *on_event, void *ctx);
-/* The order of "taylor" that suits a tolerance, N = ceil(1 - ln(tolerance) / 2), for tvi_options_named; 0 for a
- * tolerance that tvi_integrate_tolerance refuses. */
+/* The order of "taylor" that suits a tolerance, N = ceil(1 - ln(tolerance) / 2), but at least 2, for
+ * tvi_options_named; 0 for a tolerance that tvi_integrate_tolerance refuses. */
 int tvi_taylor_order(double tolerance);
 
 /* ---- Any run, by a plan ------------------------------------------------------------------------------------------ */

@@ -19,6 +19,24 @@ static void store(const tvi_integrator *it, const tvi_columns *c, const double f
     for (size_t i = 0; i < count_of(it, c); i++) c->D[i * c->apart] = from[i];
 }
 
+bool tvi_columns_have_last_step(const tvi_integrator *it, const tvi_columns *c)
+{
+    const tvi_tangent *tangent = it->tangent;
+    if (!c->D) return true;
+    if (!tangent || tangent->step == 0 || tangent->step != it->stats.steps || tangent->moved != c->columns)
+        return false;
+    for (size_t i = 0; i < count_of(it, c); i++)
+        if (tvi_bits(c->D[i * c->apart]) != tvi_bits(tangent->end[i])) return false;
+    return true;
+}
+
+void tvi_columns_begin(const tvi_integrator *it, const tvi_columns *c)
+{
+    if (tvi_columns_have_last_step(it, c)) return;
+    load(it, c, it->tangent->end);
+    it->tangent->step = 0;
+}
+
 tvi_status tvi_columns_step(const tvi_integrator *it, const tvi_columns *c)
 {
     if (!c->D) return TVI_OK;
@@ -58,15 +76,4 @@ void tvi_columns_to_end(const tvi_integrator *it, const tvi_columns *c)
 void tvi_columns_to_start(const tvi_integrator *it, const tvi_columns *c)
 {
     if (c->D) store(it, c, it->tangent->start);
-}
-
-bool tvi_columns_have_last_step(const tvi_integrator *it, const tvi_columns *c)
-{
-    const tvi_tangent *tangent = it->tangent;
-    if (!c->D) return true;
-    if (!tangent || tangent->step == 0 || tangent->step != it->stats.steps || tangent->moved != c->columns)
-        return false;
-    for (size_t i = 0; i < count_of(it, c); i++)
-        if (tvi_bits(c->D[i * c->apart]) != tvi_bits(tangent->end[i])) return false;
-    return true;
 }

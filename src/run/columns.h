@@ -5,6 +5,8 @@
 
 #include "run/tangent.h"
 
+/* Keeps the columns that a run begins with, as those at the end of a step. */
+void tvi_columns_begin(const tvi_integrator *integrator, const tvi_columns *columns);
 /* Moves the columns by the integrator's last step. On failure the columns are as they were. */
 TVI_NODISCARD tvi_status tvi_columns_step(const tvi_integrator *integrator, const tvi_columns *columns);
 /* Makes the columns those at `part` after the start of the last step, which was made with these parameters. On failure

@@ -18,7 +18,7 @@ tvi_status tvi_serves_tolerance(const tvi_integrator *it, double tolerance)
 int tvi_taylor_order(double tolerance)
 {
     if (!(tolerance >= DBL_EPSILON && tolerance < 1)) return 0;
-    return (int)ceil(1 - log(tolerance) / 2);
+    return (int)fmax(2, ceil(1 - log(tolerance) / 2));
 }
 
 /* A step to t_end at most. One that ends there but for roundoff ends there, so that no step of roundoff follows. */

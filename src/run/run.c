@@ -147,6 +147,7 @@ tvi_status tvi_run_one(tvi_integrator *it, const tvi_run_of_one *run, double *t,
     if (status == TVI_OK && run->columns.D) status = tvi_integrator_provide_tangent(it, run->columns.columns);
     if (status == TVI_OK && (r.course.begins || it->is_telling)) status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;
+    tvi_columns_begin(it, &run->columns);
     return run->way == TVI_AT_TIMES ? run_at_times(&r, t, q, p) : make_steps_of(&r, t, q, p);
 }
 

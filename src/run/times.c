@@ -82,7 +82,10 @@ tvi_status tvi_times_open(tvi_times *s, tvi_integrator *it, const tvi_run_of_one
                           const double q[], const double p[])
 {
     *s = (tvi_times){.it = it, .run = run};
-    while (!has_step && !s->is_stopped && !tvi_times_are_told(s) && run->plan->times[s->next] == t) tell_next(s, q, p);
+    while (!has_step && !s->is_stopped && !tvi_times_are_told(s) && run->plan->times[s->next] == t) {
+        tell_next(s, q, p);
+        tvi_columns_to_end(it, &run->columns);
+    }
     if (s->is_stopped || tvi_times_are_told(s)) return s->is_stopped ? TVI_ESTOPPED : TVI_OK;
     tvi_status status = tvi_between_open(&s->between, it, false);
     if (status == TVI_OK && has_step) status = tell_until(s, t, false);

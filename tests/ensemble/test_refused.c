@@ -95,6 +95,17 @@ START_TEST(plans_that_are_none)
     if (plan.event_count > 0) plan.on_event = never;
     if (plan.time_count > 0) plan.at_time = never;
     expect_refusal(tvi_ensemble_run(ensemble, &plan, is.t, is.q, is.p, is.status), TVI_EINVAL, plans[_i].text);
+    tvi_options options;
+    alone a;
+    static crowd x, y;
+    ck_assert(has_options(system_one, &methods[0], &options));
+    a = start_alone(system_one, &options, 0);
+    (void)crowd_of(&a, &x);
+    expect_refusal(tvi_run(a.integrator, &plan, &a.t, a.q, a.p), TVI_EINVAL, plans[_i].text);
+    (void)crowd_of(&a, &y);
+    x.status[0] = y.status[0] = TVI_OK;
+    expect_same(plans[_i].text, &x, 0, &y, 0);
+    end_alone(&a);
 }
 END_TEST
 
@@ -139,6 +150,17 @@ START_TEST(arguments_that_are_missing)
     expect_refusal(tvi_ensemble_run(ensemble, &plan, t, q, NULL, status), TVI_EINVAL, "p is NULL");
     expect_refusal(tvi_ensemble_run(ensemble, &plan, t, q, p, NULL), TVI_EINVAL, "status is NULL");
     expect_refusal(tvi_ensemble_run(ensemble, &fine, t, q, p, status), TVI_EUNSUPPORTED, "\"taylor\"");
+    alone a = {.integrator = NULL};
+    tvi_options options;
+    ck_assert(has_options(system_one, &methods[0], &options));
+    a = start_alone(system_one, &options, 0);
+    expect_refusal(tvi_run(NULL, &plan, &a.t, a.q, a.p), TVI_EINVAL, "integrator is NULL");
+    expect_refusal(tvi_run(a.integrator, NULL, &a.t, a.q, a.p), TVI_EINVAL, "plan is NULL");
+    expect_refusal(tvi_run(a.integrator, &plan, NULL, a.q, a.p), TVI_EINVAL, "t is NULL");
+    expect_refusal(tvi_run(a.integrator, &plan, &a.t, NULL, a.p), TVI_EINVAL, "q is NULL");
+    expect_refusal(tvi_run(a.integrator, &plan, &a.t, a.q, NULL), TVI_EINVAL, "p is NULL");
+    expect_refusal(tvi_run(a.integrator, &fine, &a.t, a.q, a.p), TVI_EUNSUPPORTED, "\"taylor\"");
+    end_alone(&a);
     expect_refusal(tvi_ensemble_integrate(NULL, H, 1, t, q, p, status, NULL, NULL), TVI_EINVAL, "ensemble is NULL");
     expect_refusal(tvi_ensemble_integrate(ensemble, H, 1, t, q, p, NULL, NULL, NULL), TVI_EINVAL, "status is NULL");
     expect_refusal(tvi_ensemble_integrate(ensemble, 0, 1, t, q, p, status, NULL, NULL), TVI_EINVAL, "h is 0");

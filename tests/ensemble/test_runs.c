@@ -1,19 +1,20 @@
 /* test_runs.c - a member's run is that of an integrator of its own, to the bit: events, results at times, ends, sizes
- * by a tolerance, tangents; and its observers are told the same. */
+ * by a tolerance, tangents, and all of these together; and its observers are told the same. */
 #include "ensemble.h"
 
 #include <math.h>
 #include <string.h>
 
-enum { MEMBERS = 11, STEPS = 40, TOLD = 64 };
+enum { MEMBERS = 11, STEPS = 40, TOLD = 128 };
 static const double TIMES[] = {0, 0.7, 0.7, 2.01, 4};
 enum { TIME_COUNT = sizeof TIMES / sizeof *TIMES };
 
 /* All that a member was told. */
 typedef struct {
     int count, which[TOLD];
-    double t[TOLD], x[TOLD][2 * N];
-    int stop_at; /* the call, from 1; 0: none */
+    double t[TOLD], x[TOLD][2 * N], D[TOLD];
+    int stop_at;          /* the call, from 1; 0: none */
+    const double *number; /* one of the member's D */
 } diary;
 
 static int note(diary *d, int which, double t, const double q[], const double p[])
@@ -21,6 +22,7 @@ static int note(diary *d, int which, double t, const double q[], const double p[
     ck_assert_int_lt(d->count, TOLD);
     d->which[d->count] = which;
     d->t[d->count] = t;
+    d->D[d->count] = d->number ? *d->number : 0;
     memcpy(d->x[d->count], q, N * sizeof *q);
     memcpy(d->x[d->count] + N, p, N * sizeof *p);
     return ++d->count == d->stop_at;
@@ -96,12 +98,31 @@ static tvi_status tangent_alone(alone *a, diary *d)
     return status;
 }
 
+static tvi_status by_plan_alone(alone *a, diary *d);
+
+#define TOLD_OF_EVENTS .event_count = 2, .on_event = note_member
 static const kind kinds[] = {
-    {"events", {.h = H, .steps = STEPS, .event_count = 2, .on_event = note_member}, events_alone, 12},
+    {"events", {.h = H, .steps = STEPS, TOLD_OF_EVENTS}, events_alone, 12},
     {"times", {.h = H, .times = TIMES, .time_count = TIME_COUNT, .at_time = note_member}, times_alone, 52},
     {"to", {.h = H, .t_end = 3.03}, end_at_time, 0},
-    {"tolerance", {.tolerance = 1e-9, .t_end = 5, .event_count = 2, .on_event = note_member}, tolerance_alone, 12},
+    {"tolerance", {.tolerance = 1e-9, .t_end = 5, TOLD_OF_EVENTS}, tolerance_alone, 12},
     {"tangent", {.h = H, .steps = STEPS, .columns = COLUMNS}, tangent_alone, 0},
+    {"steps, all",
+     {.h = H, .steps = STEPS, .columns = COLUMNS, .at_step = note_member, TOLD_OF_EVENTS},
+     by_plan_alone,
+     400},
+    {"to, all",
+     {.h = H, .t_end = 3.03, .columns = COLUMNS, .at_step = note_member, TOLD_OF_EVENTS},
+     by_plan_alone,
+     250},
+    {"times, all",
+     {.h = H, .times = TIMES, .time_count = TIME_COUNT, .at_time = note_member, .columns = COLUMNS, TOLD_OF_EVENTS},
+     by_plan_alone,
+     60},
+    {"tolerance, all",
+     {.tolerance = 1e-9, .t_end = 5, .largest_step = 0.3, .columns = COLUMNS, .at_step = note_member, TOLD_OF_EVENTS},
+     by_plan_alone,
+     160},
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
@@ -113,27 +134,38 @@ static void expect_told(const char *name, int member, const diary *wanted)
     const diary *d = &told[member];
     bool is_same = d->count == wanted->count;
     for (int k = 0; k < d->count && is_same; k++)
-        is_same = d->which[k] == wanted->which[k] && d->t[k] == wanted->t[k] &&
+        is_same = d->which[k] == wanted->which[k] && d->t[k] == wanted->t[k] && d->D[k] == wanted->D[k] &&
                   memcmp(d->x[k], wanted->x[k], sizeof d->x[k]) == 0;
     ck_assert_msg(is_same, "%s: member %d was told something else", name, member);
 }
 
-static tvi_ensemble_plan plan_of(const kind *as)
+static tvi_run_plan plan_of(const kind *as, double *D, diary *told_to)
 {
-    tvi_ensemble_plan plan = as->plan;
+    tvi_run_plan plan = as->plan;
     if (plan.event_count > 0) plan.events = (const tvi_event *const *)events;
-    if (plan.columns > 0) plan.D = all.D;
-    plan.ctx = told;
+    if (plan.columns > 0) plan.D = D;
+    plan.ctx = told_to;
     return plan;
+}
+
+/* The kind that is run. */
+static const kind *kind_now;
+
+static tvi_status by_plan_alone(alone *a, diary *d)
+{
+    const tvi_run_plan plan = plan_of(kind_now, a->D, d);
+    return tvi_run(a->integrator, &plan, &a->t, a->q, a->p);
 }
 
 static void run_kind(const kind *as, const tvi_system *system, const tvi_options *options, int threads)
 {
     tvi_ensemble *ensemble;
     int calls = 0;
-    const tvi_ensemble_plan plan = plan_of(as);
+    const tvi_run_plan plan = plan_of(as, all.D, told);
+    kind_now = as;
     memset(told, 0, sizeof told);
     told[1].stop_at = 2;
+    for (int m = 0; m < MEMBERS && plan.D; m++) told[m].number = &all.D[COLUMNS * MEMBERS + m]; /* row 1, column 0 */
     OK(tvi_ensemble_create(&ensemble, system, options, MEMBERS, threads));
     set_values(ensemble, MEMBERS, 0);
     start_crowd(&all, MEMBERS, 0);
@@ -141,6 +173,7 @@ static void run_kind(const kind *as, const tvi_system *system, const tvi_options
     for (int m = 0; m < MEMBERS; m++) {
         diary d = {.stop_at = told[m].stop_at};
         alone a = start_alone(system, options, m);
+        if (plan.D) d.number = &a.D[COLUMNS];
         const tvi_status status = as->by_itself(&a, &d);
         (void)crowd_of(&a, &one);
         one.status[0] = status;
@@ -179,7 +212,7 @@ START_TEST(runs_follow_each_other)
     set_values(ensemble, MEMBERS, 0);
     start_crowd(&all, MEMBERS, 0);
     memset(told, 0, sizeof told);
-    const tvi_ensemble_plan with_events = plan_of(&kinds[0]);
+    const tvi_run_plan with_events = plan_of(&kinds[0], NULL, told);
     for (int k = 0; k < 3; k++) {
         OK(tvi_ensemble_integrate(ensemble, H, STEPS, all.t, all.q, all.p, all.status, NULL, NULL));
         OK(tvi_ensemble_run(ensemble, &with_events, all.t, all.q, all.p, all.status));
@@ -232,6 +265,60 @@ START_TEST(an_observer_stops_and_changes_columns)
 }
 END_TEST
 
+/* The observer of all goes with events: a member that is stopped stays where it is while the others go on, and at_step
+ * counts through the whole run. */
+typedef struct {
+    int stop_member, steps_of[MEMBERS];
+    long steps;
+} counts;
+
+static int count_member(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    counts *c = ctx;
+    (void)t, (void)q, (void)p;
+    ck_assert_int_eq(which, ++c->steps_of[member]);
+    return 0;
+}
+
+static int stop_member(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)which, (void)t, (void)q, (void)p;
+    return member == ((const counts *)ctx)->stop_member;
+}
+
+static int count_all(long step, int members, const double t[], const double q[], const double p[],
+                     const tvi_status status[], void *ctx)
+{
+    counts *c = ctx;
+    (void)members, (void)t, (void)q, (void)p, (void)status;
+    ck_assert_int_eq(step, ++c->steps);
+    return 0;
+}
+
+START_TEST(an_observer_of_all_with_events)
+{
+    tvi_system *system = system_of(&forms[0]);
+    tvi_options options;
+    tvi_ensemble *ensemble;
+    counts c = {.stop_member = 3};
+    ck_assert(has_options(system, &methods[0], &options));
+    tvi_run_plan plan = {.h = H, .steps = STEPS, .event_count = 2, .events = (const tvi_event *const *)events};
+    plan.on_event = stop_member, plan.at_step = count_member, plan.observer = count_all, plan.ctx = &c;
+    OK(tvi_ensemble_create(&ensemble, system, &options, MEMBERS, 1));
+    start_crowd(&all, MEMBERS, 0);
+    OK(tvi_ensemble_run(ensemble, &plan, all.t, all.q, all.p, all.status));
+    ck_assert_int_eq(c.steps, STEPS);
+    for (int m = 0; m < MEMBERS; m++) {
+        const bool is_stopped = m == c.stop_member;
+        ck_assert_int_eq(all.status[m], is_stopped ? TVI_ESTOPPED : TVI_OK);
+        ck_assert_int_eq(c.steps_of[m], is_stopped ? (int)(all.t[m] / H) : STEPS);
+        ck_assert(is_stopped ? all.t[m] < STEPS * H : all.t[m] == STEPS * H);
+    }
+    tvi_ensemble_free(ensemble);
+    tvi_system_free(system);
+}
+END_TEST
+
 static void make_events(void)
 {
     OK(tvi_event_create(&events[0], N, TVI_RISING, false, crossing, NULL));
@@ -254,6 +341,7 @@ Suite *suite_runs(void)
     tcase_add_checked_fixture(following, make_events, free_events);
     tcase_add_loop_test(following, runs_follow_each_other, 0, method_count);
     tcase_add_test(following, an_observer_stops_and_changes_columns);
+    tcase_add_test(following, an_observer_of_all_with_events);
     suite_add_tcase(suite, following);
     return suite;
 }

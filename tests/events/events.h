@@ -10,6 +10,8 @@ Suite *suite_starts(void);
 Suite *suite_roots(void);
 Suite *suite_observers(void);
 Suite *suite_cuts(void);
+Suite *suite_plans(void);
+Suite *suite_columns(void);
 Suite *suite_times(void);
 Suite *suite_tolerance(void);
 Suite *suite_tolerance_runs(void);

@@ -1,0 +1,450 @@
+/* test_plans.c - runs by a plan: every way goes with events, times, tangent vectors and observers, none of which
+ * changes the steps; where runs end, what is refused, and the order that suits a tolerance. */
+#include "events.h"
+#include "plans.h"
+#include "problems/refusals.h"
+#include "run/integrator.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+/* ---- Every way, with everything ---------------------------------------------------------------------------------- */
+
+typedef enum { STEPS, TO, AT, TOLERANCE, WAYS } way_to_go;
+enum { WITH_EVENTS = 1, WITH_D = 2, WITH_STEPS = 4, ALL = 8, STEP_COUNT = 23, RESULTS = 7, COLUMNS = 2 };
+
+/* The plan of a way, from t = 0; of 23 steps, the last of them shorter where it goes to a time. */
+static tvi_run_plan plan_of_way(way_to_go way, double h, double times[])
+{
+    static const double parts[RESULTS] = {0, 0.3, 0.35, 4, 4, 11.7, 22.6};
+    tvi_run_plan plan = {.h = h, .size = sizeof(tvi_run_plan)};
+    for (int i = 0; i < RESULTS; i++) times[i] = parts[i] * h + 0.0; /* no -0 */
+    if (way == STEPS) plan.steps = STEP_COUNT;
+    if (way == TO || way == TOLERANCE) plan.t_end = (STEP_COUNT - 0.25) * h;
+    if (way == AT) plan.times = times, plan.time_count = RESULTS, plan.at_time = see_time;
+    if (way == TOLERANCE) plan.h = 0, plan.tolerance = 1e-10, plan.largest_step = 1.5 * fabs(h);
+    return plan;
+}
+
+static void start_diary(plan_diary *d, const run *r, int columns)
+{
+    memset(d, 0, sizeof *d);
+    d->it = r->integrator;
+    d->n = tvi_system_dimension(r->system);
+    d->numbers = 2 * d->n * columns;
+    for (int k = 0; k < d->numbers; k++) d->D[k] = 1.0 / (1 + k % 5) - (k % 3);
+}
+
+/* The plan with these, too. */
+static tvi_status run_with(run *r, tvi_run_plan plan, int with, tvi_event *const events[2], plan_diary *d)
+{
+    plan.ctx = d;
+    if (with & WITH_EVENTS) {
+        plan.events = (const tvi_event *const *)events;
+        plan.event_count = 2;
+        plan.on_event = see_event;
+    }
+    if (with & WITH_D) plan.D = d->D, plan.columns = COLUMNS;
+    if (with & WITH_STEPS) plan.at_step = see_step;
+    return tvi_run(r->integrator, &plan, &r->x.t, r->x.q, r->x.p);
+}
+
+static bool are_same(const told *a, const told *b, bool has_columns)
+{
+    if (!a || !b) return a == b;
+    return a->which == b->which && same_point(&a->x, &b->x) && (!has_columns || memcmp(a->D, b->D, sizeof a->D) == 0);
+}
+
+/* All of one kind in both are the same, and as many. */
+static void expect_same_told(const plan_diary *a, const plan_diary *b, told_kind kind, bool has_columns)
+{
+    const told *x = next_told(a, kind, -1), *y = next_told(b, kind, -1);
+    while (x && are_same(x, y, has_columns)) {
+        x = next_told(a, kind, (int)(x - a->told));
+        y = next_told(b, kind, (int)(y - b->told));
+    }
+    ck_assert_msg(!x && !y, "kind %d differs", (int)kind);
+}
+
+/* After each step D is, bit for bit, that of tvi_step_tangent with the size of that step, from the state before it. A
+ * rescaled system goes on, since its energy belongs to the state. */
+static void expect_columns_of_steps(const run *r, point x, const plan_diary *d)
+{
+    tvi_integrator *other;
+    static plan_diary first;
+    ck_assert_int_eq(tvi_integrator_create(&other, r->system, tvi_integrator_options(r->integrator)), TVI_OK);
+    start_diary(&first, r, COLUMNS);
+    for (const told *s = next_told(d, STEP, -1); s; s = next_told(d, STEP, (int)(s - d->told))) {
+        ck_assert_int_eq(tvi_step_tangent(other, s->h, &x.t, x.q, x.p, first.D, COLUMNS), TVI_OK);
+        ck_assert(memcmp(first.D, s->D, (size_t)d->numbers * sizeof *s->D) == 0);
+        if (!tvi_is_rescaled(other)) x = s->x;
+    }
+    tvi_integrator_free(other);
+}
+
+/* Levels that the orbit crosses. */
+static void find_levels(run *r, double h, double level[2])
+{
+    double low[2] = {INFINITY, INFINITY}, high[2] = {-INFINITY, -INFINITY};
+    point x = r->x;
+    for (int k = 0; k < STEP_COUNT - 1; k++) {
+        ck_assert_int_eq(tvi_step(r->integrator, h, &x.t, x.q, x.p), TVI_OK);
+        low[0] = fmin(low[0], x.q[0]), high[0] = fmax(high[0], x.q[0]);
+        low[1] = fmin(low[1], x.p[0]), high[1] = fmax(high[1], x.p[0]);
+    }
+    tvi_integrator_reset(r->integrator);
+    for (int i = 0; i < 2; i++) level[i] = low[i] + 0.512 * (high[i] - low[i]);
+}
+
+/* Runs of one way with everything that there is, and without. */
+static void run_with_all(run *r, const tvi_run_plan *plan, tvi_event *const events[2])
+{
+    static plan_diary all[ALL];
+    const point start = r->x;
+    point end = start;
+    for (int with = 0; with < ALL; with++) {
+        plan_diary *d = &all[with];
+        start_diary(d, r, with & WITH_D ? COLUMNS : 0);
+        d->scrawls = with == ALL - 1; /* what is written to D at times and events is gone after them */
+        r->x = start;
+        tvi_integrator_reset(r->integrator);
+        ck_assert_msg(run_with(r, *plan, with, events, d) == TVI_OK, "%s", tvi_last_error());
+        if (with == 0) end = r->x;
+        ck_assert(same_point(&r->x, &end));
+        expect_same_told(&all[0], d, TIME, false);
+        if (with & WITH_EVENTS)
+            expect_same_told(&all[with & WITH_D ? WITH_EVENTS + WITH_D : WITH_EVENTS], d, EVENT, with & WITH_D);
+        if (with & WITH_STEPS) expect_same_told(&all[WITH_STEPS], d, STEP, false);
+        if (with & WITH_D) expect_same_told(&all[WITH_D], d, TIME, true);
+        if (with & WITH_D) ck_assert(memcmp(d->D, all[WITH_D].D, sizeof d->D) == 0);
+    }
+    ck_assert_int_ge(all[ALL - 1].of_kind[STEP], STEP_COUNT / 3);
+    ck_assert_int_ge(all[ALL - 1].of_kind[EVENT], 1);
+    r->x = start;
+    expect_columns_of_steps(r, start, &all[ALL - 1]);
+}
+
+START_TEST(nothing_changes_the_steps)
+{
+    const pairing *of = &pairings[_i / 4];
+    const bool is_rescaled = _i % 2;
+    const double h = _i / 2 % 2 ? -of->h : of->h;
+    double times[RESULTS], level[2];
+    run r;
+    tvi_system *base;
+    if (open_pairing(&r, of, is_rescaled, &base)) {
+        find_levels(&r, h, level);
+        tvi_event *const events[] = {event_at_place(of->scene->n, false, &level[0]),
+                                     event_at_momentum(of->scene->n, false, &level[1])};
+        for (int way = 0; way < WAYS; way++) {
+            const bool has_way = way != TOLERANCE || (!is_rescaled && strcmp(of->method, "taylor") == 0);
+            const tvi_run_plan plan = plan_of_way((way_to_go)way, h, times);
+            if (has_way) run_with_all(&r, &plan, events);
+        }
+        for (int i = 0; i < 2; i++) tvi_event_free(events[i]);
+    }
+    close_pairing(&r, base);
+}
+END_TEST
+
+/* ---- Where runs end ---------------------------------------------------------------------------------------------- */
+
+/* At a terminal event, or one whose observer stops the run: there, with the state and D that were told. The run that
+ * goes on from there has left it. */
+START_TEST(runs_end_at_events)
+{
+    static plan_diary d;
+    const way_to_go way = (way_to_go)(_i / 2);
+    const bool is_terminal = _i % 2;
+    run r = run_open(&scene_kepler, way == TOLERANCE ? "taylor" : "galerkin", 12);
+    const double level = 0;
+    double times[RESULTS];
+    tvi_event *event = event_at_place(2, is_terminal, &level);
+    tvi_run_plan plan = plan_of_way(way, 0.25, times);
+    start_diary(&d, &r, COLUMNS);
+    d.stops = EVENT, d.stop_at = is_terminal ? 0 : 1;
+    plan.events = (const tvi_event *const *)&event, plan.event_count = 1, plan.on_event = see_event;
+    plan.D = d.D, plan.columns = COLUMNS, plan.ctx = &d;
+    ck_assert_int_eq(tvi_run(r.integrator, &plan, &r.x.t, r.x.q, r.x.p), TVI_ESTOPPED);
+    const told *last = &d.told[d.count - 1];
+    ck_assert_int_eq(last->kind, EVENT);
+    ck_assert(same_point(&r.x, &last->x));
+    ck_assert(memcmp(d.D, last->D, sizeof d.D) == 0);
+    ck_assert_double_le(fabs(r.x.q[0]), 1e-15);
+    const int told_then = d.of_kind[EVENT], times_then = d.of_kind[TIME];
+    d.stop_at = 0;
+    if (way == AT) plan.times += times_then, plan.time_count -= times_then;
+    d.times_before = times_then;
+    const tvi_status status = tvi_run(r.integrator, &plan, &r.x.t, r.x.q, r.x.p);
+    ck_assert_int_eq(status, is_terminal && d.of_kind[EVENT] > told_then ? TVI_ESTOPPED : TVI_OK);
+    if (way == AT && status == TVI_OK) ck_assert_int_eq(d.of_kind[TIME], RESULTS);
+    for (int i = 0; i < d.count; i++)
+        ck_assert(&d.told[i] == last || d.told[i].kind != EVENT || fabs(d.told[i].x.t - last->x.t) > 0.1);
+    tvi_event_free(event);
+    run_close(&r);
+}
+END_TEST
+
+/* The observer of times stops a run with events, at each time in turn: the events and times of its step are told, too,
+ * the state and D are those after the step, and the rest of the run tells the rest, bit for bit. */
+START_TEST(runs_end_after_times)
+{
+    static plan_diary whole, pieces;
+    const double times[] = {0.55, 0.6, 1.1, 1.63, 1.7, 2.9}, level[2] = {0.3, -0.7};
+    enum { COUNT = sizeof times / sizeof *times };
+    tvi_event *const events[] = {event_at_place(2, false, &level[0]), event_at_momentum(2, false, &level[1])};
+    for (int stop = 0; stop <= COUNT; stop++) {
+        run r = run_open(&scene_kepler, "galerkin", 12);
+        plan_diary *d = stop > 0 ? &pieces : &whole;
+        start_diary(d, &r, COLUMNS);
+        d->stops = TIME, d->stop_at = stop;
+        tvi_run_plan plan = {.h = 0.5, .times = times, .time_count = COUNT, .at_time = see_time};
+        const tvi_status status = run_with(&r, plan, WITH_EVENTS + WITH_D + WITH_STEPS, events, d);
+        ck_assert_int_eq(status, stop > 0 ? TVI_ESTOPPED : TVI_OK);
+        ck_assert_int_eq(d->told[d->count - 1].kind, STEP);
+        ck_assert(same_point(&r.x, &d->told[d->count - 1].x));
+        ck_assert(memcmp(d->D, d->told[d->count - 1].D, sizeof d->D) == 0);
+        plan.times += d->of_kind[TIME], plan.time_count -= d->of_kind[TIME];
+        for (int i = 0; i < plan.time_count; i++) ck_assert_double_gt(plan.times[i], r.x.t);
+        d->times_before = d->of_kind[TIME];
+        d->stop_at = 0;
+        if (stop > 0 && plan.time_count > 0)
+            ck_assert_int_eq(run_with(&r, plan, WITH_EVENTS + WITH_D + WITH_STEPS, events, d), TVI_OK);
+        ck_assert_int_eq(d->count, whole.count);
+        for (int kind = 0; kind < KINDS; kind++)
+            if (kind != STEP) expect_same_told(d, &whole, (told_kind)kind, true);
+        for (int i = 0; i < d->count; i++) ck_assert_int_eq(d->told[i].kind, whole.told[i].kind);
+        run_close(&r);
+    }
+    ck_assert_int_ge(whole.of_kind[EVENT], 2);
+    for (int i = 0; i < 2; i++) tvi_event_free(events[i]);
+}
+END_TEST
+
+/* Within a step times and events are told in order of time, a time before an event that is at it, then the step. */
+START_TEST(times_and_events_in_order)
+{
+    static plan_diary d;
+    const double level[] = {0.9, -0.3};
+    double times[] = {0.1, 0.2, 0.9, 1.3, 2};
+    enum { COUNT = sizeof times / sizeof *times };
+    tvi_event *const events[] = {event_at_place(2, false, &level[0]), event_at_momentum(2, false, &level[1])};
+    for (int k = 0; k < 2; k++) { /* then with a time at the first event */
+        run r = run_open(&scene_kepler, "galerkin", 12);
+        start_diary(&d, &r, 0);
+        const tvi_run_plan plan = {.h = 1, .times = times, .time_count = COUNT, .at_time = see_time};
+        ck_assert_int_eq(run_with(&r, plan, WITH_EVENTS + WITH_STEPS, events, &d), TVI_OK);
+        const told *first = next_told(&d, EVENT, -1);
+        ck_assert_ptr_nonnull(first);
+        ck_assert(first->x.t > 0.1 && first->x.t < 0.9 && first > d.told);
+        for (int i = 1; i < d.count; i++) {
+            const told *s = &d.told[i];
+            ck_assert_double_ge(s->x.t, s[-1].x.t);
+            ck_assert(s->x.t > s[-1].x.t || s->kind > s[-1].kind || s->kind == STEP);
+        }
+        if (k == 1) ck_assert(first[-1].kind == TIME && first[-1].x.t == first->x.t);
+        times[1] = first->x.t;
+        run_close(&r);
+    }
+    for (int i = 0; i < 2; i++) tvi_event_free(events[i]);
+}
+END_TEST
+
+/* Times in the last step are told with their D in a further call where D is what the run left, else refused. */
+START_TEST(columns_in_two_calls)
+{
+    static plan_diary whole, pieces;
+    const pairing *of = &pairings[_i / 2];
+    const double h = _i % 2 ? -of->h : of->h, times[] = {0.3 * h, 0.31 * h, 1.4 * h, 1.45 * h, 2 * h, 7.1 * h};
+    enum { COUNT = sizeof times / sizeof *times };
+    for (int first = 0; first < COUNT; first++) {
+        run r = run_open(of->scene, of->method, of->order);
+        plan_diary *d = first > 0 ? &pieces : &whole;
+        start_diary(d, &r, COLUMNS);
+        tvi_run_plan plan = {.h = h, .times = times, .time_count = first > 0 ? first : COUNT, .at_time = see_time};
+        ck_assert_int_eq(run_with(&r, plan, WITH_D, NULL, d), TVI_OK);
+        plan.times += first, plan.time_count = COUNT - first;
+        const double was = d->D[1];
+        d->D[1] = 2 * was + 1;
+        if (first > 0 && fabs(times[first]) < fabs(r.x.t))
+            refused("times[0]", run_with(&r, plan, WITH_D, NULL, d), TVI_EINVAL);
+        d->D[1] = was;
+        d->times_before = first;
+        if (first > 0) ck_assert_int_eq(run_with(&r, plan, WITH_D, NULL, d), TVI_OK);
+        expect_same_told(&whole, d, TIME, true);
+        ck_assert(memcmp(d->D, whole.D, sizeof d->D) == 0);
+        run_close(&r);
+    }
+}
+END_TEST
+
+static jet hill(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_mul(0.5, jet_sqr(q[0]));
+}
+
+/* A vector of length 1.84e308 turns until its first part is too large: the step that would make it so is taken back,
+ * and the run goes on, with another vector, as if nothing had been. */
+START_TEST(columns_that_overflow)
+{
+    static const double first = 1.3e308;
+    double t = 0, q = 1, p = 0, D[] = {first, first}, same_t = 0, same_q = 1, same_p = 0;
+    tvi_system *system;
+    tvi_integrator *it, *same;
+    ck_assert_int_eq(tvi_system_potential(&system, 1, NULL, hill, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&it, system, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&same, system, NULL), TVI_OK);
+    const tvi_run_plan plan = {.h = 0.1, .t_end = 1, .D = D, .columns = 1};
+    refused("column 0 of D", tvi_run(it, &plan, &t, &q, &p), TVI_ETOOLARGE);
+    ck_assert_int_eq(tvi_integrator_stats(it)->steps, 5);
+    ck_assert_int_eq(tvi_integrate(same, 0.1, 5, &same_t, &same_q, &same_p, NULL, NULL), TVI_OK);
+    ck_assert(t == same_t && q == same_q && p == same_p);
+    ck_assert_double_eq_tol(D[0] / first, cos(0.5) + sin(0.5), 1e-14);
+    ck_assert_double_eq_tol(D[1] / first, cos(0.5) - sin(0.5), 1e-14);
+    D[0] = D[1] = 1;
+    ck_assert_int_eq(tvi_run(it, &plan, &t, &q, &p), TVI_OK);
+    ck_assert_int_eq(tvi_integrate_to(same, 0.1, 1, &same_t, &same_q, &same_p, NULL, NULL), TVI_OK);
+    ck_assert(t == same_t && q == same_q && p == same_p);
+    D[1] = NAN;
+    const tvi_run_plan further = {.h = 0.1, .steps = 1, .D = D, .columns = 1};
+    refused("row 1 of D is not finite", tvi_run(it, &further, &t, &q, &p), TVI_ENONFINITE);
+    ck_assert(t == same_t && q == same_q && p == same_p && D[0] == D[0]);
+    tvi_integrator_free(it);
+    tvi_integrator_free(same);
+    tvi_system_free(system);
+}
+END_TEST
+
+/* ---- Observers of steps ------------------------------------------------------------------------------------------ */
+
+typedef struct {
+    long steps;
+    int of_all, stop_at;
+    double *D;
+} counter;
+
+static int count_own(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    counter *c = ctx;
+    (void)t, (void)q, (void)p;
+    ck_assert_int_eq(member, 0);
+    ck_assert_int_eq(which, ++c->steps);
+    ck_assert_int_eq(c->of_all, c->steps - 1);
+    return 0;
+}
+
+static int count_all(long step, int members, const double t[], const double q[], const double p[],
+                     const tvi_status status[], void *ctx)
+{
+    counter *c = ctx;
+    ck_assert_int_eq(members, 1);
+    ck_assert_int_eq(status[0], TVI_OK);
+    ck_assert(isfinite(*t) && isfinite(*q) && isfinite(*p));
+    ck_assert_int_eq(step, ++c->of_all);
+    for (int k = 0; k < 4; k++) c->D[k] /= 2;
+    return step == c->stop_at;
+}
+
+/* An integrator is an ensemble of one: at_step, and after it the observer of all, which may change D. */
+START_TEST(observers_of_steps)
+{
+    double D[4] = {1, 0, 0, 0}, E[4] = {1, 0, 0, 0};
+    counter c = {.stop_at = 7, .D = D};
+    run r = run_open(&scene_kepler, "galerkin", 8), same = run_open(&scene_kepler, "galerkin", 8);
+    const tvi_run_plan plan = {
+        .h = 0.1, .steps = 10, .D = D, .columns = 1, .observer = count_all, .at_step = count_own, .ctx = &c};
+    ck_assert_int_eq(tvi_run(r.integrator, &plan, &r.x.t, r.x.q, r.x.p), TVI_ESTOPPED);
+    for (int k = 0; k < 7; k++)
+        ck_assert_int_eq(tvi_step_tangent(same.integrator, 0.1, &same.x.t, same.x.q, same.x.p, E, 1), TVI_OK);
+    ck_assert(same_point(&r.x, &same.x) && c.steps == 7 && c.of_all == 7);
+    for (int k = 0; k < 4; k++) ck_assert_double_eq(D[k], ldexp(E[k], -7));
+    run_close(&r);
+    run_close(&same);
+}
+END_TEST
+
+/* ---- Steps to a tolerance ---------------------------------------------------------------------------------------- */
+
+/* No step is larger than the largest one; where that limits all of them, there are as few as it allows, and none of
+ * roundoff at the end; one that never limits changes no bit. */
+START_TEST(largest_steps)
+{
+    static plan_diary chosen, limited;
+    const double t_end = _i % 2 ? -6 : 6, largest[] = {0, 0.03, 0.1, 0.11, 100};
+    for (int k = 0; k < 5; k++) {
+        run r = run_open(&scene_kepler, "taylor", 20);
+        plan_diary *d = k == 0 ? &chosen : &limited;
+        const tvi_run_plan plan = {.tolerance = 1e-12, .t_end = t_end, .largest_step = largest[k]};
+        start_diary(d, &r, 0);
+        ck_assert_int_eq(run_with(&r, plan, WITH_STEPS, NULL, d), TVI_OK);
+        ck_assert_double_eq(r.x.t, t_end);
+        const int least = k == 0 ? 0 : (int)ceil(6 / largest[k] * (1 - 1e-14));
+        for (int i = 0; i < d->count; i++) {
+            ck_assert_double_gt(fabs(d->told[i].h), 1e-3);
+            ck_assert(k == 0 || fabs(d->told[i].h) <= largest[k] * (1 + 1e-13));
+        }
+        ck_assert_int_ge(d->count, least);
+        if (k == 1) ck_assert_int_eq(d->count, least);
+        for (int i = 0; i < 2; i++) ck_assert_double_eq_tol(r.x.q[i], chosen.told[chosen.count - 1].x.q[i], 1e-10);
+        if (k == 4) expect_same_told(&chosen, d, STEP, false);
+        run_close(&r);
+    }
+    ck_assert_int_lt(chosen.count, 50); /* 0.03 and 0.1 limit */
+}
+END_TEST
+
+/* Where the rest of the way is the largest step but for roundoff, it is one step. */
+START_TEST(no_steps_of_roundoff)
+{
+    static plan_diary d;
+    const double after = nextafter(0.3, 1), t_end = _i % 2 ? -after : after; /* more than three times 0.1 */
+    run r = run_open(&scene_kepler, "taylor", 20);
+    const tvi_run_plan plan = {.tolerance = 1e-12, .t_end = t_end, .largest_step = 0.1};
+    start_diary(&d, &r, 0);
+    ck_assert_int_eq(run_with(&r, plan, WITH_STEPS, NULL, &d), TVI_OK);
+    ck_assert_int_eq(d.count, 3);
+    run_close(&r);
+}
+END_TEST
+
+/* N is the least order with e^(2 - 2N) <= tolerance, and at least 2, which "taylor" needs. */
+START_TEST(orders_of_tolerances)
+{
+    static const struct {
+        double tolerance;
+        int order;
+    } known[] = {{1e-6, 8}, {1e-10, 13}, {1e-15, 19}, {DBL_EPSILON, 20}, {0.5, 2}, {1 - DBL_EPSILON / 2, 2}};
+    static const double refused_ones[] = {0, -1e-10, 1, 2, 1e-16, NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        ck_assert_int_eq(tvi_taylor_order(known[i].tolerance), known[i].order);
+    for (size_t i = 0; i < sizeof refused_ones / sizeof *refused_ones; i++)
+        ck_assert_int_eq(tvi_taylor_order(refused_ones[i]), 0);
+    for (double tolerance = 0.9; tolerance > DBL_EPSILON; tolerance *= 0.977) {
+        const int N = tvi_taylor_order(tolerance);
+        tvi_options options;
+        ck_assert_double_le(exp(2 - 2 * N), tolerance * (1 + 1e-12));
+        ck_assert(N == 2 || exp(4 - 2 * N) > tolerance * (1 - 1e-12));
+        ck_assert_int_eq(tvi_options_named("taylor", N, &options), TVI_OK);
+    }
+}
+END_TEST
+
+Suite *suite_plans(void)
+{
+    Suite *suite = suite_create("plans");
+    TCase *tcase = tcase_create("plans");
+    tcase_add_loop_test(tcase, nothing_changes_the_steps, 0, 4 * PAIRINGS);
+    tcase_add_loop_test(tcase, runs_end_at_events, 0, 2 * WAYS);
+    tcase_add_test(tcase, runs_end_after_times);
+    tcase_add_loop_test(tcase, columns_in_two_calls, 0, 2 * PAIRINGS);
+    tcase_add_test(tcase, columns_that_overflow);
+    tcase_add_test(tcase, observers_of_steps);
+    tcase_add_loop_test(tcase, largest_steps, 0, 2);
+    tcase_add_loop_test(tcase, no_steps_of_roundoff, 0, 2);
+    tcase_add_test(tcase, times_and_events_in_order);
+    tcase_add_test(tcase, orders_of_tolerances);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
