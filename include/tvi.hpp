@@ -178,6 +178,48 @@ template <class Step, class Event> int event_of(int which, double t, const doubl
     return static_cast<observers<Step, Event> *>(ctx)->event.stops(which, t, q, p);
 }
 
+/* The observers of members that a plan has: callables, or none. */
+template <class Event, class Time, class Step> class plan_observers
+{
+  public:
+    plan_observers(Event &event, Time &time, Step &step) : event_(event), time_(time), step_(step) {}
+    /* The plan with these in the place of its own, or as it is where there are none. */
+    tvi_run_plan in(tvi_run_plan plan)
+    {
+        if (!is_one<Event>() && !is_one<Time>() && !is_one<Step>()) return plan;
+        plan.on_event = is_one<Event>() ? tell_event : nullptr;
+        plan.at_time = is_one<Time>() ? tell_time : nullptr;
+        plan.at_step = is_one<Step>() ? tell_step : nullptr;
+        plan.observer = nullptr;
+        plan.ctx = static_cast<void *>(this);
+        return plan;
+    }
+    void rethrow() const
+    {
+        event_.rethrow();
+        time_.rethrow();
+        step_.rethrow();
+    }
+
+  private:
+    template <class Function> static constexpr bool is_one() { return !std::is_same<Function, no_observer>::value; }
+    static int tell_event(int member, int which, double t, const double q[], const double p[], void *ctx)
+    {
+        return static_cast<plan_observers *>(ctx)->event_.stops(member, which, t, q, p);
+    }
+    static int tell_time(int member, int which, double t, const double q[], const double p[], void *ctx)
+    {
+        return static_cast<plan_observers *>(ctx)->time_.stops(member, which, t, q, p);
+    }
+    static int tell_step(int member, int which, double t, const double q[], const double p[], void *ctx)
+    {
+        return static_cast<plan_observers *>(ctx)->step_.stops(member, which, t, q, p);
+    }
+    guarded<Event> event_;
+    guarded<Time> time_;
+    guarded<Step> step_;
+};
+
 /* The end of a run: false where an observer or an event stopped it. */
 inline bool ended(tvi_status status)
 {
@@ -428,21 +470,21 @@ class integrator
     template <class Q, class P, class Observer = detail::no_observer>
     bool integrate(double h, long steps, double &t, Q &q, P &p, Observer observer = Observer())
     {
-        return run(observer, [&](tvi_observer *call, void *g) {
+        return run_seen(observer, [&](tvi_observer *call, void *g) {
             return tvi_integrate(get(), h, steps, &t, of("q", q), of("p", p), call, g);
         });
     }
     template <class Q, class P, class Observer = detail::no_observer>
     bool integrate_to(double h, double t_end, double &t, Q &q, P &p, Observer observer = Observer())
     {
-        return run(observer, [&](tvi_observer *call, void *g) {
+        return run_seen(observer, [&](tvi_observer *call, void *g) {
             return tvi_integrate_to(get(), h, t_end, &t, of("q", q), of("p", p), call, g);
         });
     }
     template <class Q, class P, class Observer>
     bool integrate_at(double h, const std::vector<double> &times, double &t, Q &q, P &p, Observer observer)
     {
-        return run(observer, [&](tvi_observer *call, void *g) {
+        return run_seen(observer, [&](tvi_observer *call, void *g) {
             return tvi_integrate_at(get(), h, times.data(), static_cast<int>(times.size()), &t, of("q", q), of("p", p),
                                     call, g);
         });
@@ -450,7 +492,7 @@ class integrator
     template <class Q, class P, class Observer = detail::no_observer>
     bool integrate_tolerance(double tolerance, double t_end, double &t, Q &q, P &p, Observer observer = Observer())
     {
-        return run(observer, [&](tvi_observer *call, void *g) {
+        return run_seen(observer, [&](tvi_observer *call, void *g) {
             return tvi_integrate_tolerance(get(), tolerance, t_end, &t, of("q", q), of("p", p), call, g);
         });
     }
@@ -477,6 +519,20 @@ class integrator
             });
     }
 
+    /* Any plan; events, times and D are what it points to. The observers, of (int member, int which, double t, const
+     * double *q, const double *p), take the place of the plan's own; these, where there are none, throw nothing. */
+    template <class Q, class P, class On_event = detail::no_observer, class At_time = detail::no_observer,
+              class At_step = detail::no_observer>
+    bool run(const tvi_run_plan &plan, double &t, Q &q, P &p, On_event on_event = On_event(),
+             At_time at_time = At_time(), At_step at_step = At_step())
+    {
+        detail::plan_observers<On_event, At_time, At_step> all(on_event, at_time, at_step);
+        const tvi_run_plan told = all.in(plan);
+        const tvi_status status = tvi_run(get(), &told, &t, of("q", q), of("p", p));
+        all.rethrow();
+        return detail::ended(status);
+    }
+
     std::vector<char> save() const { return detail::bytes_of(tvi_state_save, get()); }
     void load(const std::vector<char> &state) { detail::check(tvi_state_load(get(), state.data(), state.size())); }
     template <class Q, class P> void last(double &t, Q &q, P &p) const
@@ -487,7 +543,7 @@ class integrator
   private:
     std::size_t size() const { return static_cast<std::size_t>(system_.dimension()); }
     template <class Vector> double *of(const char *name, Vector &x) const { return detail::data_of(name, size(), x); }
-    template <class Observer, class Run> bool run(Observer &observer, Run steps)
+    template <class Observer, class Run> bool run_seen(Observer &observer, Run steps)
     {
         detail::guarded<Observer> g(observer);
         const tvi_status status = steps(detail::observer_of<Observer, long>, static_cast<void *>(&g));
@@ -562,14 +618,14 @@ class ensemble
     template <class T, class Q, class P>
     bool integrate_to(double h, double t_end, T &t, Q &q, P &p, std::vector<tvi_status> &status)
     {
-        tvi_ensemble_plan plan = {};
+        tvi_run_plan plan = {};
         plan.h = h, plan.t_end = t_end;
         return run(plan, t, q, p, status);
     }
     template <class T, class Q, class P>
     bool integrate_tolerance(double tolerance, double t_end, T &t, Q &q, P &p, std::vector<tvi_status> &status)
     {
-        tvi_ensemble_plan plan = {};
+        tvi_run_plan plan = {};
         plan.tolerance = tolerance, plan.t_end = t_end;
         return run(plan, t, q, p, status);
     }
@@ -579,7 +635,7 @@ class ensemble
                       At_time at_time)
     {
         detail::guarded<At_time> g(at_time);
-        tvi_ensemble_plan plan = {};
+        tvi_run_plan plan = {};
         plan.h = h, plan.times = times.data(), plan.time_count = static_cast<int>(times.size());
         plan.at_time = detail::member_of<At_time>, plan.ctx = &g;
         return go(plan, t, q, p, status, g);
@@ -592,17 +648,19 @@ class ensemble
         detail::guarded<On_event> g(on_event);
         std::vector<const tvi_event *> list;
         for (const event &one : events) list.push_back(one.get());
-        tvi_ensemble_plan plan = {};
+        tvi_run_plan plan = {};
         plan.h = h, plan.steps = steps, plan.events = list.data(), plan.event_count = static_cast<int>(list.size());
         plan.on_event = detail::member_of<On_event>, plan.ctx = &g;
         return go(plan, t, q, p, status, g);
     }
-    /* Any other plan; its observers throw nothing. */
-    template <class T, class Q, class P>
-    bool run(const tvi_ensemble_plan &plan, T &t, Q &q, P &p, std::vector<tvi_status> &status)
+    /* Any other plan, with observers as those of integrator::run. */
+    template <class T, class Q, class P, class On_event = detail::no_observer, class At_time = detail::no_observer,
+              class At_step = detail::no_observer>
+    bool run(const tvi_run_plan &plan, T &t, Q &q, P &p, std::vector<tvi_status> &status,
+             On_event on_event = On_event(), At_time at_time = At_time(), At_step at_step = At_step())
     {
-        detail::no_observer none;
-        return go(plan, t, q, p, status, detail::guarded<detail::no_observer>(none));
+        detail::plan_observers<On_event, At_time, At_step> all(on_event, at_time, at_step);
+        return go(all.in(plan), t, q, p, status, all);
     }
 
     std::vector<char> save() const { return detail::bytes_of(tvi_ensemble_save, get()); }
@@ -620,7 +678,7 @@ class ensemble
         return detail::data_of(name, static_cast<std::size_t>(rows) * static_cast<std::size_t>(members_), x);
     }
     template <class T, class Q, class P, class Guarded>
-    bool go(const tvi_ensemble_plan &plan, T &t, Q &q, P &p, std::vector<tvi_status> &status, const Guarded &g)
+    bool go(const tvi_run_plan &plan, T &t, Q &q, P &p, std::vector<tvi_status> &status, const Guarded &g)
     {
         double *const t_of = of("t", 1, t), *const q_of = of("q", n(), q), *const p_of = of("p", n(), p);
         status.resize(static_cast<std::size_t>(members_));

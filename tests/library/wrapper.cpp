@@ -157,6 +157,40 @@ static void runs()
                                                              [](int, double, const double *, const double *) {}));
 }
 
+/* A run to a time with an event, D and an observer of steps. */
+static void plans()
+{
+    tvi::integrator orbit{tvi::potential(2, kepler)}, same(orbit.system());
+    const tvi::event radial(2, [](const jet *x, const jet *y, jet) { return jet_dot(x, y, 2); });
+    const tvi_event *const events[] = {radial.get()};
+    double t = 0, t_same = 0, at_event = 0;
+    std::vector<double> q = {1, 0}, p = {0, 0.8}, D = {1, 0, 0, 0}, q_same = q, p_same = p;
+    int found = 0, steps = 0;
+    tvi_run_plan plan = {};
+    plan.h = 0.25, plan.t_end = 3.1, plan.events = events, plan.event_count = 1, plan.D = D.data(), plan.columns = 1;
+    const auto on_event = [&](int member, int which, double, const double *, const double *) {
+        found += member == 0 && which == 0;
+        at_event = D[0];
+    };
+    const auto at_step = [&](int, int which, double, const double *, const double *) { steps = which; };
+    expect("by a plan", orbit.run(plan, t, q, p, on_event, tvi::detail::no_observer(), at_step) && t == 3.1);
+    expect("told", found > 0 && steps == 13 && at_event != 0 && at_event != D[0] && D[0] != 1);
+    same.integrate_to(0.25, 3.1, t_same, q_same, p_same);
+    expect("its bits", q == q_same && p == p_same);
+    plan.t_end = 4;
+    expect("as it is", orbit.run(plan, t, q, p) && t == 4);
+    const auto seven = [](int, int, double, const double *, const double *) { throw 7; };
+    plan.t_end = 20;
+    expect("an event throws", throws_seven([&] { orbit.run(plan, t, q, p, seven); }));
+    expect("contradicts", throws([&] { orbit.run(tvi_run_plan(), t, q, p); }, TVI_EINVAL, "h is 0"));
+    tvi::ensemble two(orbit.system(), 2);
+    std::vector<double> ts(2), qs = {1, 1, 0, 0}, ps = {0, 0, 0.8, 0.8}, Ds(8, 1);
+    std::vector<tvi_status> status;
+    plan.t_end = 3.1, plan.D = Ds.data(), found = 0;
+    const auto count = [&](int, int, double, const double *, const double *) { found++; };
+    expect("two", two.run(plan, ts, qs, ps, status, count) && found == 2 && qs[0] == q_same[0] && ts[1] == 3.1);
+}
+
 /* V = k q^2/2, k a parameter: its values, the derivative with respect to it, and generated code for it. */
 static void parameters_and_code()
 {
@@ -300,6 +334,7 @@ int main()
     runs();
     parameters_and_code();
     drives();
+    plans();
     ensembles();
     errors_of_ensembles();
     powers();
