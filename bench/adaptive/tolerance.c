@@ -10,9 +10,6 @@ enum { TOLERANCES = sizeof tolerances / sizeof *tolerances, TIMED = 4, REPEATED 
 static const double COMPARED = 1e-13;
 static const double timed[TIMED] = {1e-6, 1e-10, 1e-13, 1e-15};
 
-/* The order that suits it. */
-static int suited(double tolerance) { return (int)ceil(1 - log(tolerance) / 2); }
-
 static double relative(int n, const double x[], const double y[])
 {
     double apart = 0, size = 0;
@@ -43,7 +40,7 @@ static void write_errors(FILE *table, const hard_scene *of)
 {
     fprintf(table, "| %s |", of->scene.title);
     for (int i = 0; i < TOLERANCES; i++) {
-        const adaptive_line l = to(of, tolerances[i], suited(tolerances[i]));
+        const adaptive_line l = to(of, tolerances[i], tvi_taylor_order(tolerances[i]));
         fprintf(table, " %.1e |", error_of(&l));
     }
     fprintf(table, "\n");
@@ -64,7 +61,7 @@ static adaptive_line fixed_steps(const hard_scene *of, int order, double error)
 
 static void write_times(FILE *table, const hard_scene *of, double tolerance)
 {
-    const adaptive_line l = to(of, tolerance, suited(tolerance));
+    const adaptive_line l = to(of, tolerance, tvi_taylor_order(tolerance));
     const double error = error_of(&l), unit = adaptive_time_of_unit();
     const double cpu = adaptive_time_of(&l, REPEATED);
     fprintf(table, "| %s | %.0e | %d | %.1e | %.3g | %.3g |", of->scene.title, tolerance, l.order, error, 1e3 * cpu,

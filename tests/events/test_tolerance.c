@@ -24,10 +24,10 @@ enum { TOLERANCES = sizeof tolerances / sizeof *tolerances };
 static double roundoff_of(const scene *s)
 {
     double largest = 0;
-    orbit o = open_scene(s, suited_order(1e-14));
+    orbit o = open_scene(s, tvi_taylor_order(1e-14));
     ck_assert_int_eq(go(&o, 1e-14, s->t_end, NULL, NULL), TVI_OK);
     for (int units = -2; units <= 2; units += 4) {
-        orbit moved = open_scene(s, suited_order(1e-14));
+        orbit moved = open_scene(s, tvi_taylor_order(1e-14));
         for (int i = 0; i < s->n; i++) moved.q[i] *= 1 + units * DBL_EPSILON, moved.p[i] *= 1 - units * DBL_EPSILON;
         ck_assert_int_eq(go(&moved, 1e-14, s->t_end, NULL, NULL), TVI_OK);
         largest = fmax(largest, error_of(&moved, o.q, o.p));
@@ -45,7 +45,7 @@ START_TEST(error_within_tolerance)
     const double roundoff = roundoff_of(s);
     for (int i = 0; i < TOLERANCES; i++) {
         const double tolerance = tolerances[i];
-        orbit o = open_scene(s, suited_order(tolerance));
+        orbit o = open_scene(s, tvi_taylor_order(tolerance));
         ck_assert_int_eq(go(&o, tolerance, s->t_end, NULL, NULL), TVI_OK);
         ck_assert(o.t == s->t_end);
         const double error = error_of(&o, s->reference, s->reference + s->n);
@@ -119,9 +119,9 @@ END_TEST
 /* What refined increments lack is of their step alone: steps of one size that follow are those of a new integrator. */
 START_TEST(steps_that_follow_are_not_refined)
 {
-    orbit o = open_scene(&scene_kepler, suited_order(DBL_EPSILON));
+    orbit o = open_scene(&scene_kepler, tvi_taylor_order(DBL_EPSILON));
     ck_assert_int_eq(go(&o, DBL_EPSILON, 10, NULL, NULL), TVI_OK);
-    orbit other = open_scene(&scene_kepler, suited_order(DBL_EPSILON));
+    orbit other = open_scene(&scene_kepler, tvi_taylor_order(DBL_EPSILON));
     other.t = o.t;
     memcpy(other.q, o.q, sizeof o.q);
     memcpy(other.p, o.p, sizeof o.p);

@@ -82,7 +82,7 @@ static void run(int i, double tolerance, double largest, double D[4], orbit *o)
                                .columns = D ? 2 : 0,
                                .size = sizeof plan};
     width = cases[i].width;
-    *o = open_potential(cases[i].V, suited_order(tolerance), cases[i].q, cases[i].p);
+    *o = open_potential(cases[i].V, tvi_taylor_order(tolerance), cases[i].q, cases[i].p);
     ck_assert_msg(tvi_run(o->integrator, &plan, &o->t, o->q, o->p) == TVI_OK, "%s: %s", cases[i].name,
                   tvi_last_error());
 }

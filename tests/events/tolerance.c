@@ -4,8 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-int suited_order(double tolerance) { return (int)ceil(1 - log(tolerance) / 2); }
-
 void open_integrator(orbit *o, const char *method, int order)
 {
     tvi_options options;

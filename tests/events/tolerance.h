@@ -19,8 +19,6 @@ orbit open_scene(const scene *s, int order);
 orbit open_potential(tvi_potential_fn *potential, int order, double q, double p); /* one degree of freedom, mass 1 */
 void open_integrator(orbit *o, const char *method, int order);
 void close_orbit(orbit *o);
-int suited_order(double tolerance);
-
 tvi_status go(orbit *o, double tolerance, double t_end, tvi_observer *observer, void *ctx);
 long steps_of(const orbit *o);
 /* The larger of max |x - y| / max |y| of q and of p. */
