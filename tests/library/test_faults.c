@@ -257,6 +257,40 @@ START_TEST(ensembles_without_memory)
 }
 END_TEST
 
+typedef struct {
+    integrator_arguments made;
+    const tvi_event *event;
+} plan_arguments;
+
+/* A run at times with events and tangent vectors. */
+static tvi_status run_by_plan(const void *argument, bool *cleared)
+{
+    const plan_arguments *of = argument;
+    const double times[] = {0.005, 0.015};
+    tvi_integrator *integrator;
+    double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, D[2 * N] = {42};
+    const tvi_run_plan plan = {
+        .h = 0.01, .times = times, .time_count = 2, .events = &of->event, .event_count = 1, .D = D, .columns = 1};
+    tvi_status status = tvi_integrator_create(&integrator, of->made.system, of->made.options);
+    if (status == TVI_OK) status = tvi_run(integrator, &plan, &t, q, p);
+    *cleared = t == 0 && q[0] == 0.1 && D[0] == 42;
+    tvi_integrator_free(integrator);
+    return status;
+}
+
+START_TEST(plans_without_memory)
+{
+    tvi_event *event;
+    tvi_system *system = create_everything(ways[_i].by, true);
+    const tvi_options options = options_of_way(_i);
+    ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL), TVI_OK);
+    const plan_arguments of = {{system, &options}, event};
+    ck_assert_int_gt(fail_each(run_by_plan, &of, FAIL_ONCE), 60);
+    tvi_event_free(event);
+    tvi_system_free(system);
+}
+END_TEST
+
 START_TEST(tangents_without_memory)
 {
     tvi_system *system = create_everything(ways[_i].by, true);
@@ -304,6 +338,7 @@ Suite *suite_faults(void)
     tcase_add_loop_test(integrators, bytes, 0, way_count);
     TCase *tangents = add_case(suite, "tangents");
     tcase_add_loop_test(tangents, tangents_without_memory, 0, way_count);
+    tcase_add_loop_test(tangents, plans_without_memory, 0, way_count);
     tcase_add_loop_test(tangents, ensembles_without_memory, 0, way_count);
     suite_add_tcase(suite, tcase_allocations());
     suite_add_tcase(suite, tcase_generated());
