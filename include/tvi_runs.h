@@ -101,10 +101,10 @@ TVI_NODISCARD tvi_status tvi_integrate_to(tvi_integrator *integrator, double h, 
  * 2 times as long, and of a Lagrangian that is not separable the error is that of roundoff. The size is chosen before
  * the step is summed: a step costs one expansion. It is at most 0.7 of the radius of convergence that the last
  * coefficients show by themselves and at most four times the size of the step before; and where the coefficients allow
- * more than 1.5 times that, or before a first step, a separable system's force is looked at where the step ends, and the
- * step halved until it is right there. So bodies from afar feel what they meet, unless the force is 0 in doubles both
- * where a step begins and where it ends, as a narrow wall's far away: then tvi_run_plan.largest_step says how far a
- * step may look. The observer is called after each step, and may ask tvi_dense.
+ * more than 1.5 times that, or before a first step, a separable system's force is looked at where the step ends, and
+ * the step halved until it is right there. So bodies from afar feel what they meet, unless the force is 0 in doubles
+ * both where a step begins and where it ends, as a narrow wall's far away: then tvi_run_plan.largest_step says how far
+ * a step may look. The observer is called after each step, and may ask tvi_dense.
  *   TVI_EINVAL       NULL, a tolerance below DBL_EPSILON or not below 1, t_end that is not finite
  *   TVI_EUNSUPPORTED another method, a rescaled system
  *   TVI_ENOCONV      also a step below roundoff of t, as before a collision
