@@ -21,7 +21,7 @@ typedef struct {
 } output;
 
 static const char *const quantities[] = {"energy", "angular momentum"};
-static const char *const sums[] = {"", " plain sums", " rounded coefficients"};
+static const char *const sums[] = {"", " plain sums", " rounded coefficients", " no less than before"};
 static const char *const verdicts[][2] = {{"fails", "holds"}, {"does not fail", "fails, as it must"}, {"", "-"}};
 static const char *const answers[] = {"no", "yes"};
 

@@ -11,8 +11,9 @@ enum { LONGRUN_ORBITS_MAX = 1024, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18, 
 /* The angular momentum is that about the axis of q[2]. */
 typedef enum { LONGRUN_ENERGY, LONGRUN_MOMENTUM, LONGRUN_QUANTITIES } longrun_quantity;
 
-/* How the steps are made: by the library, by the library without its low-order parts, by longrun/rounded.h. */
-typedef enum { LONGRUN_COMPENSATED, LONGRUN_PLAIN, LONGRUN_ROUNDED } longrun_sums;
+/* How the steps are made: by the library, by the library without its low-order parts, by longrun/rounded.h, by
+ * longrun/sooner.h. */
+typedef enum { LONGRUN_COMPENSATED, LONGRUN_PLAIN, LONGRUN_ROUNDED, LONGRUN_SOONER } longrun_sums;
 
 /* What `make longrun` insists on: all bounds, one bound at least missed, or nothing. */
 typedef enum { LONGRUN_HOLDS, LONGRUN_FAILS, LONGRUN_SHOWN } longrun_duty;

@@ -13,4 +13,4 @@ longrun: need-bench
 .PHONY: longrun
 
 $(LONGRUN)/longrun: $(LONGRUN_OBJECTS) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
-	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -o $@ $^ $(BASELINE_LIBS) $(LIBS)
+	$(call SAY,LD $@)$(CC) $(CFLAGS) -pthread -Wl,--wrap=tvi_galerkin_iterate -o $@ $^ $(BASELINE_LIBS) $(LIBS)

@@ -1,5 +1,6 @@
 #include "longrun.h"
 #include "rounded.h"
+#include "sooner.h"
 
 #include <math.h>
 #include <pthread.h>
@@ -133,6 +134,7 @@ static void orbit_run(const ensemble *all, int k)
     const longrun_line *line = series->line;
     orbit o;
     double start[LONGRUN_QUANTITIES], first[LONGRUN_QUANTITIES], now[LONGRUN_QUANTITIES], scatter[LONGRUN_QUANTITIES];
+    passes_end_sooner = line->sums == LONGRUN_SOONER;
     orbit_begin(&o, line, all, k);
     measure(&o, start);
     const double scale[LONGRUN_QUANTITIES] = {fmax(fabs(start[0]), line->scene->energy_scale), fabs(start[1])};
