@@ -73,8 +73,6 @@ const longrun_line longrun_lines[] = {
     {SOLAR(100, CENTURIES / 100), GALERKIN, .sums = LONGRUN_PLAIN, .orbits = 64, .duty = {LONGRUN_FAILS}},
     {SLOW, GALERKIN, .h = 0.7, .duty = {LONGRUN_SHOWN}},
     {SLOW, GALERKIN, .h = 0.7, .sums = LONGRUN_SOONER, .duty = {LONGRUN_SHOWN, LONGRUN_FAILS}},
-    {SLOW, GALERKIN, .h = 0.8, .duty = {LONGRUN_SHOWN}},
-    {SLOW, GALERKIN, .h = 0.8, .sums = LONGRUN_SOONER, .duty = {LONGRUN_SHOWN, LONGRUN_FAILS}},
     {SOLAR(625, CENTURIES / 625), GALERKIN, .orbits = 256},
     {SOLAR(625, CENTURIES / 625), GALERKIN, .sums = LONGRUN_SOONER, .orbits = 256, .duty = {LONGRUN_SHOWN}},
     {SOLAR(100, CENTURIES / 400), .method = "midpoint", .order = 16, .orbits = 32, .duty = {LONGRUN_SHOWN}},

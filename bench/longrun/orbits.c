@@ -166,7 +166,7 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
     tvi_compiled *code = NULL;
     ensemble all = {
         .series = series, .system = system, .stepped = rescaled ? rescaled : system, .options = method.who.options};
-    if (getenv("LONGRUN_COMPILED"))
+    if (getenv("LONGRUN_COMPILED") && line->sums != LONGRUN_SOONER) /* generated code ends its passes itself */
         experiment_insist(tvi_compile(&code, all.stepped, &all.options, NULL), "a compilation");
     all.options.compiled = code;
     const double begin = run_clock();

@@ -6,6 +6,9 @@
 
 _Thread_local bool passes_end_sooner;
 
+/* The square of how many times the rule's roundoff: first passes may grow. */
+#define SMALL 1024
+
 /* Names that the linker gives. */
 #define REAL __real_tvi_galerkin_iterate
 #define WRAP __wrap_tvi_galerkin_iterate
@@ -23,7 +26,8 @@ tvi_status WRAP(galerkin_field *field, galerkin_probe *probe, const tvi_passes_r
         const tvi_status status = tvi_galerkin_pass(field, &moved, stats);
         if (status != TVI_OK) return status;
         if (count == 1) pace->first = moved;
-        if (moved == 0 || moved >= before) return TVI_OK;
+        stats->residual = sqrt(moved);
+        if (moved == 0 || (moved >= before && moved <= SMALL * rule->noise)) return TVI_OK;
     }
     return TVI_ENOCONV;
 }
