@@ -8,7 +8,7 @@
 
 enum { LONGRUN_ORBITS_MAX = 1024, LONGRUN_SAMPLES_MAX = 80, LONGRUN_N_MAX = 18, LONGRUN_WINDOW = 256 };
 
-/* The angular momentum is that about the axis of q[2]. */
+/* The angular momentum is that about the axis of q[2], of all bodies of three coordinates, or of one in the plane. */
 typedef enum { LONGRUN_ENERGY, LONGRUN_MOMENTUM, LONGRUN_QUANTITIES } longrun_quantity;
 
 /* How the steps are made: by the library, by the library without its low-order parts, by longrun/rounded.h, by

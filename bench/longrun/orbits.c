@@ -96,19 +96,21 @@ static void orbit_advance(orbit *o, const longrun_line *line, long steps)
     if (status != TVI_OK) experiment_fail(line->scene->name, tvi_status_string(status));
 }
 
-static void measure(const orbit *o, double value[LONGRUN_QUANTITIES])
+static void measure(const orbit *o, int n, double value[LONGRUN_QUANTITIES])
 {
     const tvi_status status = tvi_energy(o->system, o->t, o->q, o->p, &value[LONGRUN_ENERGY]);
     if (status != TVI_OK) experiment_fail("energy", tvi_status_string(status));
-    const long double left = (long double)o->q[0] * o->p[1], right = (long double)o->q[1] * o->p[0];
-    value[LONGRUN_MOMENTUM] = (double)(left - right);
+    long double momentum = 0;
+    for (int i = 0; i + 1 < n; i += 3)
+        momentum += (long double)o->q[i] * o->p[i + 1] - (long double)o->q[i + 1] * o->p[i];
+    value[LONGRUN_MOMENTUM] = (double)momentum;
 }
 
 /* A step and its values. */
 static void step_and_measure(orbit *o, const longrun_line *line, double value[LONGRUN_QUANTITIES])
 {
     orbit_advance(o, line, 1);
-    measure(o, value);
+    measure(o, line->scene->n, value);
 }
 
 /* The means of the values less `start` over the steps of a window, with weights 1 - cos(2 pi i / W); what repeats
@@ -136,7 +138,7 @@ static void orbit_run(const ensemble *all, int k)
     double start[LONGRUN_QUANTITIES], first[LONGRUN_QUANTITIES], now[LONGRUN_QUANTITIES], scatter[LONGRUN_QUANTITIES];
     passes_end_sooner = line->sums == LONGRUN_SOONER;
     orbit_begin(&o, line, all, k);
-    measure(&o, start);
+    measure(&o, line->scene->n, start);
     const double scale[LONGRUN_QUANTITIES] = {fmax(fabs(start[0]), line->scene->energy_scale), fabs(start[1])};
     observe(&o, line, start, first, scatter);
     for (int i = 0; i < LONGRUN_QUANTITIES; i++) series->scatter[i][k] = scatter[i] / scale[i];
