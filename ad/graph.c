@@ -13,7 +13,7 @@ enum { CHUNK = 128 };
 struct jet_graph {
     bool open;
     const char *name;      /* of its outputs */
-    const char *part_name; /* of operations on one node, or NULL */
+    const char *part_name; /* of the operations from part_index on, or NULL */
     int part_index;
     bool out_of_memory; /* some operation was lost: no output is accepted any more */
     int inputs, parameters, count, capacity;
@@ -67,9 +67,10 @@ jet jet_graph_input(const jet_graph *graph, int i) { return jet_of_node(jet_grap
 long jet_graph_collisions(const jet_graph *graph) { return graph->collisions; }
 void jet_graph_close(jet_graph *graph) { graph->open = false; }
 void jet_graph_name(jet_graph *graph, const char *name) { graph->name = name; }
-void jet_graph_name_part(jet_graph *graph, jet x, const char *part)
+void jet_graph_name_part(jet_graph *graph, const char *part)
 {
-    if (x.node && !jet_is_poison(x)) graph->part_index = x.node->index, graph->part_name = part;
+    graph->part_index = graph->count;
+    graph->part_name = part;
 }
 
 const char *jet_graph_part_name(const jet_graph *graph, int *index)

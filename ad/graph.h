@@ -87,9 +87,9 @@ jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
 /* What its outputs are called where they are refused: static text. */
 void jet_graph_name(jet_graph *graph, const char *name);
-/* A quantity that is not the user's own, and what an operation on it is part of where it is refused: static text. */
-void jet_graph_name_part(jet_graph *graph, jet x, const char *part);
-/* Its index and text; NULL where there is none. */
+/* What the operations from here on, which are not the user's own, are part of where they are refused: static text. */
+void jet_graph_name_part(jet_graph *graph, const char *part);
+/* Where they begin, and the text; NULL where there is none. */
 const char *jet_graph_part_name(const jet_graph *graph, int *index);
 void jet_graph_free(jet_graph *graph);
 

@@ -62,7 +62,7 @@ bool jet_refuse_sweep(const jet_tape *tape, double *x, int lanes)
         for (int i = 0; i < run->count * lanes; i++) {
             if (jet_rules[run->op]->value(run->c, 1, a + i, b + i, &z)) continue;
             const int member = i / lanes;
-            const bool is_part = tape->part && tape->recorded[run->a + member] == tape->part_of;
+            const bool is_part = tape->part && tape->recorded[run->z + member] >= tape->part_of;
             (void)jet_refuse(TVI_EDOMAIN, "%s%sjet_%s has no power series at %g: operation %d of the recording",
                              is_part ? tape->part : "", is_part ? ": " : "", names[run->op],
                              operand_of(run, x, lanes, i), tape->recorded[run->z + member]);

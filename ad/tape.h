@@ -58,8 +58,8 @@ typedef struct {
     double *term_coefficient;
     int *output;      /* [outputs] slots */
     int *recorded;    /* [slots] 1, 2, ... in the order of recording; copies 0, inputs less */
-    const char *part; /* what operations on one slot belong to (jet_graph_name_part), or NULL, */
-    int part_of;      /* and its number in `recorded` */
+    const char *part; /* what the last operations belong to (jet_graph_name_part), or NULL, */
+    int part_of;      /* and the number in `recorded` of the first of them */
 } jet_tape;
 
 /* The outputs are accepted by the graph. The first `inputs` inputs of the graph have slots 0..inputs-1; later ones

@@ -82,13 +82,17 @@ typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
  * energy, results and events at times t. Methods of type I do not serve it, Stormer-Verlet neither. It shares nothing
  * with the system.
  * g NULL: the automatic one, to the -4 the sum of the fourth powers of the local frequencies, so that h is a phase:
- * (tr (M^-1 V_qq)^2)^(-1/4) of a potential, (tr (J H'')^4 / 2)^(-1/4) of a general Hamiltonian; for Kepler r^(3/2) /
- * 6^(1/4), in the plane 5^(1/4). It depends on no units, and records n^2 second derivatives. It has no value where
- * they are all 0: for one degree of freedom whose force has an inflection give g.
+ * (tr (M^-1 V_qq)^2)^(-1/4) of a potential; for Kepler r^(3/2) / 6^(1/4), in the plane 5^(1/4). Of a Hamiltonian g^-4 =
+ * tr D^2 + (tr C^2)^2 / 4, G = H_pp, C = H_pq - G H_qp G^-1, D = -G (H_qq - H_qp G^-1 H_pq), positive where G is
+ * definite unless both are 0; where G is singular everywhere, tr (J H'')^4 / 2. It depends on no units, masses, linear
+ * point transformations and gauges, and records n^2 second derivatives. It has no value where they are all 0: for one
+ * degree of freedom whose force has an inflection give g. It does not know weak features that are crossed fast: steps
+ * with it are refused from smaller tails on than TVI_MAX_TAIL, unless the options have a max_tail.
  *   TVI_EUNSUPPORTED  a force, a rescaled system, a Lagrangian that is not recognised as separable: write its
  *                     Hamiltonian
- *   TVI_EDOMAIN       g is a number that is not positive; where it is a function, the step is refused with it, and
- *                     tvi_last_error speaks of its jet_sqrt
+ *   TVI_EDOMAIN       g is a number that is not positive, or the automatic one has no value anywhere; where it is a
+ *                     function, the step is refused with it, and tvi_last_error speaks of its jet_sqrt, or of the
+ *                     automatic g
  *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum
  * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
@@ -156,7 +160,8 @@ typedef struct {
     int passes;            /* 0 = until converged; k > 0 = exactly k corrections; TVI_PREDICT_ONLY = none */
     int max_passes;        /* 0 = the library's bound */
     double max_tail;       /* a step whose tvi_stats.tail is larger is refused, and one that changes the energy by what
-                              no step does (docs/stability.md); 0 = TVI_MAX_TAIL; < 0: no step is */
+                              no step does (docs/stability.md); 0 = TVI_MAX_TAIL, with the automatic g of
+                              tvi_system_rescaled less; < 0: no step is */
     const struct tvi_compiled *compiled; /* of the same system and options (tvi_compile); NULL: steps are interpreted */
 } tvi_options;
 

@@ -157,6 +157,14 @@ static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_as
     return TVI_OK;
 }
 
+/* The automatic g does not know all that an orbit meets: 1/32 from order 16 on, below which right steps have larger
+ * tails (docs/adaptive.md). */
+static double default_max_tail(const tvi_options *options, const tvi_system *system)
+{
+    if (!system || !system->is_automatic) return TVI_MAX_TAIL;
+    return fmin(TVI_MAX_TAIL, exp2(3 - fmin(options->order, 16) / 2));
+}
+
 static tvi_status resolve(tvi_options *options, const tvi_system *system, const char **why)
 {
     tvi_status status = check_ranges(options, why);
@@ -168,10 +176,10 @@ static tvi_status resolve(tvi_options *options, const tvi_system *system, const 
         return refuse(TVI_EUNSUPPORTED, "compose_adjoint is for generating functions", why);
     const char *reason = system ? misfit(descriptor, system) : NULL;
     if (reason) return refuse(TVI_EUNSUPPORTED, reason, why);
-    if (options->max_tail == 0) options->max_tail = TVI_MAX_TAIL;
     const bool order_was_asked = options->degree == 0;
     status = resolve_degree(options, descriptor, why);
     if (status != TVI_OK) return status;
+    if (options->max_tail == 0) options->max_tail = default_max_tail(options, system);
     switch (descriptor->quadrature) {
     case TVI_ANY_QUADRATURE: return resolve_any_quadrature(options, order_was_asked, why);
     case TVI_GAUSS_OF_DEGREE: return resolve_gauss_of_degree(options, why);

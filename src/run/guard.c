@@ -185,7 +185,9 @@ JET_INLINE void guard_members(tvi_integrator *it, int width, bool took_series)
         if (it->status[m] != TVI_OK) continue;
         if (tail > *largest) *largest = tail;
         if (!has_small_tail(it, tail)) {
-            it->status[m] = jet_refuse(TVI_ETOOLARGE, "its tail %g is above max_tail = %g", tail, it->options.max_tail);
+            it->status[m] = jet_refuse(
+                TVI_ETOOLARGE, "its tail %g is above max_tail = %g%s", tail, it->options.max_tail,
+                it->stepped->is_automatic ? ": the automatic g is too large here (give a g of your own)" : "");
             continue;
         }
         it->doubts[m] = keeps && !is_sure(it, m, took_series);

@@ -24,13 +24,14 @@ struct tvi_system {
     int n;
     tvi_system *stepped; /* what steps are made of: the system itself; of a rescaled one, K in n + 1 (rescaled.c) */
     tvi_form form;
-    int inputs;       /* q and, unless separable, v or p: where the time stands, if it is used */
-    bool uses_time;   /* the field depends on t */
-    bool is_driven;   /* there are forces in the field that the energy does not give */
-    double *mass;     /* [n], separable only */
-    bool regular;     /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
-    jet_graph *graph; /* closed; kept so that jets that outlive it are recognised, and for the lift */
-    jet *field;       /* [inputs] the outputs of the field, in the graph */
+    int inputs;        /* q and, unless separable, v or p: where the time stands, if it is used */
+    bool uses_time;    /* the field depends on t */
+    bool is_driven;    /* there are forces in the field that the energy does not give */
+    double *mass;      /* [n], separable only */
+    bool regular;      /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
+    bool is_automatic; /* K of a system whose user gave no g */
+    jet_graph *graph;  /* closed; kept so that jets that outlive it are recognised, and for the lift */
+    jet *field;        /* [inputs] the outputs of the field, in the graph */
     jet_tape *field_series;
     jet_tape *field_values;
     jet_tape *

@@ -1,6 +1,7 @@
 /* problems.c - see rescaled.h. */
 #include "rescaled.h"
 #include "scenes/hard.h"
+#include "system/system.h"
 
 #include <math.h>
 
@@ -58,6 +59,26 @@ tvi_system *rescaled_system(int n, const double mass[], tvi_potential_fn *potent
     ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, g, NULL), TVI_OK);
     tvi_system_free(base);
     return rescaled;
+}
+
+tvi_system *rescaled_hamiltonian(int n, tvi_hamiltonian_fn *H, void *ctx)
+{
+    tvi_system *base, *rescaled;
+    ck_assert_int_eq(tvi_system_hamiltonian(&base, n, H, ctx), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, NULL, NULL), TVI_OK);
+    tvi_system_free(base);
+    return rescaled;
+}
+
+double scale_at(const tvi_system *rescaled, const state *x)
+{
+    const int n = tvi_system_dimension(rescaled);
+    double q[MOST_N + 1], p[MOST_N + 1], v[MOST_N + 1], H;
+    for (int i = 0; i < n; i++) q[i] = x->q[i], p[i] = x->p[i];
+    ck_assert_int_eq(tvi_energy(rescaled, x->t, x->q, x->p, &H), TVI_OK);
+    q[n] = x->t, p[n] = -H;
+    ck_assert_int_eq(tvi_velocity(rescaled->stepped, 0, q, p, v), TVI_OK);
+    return v[n];
 }
 
 run open_run(tvi_system *system, const char *method, int order, const state *start)

@@ -7,6 +7,7 @@
 #include <check.h>
 
 Suite *suite_scale(void);
+Suite *suite_automatic(void);
 Suite *suite_structure(void);
 Suite *suite_orders(void);
 Suite *suite_times(void);
@@ -46,8 +47,12 @@ typedef struct {
 
 /* Both end the test where they fail; of open_rescaled the base is freed. method NULL: the default. */
 tvi_system *rescaled_system(int n, const double mass[], tvi_potential_fn *potential, tvi_rescale_fn *g);
+/* With the automatic g. */
+tvi_system *rescaled_hamiltonian(int n, tvi_hamiltonian_fn *H, void *ctx);
 run open_run(tvi_system *system, const char *method, int order, const state *start);
 run open_kepler(double e, tvi_rescale_fn *g, const char *method, int order);
+/* g at a state: dt/ds = K_e. */
+double scale_at(const tvi_system *rescaled, const state *x);
 void close_run(run *r);
 tvi_status run_steps(run *r, double h, long steps);
 

@@ -117,7 +117,7 @@ START_TEST(systems)
     system = rescale(system, NULL, NULL);
     ck_assert_int_eq(tvi_system_dimension(system), 1);
     refuse(system, NULL, NULL, TVI_EUNSUPPORTED, "rescaled already");
-    refuse(of_potential(slope), NULL, NULL, TVI_EDOMAIN, "K = g (H + e)");
+    refuse(of_potential(slope), NULL, NULL, TVI_EDOMAIN, "K = g (H + e): the automatic g has no value (give a g");
 }
 END_TEST
 

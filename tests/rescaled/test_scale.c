@@ -1,21 +1,8 @@
 /* test_scale.c - the automatic time scale, against closed forms, other coordinates and other units. */
 #include "rescaled.h"
-#include "system/system.h"
 
 #include <float.h>
 #include <math.h>
-
-/* g at a state: dt/ds = K_e. */
-static double scale_at(const tvi_system *rescaled, const state *x)
-{
-    const int n = tvi_system_dimension(rescaled);
-    double q[MOST_N + 1], p[MOST_N + 1], v[MOST_N + 1], H;
-    for (int i = 0; i < n; i++) q[i] = x->q[i], p[i] = x->p[i];
-    ck_assert_int_eq(tvi_energy(rescaled, x->t, x->q, x->p, &H), TVI_OK);
-    q[n] = x->t, p[n] = -H;
-    ck_assert_int_eq(tvi_velocity(rescaled->stepped, 0, q, p, v), TVI_OK);
-    return v[n];
-}
 
 static jet kepler_in_space(const jet q[], jet t, void *ctx)
 {
@@ -57,30 +44,6 @@ START_TEST(automatic_of_springs)
     ck_assert_int_eq(tvi_system_potential(&base, 2, mass, springs, mass), TVI_OK);
     ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, NULL, NULL), TVI_OK);
     ck_assert_double_eq_tol(scale_at(rescaled, &x), pow(97, -0.25), 1e-15);
-    tvi_system_free(rescaled);
-    tvi_system_free(base);
-}
-END_TEST
-
-/* Kepler where q = Q + P / 4, p = P: linear and canonical, and no longer separable. */
-static jet sheared(const jet Q[], const jet P[], jet t, void *ctx)
-{
-    jet q[2];
-    for (int i = 0; i < 2; i++) q[i] = jet_add(Q[i], jet_mul(0.25, P[i]));
-    return jet_add(jet_mul(0.5, jet_dot(P, P, 2)), kepler(q, t, ctx));
-}
-
-START_TEST(automatic_of_a_hamiltonian)
-{
-    tvi_system *base, *rescaled;
-    ck_assert_int_eq(tvi_system_hamiltonian(&base, 2, sheared, NULL), TVI_OK);
-    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, NULL, NULL), TVI_OK);
-    for (int k = 1; k < 64; k++) {
-        state x = kepler_at(0.9, 0.1 * k);
-        const double expected = pow(hypot(x.q[0], x.q[1]), 1.5) * pow(5, -0.25);
-        for (int i = 0; i < 2; i++) x.q[i] -= 0.25 * x.p[i];
-        ck_assert_double_eq_tol(scale_at(rescaled, &x) / expected, 1, 2e-14);
-    }
     tvi_system_free(rescaled);
     tvi_system_free(base);
 }
@@ -191,7 +154,6 @@ Suite *suite_scale(void)
     TCase *tests = tcase_create("automatic");
     tcase_add_test(tests, automatic_of_kepler);
     tcase_add_test(tests, automatic_of_springs);
-    tcase_add_test(tests, automatic_of_a_hamiltonian);
     tcase_add_loop_test(tests, units_do_not_matter, 0, 4);
     tcase_add_test(tests, a_floor_helps_one_and_harms_the_other);
     suite_add_tcase(suite, tests);
