@@ -391,16 +391,25 @@ inline tvi_options options(const std::string &name, int order)
     return found;
 }
 
+/* tvi_suggest_step_seen */
+template <class Q, class P>
+double suggest_step(const system &of, const tvi_options &options, double t, const Q &q, const P &p, double duration,
+                    double error, double &seen)
+{
+    const std::size_t n = static_cast<std::size_t>(of.dimension());
+    double h = 0;
+    detail::check(tvi_suggest_step_seen(of.get(), &options, t, detail::data_of("q", n, q), detail::data_of("p", n, p),
+                                        duration, error, &h, &seen));
+    return h;
+}
+
 /* tvi_suggest_step */
 template <class Q, class P>
 double suggest_step(const system &of, const tvi_options &options, double t, const Q &q, const P &p, double duration,
                     double error)
 {
-    const std::size_t n = static_cast<std::size_t>(of.dimension());
-    double h = 0;
-    detail::check(tvi_suggest_step(of.get(), &options, t, detail::data_of("q", n, q), detail::data_of("p", n, p),
-                                   duration, error, &h));
-    return h;
+    double seen = 0;
+    return suggest_step(of, options, t, q, p, duration, error, seen);
 }
 
 /* Compiled code for the system and the options, to be their `compiled`: options.compiled = code.get(). */

@@ -116,7 +116,8 @@ do-generated-few: $(GENERATED)
 # damaged in eight ways, steps of all forms' generated code allocate nothing. They guard what changes rarely, at length.
 check-thorough: ; $(REPORT) "tests of which make check has a share" $(DO)
 do-thorough: export TVI_TESTS = all
-do-thorough: $(addprefix $(BUILD)/check/,library generating stability)
+do-thorough: $(addprefix $(BUILD)/check/,events library generating stability)
+	tests/suites.sh 'suggested steps of eccentric orbits' $(BUILD)/check/events
 	tests/suites.sh faults $(BUILD)/check/library
 	tests/suites.sh states $(BUILD)/check/generating
 	tests/suites.sh equilibria/springs $(BUILD)/check/stability

@@ -1,8 +1,8 @@
 /* suggest.c - what runs reach with the step of tvi_suggest_step, and what it costs to find: one method on every scene,
  * hard ones rescaled with their own time scale. Writes a table of docs/choosing.md, and says of how many of its cells
  * what was wanted holds. Each says so:
- *   held     the error lies between a hundredth of the wanted one and the wanted one
- *   longest  it is smaller, but a step a fourth longer is refused, or makes more than was wanted
+ *   held     the error is at most the wanted one, and a step twice as long is refused, or makes more
+ *   short    it is that, and a step twice as long keeps the error, too
  *   refused  no step is suggested, with a reason
  *   missed
  *
@@ -28,8 +28,8 @@ typedef struct {
 } trip;
 
 /* Of cells. */
-enum { HELD, LONGEST, REFUSED, MISSED, VERDICTS };
-static const char *const verdicts[] = {"held", "longest", "refused", "missed"};
+enum { HELD, SHORT, REFUSED, MISSED, VERDICTS };
+static const char *const verdicts[] = {"held", "short", "refused", "missed"};
 typedef struct {
     int of[VERDICTS];
 } count;
@@ -81,9 +81,8 @@ static int judge(const trip *to, double h, double error, double reached)
     long steps;
     tvi_status status;
     if (reached > error) return MISSED;
-    if (reached >= error / 100) return HELD;
-    const bool is_whole = fabs(h) >= to->s->t_end / 2; /* of a run of one step or two none is longer */
-    return is_whole || reached_with(to, 1.25 * h, &steps, &status) > error ? LONGEST : MISSED;
+    const bool is_whole = 2 * fabs(h) > to->s->t_end; /* of a run of one step or two none is twice as long */
+    return is_whole || reached_with(to, 2 * h, &steps, &status) > error ? HELD : SHORT;
 }
 
 static void write_cell(const trip *to, double error, count *cells, FILE *out)

@@ -64,7 +64,9 @@ static tvi_status find_rates(tvi_pair *w)
 static tvi_status step(tvi_pair *w, tvi_orbit *o, double h)
 {
     w->made++;
-    return tvi_step(o->steps, h, &o->t, o->q, o->p);
+    const tvi_status status = tvi_step(o->steps, h, &o->t, o->q, o->p);
+    if (status == TVI_ENOMEM) w->lacks_memory = true;
+    return status;
 }
 
 tvi_status tvi_pair_advance(tvi_pair *w, double h)
@@ -108,6 +110,19 @@ double tvi_pair_distance(tvi_pair *w)
     w->fastest = fmax(w->fastest, d.fastest);
     const bool is_fast = d.fastest > FAST * w->fastest;
     return is_fast ? fmax(d.largest, fabs(d.along / d.square) * w->fastest) : d.largest;
+}
+
+tvi_status tvi_pair_shift(tvi_pair *w, const double *state, double h, double shift, double *apart)
+{
+    tvi_orbit *a = &w->whole, *b = &w->halves;
+    *apart = 0;
+    tvi_pair_begin(w, state);
+    b->t += shift;
+    if (step(w, a, h) == TVI_OK && step(w, b, h) == TVI_OK && find_rates(w) == TVI_OK) {
+        b->t -= shift;
+        *apart = tvi_pair_distance(w);
+    }
+    return w->lacks_memory ? TVI_ENOMEM : TVI_OK;
 }
 
 /* ---- Stretch ----------------------------------------------------------------------------------------------------- */

@@ -18,6 +18,7 @@ typedef struct {
     double fastest;          /* of its rates, relative to the sizes */
     double apart;            /* the distance when last measured */
     long made;               /* steps of both */
+    bool lacks_memory;       /* where that failed one */
 } tvi_pair;
 
 /* Opens and closes; what was not opened is closed too. */
@@ -29,6 +30,10 @@ void tvi_pair_begin(tvi_pair *pair, const double *state);
 
 /* By one step of h, and by two of h/2. */
 TVI_NODISCARD tvi_status tvi_pair_advance(tvi_pair *pair, double h);
+
+/* A step of h from state, and the same at a time that is later by shift: how far apart they end. TVI_ENOMEM; where a
+ * step fails, 0. */
+TVI_NODISCARD tvi_status tvi_pair_shift(tvi_pair *pair, const double *state, double h, double shift, double *apart);
 
 /* The largest distance of a coordinate or momentum, relative to the sizes; apart is set to it. A rescaled orbit is fast
  * at some places, where steps may miss what is along it: returns how far the orbits would be apart there, if that is

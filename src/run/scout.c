@@ -17,6 +17,8 @@ static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, 
 static const double MUCH_HARDER = 0.9;
 /* The part of the energy that the first one may change. */
 static const double MOST_CHANGE = 0.1;
+/* How far apart its halves may end, as a part of the largest coordinate or momentum. */
+static const double MOST_APART = 0.25;
 /* The error that a step of given size makes, as a power of the scale; and at least, relative to the hardest place. */
 static const double POWER = 4, LEAST_WEIGHT = 0.02;
 
@@ -66,37 +68,63 @@ static double learn(tvi_scout *s, const tvi_orbit *o, double h, bool is_rest)
 }
 
 /* The next step, of size h or less. Returns the size of the one after it, or of another trial. */
-static double advance(tvi_scout *s, tvi_orbit *o, double h, double left, tvi_status *status)
+static double advance(tvi_scout *s, tvi_orbit *o, double h, double left)
 {
     const bool is_rest = !tvi_is_rescaled(o->steps) && fabs(left) <= fabs(h);
     const double size = is_rest ? left : h;
     keep_state(s, o);
     s->made++;
     if (tvi_is_rescaled(o->steps)) tvi_integrator_reset(o->steps); /* to the energy that its state has */
-    *status = tvi_step(o->steps, size, &o->t, o->q, o->p);
-    if (*status != TVI_OK) return size * (s->count == 0 ? FIRST_FAILS : FAILS);
+    s->status = tvi_step(o->steps, size, &o->t, o->q, o->p);
+    if (s->status != TVI_OK) return size * (s->count == 0 ? FIRST_FAILS : FAILS);
     const bool may_try = s->count > 0 || s->made < TVI_SCOUT_STEPS / 2;
     if (tvi_integrator_stats(o->steps)->tail <= MOST_TAIL || !may_try) return learn(s, o, size, is_rest);
     tvi_integrator_take_back(o->steps, &o->t, o->q, o->p);
     return scale_of(o, size);
 }
 
+/* Whether two halves of the first step end about where it does: relative to where they are. */
+static bool keeps_to_halves(tvi_scout *s, tvi_orbit *o)
+{
+    const int n = s->n;
+    const double *const end = s->states + 2 * n + 1;
+    double size[2] = {0, 0}, apart[2] = {0, 0};
+    keep_state(s, o);
+    tvi_orbit_set(o, n, s->states);
+    for (int half = 0; half < 2 && s->status == TVI_OK; half++) {
+        s->made++;
+        s->status = tvi_step(o->steps, s->place[1] / 2, &o->t, o->q, o->p);
+    }
+    for (int i = 0; i < 2 * n; i++) {
+        const double x = i < n ? o->q[i] : o->p[i - n];
+        apart[i / n] = fmax(apart[i / n], fabs(x - end[i]));
+        size[i / n] = fmax(size[i / n], fmax(fabs(x), fabs(s->states[i])));
+    }
+    tvi_orbit_set(o, n, end);
+    return s->status == TVI_OK && apart[0] <= MOST_APART * size[0] && apart[1] <= MOST_APART * size[1];
+}
+
 /* Whether the first step keeps the energy, if the run does: one that is so large that its nodes are all far away, where
- * no force is, has no tail. Relative to p.dq/dt where the energy is about 0. */
-static bool keeps_energy(const tvi_scout *s, const tvi_orbit *o)
+ * no force is, has no tail, nor have its halves. Relative to p.dq/dt where the energy is about 0; p from both ends, as
+ * one may be at rest. */
+static bool keeps_energy(tvi_scout *s, tvi_orbit *o)
 {
     const tvi_system *system = o->steps->system;
     const double *const q = s->states, *const p = q + s->n, t = q[2 * s->n];
     double before, after, action = 0;
-    if (system->uses_time || system->is_driven || tvi_energy(system, t, q, p, &before) != TVI_OK) return true;
-    if (tvi_energy(system, o->t, o->q, o->p, &after) != TVI_OK) return false;
-    for (int i = 0; i < s->n; i++) action += fabs(p[i] * (o->q[i] - q[i]));
+    if (system->uses_time || system->is_driven) return keeps_to_halves(s, o);
+    const tvi_status first = tvi_energy(system, t, q, p, &before);
+    s->status = first == TVI_OK ? tvi_energy(system, o->t, o->q, o->p, &after) : first;
+    if (s->status == TVI_ENOMEM) return true;
+    if (first != TVI_OK) return keeps_to_halves(s, o);
+    if (s->status != TVI_OK) return false;
+    for (int i = 0; i < s->n; i++) action += (fabs(p[i]) + fabs(o->p[i])) * fabs(o->q[i] - q[i]);
     return fabs(after - before) <= MOST_CHANGE * fmax(fabs(before), action / fabs(o->t - t));
 }
 
 /* A first step that is too large may not show it by its tail, but leads astray, where only much shorter ones are right,
  * or where the energy is another one. */
-static bool is_astray(const tvi_scout *s, const tvi_orbit *o, double next)
+static bool is_astray(tvi_scout *s, tvi_orbit *o, double next)
 {
     return s->count == 1 && (fabs(next) < FIRST_FAILS * fabs(s->place[1]) || !keeps_energy(s, o));
 }
@@ -115,17 +143,15 @@ tvi_status tvi_scout_look(tvi_scout *s, tvi_orbit *o, double duration)
 {
     const double start = o->t, end = start + duration;
     double h = duration;
-    tvi_status status = TVI_OK;
     take_sizes(s, o);
-    bool is_blind = false; /* the method has no tail */
-    while (s->made < TVI_SCOUT_STEPS && s->part < 1 && !is_blind) {
-        h = advance(s, o, h, end - o->t, &status);
+    while (s->made < TVI_SCOUT_STEPS && s->part < 1 && !s->is_blind && s->status != TVI_ENOMEM) {
+        h = advance(s, o, h, end - o->t);
         if (is_astray(s, o, h)) h = start_over(s, o);
         s->part = fmin((o->t - start) / duration, 1);
-        is_blind = s->count == 1 && o->steps->options.degree <= 2;
+        s->is_blind = s->count == 1 && o->steps->options.degree <= 2;
     }
     keep_state(s, o);
-    return s->count > 0 ? TVI_OK : status;
+    return s->count > 0 && s->status != TVI_ENOMEM ? TVI_OK : s->status;
 }
 
 double tvi_scout_weight(const tvi_scout *s, double from, double to)

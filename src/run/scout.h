@@ -4,6 +4,8 @@
 
 #include "tvi.h"
 
+#include <stdbool.h>
+
 /* Where an integrator is on an orbit of n coordinates. */
 typedef struct {
     tvi_integrator *steps;
@@ -25,14 +27,16 @@ typedef struct {
     double scale[TVI_SCOUT_STEPS]; /* and what step just resolves the orbit there; the shortest is that of */
     int hardest;
     double part;           /* of the run that is behind it */
+    bool is_blind;         /* the method has no tail: one step, which need not resolve anything */
     double size_q, size_p; /* the largest coordinate and momentum */
+    tvi_status status;     /* of the last step */
 } tvi_scout;
 
 /* The tail of a step that just resolves the orbit. */
 #define TVI_SCOUT_TAIL 0.003
 
 /* Moves the orbit on, TVI_SCOUT_STEPS steps at most, or to the end of the run. Where no step is right, the status of
- * the last one. */
+ * the last one; TVI_ENOMEM. */
 TVI_NODISCARD tvi_status tvi_scout_look(tvi_scout *scout, tvi_orbit *orbit, double duration);
 
 /* How much of the run's error is made between two places: the way there where the orbit is hardest, less elsewhere. */

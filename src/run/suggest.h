@@ -10,6 +10,7 @@ typedef struct {
     double tried;   /* that of the trial, */
     double reached; /* the part of the duration that it covered, */
     double error;   /* and what it says of the error of a run with it */
+    double seen;    /* the part of the duration that was looked at */
     long steps;     /* made in all, those of half the size included */
 } tvi_suggestion;
 

@@ -18,6 +18,8 @@ Suite *suite_tolerance_runs(void);
 Suite *suite_tolerance_far(void);
 Suite *suite_progress(void);
 Suite *suite_suggest(void);
+Suite *suite_suggest_eccentric(void);
+Suite *suite_suggest_roundoff(void);
 void add_refusals(TCase *tcase); /* to the suite of events */
 
 #endif

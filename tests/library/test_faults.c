@@ -72,6 +72,22 @@ static tvi_status ask_step(const void *argument, bool *cleared)
     return status;
 }
 
+/* A long run that begins where little is felt: the first step is too large, and its energy says so. */
+static jet hole(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_neg(jet_pow(jet_add(1e-4, jet_dot(q, q, 2)), -0.5));
+}
+
+static tvi_status ask_long_step(const void *argument, bool *cleared)
+{
+    const double q[] = {1, 0}, p[] = {0, 0.05};
+    double h = 42, seen = 42;
+    const tvi_status status = tvi_suggest_step_seen(argument, NULL, 0, q, p, 400, 1e-8, &h, &seen);
+    *cleared = h == 42 && seen == 42;
+    return status;
+}
+
 static jet radius(const jet q[], const jet p[], jet t, void *ctx)
 {
     (void)t, (void)ctx;
@@ -192,6 +208,16 @@ START_TEST(questions_without_memory)
     const long of_momentum = fail_each(ask_momentum, system, how), of_velocity = fail_each(ask_velocity, system, how);
     ck_assert_int_ge(of_momentum + of_velocity, by == LAGRANGIAN || by == HAMILTONIAN);
     ck_assert_int_eq(fail_each(ask_step, system, how), by == RESCALED ? 4 : 3);
+    tvi_system_free(system);
+}
+END_TEST
+
+START_TEST(looks_without_memory)
+{
+    tvi_system *system;
+    ck_assert_int_eq(tvi_system_potential(&system, 2, NULL, hole, NULL), TVI_OK);
+    for (int how = FAIL_ONCE; how <= FAIL_ONWARD; how++)
+        ck_assert_int_ge(fail_each(ask_long_step, system, (allocation_failure)how), 5);
     tvi_system_free(system);
 }
 END_TEST
@@ -333,6 +359,7 @@ Suite *suite_faults(void)
     tcase_add_loop_test(systems, events_without_memory, 0, 2);
     tcase_add_loop_test(systems, systems_without_memory, 0, 2 * STATEMENTS);
     tcase_add_loop_test(systems, questions_without_memory, 0, 2 * STATEMENTS);
+    tcase_add_test(systems, looks_without_memory);
     TCase *integrators = add_case(suite, "integrators");
     tcase_add_loop_test(integrators, integrators_without_memory, 0, way_count);
     tcase_add_loop_test(integrators, bytes, 0, way_count);
