@@ -1,6 +1,7 @@
 /* fragments.h - what the fragments of pages stand in: tests/fragments.awk puts it before them. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 #include <tvi.h>
 
 static const double pi = 3.14159;
