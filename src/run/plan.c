@@ -69,7 +69,7 @@ tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
 tvi_run_way tvi_plan_way(const tvi_run_plan *plan)
 {
     if (plan->tolerance != 0) return TVI_BY_TOLERANCE;
-    if (plan->time_count != 0) return TVI_AT_TIMES;
+    if (plan->time_count != 0) return TVI_THROUGH_TIMES;
     return plan->steps != 0 ? TVI_SO_MANY_STEPS : TVI_TO_A_TIME;
 }
 

@@ -73,7 +73,7 @@ static tvi_status set_course(const tvi_integrator *it, const tvi_run_of_one *run
     if (run->way == TVI_BY_TOLERANCE) return tvi_set_course_by_tolerance(it, run->plan, t, course);
     if (h == 0 || !isfinite(h)) return tvi_refuse_run((tvi_run_arguments){it, &t, q, p, h}, "");
     if (run->way == TVI_TO_A_TIME) return tvi_set_course_to_time(it, run->plan, t, is_told(run), course);
-    if (run->way == TVI_AT_TIMES) return set_course_at_times(it, run, t, q, p, course);
+    if (run->way == TVI_THROUGH_TIMES) return set_course_at_times(it, run, t, q, p, course);
     return set_course_in_steps(run, course);
 }
 
@@ -148,7 +148,7 @@ tvi_status tvi_run_one(tvi_integrator *it, const tvi_run_of_one *run, double *t,
     if (status == TVI_OK && (r.course.begins || it->is_telling)) status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;
     tvi_columns_begin(it, &run->columns);
-    return run->way == TVI_AT_TIMES ? run_at_times(&r, t, q, p) : make_steps_of(&r, t, q, p);
+    return run->way == TVI_THROUGH_TIMES ? run_at_times(&r, t, q, p) : make_steps_of(&r, t, q, p);
 }
 
 tvi_status tvi_integrate_events(tvi_integrator *it, double h, long steps, const tvi_event *const events[], int count,

@@ -14,7 +14,7 @@ typedef struct {
 } tvi_audience;
 
 /* How far a run goes. */
-typedef enum { TVI_SO_MANY_STEPS, TVI_TO_A_TIME, TVI_AT_TIMES, TVI_BY_TOLERANCE } tvi_run_way;
+typedef enum { TVI_SO_MANY_STEPS, TVI_TO_A_TIME, TVI_THROUGH_TIMES, TVI_BY_TOLERANCE } tvi_run_way;
 
 /* A run of one integrator. Of the plan's observers none is called but those of the audience. */
 struct tvi_run_of_one {

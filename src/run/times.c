@@ -102,5 +102,5 @@ tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], 
 {
     const tvi_run_plan plan = {.h = h, .times = times, .time_count = count};
     const tvi_audience audience = {.at_time = observer, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_run_of_one){.way = TVI_AT_TIMES, .plan = &plan, .audience = audience}, t, q, p);
+    return tvi_run_one(it, &(tvi_run_of_one){.way = TVI_THROUGH_TIMES, .plan = &plan, .audience = audience}, t, q, p);
 }
