@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-/* The energy of a run: its size where it began, and its value now. */
+/* The energy of a run: its size where it began, its value now, and a size that knows no zero of V (guard.c), or 0. */
 typedef struct {
-    double scale, H;
+    double scale, H, seen;
     long has_scale, is_known; /* H */
 } tvi_kept_energy;
 
