@@ -76,4 +76,7 @@ point start_of_member(const random_run *r, int member);
 /* The plan of a run, with the observers of the notes. */
 tvi_run_plan plan_of(const random_run *r, notes *to);
 
+/* Event i of the run, of some kind, or the one before it once more, to be told at the same time. */
+void make_random_event(random_run *r, int i, uint64_t *bits, bool wants_touching, bool wants_terminal);
+
 #endif

@@ -103,3 +103,43 @@ void close_pairing(run *r, tvi_system *base)
     if (r->system != base) tvi_system_free(r->system);
     tvi_system_free(base);
 }
+
+void start_diary(plan_diary *d, const run *r, int columns)
+{
+    memset(d, 0, sizeof *d);
+    d->it = r->integrator;
+    d->n = tvi_system_dimension(r->system);
+    d->numbers = 2 * d->n * columns;
+    for (int k = 0; k < d->numbers; k++) d->D[k] = 1.0 / (1 + k % 5) - (k % 3);
+}
+
+/* The plan with these, too. */
+tvi_status run_with(run *r, tvi_run_plan plan, int with, tvi_event *const events[2], plan_diary *d)
+{
+    plan.ctx = d;
+    if (with & WITH_EVENTS) {
+        plan.events = (const tvi_event *const *)events;
+        plan.event_count = 2;
+        plan.on_event = see_event;
+    }
+    if (with & WITH_D) plan.D = d->D, plan.columns = COLUMNS;
+    if (with & WITH_STEPS) plan.at_step = see_step;
+    return tvi_run(r->integrator, &plan, &r->x.t, r->x.q, r->x.p);
+}
+
+static bool are_same(const told *a, const told *b, bool has_columns)
+{
+    if (!a || !b) return a == b;
+    return a->which == b->which && same_point(&a->x, &b->x) && (!has_columns || memcmp(a->D, b->D, sizeof a->D) == 0);
+}
+
+/* All of one kind in both are the same, and as many. */
+void expect_same_told(const plan_diary *a, const plan_diary *b, told_kind kind, bool has_columns)
+{
+    const told *x = next_told(a, kind, -1), *y = next_told(b, kind, -1);
+    while (x && are_same(x, y, has_columns)) {
+        x = next_told(a, kind, (int)(x - a->told));
+        y = next_told(b, kind, (int)(y - b->told));
+    }
+    ck_assert_msg(!x && !y, "kind %d differs", (int)kind);
+}

@@ -47,4 +47,13 @@ void close_pairing(run *r, tvi_system *base);
 /* A scale of time, 1 + q^2 / 10. */
 jet wider_scale(const jet q[], const jet p[], jet t, void *ctx);
 
+/* What a run has beside its steps, added up. */
+enum { WITH_EVENTS = 1, WITH_D = 2, WITH_STEPS = 4, ALL = 8, COLUMNS = 2 };
+/* An empty diary of the run, with so many columns of D. */
+void start_diary(plan_diary *d, const run *r, int columns);
+/* The run by the plan with these, too. */
+tvi_status run_with(run *r, tvi_run_plan plan, int with, tvi_event *const events[2], plan_diary *d);
+/* All of one kind in both are the same, and as many. */
+void expect_same_told(const plan_diary *a, const plan_diary *b, told_kind kind, bool has_columns);
+
 #endif

@@ -1,5 +1,5 @@
 /* test_plans.c - runs by a plan: every way goes with events, times, tangent vectors and observers, none of which
- * changes the steps; where runs end, what is refused, and the order that suits a tolerance. */
+ * changes the steps; where runs end, and what is refused. */
 #include "events.h"
 #include "plans.h"
 #include "problems/refusals.h"
@@ -12,7 +12,7 @@
 /* ---- Every way, with everything ---------------------------------------------------------------------------------- */
 
 typedef enum { STEPS, TO, AT, TOLERANCE, WAYS } way_to_go;
-enum { WITH_EVENTS = 1, WITH_D = 2, WITH_STEPS = 4, ALL = 8, STEP_COUNT = 23, RESULTS = 7, COLUMNS = 2 };
+enum { STEP_COUNT = 23, RESULTS = 7 };
 
 /* The plan of a way, from t = 0; of 23 steps, the last of them shorter where it goes to a time. */
 static tvi_run_plan plan_of_way(way_to_go way, double h, double times[])
@@ -25,46 +25,6 @@ static tvi_run_plan plan_of_way(way_to_go way, double h, double times[])
     if (way == AT) plan.times = times, plan.time_count = RESULTS, plan.at_time = see_time;
     if (way == TOLERANCE) plan.h = 0, plan.tolerance = 1e-10, plan.largest_step = 1.5 * fabs(h);
     return plan;
-}
-
-static void start_diary(plan_diary *d, const run *r, int columns)
-{
-    memset(d, 0, sizeof *d);
-    d->it = r->integrator;
-    d->n = tvi_system_dimension(r->system);
-    d->numbers = 2 * d->n * columns;
-    for (int k = 0; k < d->numbers; k++) d->D[k] = 1.0 / (1 + k % 5) - (k % 3);
-}
-
-/* The plan with these, too. */
-static tvi_status run_with(run *r, tvi_run_plan plan, int with, tvi_event *const events[2], plan_diary *d)
-{
-    plan.ctx = d;
-    if (with & WITH_EVENTS) {
-        plan.events = (const tvi_event *const *)events;
-        plan.event_count = 2;
-        plan.on_event = see_event;
-    }
-    if (with & WITH_D) plan.D = d->D, plan.columns = COLUMNS;
-    if (with & WITH_STEPS) plan.at_step = see_step;
-    return tvi_run(r->integrator, &plan, &r->x.t, r->x.q, r->x.p);
-}
-
-static bool are_same(const told *a, const told *b, bool has_columns)
-{
-    if (!a || !b) return a == b;
-    return a->which == b->which && same_point(&a->x, &b->x) && (!has_columns || memcmp(a->D, b->D, sizeof a->D) == 0);
-}
-
-/* All of one kind in both are the same, and as many. */
-static void expect_same_told(const plan_diary *a, const plan_diary *b, told_kind kind, bool has_columns)
-{
-    const told *x = next_told(a, kind, -1), *y = next_told(b, kind, -1);
-    while (x && are_same(x, y, has_columns)) {
-        x = next_told(a, kind, (int)(x - a->told));
-        y = next_told(b, kind, (int)(y - b->told));
-    }
-    ck_assert_msg(!x && !y, "kind %d differs", (int)kind);
 }
 
 /* After each step D is, bit for bit, that of tvi_step_tangent with the size of that step, from the state before it. A
@@ -409,28 +369,6 @@ START_TEST(no_steps_of_roundoff)
 }
 END_TEST
 
-/* N is the least order with e^(2 - 2N) <= tolerance, and at least 2, which "taylor" needs. */
-START_TEST(orders_of_tolerances)
-{
-    static const struct {
-        double tolerance;
-        int order;
-    } known[] = {{1e-6, 8}, {1e-10, 13}, {1e-15, 19}, {DBL_EPSILON, 20}, {0.5, 2}, {1 - DBL_EPSILON / 2, 2}};
-    static const double refused_ones[] = {0, -1e-10, 1, 2, 1e-16, NAN, INFINITY, -INFINITY};
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        ck_assert_int_eq(tvi_taylor_order(known[i].tolerance), known[i].order);
-    for (size_t i = 0; i < sizeof refused_ones / sizeof *refused_ones; i++)
-        ck_assert_int_eq(tvi_taylor_order(refused_ones[i]), 0);
-    for (double tolerance = 0.9; tolerance > DBL_EPSILON; tolerance *= 0.977) {
-        const int N = tvi_taylor_order(tolerance);
-        tvi_options options;
-        ck_assert_double_le(exp(2 - 2 * N), tolerance * (1 + 1e-12));
-        ck_assert(N == 2 || exp(4 - 2 * N) > tolerance * (1 - 1e-12));
-        ck_assert_int_eq(tvi_options_named("taylor", N, &options), TVI_OK);
-    }
-}
-END_TEST
-
 Suite *suite_plans(void)
 {
     Suite *suite = suite_create("plans");
@@ -444,7 +382,6 @@ Suite *suite_plans(void)
     tcase_add_loop_test(tcase, largest_steps, 0, 2);
     tcase_add_loop_test(tcase, no_steps_of_roundoff, 0, 2);
     tcase_add_test(tcase, times_and_events_in_order);
-    tcase_add_test(tcase, orders_of_tolerances);
     suite_add_tcase(suite, tcase);
     return suite;
 }

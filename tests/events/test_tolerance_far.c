@@ -1,9 +1,10 @@
 /* test_tolerance_far.c - runs to a tolerance of bodies that come from afar, where the force is next to nothing beside
- * the state: they feel what they meet. A constant in V changes nothing. */
+ * the state: they feel what they meet. A constant in V changes nothing. The order that suits a tolerance. */
 #include "events.h"
 #include "problems/random.h"
 #include "tolerance.h"
 
+#include <float.h>
 #include <math.h>
 
 static double width, shift;
@@ -114,11 +115,34 @@ START_TEST(bodies_feel_what_they_meet)
 }
 END_TEST
 
+/* N is the least order with e^(2 - 2N) <= tolerance, and at least 2, which "taylor" needs. */
+START_TEST(orders_of_tolerances)
+{
+    static const struct {
+        double tolerance;
+        int order;
+    } known[] = {{1e-6, 8}, {1e-10, 13}, {1e-15, 19}, {DBL_EPSILON, 20}, {0.5, 2}, {1 - DBL_EPSILON / 2, 2}};
+    static const double refused_ones[] = {0, -1e-10, 1, 2, 1e-16, NAN, INFINITY, -INFINITY};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        ck_assert_int_eq(tvi_taylor_order(known[i].tolerance), known[i].order);
+    for (size_t i = 0; i < sizeof refused_ones / sizeof *refused_ones; i++)
+        ck_assert_int_eq(tvi_taylor_order(refused_ones[i]), 0);
+    for (double tolerance = 0.9; tolerance > DBL_EPSILON; tolerance *= 0.977) {
+        const int N = tvi_taylor_order(tolerance);
+        tvi_options options;
+        ck_assert_double_le(exp(2 - 2 * N), tolerance * (1 + 1e-12));
+        ck_assert(N == 2 || exp(4 - 2 * N) > tolerance * (1 - 1e-12));
+        ck_assert_int_eq(tvi_options_named("taylor", N, &options), TVI_OK);
+    }
+}
+END_TEST
+
 Suite *suite_tolerance_far(void)
 {
     Suite *suite = suite_create("tolerance far");
     TCase *tcase = tcase_create("tolerance far");
     tcase_add_loop_test(tcase, bodies_feel_what_they_meet, 0, CASES);
+    tcase_add_test(tcase, orders_of_tolerances);
     suite_add_tcase(suite, tcase);
     return suite;
 }

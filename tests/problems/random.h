@@ -11,4 +11,7 @@ static inline double number_of(uint64_t *bits)
     return (double)(*bits >> 11) * 0x1p-53;
 }
 
+/* 0 to count - 1. */
+static inline int whole(uint64_t *bits, int count) { return (int)(number_of(bits) * count); }
+
 #endif
