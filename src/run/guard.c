@@ -21,19 +21,6 @@ static const double MOST_CHANGE = 0.05;
 /* An energy that is a smaller part of p.dq/dt than this, as that of K = g (H + e), measures nothing; then another part
  * of p.dq/dt does. */
 static const double ROUNDOFF = 64 * DBL_EPSILON, NO_ENERGY = 1e-6, PART_OF_ACTION = 1.0 / 64;
-/* The energy knows the zero of the potential, which is anybody's choice. The parts of a size that does not (below): a
- * step may always change the energy by the first, as none of 2.5 million steps of docs/adaptive.md that did so was
- * wrong; and never by more than the other, where the method has more than one term: steps of order 1 from rest do. */
-static const double LEAST_CHANGE = 0.02, LARGEST_CHANGE = 0.1;
-/* How far ahead, in steps, it is looked for; and a change so small that one seen before serves. */
-static const double NEAREST = 0x1p-4, FARTHEST = 0x1p12, SMALL_CHANGE = 0.005;
-enum { NOISE_SAMPLES = 4 };
-
-/* Forces of one term, as those of a single node, have the tail 0, which shows nothing. */
-static bool shows_tail(const tvi_integrator *it, bool took_series)
-{
-    return it->options.degree > (took_series ? 2 : 1);
-}
 
 static bool keeps_energy(const tvi_integrator *it)
 {
@@ -108,76 +95,9 @@ static double roundoff_of(const tvi_integrator *it, int m)
     return ROUNDOFF * sum / fabs(dq[end + m]);
 }
 
-/* What the roundoff of the energy is, where large terms cancel, as those of a constant: H where the step starts, and by
- * how much it changes when each component of the state moves by its last place, one way or the other. */
-static double noise_of(tvi_integrator *it, int m, double before)
-{
-    const int n = it->system->n, width = it->width;
-    double noise = fabs(before) * DBL_EPSILON;
-    for (unsigned sample = 0; sample < NOISE_SAMPLES; sample++) {
-        unsigned signs = (sample + 1) * 0x9e3779b9u;
-        for (int i = 0; i < 2 * n; i++, signs = signs * 1664525u + 1013904223u) {
-            const double *from = i < n ? it->now.q + i * width : it->now.p + (i - n) * width;
-            double *to = i < n ? it->end.q + i * width : it->end.p + (i - n) * width;
-            to[m] = from[m] * (1 + (signs >> 31 ? DBL_EPSILON : -DBL_EPSILON));
-        }
-        it->end.q[n * width + m] = it->now.q[n * width + m];
-        const double H = energy_of(it, m, it->end.q, it->end.p);
-        if (isfinite(H)) noise = fmax(noise, fabs(H - before));
-    }
-    return noise * (ROUNDOFF / DBL_EPSILON);
-}
-
-/* The energy less that of a body at rest in the direction of the step, s times as far: the kinetic energy that one on a
- * straight line would have left there. */
-static double left_at(tvi_integrator *it, int m, double H, double s)
-{
-    const int width = it->width, end = it->system->n * width;
-    for (int k = m; k < end; k += width) {
-        it->end.q[k] = it->now.q[k] + s * it->by.dq[k];
-        it->end.p[k] = 0;
-    }
-    it->end.q[end + m] = it->now.q[end + m];
-    return H - energy_of(it, m, it->end.q, it->end.p);
-}
-
-/* An energy in which the zero of the potential does not show, along the line on (way 1) or back (-1). Where nothing is
- * left of the kinetic energy, the last doubling of the distance shows what binds the body; far away what is left does;
- * and it is at most the mean of the step's kinetic energy and the largest before that. NAN: nothing is known, since the
- * energy is less than that at rest, or nothing changes along the line. */
-static double size_along(tvi_integrator *it, int m, double H, double noise, double way)
-{
-    const double here = left_at(it, m, H, 0), kinetic = action_of(it, m) / 2;
-    double most = here, last = here, taken = 0;
-    bool changes = false;
-    for (double s = NEAREST; s <= FARTHEST && here >= -noise; s *= 2) {
-        const double left = left_at(it, m, H, way * s);
-        taken = isnan(left) ? INFINITY : fabs(last - left);
-        if (!(left >= -noise)) return fmin((kinetic + most) / 2, taken);
-        changes = changes || taken > noise;
-        most = fmax(most, left);
-        last = left;
-    }
-    return changes ? fmin((kinetic + here) / 2, fmax(last, taken)) : NAN;
-}
-
-/* Whether the change of the energy, allowed or not by the size of the energy, is too large. */
-static bool is_too_large(tvi_integrator *it, int m, double before, double change, bool allowed)
-{
-    double *seen = &it->kept[m].seen;
-    if (change <= SMALL_CHANGE * fmin(action_of(it, m) / 4, *seen)) return false;
-    const double noise = noise_of(it, m, before), on = size_along(it, m, before, noise, 1);
-    *seen = isnan(on) ? INFINITY : on;
-    if (isnan(on)) return !allowed;
-    if (change <= LEAST_CHANGE * on + noise) return false;
-    if (!allowed) return true;
-    const double back = size_along(it, m, before, noise, -1);
-    return !isnan(back) && change > LARGEST_CHANGE * fmax(on, back) + noise;
-}
-
 /* Whether the energy becomes `after`, by what no step does. Where it has no value nothing is known, and the next step
  * says so. */
-static bool loses_energy(tvi_integrator *it, int m, double after, bool took_series)
+static bool loses_energy(tvi_integrator *it, int m, double after)
 {
     tvi_kept_energy *kept = &it->kept[m];
     const double before = kept->H;
@@ -186,14 +106,11 @@ static bool loses_energy(tvi_integrator *it, int m, double after, bool took_seri
     kept->H = after;
     const double action = action_of(it, m), of_e = tvi_is_rescaled(it) ? it->by.dp[it->system->n * it->width + m] : 0;
     const double size = kept->scale > NO_ENERGY * action ? fmax(kept->scale, fabs(before)) : PART_OF_ACTION * action;
-    const double change = fabs(after - before + of_e);
-    const bool allowed = change <= MOST_CHANGE * size + roundoff_of(it, m);
-    if (allowed && !(shows_tail(it, took_series) || it->stepper->most_change)) return false;
-    return is_too_large(it, m, before, change, allowed);
+    return fabs(after - before + of_e) > MOST_CHANGE * size + roundoff_of(it, m);
 }
 
 /* Refuses the doubtful members whose energy says that the step is too large. */
-static void look_at_energies(tvi_integrator *it, bool took_series)
+static void look_at_energies(tvi_integrator *it)
 {
     const int width = it->width, n = it->system->n;
     bool has_scales = true, knows_all = true;
@@ -209,7 +126,7 @@ static void look_at_energies(tvi_integrator *it, bool took_series)
     for (int m = 0; m < width; m++) {
         if (!it->doubts[m]) continue;
         if (!it->kept[m].is_known) it->kept[m].H = it->energy_before[m];
-        if (loses_energy(it, m, it->energy_after[m], took_series))
+        if (loses_energy(it, m, it->energy_after[m]))
             it->status[m] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
     }
 }
@@ -228,14 +145,16 @@ static void find_changes(tvi_integrator *it)
         for (int m = 0; m < it->width; m++) it->change[m] = INFINITY;
 }
 
+/* Forces of one term, as those of a single node, have the tail 0, which shows nothing. */
+static bool shows_tail(const tvi_integrator *it, bool took_series)
+{
+    return it->options.degree > (took_series ? 2 : 1);
+}
+
 /* Whether the energy need not be computed. */
 static bool is_sure(const tvi_integrator *it, int m, bool took_series)
 {
-    if (knows_change(it)) {
-        const tvi_kept_energy *kept = &it->kept[m];
-        const double size = fmin(action_of(it, m) / 4, kept->seen);
-        return it->change[m] <= fmin(MOST_CHANGE * kept->scale, LARGEST_CHANGE * size);
-    }
+    if (knows_change(it)) return it->change[m] <= MOST_CHANGE * it->kept[m].scale;
     if (!shows_tail(it, took_series)) return false;
     if (took_series) return it->tail[m] <= SURE_SERIES_TAIL && it->passes[m] <= SURE_SERIES_PASSES;
     return it->tail[m] <= SURE_TAIL && it->passes[m] <= SURE_PASSES;
@@ -275,7 +194,7 @@ JET_INLINE void guard_members(tvi_integrator *it, int width, bool took_series)
         any = any || it->doubts[m];
         if (!it->doubts[m]) it->kept[m].is_known = false;
     }
-    if (any) look_at_energies(it, took_series);
+    if (any) look_at_energies(it);
 }
 
 void tvi_guard_step(tvi_integrator *it, bool took_series)

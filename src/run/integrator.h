@@ -9,9 +9,9 @@
 #include <math.h>
 #include <string.h>
 
-/* The energy of a run: its size where it began, its value now, and a size that knows no zero of V (guard.c), or 0. */
+/* The energy of a run: its size where it began, and its value now. */
 typedef struct {
-    double scale, H, seen;
+    double scale, H;
     long has_scale, is_known; /* H */
 } tvi_kept_energy;
 

@@ -139,8 +139,7 @@ bool tvi_history_is_sound(const tvi_integrator *it)
     bool is_sound = tvi_all_finite(rows + width, now->q) && tvi_all_finite(rows + width, now->q_low) &&
                     tvi_all_finite(rows, now->p) && tvi_all_finite(rows, now->p_low);
     for (int m = 0; m < width; m++)
-        is_sound = is_sound && isfinite(it->kept[m].scale) && it->kept[m].seen >= 0 &&
-                   (!it->kept[m].is_known || isfinite(it->kept[m].H));
+        is_sound = is_sound && isfinite(it->kept[m].scale) && (!it->kept[m].is_known || isfinite(it->kept[m].H));
     bool (*const of_work)(const void *) = batch ? batch->is_sound : it->stepper->is_sound;
     return is_sound && (!of_work || of_work(it->work));
 }
