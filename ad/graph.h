@@ -87,9 +87,9 @@ jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
 /* What its outputs are called where they are refused: static text. */
 void jet_graph_name(jet_graph *graph, const char *name);
-/* What the operations from here on, which are not the user's own, are part of where they are refused: static text. */
+/* Refusals call the operations from here on, which are not the user's own, parts of this: static text. */
 void jet_graph_name_part(jet_graph *graph, const char *part);
-/* Where they begin, and the text; NULL where there is none. */
+/* The text, and the index of the first of these operations; NULL if there are none. */
 const char *jet_graph_part_name(const jet_graph *graph, int *index);
 void jet_graph_free(jet_graph *graph);
 

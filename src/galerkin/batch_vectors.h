@@ -46,7 +46,7 @@ JET_INLINE int count_of_jet_v4(JET_MASK(jet_v4) which) { return -(int)(which[0] 
 #define COUNT(V, which)   count_of_##V(which)
 #define ARE_ALL(V, which) (COUNT(V, which) == sizeof(V) / sizeof(double))
 
-/* As galerkin_batch_loops has them. */
+/* galerkin_batch_loops says what these do. */
 int tvi_galerkin_batch_begin(const galerkin_batch_nodes *nodes, const galerkin_batch_history *last, double h,
                              const double t[], const tvi_status status[], const galerkin_batch_passes *passes);
 int tvi_galerkin_batch_judge(const galerkin_batch_nodes *nodes, const tvi_passes_rule *rule, int count,

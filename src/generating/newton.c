@@ -13,12 +13,13 @@ enum { MAX_REFRESHES = 3 };
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
 #define CONTRACTION 0.5
 
-/* Of the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just contract are there
- * after 53. */
+/* This judges the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just contract
+ * are there after 53. */
 static const tvi_passes_rule of_each = {
     .most = 64, .goal = DBL_EPSILON / 2, .contraction = 1, .stuck = CONTRACTION, .turns = 1};
-/* Of the largest one of a group against the largest unknown. Without a matrix passes are not stuck as long as these
- * settle: what one body hands on to the next in each pass, to bodies that had nothing before, is the last to do so. */
+/* This judges the largest correction of a group against the largest unknown. Without a matrix passes are not stuck as
+ * long as these settle: what one body hands on to the next in each pass, to bodies that had nothing before, is the last
+ * to do so. */
 static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .turns = 2};
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix)

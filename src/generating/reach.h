@@ -45,7 +45,7 @@ static inline double reach_size(const tvi_curve *curve, bool of_momentum, int k)
     return size;
 }
 
-/* What is smaller has lost digits where it was formed, and tells no more than 0. */
+/* A smaller coefficient has lost digits where it was formed, and tells no more than 0. */
 static const double REACH_LEAST = 1e-280;
 
 /* The first one from order k on, before `end`. */

@@ -27,12 +27,12 @@ void tvi_single_prepare(tvi_single *single)
 
 void tvi_gather(int rows, int width, const double *from, int member, double to[])
 {
-    for (int i = 0; i < rows; i++) to[i] = from[i * width + member];
+    for (int i = 0; i < rows; i++) to[i] = from[(size_t)i * (size_t)width + (size_t)member];
 }
 
 void tvi_scatter(int rows, int width, const double from[], int member, double *to)
 {
-    for (int i = 0; i < rows; i++) to[i * width + member] = from[i];
+    for (int i = 0; i < rows; i++) to[(size_t)i * (size_t)width + (size_t)member] = from[i];
 }
 
 bool tvi_single_is_inside(const tvi_single *single, const jet_tape *tape, const double *x, int points, int member)

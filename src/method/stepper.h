@@ -45,9 +45,9 @@ typedef struct {
     void (*put)(void *work, int lane, const void *one);
     /* The lane is as before a first step. NULL: steps leave nothing. */
     void (*forget)(void *work, int lane);
-    /* As that of the stepper. */
+    /* tvi_stepper.is_sound for the history of all lanes. */
     bool (*is_sound)(const void *work);
-    /* As that of the stepper, [width]; NULL: it has none. */
+    /* tvi_stepper.most_change of each lane, [width]; NULL: it has none. */
     void (*most_change)(const void *work, double change[]);
 } tvi_batch_stepper;
 

@@ -253,8 +253,8 @@ tvi_status tvi_ensemble_load(tvi_ensemble *e, const void *buffer, size_t size)
     const char *const misfit = tvi_saved_misfit(&own, buffer, size);
     if (misfit) return jet_refuse(TVI_EINVAL, "%s", misfit);
     if (!are_sound(e, &pieces, buffer)) return jet_refuse(TVI_EINVAL, "the state is damaged");
-    (void)tvi_saved_fault(buffer, size, &who);
-    tvi_saved_read(&pieces, buffer);
+    memcpy(&who, buffer, sizeof who);
+    for (int i = 0; i < pieces.count; i++) tvi_saved_read(&pieces, i, buffer);
     e->before = stats;
     for (int i = 0; i < e->threads; i++) {
         tvi_stats *const all[] = {&e->worker[i].one->stats, &e->worker[i].batch->stats};

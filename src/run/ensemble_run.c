@@ -3,6 +3,7 @@
 #include "run/ensemble.h"
 #include "run/plan.h"
 #include "run/spread.h"
+#include "method/single.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -20,24 +21,6 @@ typedef struct {
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
-static void gather(const turn *r, tvi_worker *w, int member)
-{
-    const size_t members = (size_t)r->e->members;
-    for (int i = 0; i < r->e->n; i++) {
-        w->q[i] = r->q[(size_t)i * members + (size_t)member];
-        w->p[i] = r->p[(size_t)i * members + (size_t)member];
-    }
-}
-
-static void scatter(const turn *r, const tvi_worker *w, int member)
-{
-    const size_t members = (size_t)r->e->members;
-    for (int i = 0; i < r->e->n; i++) {
-        r->q[(size_t)i * members + (size_t)member] = w->q[i];
-        r->p[(size_t)i * members + (size_t)member] = w->p[i];
-    }
-}
-
 static void set_status(const turn *r, int member, tvi_status status)
 {
     r->status[member] = status;
@@ -48,7 +31,8 @@ static void run_member(const turn *r, tvi_worker *w, int member)
 {
     const tvi_ensemble *e = r->e;
     if (r->steps_told > 0 && r->status[member] == TVI_ESTOPPED) return; /* in a piece before this one */
-    gather(r, w, member);
+    tvi_gather(e->n, e->members, r->q, member, w->q);
+    tvi_gather(e->n, e->members, r->p, member, w->p);
     tvi_worker_enter(w, e, member);
     if (e->failed[member] != TVI_OK && tvi_integrator_has(w->one, r->t[member], w->q, w->p)) {
         r->status[member] = e->failed[member];
@@ -61,7 +45,8 @@ static void run_member(const turn *r, tvi_worker *w, int member)
                                 .steps_told = r->steps_told,
                                 .lock = &r->e->told};
     set_status(r, member, tvi_run_member(w->one, &run, &r->t[member], w->q, w->p));
-    scatter(r, w, member);
+    tvi_scatter(e->n, e->members, w->q, member, r->q);
+    tvi_scatter(e->n, e->members, w->p, member, r->p);
     tvi_worker_leave(w, e, member);
 }
 

@@ -107,11 +107,6 @@ void tvi_member_give(const tvi_integrator *integrator, int member, double *t, do
 void tvi_member_copy(tvi_integrator *to, int member_to, const tvi_integrator *from, int member_from);
 /* Makes the parameters of the member those of the blocks of one lane. */
 void tvi_member_lend_parameters(tvi_integrator *integrator, int member);
-/* Rows of [rows][width] and of the member alone. */
-static inline void tvi_member_gather(const tvi_integrator *it, int rows, const double *from, int member, double to[])
-{
-    for (int i = 0; i < rows; i++) to[i] = from[(size_t)i * (size_t)it->width + (size_t)member];
-}
 /* Its energy at (q, p), rows as those of a tvi_run_state. */
 TVI_NODISCARD tvi_status tvi_member_energy(tvi_integrator *integrator, int member, const double *q, const double *p,
                                            double *H);

@@ -2,6 +2,7 @@
  * another. */
 #include "run/guard.h"
 #include "run/integrator.h"
+#include "method/single.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 #include "vector.h"
@@ -98,7 +99,7 @@ void tvi_member_copy(tvi_integrator *to, int member_to, const tvi_integrator *fr
 void tvi_member_lend_parameters(tvi_integrator *it, int member)
 {
     const int count = tvi_system_parameters(it->system);
-    tvi_member_gather(it, count, it->parameters, member, it->lent);
+    tvi_gather(count, it->width, it->parameters, member, it->lent);
     tvi_blocks_set_parameters(it->lone, count, 1, it->lent);
 }
 
@@ -106,8 +107,8 @@ tvi_status tvi_member_energy(tvi_integrator *it, int member, const double *q, co
 {
     const int n = it->system->n;
     const tvi_run_state *alone = &it->alone;
-    tvi_member_gather(it, n + 1, q, member, alone->q);
-    tvi_member_gather(it, n, p, member, alone->p);
+    tvi_gather(n + 1, it->width, q, member, alone->q);
+    tvi_gather(n, it->width, p, member, alone->p);
     if (it->width > 1) {
         tvi_member_lend_parameters(it, member);
         tvi_energy_forget(&it->energy);

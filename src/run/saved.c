@@ -93,11 +93,9 @@ const char *tvi_saved_piece(const tvi_pieces *pieces, int index, const void *buf
     return at;
 }
 
-void tvi_saved_read(const tvi_pieces *pieces, const void *buffer)
+void tvi_saved_read(const tvi_pieces *pieces, int index, const void *buffer)
 {
-    const char *at = tvi_saved_piece(pieces, 0, buffer);
-    for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
-        tvi_arena_copy(pieces->piece[i].data, at, pieces->piece[i].bytes);
+    tvi_arena_copy(pieces->piece[index].data, tvi_saved_piece(pieces, index, buffer), pieces->piece[index].bytes);
 }
 
 bool tvi_stats_are_sound(const void *bytes)

@@ -51,8 +51,8 @@ const char *tvi_saved_fault(const void *buffer, size_t size, tvi_identity *who);
 const char *tvi_saved_misfit(const tvi_identity *own, const void *buffer, size_t size);
 /* Where the bytes of the piece of this index stand in the buffer. */
 const char *tvi_saved_piece(const tvi_pieces *pieces, int index, const void *buffer);
-/* Copies all pieces from a buffer that fits. */
-void tvi_saved_read(const tvi_pieces *pieces, const void *buffer);
+/* Copies this piece from a buffer that fits. */
+void tvi_saved_read(const tvi_pieces *pieces, int index, const void *buffer);
 
 /* Whether bytes from elsewhere are counts that a run may go on from. */
 bool tvi_stats_are_sound(const void *bytes);

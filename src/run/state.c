@@ -38,13 +38,13 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
-/* Loads the history, and takes it back where it is none to go on from. */
-static tvi_status load_history(tvi_integrator *it, const char *history)
+/* Loads the history, which has t, q and p once more, and takes it back where it is none to go on from. */
+static tvi_status load_history(tvi_integrator *it, const tvi_pieces *pieces, const void *buffer)
 {
     char *own = malloc(it->remembered + 1);
     if (!own) return jet_refuse_memory(TVI_ENOMEM);
     tvi_arena_copy(own, it->history, it->remembered);
-    tvi_arena_copy(it->history, history, it->remembered);
+    tvi_saved_read(pieces, HISTORY, buffer);
     const bool is_sound = tvi_history_is_sound(it);
     if (!is_sound) tvi_arena_copy(it->history, own, it->remembered);
     free(own);
@@ -66,9 +66,9 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
         !tvi_stops_are_sound(tvi_saved_piece(&pieces, STOP, buffer), it->system->n, 1) ||
         !tvi_numbers_are_finite(tvi_saved_piece(&pieces, PARAMETERS, buffer), pieces.piece[PARAMETERS].bytes))
         return jet_refuse(TVI_EINVAL, "the state is damaged");
-    const tvi_status status = load_history(it, tvi_saved_piece(&pieces, HISTORY, buffer));
+    const tvi_status status = load_history(it, &pieces, buffer);
     if (status != TVI_OK) return status;
-    tvi_saved_read(&pieces, buffer);
+    for (int i = COUNTS; i < HISTORY; i++) tvi_saved_read(&pieces, i, buffer);
     stats.bytes = it->stats.bytes;
     stats.is_compiled = it->stats.is_compiled;
     it->stats = stats;

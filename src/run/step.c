@@ -3,6 +3,7 @@
 #include "run/advance.h"
 #include "run/guard.h"
 #include "run/integrator.h"
+#include "method/single.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 #include "vector.h"
@@ -73,9 +74,9 @@ static bool starts_finite(tvi_integrator *it, int m)
     const int n = system->n;
     const double t = it->now.q[n * it->width + m];
     tvi_member_lend_parameters(it, m);
-    tvi_member_gather(it, n, it->now.q, m, it->field);
+    tvi_gather(n, it->width, it->now.q, m, it->field);
     for (int i = n; i < system->inputs; i++) it->field[i] = 0;
-    if (system->form == TVI_HAMILTONIAN) tvi_member_gather(it, n, it->now.p, m, it->field + n);
+    if (system->form == TVI_HAMILTONIAN) tvi_gather(n, it->width, it->now.p, m, it->field + n);
     tvi_system_set_time(system, it->field, 1, &t);
     bool is_finite = tape->interpreted->values(tape, it->field, 1);
     for (int i = 0; i < tape->outputs; i++) is_finite = is_finite && isfinite(it->field[tape->output[i]]);

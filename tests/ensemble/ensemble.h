@@ -43,16 +43,16 @@ typedef struct {
     int members;
     double t[MOST], q[N * MOST], p[N * MOST], D[ROWS * COLUMNS * MOST];
     tvi_status status[MOST];
-} crowd;
-void start_crowd(crowd *c, int members, int first);
+} group;
+void start_group(group *c, int members, int first);
 /* A value of the parameter of each. */
 void set_values(tvi_ensemble *ensemble, int members, int first);
 double value_of(int orbit);
 
 /* Member `a` of one is bit for bit member `b` of the other. */
-void expect_same(const char *what, const crowd *x, int a, const crowd *y, int b);
+void expect_same(const char *what, const group *x, int a, const group *y, int b);
 /* The largest difference of q and p. */
-double distance(const crowd *x, int a, const crowd *y, int b);
+double distance(const group *x, int a, const group *y, int b);
 
 /* One member, by an integrator of its own. */
 typedef struct {
@@ -61,8 +61,8 @@ typedef struct {
 } alone;
 alone start_alone(const tvi_system *system, const tvi_options *options, int orbit);
 void end_alone(alone *a);
-/* As the crowd's member: c is of one member then. */
-crowd *crowd_of(const alone *a, crowd *c);
+/* As the group's member: c is of one member then. */
+group *group_of(const alone *a, group *c);
 
 /* Whether the ensemble steps members in lanes. */
 bool has_lanes(const tvi_ensemble *ensemble);

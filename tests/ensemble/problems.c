@@ -112,7 +112,7 @@ static void start_columns(double D[], size_t stride)
     D[(size_t)((ROWS - 1) * COLUMNS + 1) * stride] = 1;
 }
 
-void start_crowd(crowd *c, int members, int first)
+void start_group(group *c, int members, int first)
 {
     c->members = members;
     for (int m = 0; m < members; m++) {
@@ -137,7 +137,7 @@ static bool same_rows(const double *x, int a, int of, const double *y, int b, in
     return is_same;
 }
 
-void expect_same(const char *what, const crowd *x, int a, const crowd *y, int b)
+void expect_same(const char *what, const group *x, int a, const group *y, int b)
 {
     const int of = x->members, and_of = y->members;
     const bool is_same = same_rows(x->t, a, of, y->t, b, and_of, 1) && same_rows(x->q, a, of, y->q, b, and_of, N) &&
@@ -149,7 +149,7 @@ void expect_same(const char *what, const crowd *x, int a, const crowd *y, int b)
                   tvi_status_string(x->status[a]));
 }
 
-double distance(const crowd *x, int a, const crowd *y, int b)
+double distance(const group *x, int a, const group *y, int b)
 {
     double most = fabs(x->t[a] - y->t[b]);
     for (int i = 0; i < N; i++) {
@@ -172,7 +172,7 @@ alone start_alone(const tvi_system *system, const tvi_options *options, int orbi
 
 void end_alone(alone *a) { tvi_integrator_free(a->integrator); }
 
-crowd *crowd_of(const alone *a, crowd *c)
+group *group_of(const alone *a, group *c)
 {
     c->members = 1;
     c->status[0] = TVI_OK;

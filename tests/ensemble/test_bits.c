@@ -24,11 +24,11 @@ static tvi_ensemble *create(const tvi_system *system, const tvi_options *options
 }
 
 /* Steps of orbits first .. first + members - 1 with parameters of their own, in two runs. */
-static bool run(crowd *c, const tvi_system *system, const tvi_options *options, int members, int threads, int first,
+static bool run(group *c, const tvi_system *system, const tvi_options *options, int members, int threads, int first,
                 tvi_ensemble_observer *observer)
 {
     tvi_ensemble *ensemble = create(system, options, members, threads, first);
-    start_crowd(c, members, first);
+    start_group(c, members, first);
     OK(tvi_ensemble_integrate(ensemble, H, STEPS / 3, c->t, c->q, c->p, c->status, observer, c));
     OK(tvi_ensemble_integrate(ensemble, H, STEPS - STEPS / 3, c->t, c->q, c->p, c->status, observer, c));
     const bool in_lanes = has_lanes(ensemble);
@@ -37,7 +37,7 @@ static bool run(crowd *c, const tvi_system *system, const tvi_options *options, 
     return in_lanes;
 }
 
-static crowd of_one, few, many;
+static group of_one, few, many;
 
 START_TEST(members_are_what_they_are_alone)
 {
@@ -65,9 +65,9 @@ START_TEST(members_are_integrators)
     const bool in_lanes = run(&few, system, &options, 7, 1, 0, NULL);
     for (int m = 0; m < few.members; m++) {
         alone a = start_alone(system, &options, m);
-        start_crowd(&of_one, 1, m);
+        start_group(&of_one, 1, m);
         OK(tvi_integrate(a.integrator, H, STEPS, &a.t, a.q, a.p, NULL, NULL));
-        (void)crowd_of(&a, &of_one);
+        (void)group_of(&a, &of_one);
         if (in_lanes) ck_assert_double_le(distance(&few, m, &of_one, 0), 4e-15);
         else expect_same(forms[_i / method_count].name, &few, m, &of_one, 0);
         end_alone(&a);
@@ -79,7 +79,7 @@ END_TEST
 static int look(long step, int members, const double t[], const double q[], const double p[], const tvi_status status[],
                 void *ctx)
 {
-    const crowd *c = ctx;
+    const group *c = ctx;
     ck_assert(members == c->members && t == c->t && q == c->q && p == c->p && status == c->status && step >= 1);
     return 0;
 }
@@ -118,15 +118,15 @@ START_TEST(a_new_state_is_the_members_own)
     if (!open_pair(_i / 2, &system, &options)) return;
     if (_i % 2 == 1) options.passes = 2;
     tvi_ensemble *ensemble = create(system, &options, 7, 1, 0);
-    start_crowd(&few, 7, 0);
+    start_group(&few, 7, 0);
     OK(tvi_ensemble_integrate(ensemble, H, 8, few.t, few.q, few.p, few.status, NULL, NULL));
-    start_crowd(&of_one, 7, 0);
+    start_group(&of_one, 7, 0);
     few.t[3] = 0;
     for (int i = 0; i < N; i++) few.q[7 * i + 3] = of_one.q[7 * i + 3], few.p[7 * i + 3] = of_one.p[7 * i + 3];
     OK(tvi_ensemble_integrate(ensemble, H, STEPS, few.t, few.q, few.p, few.status, NULL, NULL));
     tvi_ensemble_free(ensemble);
     ensemble = create(system, &options, 7, 1, 0);
-    start_crowd(&many, 7, 0);
+    start_group(&many, 7, 0);
     OK(tvi_ensemble_integrate(ensemble, H, STEPS, many.t, many.q, many.p, many.status, NULL, NULL));
     expect_same("set anew", &few, 3, &many, 3);
     OK(tvi_ensemble_integrate(ensemble, H, 8, many.t, many.q, many.p, many.status, NULL, NULL));

@@ -37,9 +37,9 @@ static bool is_bad(int member)
     return false;
 }
 
-static crowd with, without, one;
+static group with, without, one;
 
-static void spoil(crowd *c)
+static void spoil(group *c)
 {
     for (int k = 0; k < BAD; k++)
         for (int i = 0; i < N; i++) {
@@ -80,8 +80,8 @@ START_TEST(failures_stay_where_they_are)
     OK(tvi_system_potential(&system, N, NULL, potential, NULL));
     ck_assert(has_options(system, &methods[_i], &options));
     tvi_ensemble *ensemble = create(system, &options, 2), *sound = create(system, &options, 1);
-    start_crowd(&with, MEMBERS, 0);
-    start_crowd(&without, MEMBERS, 0);
+    start_group(&with, MEMBERS, 0);
+    start_group(&without, MEMBERS, 0);
     spoil(&with);
     OK(tvi_ensemble_integrate(ensemble, H, STEPS, with.t, with.q, with.p, with.status, NULL, NULL));
     OK(tvi_ensemble_integrate(sound, H, STEPS, without.t, without.q, without.p, without.status, NULL, NULL));
@@ -89,16 +89,16 @@ START_TEST(failures_stay_where_they_are)
         if (!is_bad(m)) expect_same("sound", &with, m, &without, m);
     for (int k = 0; k < BAD; k++) expect_failure(system, &options, k, has_lanes(ensemble));
     /* they are left as they are by the next run, */
-    static crowd before;
+    static group before;
     before = with;
     OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
     for (int k = 0; k < BAD; k++) expect_same("left alone", &with, bad[k].member, &before, bad[k].member);
     /* and go on from another state, as if they had not been before */
     tvi_ensemble_free(sound);
     sound = create(system, &options, 1);
-    start_crowd(&without, MEMBERS, 0);
+    start_group(&without, MEMBERS, 0);
     OK(tvi_ensemble_integrate(sound, H, 1, without.t, without.q, without.p, without.status, NULL, NULL));
-    start_crowd(&with, MEMBERS, 0);
+    start_group(&with, MEMBERS, 0);
     OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
     for (int m = 0; m < MEMBERS; m++) expect_same("set anew", &with, m, &without, m);
     tvi_ensemble_free(sound);
@@ -116,7 +116,7 @@ START_TEST(a_reset_tries_again)
     OK(tvi_system_potential(&system, N, NULL, potential, NULL));
     ck_assert(has_options(system, &methods[0], &options));
     OK(tvi_ensemble_create(&ensemble, system, &options, 2, 1));
-    start_crowd(&with, 2, 0);
+    start_group(&with, 2, 0);
     OK(tvi_ensemble_integrate(ensemble, 40, 1, with.t, with.q, with.p, with.status, NULL, NULL));
     for (int m = 0; m < 2; m++) ck_assert_int_ne(with.status[m], TVI_OK);
     OK(tvi_ensemble_integrate(ensemble, H, 1, with.t, with.q, with.p, with.status, NULL, NULL));
@@ -130,7 +130,7 @@ START_TEST(a_reset_tries_again)
 END_TEST
 
 /* Of members that go by themselves: what each of them counts, and its largest tail. */
-static tvi_stats run_alone(const tvi_system *system, const tvi_options *options, double h, crowd *all, double tail[])
+static tvi_stats run_alone(const tvi_system *system, const tvi_options *options, double h, group *all, double tail[])
 {
     tvi_stats sum = {0};
     for (int m = 0; m < MEMBERS; m++) {
@@ -147,13 +147,13 @@ static tvi_stats run_alone(const tvi_system *system, const tvi_options *options,
     return sum;
 }
 
-static tvi_stats run_together(const tvi_system *system, const tvi_options *options, double h, crowd *all)
+static tvi_stats run_together(const tvi_system *system, const tvi_options *options, double h, group *all)
 {
     tvi_stats stats;
     tvi_ensemble *ensemble = create(system, options, 2);
     ck_assert(has_lanes(ensemble));
     set_values(ensemble, MEMBERS, 0);
-    start_crowd(all, MEMBERS, 0);
+    start_group(all, MEMBERS, 0);
     OK(tvi_ensemble_integrate(ensemble, h, STEPS, all->t, all->q, all->p, all->status, NULL, NULL));
     OK(tvi_ensemble_stats(ensemble, &stats));
     tvi_ensemble_free(ensemble);

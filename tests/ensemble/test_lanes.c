@@ -248,7 +248,7 @@ static jet far_away(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(jet_div(jet_dot(p, p, N), jet_mul(2, mass)), jet_mul(0.5, jet_add(jet_sqr(x), jet_sqr(y))));
 }
 
-static void start_small(crowd *c, int member, int orbit)
+static void start_small(group *c, int member, int orbit)
 {
     const double size = pow(10, -orbit);
     c->t[member] = 0;
@@ -257,7 +257,7 @@ static void start_small(crowd *c, int member, int orbit)
     c->p[member] = c->p[c->members + member] = 0;
 }
 
-static void run_small(const tvi_system *system, const tvi_options *options, crowd *c)
+static void run_small(const tvi_system *system, const tvi_options *options, group *c)
 {
     tvi_ensemble *ensemble;
     OK(tvi_ensemble_create(&ensemble, system, options, c->members, 1));
@@ -272,7 +272,7 @@ enum { BY_THEMSELVES = sizeof by_themselves / sizeof *by_themselves, SMALL = 64,
 /* Their passes end at a roundoff that is measured, of one member alone, while the others go on. */
 START_TEST(small_motions_go_by_themselves)
 {
-    static crowd all, one;
+    static group all, one;
     tvi_system *system;
     tvi_options options;
     OK(tvi_system_hamiltonian(&system, N, far_away, NULL));

@@ -11,7 +11,7 @@ enum { MEMBERS = 5 };
 
 static tvi_system *system_one;
 static tvi_ensemble *ensemble;
-static crowd is, was;
+static group is, was;
 
 static void open_one(void)
 {
@@ -19,7 +19,7 @@ static void open_one(void)
     system_one = system_of(&forms[0]);
     ck_assert(has_options(system_one, &methods[0], &options));
     OK(tvi_ensemble_create(&ensemble, system_one, &options, MEMBERS, 1));
-    start_crowd(&is, MEMBERS, 0);
+    start_group(&is, MEMBERS, 0);
     was = is;
 }
 
@@ -97,12 +97,12 @@ START_TEST(plans_that_are_none)
     expect_refusal(tvi_ensemble_run(ensemble, &plan, is.t, is.q, is.p, is.status), TVI_EINVAL, plans[_i].text);
     tvi_options options;
     alone a;
-    static crowd x, y;
+    static group x, y;
     ck_assert(has_options(system_one, &methods[0], &options));
     a = start_alone(system_one, &options, 0);
-    (void)crowd_of(&a, &x);
+    (void)group_of(&a, &x);
     expect_refusal(tvi_run(a.integrator, &plan, &a.t, a.q, a.p), TVI_EINVAL, plans[_i].text);
-    (void)crowd_of(&a, &y);
+    (void)group_of(&a, &y);
     x.status[0] = y.status[0] = TVI_OK;
     expect_same(plans[_i].text, &x, 0, &y, 0);
     end_alone(&a);

@@ -126,7 +126,7 @@ static const kind kinds[] = {
 };
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
-static crowd all, one;
+static group all, one;
 static diary told[MEMBERS];
 
 static void expect_told(const char *name, int member, const diary *wanted)
@@ -168,14 +168,14 @@ static void run_kind(const kind *as, const tvi_system *system, const tvi_options
     for (int m = 0; m < MEMBERS && plan.D; m++) told[m].number = &all.D[COLUMNS * MEMBERS + m]; /* row 1, column 0 */
     OK(tvi_ensemble_create(&ensemble, system, options, MEMBERS, threads));
     set_values(ensemble, MEMBERS, 0);
-    start_crowd(&all, MEMBERS, 0);
+    start_group(&all, MEMBERS, 0);
     OK(tvi_ensemble_run(ensemble, &plan, all.t, all.q, all.p, all.status));
     for (int m = 0; m < MEMBERS; m++) {
         diary d = {.stop_at = told[m].stop_at};
         alone a = start_alone(system, options, m);
         if (plan.D) d.number = &a.D[COLUMNS];
         const tvi_status status = as->by_itself(&a, &d);
-        (void)crowd_of(&a, &one);
+        (void)group_of(&a, &one);
         one.status[0] = status;
         expect_told(as->name, m, &d);
         calls += d.count;
@@ -210,7 +210,7 @@ START_TEST(runs_follow_each_other)
     ck_assert(has_options(system, &methods[_i], &options));
     OK(tvi_ensemble_create(&ensemble, system, &options, MEMBERS, 1));
     set_values(ensemble, MEMBERS, 0);
-    start_crowd(&all, MEMBERS, 0);
+    start_group(&all, MEMBERS, 0);
     memset(told, 0, sizeof told);
     const tvi_run_plan with_events = plan_of(&kinds[0], NULL, told);
     for (int k = 0; k < 3; k++) {
@@ -220,7 +220,7 @@ START_TEST(runs_follow_each_other)
     for (int m = 0; m < MEMBERS; m++) {
         alone a = start_alone(system, &options, m);
         OK(tvi_integrate(a.integrator, H, 6 * STEPS, &a.t, a.q, a.p, NULL, NULL));
-        ck_assert_double_le(distance(&all, m, crowd_of(&a, &one), 0), 4e-14);
+        ck_assert_double_le(distance(&all, m, group_of(&a, &one), 0), 4e-14);
         ck_assert_int_ge(told[m].count, 4);
         end_alone(&a);
     }
@@ -244,10 +244,10 @@ START_TEST(an_observer_stops_and_changes_columns)
     tvi_system *system = system_of(&forms[0]);
     tvi_options options;
     tvi_ensemble *ensemble;
-    static crowd plain;
+    static group plain;
     ck_assert(has_options(system, &methods[0], &options));
     for (int k = 0; k < 2; k++) {
-        crowd *c = k ? &plain : &all;
+        group *c = k ? &plain : &all;
         const tvi_ensemble_plan plan = {.h = H,
                                         .steps = k ? STEPS / 2 : STEPS,
                                         .D = c->D,
@@ -255,7 +255,7 @@ START_TEST(an_observer_stops_and_changes_columns)
                                         .observer = k ? NULL : halve,
                                         .ctx = c->D};
         OK(tvi_ensemble_create(&ensemble, system, &options, MEMBERS, 2));
-        start_crowd(c, MEMBERS, 0);
+        start_group(c, MEMBERS, 0);
         ck_assert_int_eq(tvi_ensemble_run(ensemble, &plan, c->t, c->q, c->p, c->status), k ? TVI_OK : TVI_ESTOPPED);
         tvi_ensemble_free(ensemble);
     }
@@ -305,7 +305,7 @@ START_TEST(an_observer_of_all_with_events)
     tvi_run_plan plan = {.h = H, .steps = STEPS, .event_count = 2, .events = (const tvi_event *const *)events};
     plan.on_event = stop_member, plan.at_step = count_member, plan.observer = count_all, plan.ctx = &c;
     OK(tvi_ensemble_create(&ensemble, system, &options, MEMBERS, 1));
-    start_crowd(&all, MEMBERS, 0);
+    start_group(&all, MEMBERS, 0);
     OK(tvi_ensemble_run(ensemble, &plan, all.t, all.q, all.p, all.status));
     ck_assert_int_eq(c.steps, STEPS);
     for (int m = 0; m < MEMBERS; m++) {

@@ -7,7 +7,7 @@
 
 enum { MEMBERS = 11, STEPS = 20, BAD = 5 };
 
-static crowd through, parted, last;
+static group through, parted, last;
 
 static tvi_ensemble *create(const tvi_system *system, const tvi_options *options, int members, int threads)
 {
@@ -17,15 +17,15 @@ static tvi_ensemble *create(const tvi_system *system, const tvi_options *options
     return ensemble;
 }
 
-static void go(tvi_ensemble *ensemble, crowd *c)
+static void go(tvi_ensemble *ensemble, group *c)
 {
     OK(tvi_ensemble_integrate(ensemble, H, STEPS, c->t, c->q, c->p, c->status, NULL, NULL));
 }
 
 /* With a member that has failed. */
-static void start(crowd *c)
+static void start(group *c)
 {
-    start_crowd(c, MEMBERS, 0);
+    start_group(c, MEMBERS, 0);
     c->q[MEMBERS + BAD] = 1e9;
 }
 
@@ -52,7 +52,7 @@ START_TEST(runs_go_on)
         OK(tvi_ensemble_create(&second, system, &options, MEMBERS, 3));
         ck_assert_int_eq(tvi_ensemble_last(second, last.t, last.q, last.p, last.status), TVI_EINVAL);
         OK(tvi_ensemble_load(second, bytes, size));
-        start_crowd(&last, MEMBERS, 0);
+        start_group(&last, MEMBERS, 0);
         OK(tvi_ensemble_last(second, last.t, last.q, last.p, last.status));
         go(second, &last);
         for (int m = 0; m < MEMBERS; m++) expect_same("after a load", &last, m, &through, m);
@@ -99,7 +99,7 @@ START_TEST(others_are_refused)
     tvi_system *system = system_of(&forms[0]);
     ck_assert(has_options(system, &methods[0], &options));
     tvi_ensemble *ensemble = create(system, &options, MEMBERS, 1);
-    start_crowd(&through, MEMBERS, 0);
+    start_group(&through, MEMBERS, 0);
     go(ensemble, &through);
     char *bytes = save(ensemble, &size);
     for (size_t k = 0; k < sizeof others / sizeof *others; k++) {

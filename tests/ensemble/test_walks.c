@@ -25,7 +25,7 @@ static const struct {
 enum { WALKS = sizeof walks / sizeof *walks };
 
 /* The energy and the angular momentum of a member. */
-static void find_quantities(const tvi_system *system, const crowd *c, int m, double out[QUANTITIES])
+static void find_quantities(const tvi_system *system, const group *c, int m, double out[QUANTITIES])
 {
     const double q[] = {c->q[m], c->q[c->members + m]}, p[] = {c->p[m], c->p[c->members + m]};
     OK(tvi_energy(system, 0, q, p, &out[0]));
@@ -33,7 +33,7 @@ static void find_quantities(const tvi_system *system, const crowd *c, int m, dou
 }
 
 /* With a reset before every step nothing is carried on from one step to the next. */
-static void run_in_lanes(const tvi_system *system, const tvi_options *options, int row, bool resets, crowd *c)
+static void run_in_lanes(const tvi_system *system, const tvi_options *options, int row, bool resets, group *c)
 {
     const long calls = resets ? STEPS : 1;
     tvi_ensemble *ensemble;
@@ -46,7 +46,7 @@ static void run_in_lanes(const tvi_system *system, const tvi_options *options, i
     tvi_ensemble_free(ensemble);
 }
 
-static void run_by_integrators(const tvi_system *system, const tvi_options *options, int row, bool resets, crowd *c)
+static void run_by_integrators(const tvi_system *system, const tvi_options *options, int row, bool resets, group *c)
 {
     const long calls = resets ? STEPS : 1;
     for (int m = 0; m < c->members; m++) {
@@ -66,7 +66,7 @@ static void run_by_integrators(const tvi_system *system, const tvi_options *opti
 static void find_errors(const tvi_system *system, const tvi_options *options, int row, bool resets,
                         sample errors[QUANTITIES])
 {
-    static crowd c;
+    static group c;
     static double starts[ORBITS][QUANTITIES];
     c.members = ORBITS;
     for (int m = 0; m < ORBITS; m++) {
