@@ -35,12 +35,17 @@ JET_INLINE void linear_swap(double *x, double *y)
     *y = kept;
 }
 
-/* Column j of what follows. */
+/* Column j of what follows. A pivot on the diagonal stays where no other is twice as large: an exchange mixes rows of
+ * different units where these are scaled alike by chance, and the small unknown gets the roundoff of the large one. */
 JET_INLINE void linear_small_eliminate(int n, int j, double a[], int pivot[])
 {
     int largest = j;
+    double most = 2 * fabs(a[j + j * n]);
     for (int i = j + 1; i < n; i++)
-        if (fabs(a[i + j * n]) > fabs(a[largest + j * n])) largest = i;
+        if (fabs(a[i + j * n]) > most) {
+            most = fabs(a[i + j * n]);
+            largest = i;
+        }
     pivot[j] = largest + 1;
     if (a[largest + j * n] == 0) return;
     for (int k = 0; largest != j && k < n; k++) linear_swap(&a[j + k * n], &a[largest + k * n]);

@@ -180,6 +180,21 @@ START_TEST(small_unknowns_have_their_own_roundoff)
 }
 END_TEST
 
+/* Two of other units whose rows and columns happen to be scaled alike: the Jacobian of a step of a light oscillator. */
+START_TEST(small_unknown_of_an_even_scale_has_its_own_roundoff)
+{
+    static const double A[] = {0.989, -0.997, -2.99e-40, 0.989};
+    open_factor f = open_of_size(2);
+    double x[] = {-1.06e-35, -6.7e-16};
+    memcpy(f.factor.lu, A, sizeof A);
+    ck_assert_int_eq(tvi_factor_compute(&f.factor), TVI_OK);
+    tvi_factor_solve_transposed(&f.factor, x);
+    const double whole = A[0] * A[3] - A[1] * A[2], right = (A[3] * -1.06e-35 - A[2] * -6.7e-16) / whole;
+    ck_assert_double_eq_tol(x[0], right, 8 * DBL_EPSILON * fabs(right));
+    free(f.memory);
+}
+END_TEST
+
 /* ---- One matrix in each lane ------------------------------------------------------------------------------------- */
 
 enum { LANES = TVI_GALERKIN_MAX_LANES };
@@ -367,6 +382,7 @@ Suite *suite_linear(void)
     tcase_add_loop_test(linear, lone_entries_are_scaled, 1, MOST + 1);
     tcase_add_loop_test(linear, units_of_columns_show_nowhere, 2, MOST + 1);
     tcase_add_loop_test(linear, small_unknowns_have_their_own_roundoff, 2, MOST + 1);
+    tcase_add_test(linear, small_unknown_of_an_even_scale_has_its_own_roundoff);
     tcase_add_loop_test(linear, plain_factors_solve, 0, 2 * MOST);
     tcase_add_loop_test(linear, plain_factors_refuse_what_needs_exchanges, 0, PIVOTS);
     tcase_add_loop_test(linear, lanes_are_solved_alone, 0, MOST * LANE_COUNTS);
