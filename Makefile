@@ -157,7 +157,7 @@ $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
 # the loops of the Galerkin curve, for one number of unknowns
-EMBEDDED_GALERKIN := src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h tail.h) \
+EMBEDDED_GALERKIN := src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h tail.h) \
                      $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h few.h folded.h pairs.h columns.h rounds.h loops.c \
                          lagrangian_loops.c blocks.h lagrangian_passes.h hamiltonian_passes.h steady.h \
                          emitted_loops.h emitted_passes.h emitted_steps.h emitted_forms.h)
@@ -166,7 +166,7 @@ $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
 # a curve, and the action of it
 EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
-                      $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h tail.h weigh.h) \
+                      $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
                       $(addprefix generating/,series.h taylor_sweep.h reach.h advance.h tangents.h lagrangian_orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
                           curve_stepper.h curve_step.h emitted_curve.h))

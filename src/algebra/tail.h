@@ -4,6 +4,9 @@
 #ifndef TVI_SRC_TAIL_H
 #define TVI_SRC_TAIL_H
 
+#include "algebra/sizes.h"
+#include "algebra/subsystems.h"
+
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
@@ -18,13 +21,14 @@ typedef struct {
     double per_momentum, per_movement; /* 1 / momentum, 1 / movement */
 } tvi_tail_part;
 
-/* A component that does less than a hundredth of what another one does is measured by the other one: as the end of a
- * chain that a wave has not reached, whose first motion is always of the highest power of t, however small h is. That
- * is the square of what components have in common: velocity, or momentum times velocity where there are no masses. */
+/* A component that does less than a hundredth of what another one does that it knows is measured by the other one: as
+ * the end of a chain that a wave has not reached, whose first motion is always of the highest power of t, however small
+ * h is. That is the square of what components have in common: velocity, so that a light body is not less than a heavy
+ * one, or momentum times velocity where there are no masses. */
 #define TVI_TAIL_LEAST 1e-4
 
-/* What is known when all components were looked at once: the largest ratio, the share of the component that has it, and
- * the largest share. */
+/* What is known when all components of a subsystem were looked at once: the largest ratio, the share of the component
+ * that has it, and the largest share. */
 typedef struct {
     double ratio, share, largest;
 } tvi_tail_survey;
@@ -66,19 +70,49 @@ static inline double tvi_tail_of(double ratio, double share, double largest)
     return ratio * (share < least ? part : 1);
 }
 
+/* In a subsystem; member: which components it has, or NULL: all. */
+static inline double tvi_tail_of_part(const double *share, const double *ratio, const int *member, int first, int end)
+{
+    double largest = 0, most = 0;
+    for (int k = first; k < end; k++) largest = tvi_larger(share[member ? member[k] : k], largest);
+    for (int k = first; k < end; k++) {
+        const int i = member ? member[k] : k;
+        most = tvi_larger(tvi_tail_of(ratio[i], share[i], largest), most);
+    }
+    return most;
+}
+
+/* Of n components. */
+static inline double tvi_tail_of_all(const tvi_subsystems *parts, int n, const double *share, const double *ratio)
+{
+    double most = 0;
+    if (parts->count == 1) return tvi_tail_of_part(share, ratio, NULL, 0, n);
+    for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
+        most = tvi_larger(tvi_tail_of_part(share, ratio, parts->member, first, parts->end[k]), most);
+    return most;
+}
+
 /* out[width] = the tails of several members, of share and ratio [n][width]. */
 enum { TVI_TAIL_MOST_WIDTH = 64 };
-static inline void tvi_tails_of_members(int n, int width, const double *share, const double *ratio, double *out)
+static inline void tvi_tails_of_members(const tvi_subsystems *parts, int width, const double *share,
+                                        const double *ratio, double *out)
 {
-    double largest[TVI_TAIL_MOST_WIDTH] = {0}, most[TVI_TAIL_MOST_WIDTH] = {0};
-    for (int i = 0; i < n; i++)
-        for (int m = 0; m < width; m++)
-            largest[m] = share[i * width + m] > largest[m] ? share[i * width + m] : largest[m];
-    for (int i = 0; i < n; i++)
-        for (int m = 0; m < width; m++) {
-            const double tail = tvi_tail_of(ratio[i * width + m], share[i * width + m], largest[m]);
-            most[m] = tail > most[m] ? tail : most[m];
-        }
+    double most[TVI_TAIL_MOST_WIDTH] = {0};
+    for (int part = 0, k = 0; part < parts->count; part++) {
+        const int first = k, end = parts->end[part];
+        double largest[TVI_TAIL_MOST_WIDTH] = {0};
+        for (; k < end; k++)
+            for (int m = 0; m < width; m++) {
+                const double one = share[parts->member[k] * width + m];
+                largest[m] = one > largest[m] ? one : largest[m];
+            }
+        for (k = first; k < end; k++)
+            for (int m = 0; m < width; m++) {
+                const int at = parts->member[k] * width + m;
+                const double tail = tvi_tail_of(ratio[at], share[at], largest[m]);
+                most[m] = tail > most[m] ? tail : most[m];
+            }
+    }
     for (int m = 0; m < width; m++) out[m] = most[m];
 }
 

@@ -64,6 +64,7 @@ static void take_nodes(galerkin_batch_nodes *nodes, tvi_arena *arena, const tvi_
     nodes->width = width;
     nodes->points = points;
     nodes->unknowns = system->inputs;
+    nodes->parts = system->parts;
     nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, numbers); /* and copies */
     nodes->start = tvi_arena_doubles(arena, of_unknowns);
     nodes->high = tvi_arena_doubles(arena, numbers);
@@ -127,6 +128,7 @@ static void prepare(void *work)
     nodes->stride = single->field.nodes.lanes;
     nodes->weight = single->field.nodes.weight;
     nodes->scale = single->field.nodes.scale;
+    nodes->per_movement = single->field.nodes.per_movement;
     const galerkin_sums sums = w->motion.sums;
     w->motion = single->motion;
     w->motion.sums = sums;

@@ -313,41 +313,61 @@ BY_SIZE(start_drifting,
          const galerkin_batch_drift *drift),
         nodes, c, origin, drift)
 
-/* As set_sizes of galerkin.c, each member alone. */
+/* As galerkin_set_sizes_of, each member alone. */
+#define SIZE_OF(V, u)                                                                                                  \
+    JET_ABS(V, ROW_OF(V, nodes->start, u)) +                                                                           \
+        JET_ABS(V, ROW_OF(V, nodes->x, ((u) + 1) * points - 1) - ROW_OF(V, nodes->start, u))
+#define LEAST_OF(V, largest) CHOOSE(V, IS_ABOVE(V, largest, none), TVI_GALERKIN_LEAST_SHARE *largest, none + 1)
+#define LARGEST_OF(V, size, largest)                                                                                   \
+    largest = CHOOSE(V, IS_ABOVE(V, ROW_OF(V, size, i), largest), ROW_OF(V, size, i), largest);
 #define SET_SIZES(V, S)                                                                                                \
-    for (int first = 0; first < unknowns; first += n) {                                                                \
-        V largest = {0};                                                                                               \
-        for (int u = first; u < first + n; u++) {                                                                      \
-            const V from = ROW_OF(V, nodes->start, u), to = ROW_OF(V, nodes->x, (u + 1) * points - 1);                 \
-            const V size = JET_ABS(V, from) + JET_ABS(V, to - from);                                                   \
-            ROW_AT(V, nodes->inverse_size, u) = size;                                                                  \
-            largest = CHOOSE(V, IS_ABOVE(V, size, largest), size, largest);                                            \
+    {                                                                                                                  \
+        const V none = {0};                                                                                            \
+        V largest_q = none, largest_p = none;                                                                          \
+        for (const int *at = member; at < end; at++) {                                                                 \
+            const int i = *at;                                                                                         \
+            ROW_AT(V, of_q, i) = SIZE_OF(V, i);                                                                        \
+            LARGEST_OF(V, of_q, largest_q)                                                                             \
+            if (!has_momenta) continue;                                                                                \
+            ROW_AT(V, of_p, i) = SIZE_OF(V, n + i);                                                                    \
+            LARGEST_OF(V, of_p, largest_p)                                                                             \
         }                                                                                                              \
-        const V none = {0},                                                                                            \
-                least = CHOOSE(V, IS_ABOVE(V, largest, none), TVI_GALERKIN_LEAST_SHARE * largest, none + 1);           \
-        for (int u = first; u < first + n; u++)                                                                        \
-            ROW_AT(V, nodes->inverse_size, u) = 1 / (ROW_OF(V, nodes->inverse_size, u) + least);                       \
+        const V least_q = LEAST_OF(V, largest_q), least_p = LEAST_OF(V, largest_p);                                    \
+        for (const int *at = member; at < end; at++) {                                                                 \
+            const V q = ROW_OF(V, of_q, *at);                                                                          \
+            ROW_AT(V, of_q, *at) = 1 / (q + least_q);                                                                  \
+            if (!has_momenta) continue;                                                                                \
+            const V own = nodes->per_movement[*at] * least_q;                                                          \
+            ROW_AT(V, of_p, *at) = 1 / (ROW_OF(V, of_p, *at) + CHOOSE(V, IS_ABOVE(V, least_p, own), own, least_p));    \
+        }                                                                                                              \
     }
 
 static void set_sizes(const galerkin_batch_nodes *nodes, int n)
 {
     SIZES;
-    JET_EIGHTS(nodes->width, SET_SIZES, )
+    const bool has_momenta = unknowns > n;
+    double *of_q = nodes->inverse_size, *of_p = of_q + (size_t)n * width;
+    const int *member = nodes->parts.member, *const all = member;
+    for (int k = 0; k < nodes->parts.count; k++) {
+        const int *const end = all + nodes->parts.end[k];
+        JET_EIGHTS(nodes->width, SET_SIZES, )
+        member = end;
+    }
 }
 
 /* ---- The tail ---------------------------------------------------------------------------------------------------- */
 
 /* What is in the registers is not looked for in memory after each store. */
-JET_INLINE void tails_of(const galerkin_motion *motion, size_t width, bool has_masses, double *restrict share,
+JET_INLINE void tails_of(const galerkin_motion *motion, size_t width, bool is_separable, double *restrict share,
                          double *restrict ratio)
 {
     const galerkin_motion of = *motion;
-    const size_t n = (size_t)of.n, momenta = has_masses ? 0 : n * width;
+    const size_t n = (size_t)of.n, momenta = is_separable ? 0 : n * width;
     for (size_t i = 0; i < n; i++) {
         const double scale = of.scale[i], per_scale = of.per_scale[i];
         for (size_t at = i * width; at < (i + 1) * width; at++) {
-            const tvi_tail_part part = galerkin_tail_part(&of, has_masses, scale, per_scale, at, at + momenta);
-            share[at] = tvi_tail_share(&part, has_masses);
+            const tvi_tail_part part = galerkin_tail_part(&of, is_separable, scale, per_scale, at, at + momenta);
+            share[at] = tvi_tail_share(&part, is_separable || of.has_masses);
             ratio[at] = tvi_tail_ratio(&part);
         }
     }
@@ -355,9 +375,9 @@ JET_INLINE void tails_of(const galerkin_motion *motion, size_t width, bool has_m
 
 static void tail(const galerkin_motion *of, int width, double *share, double *ratio, double *out)
 {
-    if (of->has_masses) tails_of(of, (size_t)width, true, share, ratio);
+    if (of->is_separable) tails_of(of, (size_t)width, true, share, ratio);
     else tails_of(of, (size_t)width, false, share, ratio);
-    tvi_tails_of_members(of->n, width, share, ratio, out);
+    tvi_tails_of_members(&of->parts, width, share, ratio, out);
 }
 
 const galerkin_batch_loops JET_FOR_ISA(tvi_galerkin_batch_loops) = {

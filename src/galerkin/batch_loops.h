@@ -20,6 +20,8 @@ typedef struct {
     double *impulse;      /* [unknowns][points][width] */
     double *scale;        /* [unknowns] */
     double *inverse_size; /* [unknowns][width] */
+    double *per_movement; /* [n] */
+    tvi_subsystems parts;
     long long *is_moving; /* [width] all bits, or none: the impulses of the others stay, and so do their unknowns */
     long long *in_lanes;  /* [width] alike: what their steps leave behind stays */
 } galerkin_batch_nodes;
@@ -44,7 +46,7 @@ typedef struct {
     void (*start)(const galerkin_batch_nodes *nodes, int first, int count, const double *q, const double *q_low);
     void (*start_drifting)(const galerkin_batch_nodes *nodes, const double c[], const tvi_batch_origin *origin,
                            const galerkin_batch_drift *drift);
-    /* inverse_size: 1 / (|start| + |x at the last node - start|) of each of the unknowns, in groups of n. */
+    /* inverse_size, as galerkin_set_sizes has it. */
     void (*set_sizes)(const galerkin_batch_nodes *nodes, int n);
     /* From the impulses of the last two steps, matrix [2][j][i]. */
     void (*predict)(const galerkin_batch_nodes *nodes, const double *matrix, const double *last, const double *before);

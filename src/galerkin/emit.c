@@ -31,8 +31,8 @@ void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_pa
     const int lanes = field->nodes.lanes;
     jet_text_add(text, "enum { GALERKIN_LANES = %d, GALERKIN_POINTS = %d };\n", lanes, field->points);
     for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_add(text, "%s", *line);
-    jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d, %d)\n", name, field->system->n, field->nodes.moving,
-                 field->nodes.unknowns, lanes);
+    jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d, %d, %d)\n", name, field->system->n,
+                 field->system->parts.count, field->nodes.moving, field->nodes.unknowns, lanes);
     emit_rule(text, rule, name);
     field->form->emit(text, field, name);
     jet_text_add(text, "GALERKIN_EMITTED_ROW(%s)\n", name);

@@ -59,7 +59,7 @@ JET_INLINE void give_impulses(double *impulse, const double *weight, const doubl
         const steady_form form = {.rows = (UNKNOWNS),                                                                  \
                                   .rule = (UNKNOWNS) <= GALERKIN_FEW ? &NAME##_rule : frame->rule,                     \
                                   .drive = NAME##_drive,                                                               \
-                                  .folds = T##_is_split && motion.has_masses && ARE_FEW(&nodes, LANES)};               \
+                                  .folds = T##_is_split && motion.is_separable && ARE_FEW(&nodes, LANES)};             \
         _Alignas(64) double x[IS_SMALL ? (KEPT) * (LANES) : 1];                                                        \
         if (IS_SMALL) {                                                                                                \
             keep_rows(x, nodes.x, (UNKNOWNS), (KEPT), (LANES));                                                        \

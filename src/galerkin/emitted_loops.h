@@ -6,7 +6,7 @@
 
 #include "galerkin/loops.h"
 
-#define GALERKIN_EMITTED_LOOPS(NAME, N, MOVING, UNKNOWNS, LANES)                                                       \
+#define GALERKIN_EMITTED_LOOPS(NAME, N, PARTS, MOVING, UNKNOWNS, LANES)                                                \
     JET_INLINE bool NAME##_fits(const galerkin_nodes *nodes)                                                           \
     {                                                                                                                  \
         return nodes->lanes == (LANES) && nodes->unknowns == (UNKNOWNS) && nodes->moving == (MOVING);                  \
@@ -17,6 +17,7 @@
         sized.lanes = (LANES);                                                                                         \
         sized.unknowns = (UNKNOWNS);                                                                                   \
         sized.half = (N);                                                                                              \
+        sized.parts.count = (PARTS);                                                                                   \
         sized.moving = (MOVING);                                                                                       \
         return sized;                                                                                                  \
     }                                                                                                                  \
@@ -76,7 +77,8 @@
     {                                                                                                                  \
         galerkin_motion sized = *of;                                                                                   \
         sized.n = (N);                                                                                                 \
-        sized.has_masses = (N) == (UNKNOWNS);                                                                          \
+        sized.is_separable = (N) == (UNKNOWNS);                                                                        \
+        sized.parts.count = (PARTS);                                                                                   \
         return sized;                                                                                                  \
     }                                                                                                                  \
     static double NAME##_tail(const galerkin_motion *of, double *share, double *ratio)                                 \

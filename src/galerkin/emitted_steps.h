@@ -10,7 +10,7 @@ enum { STEADY_MOST = 4096 };
 JET_INLINE void steady_start(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_motion *motion,
                              const tvi_origin *origin, int lanes)
 {
-    if (motion->has_masses) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
+    if (motion->is_separable) start_drifting_lanes(nodes, frame->c, origin, frame->drift, frame->drift_low, lanes);
     else start_lanes(nodes, motion->n, origin, lanes);
 }
 
@@ -30,7 +30,7 @@ JET_INLINE void steady_sum(const galerkin_frame *frame, galerkin_nodes nodes, do
 {
     nodes.impulse = impulses;
     integrate_lanes(&nodes, frame->weights, &motion->sums, lanes);
-    if (motion->has_masses) end_drifting(&nodes, &motion->sums, frame->drift, frame->drift_low, &row->by);
+    if (motion->is_separable) end_drifting(&nodes, &motion->sums, frame->drift, frame->drift_low, &row->by);
     else galerkin_end(&nodes, &motion->sums, motion->n, &row->by);
 }
 
@@ -79,7 +79,7 @@ JET_INLINE long steady_lanes(const galerkin_frame *frame, galerkin_nodes *nodes,
     double *const *const ring = to->impulses;
     int turn = to->turn;
     double *before = steady_turn(ring, turn - 1), *last = steady_turn(ring, turn), *next = steady_turn(ring, turn + 1);
-    const double *const impulses[] = {last, before}, *drift = motion->has_masses ? frame->drift : NULL;
+    const double *const impulses[] = {last, before}, *drift = motion->is_separable ? frame->drift : NULL;
     galerkin_trial tried = {.pace = to->last.pace};
     galerkin_folding folding;
     int known = to->known;
@@ -192,8 +192,8 @@ JET_INLINE long steady_few(const galerkin_frame *of, galerkin_nodes *nodes, gale
     const long made = motion.n <= GALERKIN_OWN
                           ? steady_own(&frame, nodes, &motion, form, row, origin, now, to, lanes)
                           : steady_lanes(&frame, nodes, &motion, form, row, origin, now, to, lanes);
-    keep_rows(of->drift, drift, 0, motion.has_masses ? motion.n : 0, 1);
-    keep_rows(of->drift_low, drift_low, 0, motion.has_masses ? motion.n : 0, 1);
+    keep_rows(of->drift, drift, 0, motion.is_separable ? motion.n : 0, 1);
+    keep_rows(of->drift_low, drift_low, 0, motion.is_separable ? motion.n : 0, 1);
     return made;
 }
 

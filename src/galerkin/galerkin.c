@@ -81,6 +81,7 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;
     nodes->half = system->n;
+    nodes->parts = system->parts;
     const int cyclic = cyclic_at_end(system);
     nodes->moving = cyclic > 0 ? system->n - cyclic : nodes->unknowns;
     const size_t unknowns = (size_t)nodes->unknowns, lanes = (size_t)nodes->lanes;
@@ -90,6 +91,7 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     nodes->start = tvi_arena_doubles(arena, unknowns);
     nodes->scale = tvi_arena_doubles(arena, unknowns);
     nodes->inverse_size = tvi_arena_doubles(arena, unknowns);
+    nodes->per_movement = tvi_arena_doubles(arena, (size_t)system->n);
     field->slot = tvi_arena_take(arena, unknowns * sizeof(int));
 }
 
@@ -100,7 +102,9 @@ static void take_motion(galerkin_motion *motion, tvi_arena *arena, const tvi_sys
                                 &sums->reach, &sums->once_low, &sums->twice_low};
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
     motion->n = system->n;
-    motion->has_masses = system->form == TVI_SEPARABLE;
+    motion->is_separable = system->form == TVI_SEPARABLE;
+    motion->has_masses = system->has_masses;
+    motion->parts = system->parts;
     motion->scale = scale;
     motion->per_scale = tvi_arena_doubles(arena, (size_t)system->n);
 }
@@ -172,6 +176,7 @@ void tvi_galerkin_set_size(galerkin *w, double h)
     for (int i = 0; i < w->n; i++) {
         w->rise[i] = nodes->scale[i];
         w->motion.per_scale[i] = 1 / fabs(nodes->scale[i]);
+        nodes->per_movement[i] = w->field.system->has_masses ? w->field.system->mass[i] / fabs(h) : INFINITY;
         w->rise[w->n + i] = galerkin_is_second_order(&w->field) ? 1 : nodes->scale[w->n + i];
     }
 }

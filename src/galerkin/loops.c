@@ -257,13 +257,14 @@ BY_LANES(void, , integrate, (const galerkin_nodes *nodes, const galerkin_weights
          nodes, weights, sums)
 
 /* A loop without comparisons that last from one component to the next is one of vectors; a few go one by one. */
-JET_INLINE tvi_tail_survey tails_of(galerkin_motion of, bool few, bool has_masses, double *restrict share,
+JET_INLINE tvi_tail_survey tails_of(galerkin_motion of, bool few, bool is_separable, double *restrict share,
                                     double *restrict ratio)
 {
-    const size_t n = (size_t)of.n, momenta = has_masses ? 0 : n;
+    const size_t n = (size_t)of.n, momenta = is_separable ? 0 : n;
+    const bool has_masses = is_separable || of.has_masses;
     tvi_tail_survey survey = {0, 0, 0};
     for (size_t i = 0; i < n; i++) {
-        const tvi_tail_part part = galerkin_tail_part(&of, has_masses, of.scale[i], of.per_scale[i], i, i + momenta);
+        const tvi_tail_part part = galerkin_tail_part(&of, is_separable, of.scale[i], of.per_scale[i], i, i + momenta);
         if (few) tvi_tail_look(&survey, &part, has_masses);
         else share[i] = tvi_tail_share(&part, has_masses), ratio[i] = tvi_tail_ratio(&part);
     }
@@ -272,18 +273,15 @@ JET_INLINE tvi_tail_survey tails_of(galerkin_motion of, bool few, bool has_masse
 
 OWN double tail_of_all(const galerkin_motion *of, double *share, double *ratio)
 {
-    double largest = 0, most = 0;
-    (void)(of->has_masses ? tails_of(*of, false, true, share, ratio) : tails_of(*of, false, false, share, ratio));
-    for (int i = 0; i < of->n; i++) largest = tvi_larger(share[i], largest);
-    for (int i = 0; i < of->n; i++) most = tvi_larger(tvi_tail_of(ratio[i], share[i], largest), most);
-    return most;
+    (void)(of->is_separable ? tails_of(*of, false, true, share, ratio) : tails_of(*of, false, false, share, ratio));
+    return tvi_tail_of_all(&of->parts, of->n, share, ratio);
 }
 
 static double tail(const galerkin_motion *of, double *share, double *ratio)
 {
-    if (of->n >= 4) return tail_of_all(of, share, ratio);
+    if (of->n >= 4 || of->parts.count > 1) return tail_of_all(of, share, ratio);
     const tvi_tail_survey survey =
-        of->has_masses ? tails_of(*of, true, true, share, ratio) : tails_of(*of, true, false, share, ratio);
+        of->is_separable ? tails_of(*of, true, true, share, ratio) : tails_of(*of, true, false, share, ratio);
     return tvi_tail_is_known(&survey) ? survey.ratio : tail_of_all(of, share, ratio);
 }
 

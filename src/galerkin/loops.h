@@ -4,6 +4,7 @@
 #ifndef TVI_SRC_GALERKIN_LOOPS_H
 #define TVI_SRC_GALERKIN_LOOPS_H
 
+#include "algebra/subsystems.h"
 #include "algebra/tail.h"
 #include "galerkin/lagrangian_loops.h"
 #include "method/origin.h"
@@ -59,14 +60,15 @@ typedef struct {
 /* A step, as its tail sees it (algebra/tail.h). */
 typedef struct {
     int n;
-    bool has_masses; /* a separable system */
+    bool is_separable, has_masses; /* has_masses also of a driven system (system/system.h) */
+    tvi_subsystems parts;
     galerkin_sums sums;
     double per_weight;         /* 1 / b of the first and the last node */
     double *scale, *per_scale; /* [n] of the nodes, and 1 / |scale| */
     const double *q, *p, *dp;  /* [n] at the start, and the increment */
 } galerkin_motion;
 
-/* Of a component: |p| and its change, and how far Q moves of a system without masses. */
+/* Of a component: |p| and its change, and how far Q moves of a system that is not separable. */
 static inline double galerkin_momentum(const galerkin_motion *of, size_t at, size_t of_momentum)
 {
     return fabs(of->p[at]) + (fabs(of->dp[at]) + of->sums.reach[of_momentum] * of->per_weight);
@@ -78,17 +80,17 @@ static inline double galerkin_movement(const galerkin_motion *of, size_t at)
 }
 
 /* Of a component of the motion, where the arrays have what is of its coordinate and of its momentum. */
-static inline tvi_tail_part galerkin_tail_part(const galerkin_motion *of, bool has_masses, double scale,
+static inline tvi_tail_part galerkin_tail_part(const galerkin_motion *of, bool is_separable, double scale,
                                                double per_scale, size_t at, size_t of_momentum)
 {
     const double *last = of->sums.last;
     tvi_tail_part part = {.momentum = galerkin_momentum(of, at, of_momentum),
                           .last_p = last[of_momentum],
-                          .last_q = has_masses ? 0 : last[at],
+                          .last_q = is_separable ? 0 : last[at],
                           .place = fabs(of->q[at])};
     part.per_momentum = 1 / part.momentum;
-    part.movement = has_masses ? fabs(scale) * part.momentum : galerkin_movement(of, at);
-    part.per_movement = has_masses ? per_scale * part.per_momentum : 1 / part.movement;
+    part.movement = is_separable ? fabs(scale) * part.momentum : galerkin_movement(of, at);
+    part.per_movement = is_separable ? per_scale * part.per_momentum : 1 / part.movement;
     return part;
 }
 
@@ -119,6 +121,8 @@ typedef struct {
     double *impulse;      /* [unknowns][lanes] L of the last movement, in the history */
     double *scale;        /* [unknowns] what multiplies the sums of L */
     double *inverse_size; /* [unknowns] */
+    double *per_movement; /* [n] the momentum that moves a coordinate by 1 in the step; infinite: not known */
+    tvi_subsystems parts;
 } galerkin_nodes;
 
 /* The same, of whom all move. */

@@ -44,15 +44,15 @@ static double tail_of_last(galerkin *w, const tvi_row *row, const tvi_run_state 
 {
     galerkin_nodes nodes = w->field.nodes;
     const galerkin_sums *sums = &w->motion.sums;
-    const bool has_masses = w->motion.has_masses;
+    const bool is_separable = w->motion.is_separable;
     double *q = w->begun, *p = q + w->n;
     nodes.impulse = tvi_galerkin_impulses(&w->predictor, 0);
     w->field.loops->integrate(&nodes, &w->coefficients.weights, sums);
-    if (!has_masses) galerkin_end(&nodes, sums, w->n, &row->by);
+    if (!is_separable) galerkin_end(&nodes, sums, w->n, &row->by);
     for (int i = 0; i < w->n; i++) {
-        if (has_masses) row->by.dp[i] = sums->once[i];
+        if (is_separable) row->by.dp[i] = sums->once[i];
         p[i] = now->p[i] - row->by.dp[i];
-        if (has_masses) row->by.dq[i] = nodes.scale[i] * (p[i] + sums->twice[i]);
+        if (is_separable) row->by.dq[i] = nodes.scale[i] * (p[i] + sums->twice[i]);
         q[i] = now->q[i] - row->by.dq[i];
     }
     return tvi_galerkin_tail(w, &(tvi_origin){.q = q, .p = p}, row->by.dp);

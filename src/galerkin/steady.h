@@ -47,20 +47,54 @@ typedef struct galerkin_outcome {
     double largest_tail;        /* of these, and of those before */
 } galerkin_outcome;
 
-/* 1 / (|start| + |predicted end - start|). No branches: which is the larger changes from step to step. */
+/* |start| + |predicted end - start|. */
+static inline double galerkin_size(const galerkin_nodes *nodes, int u)
+{
+    const double start = nodes->start[u], end = nodes->x[(u + 1) * nodes->lanes - 1];
+    return fabs(start) + fabs(end - start);
+}
+
+static inline double galerkin_least(double largest)
+{
+    const double share = TVI_GALERKIN_LEAST_SHARE * largest;
+    return share > 0 ? share : 1;
+}
+
+/* Sizes in a subsystem; member: its components, or NULL: all that there are. Where masses are known, a momentum that
+ * is small as its body is light is not small beside the others: it is measured by how far it moves its coordinate. No
+ * branches: which is the larger changes from step to step. */
+static inline void galerkin_set_sizes_of(const galerkin_nodes *nodes, int n, const int *member, int first, int end)
+{
+    const bool has_momenta = nodes->unknowns > n;
+    double *of_q = nodes->inverse_size, *of_p = of_q + n, largest_q = 0, largest_p = 0;
+    for (int k = first; k < end; k++) {
+        const int i = member ? member[k] : k;
+        of_q[i] = galerkin_size(nodes, i);
+        largest_q = tvi_larger(of_q[i], largest_q);
+    }
+    for (int k = first; k < end && has_momenta; k++) {
+        const int i = member ? member[k] : k;
+        of_p[i] = galerkin_size(nodes, n + i);
+        largest_p = tvi_larger(of_p[i], largest_p);
+    }
+    const double least_q = galerkin_least(largest_q), least_p = galerkin_least(largest_p);
+    for (int k = first; k < end && has_momenta; k++) {
+        const int i = member ? member[k] : k;
+        of_p[i] = 1 / (of_p[i] + tvi_smaller(nodes->per_movement[i] * least_q, least_p));
+    }
+    for (int k = first; k < end; k++) {
+        const int i = member ? member[k] : k;
+        of_q[i] = 1 / (of_q[i] + least_q);
+    }
+}
+
+/* What movements are measured by. */
 static inline void galerkin_set_sizes(const galerkin_nodes *nodes, int n)
 {
-    const double *last = nodes->x + nodes->lanes - 1;
-    for (int first = 0; first < nodes->unknowns; first += n) {
-        double largest = 0;
-        for (int u = first; u < first + n; u++) {
-            const double start = nodes->start[u], size = fabs(start) + fabs(last[u * nodes->lanes] - start);
-            nodes->inverse_size[u] = size;
-            largest = tvi_larger(size, largest);
-        }
-        const double share = TVI_GALERKIN_LEAST_SHARE * largest, least = share > 0 ? share : 1;
-        for (int u = first; u < first + n; u++) nodes->inverse_size[u] = 1 / (nodes->inverse_size[u] + least);
-    }
+    const tvi_subsystems parts = nodes->parts;
+    if (parts.count == 1) galerkin_set_sizes_of(nodes, n, NULL, 0, n);
+    for (int k = 0, first = 0; parts.count > 1 && k < parts.count; first = parts.end[k++])
+        galerkin_set_sizes_of(nodes, n, parts.member, first, parts.end[k]);
 }
 
 /* The tail of a step in a row need be known only where it is larger than this; the roundoff of the comparison is on the
@@ -74,12 +108,12 @@ static inline double galerkin_known_tail(const tvi_row *row, const galerkin_outc
  * known. No branches: vectors. */
 static inline bool galerkin_tail_is_at_most(const galerkin_motion *of, double most)
 {
-    const size_t n = (size_t)of->n, momenta = of->has_masses ? 0 : n;
+    const size_t n = (size_t)of->n, momenta = of->is_separable ? 0 : n;
     const double *last = of->sums.last;
     int holds = most > 0;
     for (size_t i = 0; i < n; i++) {
         holds &= last[i + momenta] <= most * galerkin_momentum(of, i, i + momenta);
-        if (!of->has_masses) holds &= last[i] <= most * galerkin_movement(of, i);
+        if (!of->is_separable) holds &= last[i] <= most * galerkin_movement(of, i);
     }
     return holds;
 }

@@ -50,7 +50,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     take_side(&w.a, arena, system, options, 1);
     take_side(&w.b, arena, system, options, -1);
     w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
-    tvi_newton_take(&w.newton, arena, 3 * system->n, system->n, true);
+    tvi_newton_take(&w.newton, arena, 3, system, true);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_take(&w.legendre, arena, system);
         w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);

@@ -68,8 +68,9 @@ static int width_of(const tvi_system *system, const tvi_options *options)
     return width;
 }
 
-static void take_members(tvi_curve_members *of, tvi_arena *arena, int n, int width)
+static void take_members(tvi_curve_members *of, tvi_arena *arena, const tvi_system *system, int width)
 {
+    const int n = system->n;
     const size_t row = (size_t)width, rows = 2 * (size_t)n;
     double **const vectors[] = {&of->z, &of->scale, &of->D, &of->from, &of->rise, &of->correction};
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, rows * row);
@@ -77,6 +78,7 @@ static void take_members(tvi_curve_members *of, tvi_arena *arena, int n, int wid
     for (size_t i = 0; i < 3; i++) *numbers[i] = tvi_arena_doubles(arena, row);
     of->kappa = tvi_arena_doubles(arena, (size_t)n);
     of->n = n;
+    of->parts = &system->parts;
     of->width = width;
 }
 
@@ -89,7 +91,8 @@ static tvi_taylor_lanes lanes_of(const tvi_system *system, int top, int width, c
                               .kappa = kappa,
                               .output = system->field_series->output,
                               .x = x,
-                              .has_masses = system->form == TVI_SEPARABLE};
+                              .has_masses = system->form == TVI_SEPARABLE,
+                              .system = system};
 }
 
 static tvi_weights take_weights(tvi_arena *arena, int outs, int rows)
@@ -128,7 +131,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     const int p_degree = expanded->has_top_momentum ? options->degree : options->degree - 1;
     tvi_action_take(&w.action, arena, system, options, expanded->action, options->degree, p_degree, top, false);
     w.closing = &expanded->mean;
-    take_members(&w.members, arena, n, width);
+    take_members(&w.members, arena, system, width);
     take_nodes(&w, arena, options, top + 1, width);
     double *const x = tvi_arena_block(arena, system->field_series, top + 1, width, 0);
     double *const dx = tvi_arena_doubles(arena, orders * (size_t)system->field_series->slots * count);

@@ -178,9 +178,10 @@ static void residual(const tvi_curve_members *of, const double *restrict Q0, con
 #define FILL_SCALE(V, S)                                                                                               \
     for (int first = 0; first < 2 * of->n; first += of->n) {                                                           \
         V largest = {0}, nothing = {0};                                                                                \
-        for (int i = first; i < first + of->n; i++) largest = LARGER(V, OF_ROW(V, of->scale, i), largest);             \
+        for (const int *i = member; i < end; i++) largest = LARGER(V, OF_ROW(V, of->scale, first + *i), largest);      \
         const V most = JET_CHOOSE(V, largest > nothing, largest, nothing + 1.0);                                       \
-        for (int i = first; i < first + of->n; i++) {                                                                  \
+        for (const int *at = member; at < end; at++) {                                                                 \
+            const int i = first + *at;                                                                                 \
             const V size = OF_ROW(V, of->scale, i), least = TVI_LEAST_SHARE * most;                                    \
             ROW(V, of->scale, i)                                                                                       \
             = JET_CHOOSE(V, size == nothing, most, LARGER(V, least, size));                                            \
@@ -189,17 +190,22 @@ static void residual(const tvi_curve_members *of, const double *restrict Q0, con
 
 static void fill_scale(const tvi_curve_members *of)
 {
-    const int width = of->width;
-    JET_EIGHTS(width, FILL_SCALE, )
+    const int width = of->width, *member = of->parts->member;
+    for (int k = 0; k < of->parts->count; k++) {
+        const int *const end = of->parts->member + of->parts->end[k];
+        JET_EIGHTS(width, FILL_SCALE, )
+        member = end;
+    }
 }
 
 /* What is no number makes the sizes none: x - x is 0 of all others. */
 #define MEASURE(V, S)                                                                                                  \
     {                                                                                                                  \
-        V relative = {0}, of_group = {0}, nothing = {0};                                                               \
+        V relative = OF_ROW(V, of->relative, 0), of_group = OF_ROW(V, of->of_group, 0), nothing = {0};                 \
         for (int first = 0; first < 2 * of->n; first += of->n) {                                                       \
             V largest = {0}, most = {0};                                                                               \
-            for (int i = first; i < first + of->n; i++) {                                                              \
+            for (const int *at = member; at < end; at++) {                                                             \
+                const int i = first + *at;                                                                             \
                 const V x = OF_ROW(V, of->correction, i), size = JET_ABS(V, x), scale = OF_ROW(V, of->scale, i);       \
                 const V part = size / scale;                                                                           \
                 nothing += x - x;                                                                                      \
@@ -218,8 +224,13 @@ static void fill_scale(const tvi_curve_members *of)
 
 static void measure(const tvi_curve_members *of)
 {
-    const int width = of->width;
-    JET_EIGHTS(width, MEASURE, )
+    const int width = of->width, *member = of->parts->member;
+    for (int m = 0; m < width; m++) of->relative[m] = of->of_group[m] = 0;
+    for (int k = 0; k < of->parts->count; k++) {
+        const int *const end = of->parts->member + of->parts->end[k];
+        JET_EIGHTS(width, MEASURE, )
+        member = end;
+    }
 }
 
 #define MOVE(V, S)                                                                                                     \

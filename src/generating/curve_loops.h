@@ -16,6 +16,7 @@ typedef struct {
 /* What is of one step: [2n][width] where nothing else is said, of the coordinates and then of the scaled momenta. */
 typedef struct {
     int n, width;
+    const tvi_subsystems *parts;
     double *kappa;               /* [n] */
     double *z, *scale;           /* the data at the centre, and their natural sizes */
     double *D;                   /* D_z, then the solution of the generating function's equations */

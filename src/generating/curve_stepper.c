@@ -87,7 +87,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     if (corrects) {
         tvi_action_take(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
                         expanded->span.from == -expanded->span.to);
-        tvi_newton_take(&w.newton, arena, 2 * system->n, system->n, w.closure.solver->jacobian != NULL);
+        tvi_newton_take(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL);
     }
     if (taken) *taken = w;
     return taken;

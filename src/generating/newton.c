@@ -22,12 +22,14 @@ static const tvi_passes_rule of_each = {
  * to do so. */
 static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .turns = 2};
 
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix)
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix)
 {
+    const int size = groups * system->n;
     const size_t count = (size_t)size;
     newton->has_matrix = has_matrix;
     newton->size = size;
-    newton->group = group;
+    newton->group = system->n;
+    newton->parts = &system->parts;
     newton->x = tvi_arena_doubles(arena, count);
     newton->correction = tvi_arena_doubles(arena, count);
     newton->scale = tvi_arena_doubles(arena, count);

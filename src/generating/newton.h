@@ -7,7 +7,7 @@
 #include "algebra/passes.h"
 #include "generating/series.h"
 
-/* What is smaller than this part of the largest of its kind is measured as if it had this size. */
+/* What is smaller than this part of the largest of its kind that it knows is measured as if it had this size. */
 static const double TVI_LEAST_SHARE = 1e-20;
 
 /* The equations r(x) = 0 of a method. The functions are called with `self`. */
@@ -109,7 +109,8 @@ typedef struct {
     bool has_matrix, is_fresh; /* is_fresh: the matrix is one by differences */
     bool is_rough;
     tvi_newton_rules rules;
-    int size, group;                /* unknowns come in groups that share a unit */
+    int size, group;                /* unknowns come in groups that share a unit, each of the components of all */
+    const tvi_subsystems *parts;    /* of the components */
     double *x, *correction, *scale; /* [size] */
     double *reach;              /* [size] the scale, and more where the roundoff of the corrections is that of more */
     double *trial, *difference; /* [size] scratch */
@@ -130,38 +131,59 @@ static inline int newton_group(const tvi_newton *newton)
     return CURVE_SIZE(CURVE_N, newton->group);
 }
 
-/* unit: the scales of the unknowns, or their reach. */
-static inline tvi_newton_size newton_measure(const tvi_newton *newton, const double unit[])
+/* Of the unknowns of a group, which begins at `first`, in a subsystem; member: which these are, or NULL: all. unit: the
+ * scales of the unknowns, or their reach. */
+static inline void newton_measure_of(const tvi_newton *newton, const double unit[], const int *member, int begin,
+                                     int end, tvi_newton_size *size)
 {
-    tvi_newton_size size = {0, 0};
     for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
         double largest = 0, scale = 0;
-        for (int i = first; i < first + newton_group(newton); i++) {
+        for (int k = begin; k < end; k++) {
+            const int i = first + (member ? member[k] : k);
             const double correction = fabs(newton->correction[i]);
-            if (correction > 0) size.relative = tvi_larger(correction / unit[i], size.relative);
+            if (correction > 0) size->relative = tvi_larger(correction / unit[i], size->relative);
             largest = tvi_larger(correction, largest);
             scale = tvi_larger(unit[i], scale);
         }
-        if (largest > 0) size.of_group = tvi_larger(largest / scale, size.of_group);
+        if (largest > 0) size->of_group = tvi_larger(largest / scale, size->of_group);
     }
+}
+
+static inline tvi_newton_size newton_measure(const tvi_newton *newton, const double unit[])
+{
+    const tvi_subsystems *parts = newton->parts;
+    tvi_newton_size size = {0, 0};
+    if (parts->count == 1) newton_measure_of(newton, unit, NULL, 0, newton_group(newton), &size);
+    for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
+        newton_measure_of(newton, unit, parts->member, first, parts->end[k], &size);
     return size;
 }
 
-/* An unknown without a size has the largest of its group, or 1; one that is much smaller than others, such as a body
- * that a wave has not reached, has no accuracy of its own. */
-static inline void newton_fill_scale(tvi_newton *newton)
+/* An unknown without a size has the largest of its group in the subsystem, or 1; one that is much smaller than others
+ * there, such as a body that a wave has not reached, has no accuracy of its own. */
+static inline void newton_fill_scale_of(const tvi_newton *newton, const int *member, int begin, int end)
 {
     for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
-        double largest = 0;
-        for (int i = first; i < first + newton_group(newton); i++) largest = tvi_larger(newton->scale[i], largest);
-        for (int i = first; i < first + newton_group(newton); i++)
-            if (newton->scale[i] == 0) newton->scale[i] = largest > 0 ? largest : 1;
-            else newton->scale[i] = tvi_larger(TVI_LEAST_SHARE * largest, newton->scale[i]);
+        double largest = 0, *scale = newton->scale + first;
+        for (int k = begin; k < end; k++) largest = tvi_larger(scale[member ? member[k] : k], largest);
+        for (int k = begin; k < end; k++) {
+            const int i = member ? member[k] : k;
+            if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
+            else scale[i] = tvi_larger(TVI_LEAST_SHARE * largest, scale[i]);
+        }
     }
 }
 
+static inline void newton_fill_scale(const tvi_newton *newton)
+{
+    const tvi_subsystems *parts = newton->parts;
+    if (parts->count == 1) newton_fill_scale_of(newton, NULL, 0, newton_group(newton));
+    for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
+        newton_fill_scale_of(newton, parts->member, first, parts->end[k]);
+}
+
 /* has_matrix: whether there is room for a Jacobian, which equations that bring `solve` do without. */
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int size, int group, bool has_matrix);
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix);
 
 /* Once. is_rough: the first contraction tells little of the later ones: one more pass than seems needed, always. */
 void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_rough);

@@ -321,31 +321,33 @@ static inline void products_correct(tvi_closure *c, double correction[])
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
-/* The momentum that moves a body by the size of its position in the time of the step; where all is at the origin, 1. */
-static inline double products_momentum_unit(const tvi_closure *c)
-{
-    double largest = 0;
-    for (int k = 0; k <= curve_top(&c->curve); k++)
-        for (int i = 0; i < curve_n(&c->curve); i++)
-            largest = tvi_larger(fabs(tvi_curve_Q(&c->curve, k)[i] / c->curve.kappa[i]), largest);
-    return largest > 0 ? largest : 1;
-}
-
-/* The unknowns of the closing are momenta, or u / kappa. A body whose curve has none is measured by the others, and
- * where none has any, as at rest with degree 1, by their positions. */
-static inline void products_set_units(tvi_closure *c)
+/* The unknowns of the closing are momenta, or u / kappa. One that is much smaller than others, as displacements, is
+ * measured by them; a body whose curve has none, too, and where none has any, as at rest with degree 1, they are
+ * measured by the positions; where all is at the origin, by 1. Of a subsystem; member: which components it has. */
+static inline void products_set_units_of(const tvi_closure *c, const int *member, int first, int end)
 {
     const int n = curve_n(&c->curve);
-    double largest = 0, *unit = products_of(c)->unit;
+    const double *kappa = c->curve.kappa;
+    double largest = 0, place = 0, *unit = products_of(c)->unit;
+    for (int k = first; k < end; k++) largest = tvi_larger(fabs(kappa[member[k]]) * c->p_size[member[k]], largest);
+    for (int order = 0; order <= curve_top(&c->curve) && largest == 0; order++)
+        for (int k = first; k < end; k++) place = tvi_larger(fabs(tvi_curve_Q(&c->curve, order)[member[k]]), place);
+    const double least = largest > 0 ? TVI_LEAST_SHARE * largest : place, none = largest > 0 ? largest : place;
+    for (int k = first; k < end; k++) {
+        const int i = member[k];
+        const double per = none > 0 ? 1 / fabs(kappa[i]) : 1, size = c->p_size[i];
+        unit[i] = unit[n + i] = 1 / (size > 0 ? tvi_larger(size, least * per) : none > 0 ? none * per : 1);
+    }
+}
+
+static inline void products_set_units(tvi_closure *c)
+{
+    const tvi_subsystems *parts = &c->curve.system->parts;
     closure_measure(c);
     for (int k = 0; k <= curve_top(&c->curve); k++)
-        products_of(c)->largest[k] = tvi_largest(n, tvi_curve_input(&c->curve, k), 1);
-    for (int i = 0; i < n; i++) largest = tvi_larger(c->p_size[i], largest);
-    if (largest == 0) largest = products_momentum_unit(c);
-    for (int i = 0; i < n; i++) {
-        const double size = c->p_size[i] > 0 ? tvi_larger(c->p_size[i], TVI_LEAST_SHARE * largest) : largest;
-        unit[i] = unit[n + i] = 1 / size;
-    }
+        products_of(c)->largest[k] = tvi_largest(curve_n(&c->curve), tvi_curve_input(&c->curve, k), 1);
+    for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
+        products_set_units_of(c, parts->member, first, parts->end[k]);
 }
 
 /* The units are those of the first pass. */

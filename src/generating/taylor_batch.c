@@ -62,7 +62,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
                                  .kappa = w.kappa,
                                  .output = tape->output,
                                  .x = tvi_arena_block(arena, tape, options->degree + 1, width, 0),
-                                 .has_masses = system->form == TVI_SEPARABLE};
+                                 .has_masses = system->form == TVI_SEPARABLE,
+                                 .system = system};
     if (taken) *taken = w;
     return taken;
 }

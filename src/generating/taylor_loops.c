@@ -83,7 +83,7 @@ JET_INLINE void tails_of(const tvi_taylor_lanes *curve, int q_degree, int p_degr
                                   .place = fabs(q0[m])};
             part.per_momentum = 1 / part.momentum;
             part.per_movement = 1 / part.movement;
-            share[m] = tvi_tail_share(&part, has_masses);
+            share[m] = tvi_tail_share(&part, has_masses || curve->system->has_masses);
             ratio[m] = tvi_tail_ratio(&part);
         }
     }
@@ -93,7 +93,7 @@ static void tail(const tvi_taylor_lanes *curve, int q_degree, int p_degree, doub
 {
     if (curve->has_masses) tails_of(curve, q_degree, p_degree, true, share, ratio);
     else tails_of(curve, q_degree, p_degree, false, share, ratio);
-    tvi_tails_of_members(curve->n, curve->width, share, ratio, out);
+    tvi_tails_of_members(&curve->system->parts, curve->width, share, ratio, out);
 }
 
 static void sweep(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums)

@@ -15,6 +15,7 @@ typedef struct {
     const int *output;   /* of the field */
     double *x;
     bool has_masses; /* a separable system */
+    const tvi_system *system;
 } tvi_taylor_lanes;
 
 typedef struct {

@@ -56,6 +56,7 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
     tvi_system *system = rec->system = calloc(1, sizeof *system);
     if (!system) return TVI_ENOMEM;
     system->n = n;
+    system->has_masses = !general;
     system->stepped = system;
     system->mass = malloc(count * sizeof *system->mass);
     system->graph = jet_graph_create(general ? 3 * n + 1 : n + 1);
@@ -125,6 +126,18 @@ static tvi_status record_drive(recording *rec, const statement *given, const jet
     return status;
 }
 
+/* Whether the second half of the field has masses, and whether the system is separable: one with a drive is not. */
+static tvi_status find_masses(const recording *rec, const statement *given, bool *separable)
+{
+    tvi_system *system = rec->system;
+    const jet *linear = rec->field + system->n;
+    tvi_status status = TVI_OK;
+    if (!given->drive) status = tvi_system_find_separable(system, linear, rec->field, separable);
+    if (status == TVI_OK && !*separable) tvi_system_find_inertia(system, linear);
+    else system->has_masses = *separable;
+    return status;
+}
+
 /* field = (L_q, L_v); separable where L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
 static tvi_status record_lagrangian(recording *rec, const statement *given)
 {
@@ -133,9 +146,8 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
     bool separable = false;
+    if (status == TVI_OK) status = find_masses(rec, given, &separable);
     if (status == TVI_OK && given->drive) status = record_drive(rec, given, rec->v, 1);
-    else if (status == TVI_OK)
-        status = tvi_system_find_separable(system, rec->field + system->n, rec->field, &separable);
     system->energy_sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
@@ -175,13 +187,11 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
     bool separable = false;
+    if (status == TVI_OK) status = find_masses(rec, given, &separable);
     if (status == TVI_OK && given->drive) status = record_drive(rec, given, rec->field + n, -1);
-    else if (status == TVI_OK) status = tvi_system_find_separable(system, rec->field + n, rec->field, &separable);
     if (status != TVI_OK) return status;
-    if (separable) {
-        for (int i = 0; i < n; i++) system->mass[i] = 1 / system->mass[i];
-        return record_force(rec);
-    }
+    for (int i = 0; i < n && system->has_masses; i++) system->mass[i] = 1 / system->mass[i];
+    if (separable) return record_force(rec);
     system->form = TVI_HAMILTONIAN;
     return record_bend(rec);
 }
@@ -236,6 +246,7 @@ static tvi_status record_lift(recording *rec, const statement *given)
     tvi_system *system = rec->system;
     const int parameters = jet_graph_parameters(base->graph);
     system->regular = base->regular;
+    system->has_masses = !given->has_momenta;
     if (given->has_momenta) system->form = base->form == TVI_LAGRANGIAN ? TVI_LAGRANGIAN : TVI_HAMILTONIAN;
     for (int i = 0; i < system->n; i++) system->mass[i] = base->mass[i % base->n];
     const size_t inputs = (size_t)jet_graph_inputs(base->graph), outputs = (size_t)base->inputs;
@@ -282,6 +293,7 @@ static tvi_status lower(recording *rec, const statement *given)
     system->field_series = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_SERIES);
     system->field_values = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
+    if (tvi_system_find_subsystems(system) != TVI_OK) return TVI_ENOMEM;
     system->uses_time = system->field_series->inputs > outputs;
     if (system->form == TVI_HAMILTONIAN) {
         system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);

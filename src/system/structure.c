@@ -58,3 +58,28 @@ tvi_status tvi_system_find_separable(tvi_system *system, const jet linear[], con
     free(row);
     return TVI_OK;
 }
+
+/* Adds the coefficient of the input v_i to *inertia; false where there is more in x of the velocities, whose dependents
+ * are marked. */
+static bool add_inertia(const struct jet_node *x, int v_i, double factor, double *inertia)
+{
+    if (!x->mark) return true;
+    if (x->op == OP_INPUT) *inertia += factor;
+    if (x->op != OP_LINEAR) return x->op == OP_INPUT && x->index == v_i;
+    for (int term = 0; term < x->count; term++)
+        if (!add_inertia(x->terms[term].node, v_i, factor * x->terms[term].coefficient, inertia)) return false;
+    return true;
+}
+
+void tvi_system_find_inertia(tvi_system *system, const jet linear[])
+{
+    const int n = system->n;
+    mark_dependents(system->graph, n, n);
+    system->has_masses = true;
+    for (int i = 0; i < n && system->has_masses; i++) {
+        double inertia = 0;
+        system->has_masses =
+            linear[i].node && add_inertia(linear[i].node, n + i, 1, &inertia) && inertia > 0 && isfinite(1 / inertia);
+        system->mass[i] = inertia;
+    }
+}

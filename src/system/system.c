@@ -16,6 +16,8 @@ void tvi_system_free(tvi_system *system)
     jet_graph_free(system->graph);
     free(system->field);
     free(system->mass);
+    free(system->parts.member);
+    free(system->parts.end);
     free(system);
 }
 

@@ -3,6 +3,7 @@
 #define TVI_SRC_SYSTEM_SYSTEM_H
 
 #include "algebra/block.h"
+#include "algebra/subsystems.h"
 #include "tvi.h"
 
 /* The forms in which equations of motion reach the steppers. A Lagrangian or a Hamiltonian whose structure allows it
@@ -24,10 +25,12 @@ struct tvi_system {
     int n;
     tvi_system *stepped; /* what steps are made of: the system itself; of a rescaled one, K in n + 1 (rescaled.c) */
     tvi_form form;
-    int inputs;        /* q and, unless separable, v or p: where the time stands, if it is used */
-    bool uses_time;    /* the field depends on t */
-    bool is_driven;    /* there are forces in the field that the energy does not give */
-    double *mass;      /* [n], separable only */
+    int inputs;      /* q and, unless separable, v or p: where the time stands, if it is used */
+    bool uses_time;  /* the field depends on t */
+    bool is_driven;  /* there are forces in the field that the energy does not give */
+    double *mass;    /* [n] of a separable system; and of others where */
+    bool has_masses; /* p = M v + f(q, t), M diagonal and constant, as in a turning frame, or of a driven system */
+    tvi_subsystems parts;
     bool regular;      /* Lagrangian, Hamiltonian: L_vv or H_pp is regular somewhere */
     bool is_automatic; /* K of a system whose user gave no g */
     jet_graph *graph;  /* closed; kept so that jets that outlive it are recognised, and for the lift */
@@ -73,6 +76,12 @@ jet tvi_stated_lagrangian(const jet q[], const jet v[], jet t, void *ctx);
  * `other` [n] depends on v; then system->mass = d. TVI_ENOMEM. */
 TVI_NODISCARD tvi_status tvi_system_find_separable(tvi_system *system, const jet linear[], const jet other[],
                                                    bool *separable);
+
+/* While it is recorded: whether `linear` = diag(d) v + what does not depend on v; then has_masses, and mass = d. */
+void tvi_system_find_inertia(tvi_system *system, const jet linear[]);
+
+/* Of the field that is there: system->parts. TVI_ENOMEM. */
+TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system);
 
 /* Of the field. */
 static inline int tvi_system_outputs(const tvi_system *system)

@@ -254,6 +254,43 @@ START_TEST(momenta_that_are_roundoff_are_found)
 }
 END_TEST
 
+/* An oscillator of frequency 100 and of a mass of 2^-100 beside one that it does not know, released from rest. */
+static jet beside(const jet q[], jet t, void *ctx)
+{
+    (void)t, (void)ctx;
+    return jet_add(jet_div(jet_sqr(q[0]), 2), jet_mul(0x1p-100 * 5000, jet_sqr(q[1])));
+}
+
+static void drag(const jet q[], const jet v[], jet t, jet force[], void *ctx)
+{
+    (void)q, (void)t, (void)ctx;
+    force[0] = jet_mul(-1e-9, v[0]);
+    force[1] = jet_const(0);
+}
+
+START_TEST(light_body_is_solved)
+{
+    static const double mass[] = {1, 0x1p-100};
+    tvi_system *base, *system;
+    tvi_options options = tvi_options_default();
+    tvi_compiled *code;
+    tvi_stats stats;
+    motion m = {.q = {1, 1}, .p = {0.5, 0}};
+    const tvi_compiler compiler = compiler_of(QUICK);
+    ck_assert_int_eq(tvi_system_potential(&base, 2, mass, beside, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_system_driven(&system, base, drag, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_compile(&code, system, &options, &compiler), TVI_OK);
+    options.compiled = code;
+    ck_assert_int_eq(motion_go(system, &options, 0.005, 200, &m, &stats), TVI_OK);
+    ck_assert(stats.is_compiled);
+    ck_assert_double_eq_tol(m.q[1], cos(100.0), 64 * DBL_EPSILON);
+    ck_assert_double_gt(stats.largest_tail, 1e-10);
+    tvi_compiled_free(code);
+    tvi_system_free(system);
+    tvi_system_free(base);
+}
+END_TEST
+
 /* What the compiler is given is what runs: with a number of the tape changed there, the motion is another. */
 START_TEST(another_code_moves_otherwise)
 {
@@ -323,6 +360,7 @@ Suite *suite_same(void)
     tcase_add_loop_test(same, compiled_runs_to_a_tolerance, 0, runs_all() ? ADAPTIVE : ADAPTIVE - 1);
     tcase_add_loop_test(same, steps_fail_as_those_of_the_tape, 0, 3);
     tcase_add_test(same, momenta_that_are_roundoff_are_found);
+    tcase_add_test(same, light_body_is_solved);
     tcase_add_test(same, steps_are_whole);
     tcase_add_test(control, another_code_moves_otherwise);
     suite_add_tcase(suite, same);

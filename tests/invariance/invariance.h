@@ -7,5 +7,8 @@
 Suite *suite_frames(void);
 Suite *suite_reversed(void);
 Suite *suite_numbers(void);
+Suite *suite_subsystems(void);
+Suite *suite_light(void);
+Suite *suite_probe(void);
 
 #endif

@@ -2,6 +2,7 @@
 #include "invariance.h"
 #include "problems/run_suites.h"
 
-static Suite *(*const suites[])(void) = {suite_frames, suite_reversed, suite_numbers};
+static Suite *(*const suites[])(void) = {suite_frames,     suite_reversed, suite_numbers,
+                                         suite_subsystems, suite_light,    suite_probe};
 
 int main(void) { return RUN_SUITES(suites); }

@@ -352,16 +352,31 @@ START_TEST(tail_tells_a_pair_among_three)
 }
 END_TEST
 
-/* The share of the one with the largest ratio, the second, is 1e-6: a hundredth of the least one that counts. */
+/* The share of the one with the largest ratio, the second, is 1e-6: a hundredth of the least one that counts; or all
+ * that counts, where it knows none of the others. */
 START_TEST(component_that_does_little_has_a_part_of_its_tail)
 {
-    const int n = 2 + _i;
+    const int n = 2 + _i / 2;
+    const bool is_alone = _i % 2 == 1;
+    int member[] = {1, 0, 2, 3, 4}, end[] = {1, n};
     double scale[8], per_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8];
     for (int i = 0; i < n; i++) scale[i] = per_scale[i] = p[i] = 1, last[i] = 1e-4;
     p[1] = 1e-3, last[1] = 5e-4;
-    const galerkin_motion of = {
-        n, true, {.last = last, .reach = zero}, .scale = scale, .per_scale = per_scale, .q = zero, .p = p, .dp = zero};
-    ck_assert_double_eq_tol(tvi_galerkin_loops_base[0].tail(&of, share, ratio), 5e-3, 1e-15);
+    const galerkin_motion of = {.n = n,
+                                .is_separable = true,
+                                .has_masses = true,
+                                .parts = {1 + is_alone, member, end + !is_alone},
+                                .sums = {.last = last, .reach = zero},
+                                .scale = scale,
+                                .per_scale = per_scale,
+                                .q = zero,
+                                .p = p,
+                                .dp = zero};
+    double of_members;
+    ck_assert_double_eq_tol(tvi_galerkin_loops_base[0].tail(&of, share, ratio), is_alone ? 0.5 : 5e-3, 1e-15);
+    for (int i = 0; i < n; i++) share[i] = p[i] * p[i], ratio[i] = last[i] / p[i];
+    tvi_tails_of_members(&of.parts, 1, share, ratio, &of_members);
+    ck_assert_double_eq_tol(of_members, is_alone ? 0.5 : 5e-3, 1e-15);
 }
 END_TEST
 
@@ -380,7 +395,7 @@ Suite *suite_tail(void)
     tcase_add_loop_test(tcase, front_of_a_wave_has_no_tail, 0, METHODS);
     tcase_add_loop_test(tcase, tail_tells_wrong_steps, 0, 2);
     tcase_add_test(tcase, tail_tells_a_pair_among_three);
-    tcase_add_loop_test(tcase, component_that_does_little_has_a_part_of_its_tail, 0, 4);
+    tcase_add_loop_test(tcase, component_that_does_little_has_a_part_of_its_tail, 0, 8);
     suite_add_tcase(suite, tcase);
     return suite;
 }
