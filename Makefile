@@ -82,12 +82,13 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := $(addprefix src/,galerkin/loops.c galerkin/lagrangian_loops.c galerkin/batch_loops.c galerkin/batch_verdicts.c generating/taylor_loops.c generating/curve_loops.c generating/seeds.c generating/products.c run/advance.c)
+SRC_LANES    := $(addprefix src/,galerkin/loops.c galerkin/lagrangian_loops.c generating/taylor_loops.c generating/curve_loops.c generating/seeds.c generating/products.c run/advance.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
-SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve products) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
+GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian
+SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
-EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin curve products)
+EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products)
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
@@ -156,21 +157,26 @@ $(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
 $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
-# the loops of the Galerkin curve, for one number of unknowns
-EMBEDDED_GALERKIN := src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h tail.h) \
-                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h few.h folded.h pairs.h columns.h rounds.h loops.c \
-                         lagrangian_loops.c blocks.h lagrangian_passes.h hamiltonian_passes.h steady.h \
-                         emitted_loops.h emitted_passes.h emitted_steps.h emitted_forms.h)
-$(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN)
+# the steps of the Galerkin curve, for one system, and what they are made with by its form
+EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h tail.h) \
+                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h one_member.h rounds.h kernel.h \
+                         lagrangian_loops.c blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
+# texts that others read
+EMBEDDED_TEXTS := src/algebra/judge.h $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_loops.h)
+$(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
+SECOND_FORM := src/galerkin/generated_second.h
+$(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.c: ad/embed.awk src/galerkin/generated_%.h $(SECOND_FORM)
+	@mkdir -p $(@D)
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin_$* -f ad/embed.awk $(if $(filter plain,$*),,$(SECOND_FORM)) src/galerkin/generated_$*.h >$@
 # a curve, and the action of it
 EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
                       $(addprefix generating/,series.h taylor_sweep.h reach.h advance.h tangents.h lagrangian_orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
                           curve_stepper.h curve_step.h emitted_curve.h))
-$(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE)
+$(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@
 # and what solves its equations by products

@@ -9,4 +9,14 @@ typedef struct {
     int *end;    /* [count] of each among the members */
 } tvi_subsystems;
 
+/* Number k of them all, and the end of subsystem k, of n components; of one subsystem compilers know both. */
+static inline int tvi_subsystems_member(const tvi_subsystems *parts, int k)
+{
+    return parts->count == 1 ? k : parts->member[k];
+}
+static inline int tvi_subsystems_end(const tvi_subsystems *parts, int k, int n)
+{
+    return parts->count == 1 ? n : parts->end[k];
+}
+
 #endif

@@ -94,21 +94,23 @@ static inline double tvi_tail_of_all(const tvi_subsystems *parts, int n, const d
 
 /* out[width] = the tails of several members, of share and ratio [n][width]. */
 enum { TVI_TAIL_MOST_WIDTH = 64 };
-static inline void tvi_tails_of_members(const tvi_subsystems *parts, int width, const double *share,
+static inline void tvi_tails_of_members(const tvi_subsystems *parts, int n, int width, const double *share,
                                         const double *ratio, double *out)
 {
-    double most[TVI_TAIL_MOST_WIDTH] = {0};
+    double most[TVI_TAIL_MOST_WIDTH];
+    for (int m = 0; m < width; m++) most[m] = 0;
     for (int part = 0, k = 0; part < parts->count; part++) {
-        const int first = k, end = parts->end[part];
-        double largest[TVI_TAIL_MOST_WIDTH] = {0};
+        const int first = k, end = tvi_subsystems_end(parts, part, n);
+        double largest[TVI_TAIL_MOST_WIDTH];
+        for (int m = 0; m < width; m++) largest[m] = 0;
         for (; k < end; k++)
             for (int m = 0; m < width; m++) {
-                const double one = share[parts->member[k] * width + m];
+                const double one = share[tvi_subsystems_member(parts, k) * width + m];
                 largest[m] = one > largest[m] ? one : largest[m];
             }
         for (k = first; k < end; k++)
             for (int m = 0; m < width; m++) {
-                const int at = parts->member[k] * width + m;
+                const int at = tvi_subsystems_member(parts, k) * width + m;
                 const double tail = tvi_tail_of(ratio[at], share[at], largest[m]);
                 most[m] = tail > most[m] ? tail : most[m];
             }

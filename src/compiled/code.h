@@ -6,14 +6,14 @@
 
 typedef enum { TVI_CODE_SERIES, TVI_CODE_VALUES, TVI_CODE_BEND, TVI_CODE_SECOND, TVI_CODE_TAPES } tvi_code_tape;
 
-struct galerkin_loops;
+struct galerkin_code;
 struct tvi_curve_code;
 
 typedef struct tvi_code {
     uint64_t library, system, options;        /* what it was made by and for (fingerprint.h) */
     jet_isa isa;                              /* what it was compiled for */
     const jet_sweeps *sweeps[TVI_CODE_TAPES]; /* of the system's tapes; NULL: interpreted, as what they leave out */
-    const struct galerkin_loops *galerkin;    /* NULL: those of the library */
+    const struct galerkin_code *galerkin;     /* NULL: the library makes all steps */
     const struct tvi_curve_code *curve;       /* NULL: order by order */
 } tvi_code;
 

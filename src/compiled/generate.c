@@ -5,7 +5,10 @@
 #include <inttypes.h>
 #include <string.h>
 
-extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[], *const tvi_embedded_curve[];
+extern const char *const tvi_embedded_code[],
+    *const tvi_embedded_galerkin[], *const tvi_embedded_galerkin_plain[],
+                                        *const tvi_embedded_galerkin_lagrangian[],
+                                            *const tvi_embedded_galerkin_hamiltonian[], *const tvi_embedded_curve[];
 
 static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 {
@@ -15,8 +18,16 @@ static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 
 uint64_t tvi_compiled_library(void)
 {
-    const uint64_t rules = hash_lines(JET_HASH_OF_NOTHING, jet_emit_lines());
-    return hash_lines(hash_lines(hash_lines(rules, tvi_embedded_code), tvi_embedded_galerkin), tvi_embedded_curve);
+    const char *const *const texts[] = {jet_emit_lines(),
+                                        tvi_embedded_code,
+                                        tvi_embedded_galerkin,
+                                        tvi_embedded_galerkin_plain,
+                                        tvi_embedded_galerkin_lagrangian,
+                                        tvi_embedded_galerkin_hamiltonian,
+                                        tvi_embedded_curve};
+    uint64_t hash = JET_HASH_OF_NOTHING;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) hash = hash_lines(hash, texts[i]);
+    return hash;
 }
 
 static void emit_code(jet_text *text, const jet_emission *const tapes[], const tvi_system *stepped,

@@ -1,49 +1,48 @@
-/* batch.c - steps of the Galerkin curves of several members of an ensemble at once. Lane i * width + m of a sweep is
- * node i of member m, so that all but the field is loops over members that need no sums across lanes (batch_loops.h).
+/* batch.c - steps of the Galerkin curves of several members of an ensemble at once, by the text of steps.h: number i *
+ * width + m of a row is node i of member m.
  *
  * A member converges by passes of its own: one that has done so moves no more, while the others go on. Steps in lanes
- * are those that go on from two steps of the same size, and whose passes converge to a roundoff that is known. All
- * others, as the first two of a run, are made by the stepper of a single curve, one after the other; so whatever may
- * happen in a step is written once. */
+ * are those that go on from a step of the same size. All others, as the first one of a run, and those that fail or
+ * whose roundoff is to be measured, are made by the stepper of a single curve, one after the other. */
 #include "compiled/code.h"
-#include "galerkin/batch_loops.h"
 #include "galerkin/step.h"
 #include "method/single.h"
 
-enum { MOST_LANES = 256, LEAST_WIDTH = 8, MOST_WIDTH = 32 };
-/* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger, but where a whole
- * step is generated code, which then is faster. */
+enum { MOST_LANES = 256, LEAST_WIDTH = 8 };
+/* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger, but where a
+ * whole step is generated code, which then is faster. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
+
+/* The last two steps of each member, as in galerkin_history, [width] each. */
+typedef struct {
+    double *h, *h_before, *t;
+    galerkin_pace *pace;
+} batch_history;
 
 typedef struct {
     tvi_single by_itself;
     galerkin *single; /* its work, which has all tables */
-    const galerkin_batch_loops *loops;
-    galerkin_batch_nodes nodes;
-    galerkin_batch_drift drift;
+    galerkin_nodes nodes;
     galerkin_motion motion;
-    galerkin_halves halves;
-    tvi_passes_rule rule;
-    bool are_all_in_lanes;
-    int *slot;                    /* [unknowns] as of the field; or behind the tape's slots the copy of an output */
-    int copies, *copied;          /* [copies] that is an input */
-    tvi_increments by;            /* [n][width] each, */
-    double *share, *ratio;        /* [n][width] */
-    double *moved;                /* [width] */
-    galerkin_batch_passes passes; /* [width] */
-    galerkin_batch_history last;  /* in the history, as the impulses and where the last ones are */
-    galerkin_pace *pace;          /* [width] likewise, of a step that a member made alone */
-    int *turn;
+    galerkin_frame frame;
+    galerkin_verdicts verdicts;
+    long long *in_lanes, *is_rough; /* [width] all bits, or none: who steps in lanes, and galerkin_is_rough */
+    tvi_increments by;              /* [n][width] each, */
+    double *share, *ratio;          /* [n][width] */
+    double *tail;                   /* [width] */
+    batch_history last;             /* in the history, as the impulses and where the last ones are */
+    long *turn;
     double *impulses[GALERKIN_TURNS]; /* [unknowns][points][width] of the last step, of the one before, of the next */
 } batch;
 
-/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
+/* ---- Memory and tables -------------------------------------------------------------------------------------------
+ * */
 
-static const galerkin_batch_loops *const loops_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_galerkin_batch_loops_base,
+static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
+    [jet_isa_base] = &tvi_galerkin_members_base,
 #ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_galerkin_batch_loops_avx2,
-    [jet_isa_avx512] = &tvi_galerkin_batch_loops_avx512,
+    [jet_isa_avx2] = &tvi_galerkin_members_avx2,
+    [jet_isa_avx512] = &tvi_galerkin_members_avx512,
 #endif
 };
 
@@ -54,121 +53,111 @@ static int width_of(const tvi_system *system, const tvi_options *options)
     const bool has_steps = system->code && system->code->galerkin;
     if (LEAST_WIDTH * bytes > (has_steps ? MOST_BYTES : MOST_BYTES_OF_ALL)) return 1;
     int width = LEAST_WIDTH;
-    while (2 * width <= MOST_WIDTH && 2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES) width *= 2;
+    while (2 * width <= GALERKIN_MOST_WIDTH && 2 * width * points <= MOST_LANES && 2 * width * bytes <= MOST_BYTES)
+        width *= 2;
     return width;
 }
 
-static void take_nodes(galerkin_batch_nodes *nodes, tvi_arena *arena, const tvi_system *system, int points, int width)
+static void take_nodes(galerkin_nodes *nodes, tvi_arena *arena, const tvi_system *system, int points, int width)
 {
     const size_t of_unknowns = (size_t)system->inputs * (size_t)width, numbers = of_unknowns * (size_t)points;
-    nodes->width = width;
-    nodes->points = points;
-    nodes->unknowns = system->inputs;
-    nodes->parts = system->parts;
-    nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, numbers); /* and copies */
+    *nodes = (galerkin_nodes){.unknowns = system->inputs, .half = system->n, .points = points, .width = width};
+    nodes->x = tvi_arena_block(arena, system->field_values, 1, points * width, 0);
     nodes->start = tvi_arena_doubles(arena, of_unknowns);
     nodes->high = tvi_arena_doubles(arena, numbers);
-    nodes->low = tvi_arena_doubles(arena, numbers);
+    nodes->base = tvi_arena_doubles(arena, numbers);
     nodes->inverse_size = tvi_arena_doubles(arena, of_unknowns);
-    nodes->is_moving = tvi_arena_take(arena, (size_t)width * sizeof *nodes->is_moving);
-    nodes->in_lanes = tvi_arena_take(arena, (size_t)width * sizeof *nodes->in_lanes);
+}
+
+static void take_history(batch *w, tvi_arena *arena, size_t numbers)
+{
+    const size_t width = (size_t)w->nodes.width;
+    double **const of_last[] = {&w->last.h, &w->last.h_before, &w->last.t};
+    for (size_t i = 0; i < 3; i++) *of_last[i] = tvi_arena_history(arena, width * sizeof(double));
+    w->last.pace = tvi_arena_history(arena, width * sizeof *w->last.pace);
+    w->turn = tvi_arena_history(arena, sizeof *w->turn);
+    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_history(arena, numbers * sizeof(double));
 }
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
     batch *taken = tvi_arena_take(arena, sizeof *taken);
-    batch w = {.loops = loops_of[system->field_values->sweeps->isa]};
+    batch w = {.turn = NULL};
     tvi_single_take(&w.by_itself, arena, &tvi_stepper_galerkin, system, options, width, options->degree);
     w.single = w.by_itself.work;
     take_nodes(&w.nodes, arena, system, options->degree, width);
     const size_t count = (size_t)width, n = (size_t)system->n * count, unknowns = (size_t)system->inputs * count;
     galerkin_sums *sums = &w.motion.sums;
-    double **const of_unknowns[] = {&sums->once,     &sums->twice,     &sums->last,   &sums->reach,
-                                    &sums->once_low, &sums->twice_low, &w.drift.high, &w.drift.low};
+    double **const of_unknowns[] = {&sums->once,     &sums->twice,     &sums->last,    &sums->reach,
+                                    &sums->once_low, &sums->twice_low, &w.frame.drift, &w.frame.drift_low};
     double **const of_n[] = {&w.by.dq, &w.by.dp, &w.by.dq_low, &w.by.dp_low, &w.share, &w.ratio};
     for (size_t i = 0; i < 8; i++) *of_unknowns[i] = tvi_arena_doubles(arena, unknowns);
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_doubles(arena, n);
-    w.moved = tvi_arena_doubles(arena, count);
-    w.slot = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.slot);
-    w.copied = tvi_arena_take(arena, (size_t)system->inputs * sizeof *w.copied);
-    galerkin_batch_passes *passes = &w.passes;
-    double **const of_passes[] = {&passes->size,    &passes->before, &passes->part,
-                                  &passes->slowest, &passes->shown,  &passes->count};
-    for (size_t i = 0; i < 6; i++) *of_passes[i] = tvi_arena_doubles(arena, count);
-    passes->is_stuck = tvi_arena_take(arena, count * sizeof *passes->is_stuck);
-    double **const of_last[] = {&w.last.h, &w.last.h_before, &w.last.t, &w.last.slowest};
-    for (size_t i = 0; i < 4; i++) *of_last[i] = tvi_arena_history(arena, count * sizeof(double));
-    w.pace = tvi_arena_history(arena, count * sizeof *w.pace);
-    w.turn = tvi_arena_history(arena, sizeof *w.turn);
-    for (int i = 0; i < GALERKIN_TURNS; i++)
-        w.impulses[i] = tvi_arena_history(arena, unknowns * (size_t)options->degree * sizeof(double));
+    w.tail = tvi_arena_doubles(arena, count);
+    w.in_lanes = tvi_arena_take(arena, count * sizeof *w.in_lanes);
+    w.is_rough = tvi_arena_take(arena, count * sizeof *w.is_rough);
+    take_history(&w, arena, unknowns * (size_t)options->degree);
     if (taken) *taken = w;
     return taken;
-}
-
-/* An output may be an input: then moving one unknown would change what drives another. */
-static void find_drives(batch *w)
-{
-    const tvi_system *system = w->single->field.system;
-    w->copies = 0;
-    for (int u = 0; u < w->nodes.unknowns; u++) {
-        const int slot = w->slot[u] = w->single->field.slot[u];
-        if (slot >= system->inputs) continue;
-        w->slot[u] = system->field_values->slots + w->copies;
-        w->copied[w->copies++] = slot;
-    }
 }
 
 static void prepare(void *work)
 {
     batch *w = work;
     galerkin *single = w->single;
-    galerkin_batch_nodes *nodes = &w->nodes;
+    galerkin_nodes *nodes = &w->nodes;
+    double *const drift = w->frame.drift, *const drift_low = w->frame.drift_low;
     tvi_single_prepare(&w->by_itself);
-    nodes->stride = single->field.nodes.lanes;
-    nodes->weight = single->field.nodes.weight;
-    nodes->scale = single->field.nodes.scale;
-    nodes->per_movement = single->field.nodes.per_movement;
+    const galerkin_nodes *of_one = &single->field.nodes;
+    nodes->is_moving = w->verdicts.is_moving;
+    nodes->lanes = of_one->lanes;
+    nodes->moving = of_one->moving;
+    nodes->weight = of_one->weight;
+    nodes->scale = of_one->scale;
+    nodes->per_movement = of_one->per_movement;
+    nodes->parts = of_one->parts;
     const galerkin_sums sums = w->motion.sums;
     w->motion = single->motion;
     w->motion.sums = sums;
-    find_drives(w);
-    tvi_galerkin_halves_prepare(&w->halves, &single->coefficients, galerkin_is_second_order(&single->field));
-    w->rule = tvi_galerkin_rule(single->field.form->rule, nodes->unknowns * nodes->points, single->options);
+    w->frame = single->frame;
+    w->frame.loops = *loops_of[single->field.system->field_values->sweeps->isa];
+    w->frame.nodes = nodes;
+    w->frame.motion = &w->motion;
+    w->frame.drift = drift;
+    w->frame.drift_low = drift_low;
+    w->frame.share = w->share;
+    w->frame.ratio = w->ratio;
+    w->frame.impulses = w->impulses;
 }
 
-/* ---- Members one by one ------------------------------------------------------------------------------------------ */
-
-/* As tvi_galerkin_impulses. */
-static double *impulses(const batch *w, int after_last)
-{
-    return w->impulses[(*w->turn + after_last + GALERKIN_TURNS) % GALERKIN_TURNS];
-}
+/* ---- Members one by one ------------------------------------------------------------------------------------------
+ * */
 
 /* Between [unknowns][points][width] and [unknowns][lanes]. */
 static void gather_impulses(const batch *w, const double *from, int m, double *to)
 {
-    const galerkin_batch_nodes *nodes = &w->nodes;
+    const galerkin_nodes *nodes = &w->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
-        tvi_gather(nodes->points, nodes->width, from + u * nodes->points * nodes->width, m, to + u * nodes->stride);
+        tvi_gather(nodes->points, nodes->width, from + u * nodes->points * nodes->width, m, to + u * nodes->lanes);
 }
 
 static void scatter_impulses(const batch *w, const double *from, int m, double *to)
 {
-    const galerkin_batch_nodes *nodes = &w->nodes;
+    const galerkin_nodes *nodes = &w->nodes;
     for (int u = 0; u < nodes->unknowns; u++)
-        tvi_scatter(nodes->points, nodes->width, from + u * nodes->stride, m, to + u * nodes->points * nodes->width);
+        tvi_scatter(nodes->points, nodes->width, from + u * nodes->lanes, m, to + u * nodes->points * nodes->width);
 }
 
-/* The history of a lane, as the single stepper has it. Lanes are predicted from two steps, however rough that is: so
- * how far the first movement went is not kept. */
+static double *impulses(const batch *w, int after_last) { return galerkin_turn(&w->frame, (int)*w->turn + after_last); }
+
+/* The history of a lane, as the single stepper has it. */
 static void get(const void *work, int lane, void *one)
 {
     const batch *w = work;
     const galerkin_predictor *predictor = &((galerkin *)one)->predictor;
-    const galerkin_batch_history *last = &w->last;
+    const batch_history *last = &w->last;
     *predictor->last = (galerkin_history){
-        .h = last->h[lane], .h_before = last->h_before[lane], .t = last->t[lane], .pace = w->pace[lane]};
+        .h = last->h[lane], .h_before = last->h_before[lane], .t = last->t[lane], .pace = last->pace[lane]};
     for (int i = 0; i < 2; i++) gather_impulses(w, impulses(w, -i), lane, tvi_galerkin_impulses(predictor, -i));
 }
 
@@ -179,21 +168,20 @@ static void put(void *work, int lane, const void *one)
     w->last.h[lane] = predictor->last->h;
     w->last.h_before[lane] = predictor->last->h_before;
     w->last.t[lane] = predictor->last->t;
-    w->pace[lane] = predictor->last->pace;
-    w->last.slowest[lane] = w->pace[lane].slowest;
+    w->last.pace[lane] = predictor->last->pace;
     for (int i = 0; i < 2; i++) scatter_impulses(w, tvi_galerkin_impulses(predictor, -i), lane, impulses(w, -i));
 }
 
 static void forget(void *work, int lane)
 {
     const batch *w = work;
-    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = w->last.slowest[lane] = 0;
-    w->pace[lane] = (galerkin_pace){0};
+    w->last.h[lane] = w->last.h_before[lane] = w->last.t[lane] = 0;
+    w->last.pace[lane] = (galerkin_pace){0};
 }
 
 static bool is_sound(const void *work)
 {
-    const int turn = *((const batch *)work)->turn;
+    const long turn = *((const batch *)work)->turn;
     return turn >= 0 && turn < GALERKIN_TURNS;
 }
 
@@ -206,33 +194,38 @@ static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, c
         put(w, m, w->single);
 }
 
-/* ---- The start of a step ----------------------------------------------------------------------------------------- */
+/* ---- Members in lanes --------------------------------------------------------------------------------------------
+ * */
 
-/* What goes by itself rests where it starts, so that it does not disturb the sweeps. */
-static void rest(const batch *w, int m)
+/* Whose step goes on from one of the size h that ended at t; how many. */
+static int choose_members(batch *w, double h, const double t[], const tvi_status status[])
 {
-    const galerkin_batch_nodes *nodes = &w->nodes;
-    nodes->is_moving[m] = 0;
-    for (int at = m; at < nodes->unknowns * nodes->points * nodes->width; at += nodes->width) {
-        nodes->impulse[at] = nodes->low[at] = 0;
-        nodes->high[at] = nodes->start[at / (nodes->points * nodes->width) * nodes->width + m];
+    const batch_history *last = &w->last;
+    int count = 0;
+    for (int m = 0; m < w->nodes.width; m++) {
+        const bool goes_on = status[m] == TVI_OK && last->h[m] == h && fabs(t[m] - (last->t[m] + h)) < 0.25 * fabs(h);
+        w->verdicts.slowest[m] = last->pace[m].slowest;
+        w->in_lanes[m] = w->verdicts.is_moving[m] = goes_on ? -1 : 0;
+        w->is_rough[m] = galerkin_is_rough(&w->frame, last->h_before[m] == h ? 2 : 1, last->pace[m].first);
+        count += goes_on;
     }
+    return count;
 }
 
-static void set_start(batch *w, const tvi_batch_origin *origin)
+/* What goes by itself rests where it starts, so that it does not disturb the sweeps. */
+static void rest(batch *w, int m)
 {
-    const galerkin_batch_nodes *nodes = &w->nodes;
-    if (galerkin_is_second_order(&w->single->field)) {
-        w->loops->start_drifting(nodes, w->single->coefficients.c, origin, &w->drift);
-    } else {
-        w->loops->start(nodes, 0, w->single->n, origin->q, origin->q_low);
-        w->loops->start(nodes, w->single->n, w->single->n, origin->p, origin->p_low);
+    const galerkin_nodes *nodes = &w->nodes;
+    w->verdicts.is_moving[m] = 0;
+    for (int at = m; at < nodes->unknowns * nodes->points * nodes->width; at += nodes->width) {
+        nodes->impulse[at] = nodes->base[at] = 0;
+        nodes->high[at] = nodes->start[at / (nodes->points * nodes->width) * nodes->width + m];
     }
 }
 
 static void set_times(const batch *w, double h, const tvi_batch_origin *origin)
 {
-    const galerkin_batch_nodes *nodes = &w->nodes;
+    const galerkin_nodes *nodes = &w->nodes;
     double *t = nodes->x + nodes->unknowns * nodes->points * nodes->width;
     if (!w->single->field.system->uses_time) return;
     for (int i = 0; i < nodes->points; i++)
@@ -240,135 +233,98 @@ static void set_times(const batch *w, double h, const tvi_batch_origin *origin)
             *t++ = origin->t[m] + (origin->t_low[m] + h * w->single->coefficients.c[i]);
 }
 
-static void predict(batch *w, double h, const tvi_batch_origin *origin)
+/* A step of all members in lanes. */
+typedef struct {
+    batch *w;
+    tvi_stats *stats;
+} in_lanes;
+
+/* Members outside of the domain go by themselves. */
+static tvi_status pass(void *of, const galerkin_nodes *nodes, double moved[], double *roundoff)
 {
-    set_start(w, origin);
-    for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
-        if (!w->nodes.in_lanes[m]) rest(w, m);
-    w->loops->predict(&w->nodes, w->single->predictor.extrapolation[GALERKIN_FROM_TWO], impulses(w, 0),
-                      impulses(w, -1));
+    const in_lanes *step = of;
+    batch *w = step->w;
+    const galerkin_field *field = &w->single->field;
+    const jet_tape *tape = field->system->field_values;
+    const bool is_inside = tape->sweeps->values(tape, nodes->x, nodes->points * nodes->width);
+    (void)roundoff;
+    for (int m = 0; m < nodes->width; m++) {
+        if (!nodes->is_moving[m]) continue;
+        step->stats->force_evaluations += nodes->points;
+        step->stats->passes++;
+        if (!is_inside && !tvi_single_is_inside(&w->by_itself, tape, nodes->x, nodes->points, m)) rest(w, m);
+    }
+    w->frame.loops->move(nodes, w->frame.matrix, nodes->x, field->slot, moved);
+    return TVI_OK;
+}
+
+static void solve(batch *w, double h, const tvi_batch_origin *origin, const tvi_origin *from, tvi_stats *stats)
+{
+    const galerkin_nodes *nodes = &w->nodes;
+    const galerkin_extrapolation by = galerkin_from_steps(&w->frame, (int)*w->turn, w->is_rough);
+    in_lanes step = {w, stats};
+    galerkin_start(&w->frame, nodes, from);
+    for (int m = 0; m < nodes->width; m++)
+        if (!w->in_lanes[m]) rest(w, m);
+    w->frame.loops->predict(nodes, &by);
     set_times(w, h, origin);
-    w->loops->set_sizes(&w->nodes, w->single->n);
-}
-
-/* ---- Passes ------------------------------------------------------------------------------------------------------ */
-
-/* Members that are outside of the domain, or whose passes are stuck, go by themselves. */
-static void leave(batch *w, int m)
-{
-    w->nodes.in_lanes[m] = 0;
-    w->are_all_in_lanes = false;
-    rest(w, m);
-}
-
-static void copy_inputs(const batch *w, int slots)
-{
-    const size_t count = (size_t)(w->nodes.points * w->nodes.width);
-    double *x = w->nodes.x, *copy = x + (size_t)slots * count;
-    for (int i = 0; i < w->copies; i++, copy += count)
-        memcpy(copy, x + (size_t)w->copied[i] * count, count * sizeof *x);
-}
-
-static void pass(batch *w, int count, tvi_stats *stats)
-{
-    const galerkin_batch_nodes *nodes = &w->nodes;
-    const jet_tape *tape = w->single->field.system->field_values;
-    const bool inside = tape->sweeps->values(tape, nodes->x, nodes->points * nodes->width);
-    stats->force_evaluations += count * nodes->points;
-    stats->passes += count;
-    for (int m = 0; m < nodes->width && !inside; m++)
-        if (nodes->is_moving[m] && !tvi_single_is_inside(&w->by_itself, tape, nodes->x, nodes->points, m)) leave(w, m);
-    copy_inputs(w, tape->slots);
-    w->loops->move(nodes, &w->halves, nodes->x, w->slot, w->moved);
-}
-
-static void iterate(batch *w, int count, tvi_stats *stats)
-{
-    bool any_stuck;
-    for (int passes = 1; count > 0 && passes <= w->rule.most; passes++) {
-        w->nodes.is_first = passes == 1;
-        pass(w, count, stats);
-        count = w->loops->judge(&w->nodes, &w->rule, passes, w->moved, &w->passes, &any_stuck);
-        for (int m = 0; m < w->nodes.width && any_stuck; m++)
-            if (w->nodes.in_lanes[m] && w->passes.is_stuck[m]) leave(w, m);
-    }
-    for (int m = 0; m < w->nodes.width && count > 0; m++)
-        if (w->nodes.is_moving[m]) leave(w, m);
-}
-
-/* ---- The end of a step ------------------------------------------------------------------------------------------- */
-
-/* Of all members. */
-static tvi_increments integrate(const batch *w)
-{
-    const galerkin_sums *sums = &w->motion.sums;
-    const galerkin_batch_nodes *nodes = &w->nodes;
-    const int n = w->single->n, momenta = n * nodes->width;
-    tvi_increments by = w->by;
-    w->loops->integrate(nodes, &w->single->coefficients.weights, sums);
-    if (galerkin_is_second_order(&w->single->field)) {
-        w->loops->end_drifting(nodes, sums, &w->drift, by.dq, by.dq_low);
-        by.dp = sums->once;
-        by.dp_low = sums->once_low;
-    } else {
-        w->loops->end(nodes, 0, n, sums->once, by.dq);
-        w->loops->end(nodes, 0, n, sums->once_low, by.dq_low);
-        w->loops->end(nodes, n, n, sums->once + momenta, by.dp);
-        w->loops->end(nodes, n, n, sums->once_low + momenta, by.dp_low);
-    }
-    return by;
+    w->frame.loops->set_sizes(nodes, w->single->n);
+    galerkin_solve_members(&w->frame, nodes, &(galerkin_drive){pass, NULL, &step}, &w->verdicts);
+    for (int m = 0; m < nodes->width; m++) w->in_lanes[m] = w->verdicts.has_ended[m];
 }
 
 /* What goes by itself, or not at all, has the impulses that it had. */
-static void remember(const batch *w)
+static void turn_impulses(const batch *w)
 {
     const int width = w->nodes.width, rows = w->nodes.unknowns * w->nodes.points;
     double *const before = impulses(w, -1), *const last = impulses(w, 0), *const next = impulses(w, 1);
-    for (int m = 0; m < width && !w->are_all_in_lanes; m++)
-        for (int at = m; at < rows * width && !w->nodes.in_lanes[m]; at += width) {
+    for (int m = 0; m < width; m++)
+        for (int at = m; at < rows * width && !w->in_lanes[m]; at += width) {
             next[at] = last[at];
             last[at] = before[at];
         }
     *w->turn = (*w->turn + 1) % GALERKIN_TURNS;
 }
 
-/* Of those that are solved in lanes. */
-static void finish(batch *w, const tvi_batch_origin *origin, const tvi_batch_end *end)
+/* to = from, of so many rows of the members in lanes. */
+static void give(const batch *w, int rows, const double *from, double *to)
 {
-    const galerkin_batch_nodes *nodes = &w->nodes;
+    const int width = w->nodes.width;
+    for (int i = 0; i < rows; i++, from += width, to += width)
+        for (int m = 0; m < width; m++) to[m] = w->in_lanes[m] ? from[m] : to[m];
+}
+
+static void finish(batch *w, double h, const tvi_batch_origin *origin, const tvi_origin *from, const tvi_batch_end *end)
+{
     const int n = w->single->n;
-    const tvi_increments by = integrate(w);
-    w->motion.q = origin->q;
-    w->motion.p = origin->p;
-    w->motion.dp = by.dp;
-    remember(w);
-    w->loops->choose(nodes, n, by.dq, end->by.dq);
-    w->loops->choose(nodes, n, by.dp, end->by.dp);
-    w->loops->choose(nodes, n, by.dq_low, end->by.dq_low);
-    w->loops->choose(nodes, n, by.dp_low, end->by.dp_low);
-    w->loops->tail(&w->motion, nodes->width, w->share, w->ratio, w->moved);
-    w->loops->choose(nodes, 1, w->moved, end->tail);
-    w->loops->choose(nodes, 1, origin->t, w->last.t);
-    w->loops->choose(nodes, 1, w->passes.slowest, w->last.slowest);
-    for (int m = 0; m < nodes->width; m++) w->pace[m] = (galerkin_pace){.slowest = w->last.slowest[m]};
-    for (int m = 0; m < nodes->width; m++)
-        end->passes[m] = nodes->in_lanes[m] ? (int)w->passes.count[m] : end->passes[m];
+    galerkin_end_step(&w->frame, &w->nodes, from, &w->by, w->tail);
+    turn_impulses(w);
+    give(w, n, w->by.dq, end->by.dq);
+    give(w, n, w->by.dp, end->by.dp);
+    give(w, n, w->by.dq_low, end->by.dq_low);
+    give(w, n, w->by.dp_low, end->by.dp_low);
+    give(w, 1, w->tail, end->tail);
+    give(w, 1, origin->t, w->last.t);
+    for (int m = 0; m < w->nodes.width; m++) {
+        if (!w->in_lanes[m]) continue;
+        w->last.h_before[m] = h;
+        w->last.pace[m] = (galerkin_pace){w->verdicts.slowest[m], w->verdicts.first[m]};
+        end->passes[m] = (int)w->verdicts.count[m];
+    }
 }
 
 static void step(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, tvi_stats *stats)
 {
     batch *w = work;
+    const tvi_origin from = {0, 0, origin->q, origin->q_low, origin->p, origin->p_low};
     tvi_galerkin_set_size(w->single, h);
     w->nodes.impulse = impulses(w, 1);
-    const int count = w->loops->begin(&w->nodes, &w->last, h, origin->t, end->status, &w->passes);
-    w->are_all_in_lanes = count == w->nodes.width;
-    if (count > 0) {
-        predict(w, h, origin);
-        iterate(w, count, stats);
-        finish(w, origin, end);
+    if (choose_members(w, h, origin->t, end->status) > 0) {
+        solve(w, h, origin, &from, stats);
+        finish(w, h, origin, &from, end);
     }
-    for (int m = 0; m < w->nodes.width && !w->are_all_in_lanes; m++)
-        if (end->status[m] == TVI_OK && !w->nodes.in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
+    for (int m = 0; m < w->nodes.width; m++)
+        if (end->status[m] == TVI_OK && !w->in_lanes[m]) step_by_itself(w, h, origin, end, m, stats);
 }
 
 const tvi_batch_stepper tvi_galerkin_batch = {.width = width_of,

@@ -35,19 +35,21 @@ static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, gal
     return galerkin_sweep_there(blocks, sweep, with_second);
 }
 
-/* A loop of these, by the table or, in generated code, inlined. */
+/* A loop of these, by the table or, in generated code, inlined; those of lagrangian_loops.h, too. */
 #ifdef JET_EMITTED
-#define GALERKIN_LOOP(loops, name, ...) ((void)(loops), name##_lanes(__VA_ARGS__, GALERKIN_LANES))
+#define GALERKIN_LOOP(loops, name, ...) ((void)(loops), NAME(name)(__VA_ARGS__))
+#define GALERKIN_ALGEBRA(of, name, ...) ((void)(of), name##_lanes(__VA_ARGS__, GALERKIN_LANES))
 #else
 #define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
+#define GALERKIN_ALGEBRA(of, name, ...) (of)->name(__VA_ARGS__)
 #endif
 
 /* The drives, which are impulses divided by h b, and unknowns that begin at 0. */
-static inline void galerkin_predict_drives(const galerkin_loops *loops, const galerkin_nodes *drives, double h,
-                                           int steps, const double *extrapolation, const double *const impulses[])
+static inline void galerkin_predict_drives(const galerkin_loops *loops, const galerkin_nodes *drives,
+                                           const galerkin_extrapolation *by)
 {
-    for (int u = 0; u < drives->unknowns; u++) drives->scale[u] = 1 / h;
-    GALERKIN_LOOP(loops, predict, drives, steps, extrapolation, impulses);
+    for (int u = 0; u < drives->unknowns; u++) drives->scale[u] = 1 / by->h;
+    GALERKIN_LOOP(loops, predict, drives, by);
 }
 
 #endif

@@ -13,17 +13,16 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
     w->lanes = lanes;
     w->b = tvi_arena_doubles(arena, width);
     w->c = tvi_arena_doubles(arena, width);
-    w->matrix = tvi_arena_doubles(arena, (size_t)galerkin_matrix_size(lanes));
+    w->matrix = tvi_arena_doubles(arena, width * width);
     w->weights.points = points;
-    w->weights.pair = tvi_arena_doubles(arena, width * OF_PAIR);
-    w->weights.halves = tvi_arena_doubles(arena, 2 * 8);
+    w->weights.late = tvi_arena_doubles(arena, width);
     w->weights.last = tvi_arena_doubles(arena, width);
 }
 
 static double on_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
 
-/* c and b are on the grid 2^-53, where differences are exact; c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1 hold
- * as they stand. */
+/* c and b are on the grid 2^-53, where differences are exact; c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1
+ * hold as they stand. */
 static void set_nodes(galerkin_coefficients *w)
 {
     const int m = w->points;
@@ -50,8 +49,7 @@ static void set_weights(galerkin_coefficients *w, const galerkin_dense *dense)
 {
     const int m = w->points;
     for (int j = 0; j < m; j++) {
-        for (int k = 0; k < OF_PAIR; k++) w->weights.pair[j * OF_PAIR + k] = k % 2 == 0 ? 1 : 1 - w->c[j];
-        for (int k = 0; k < 8 && j < 8; k += 4) w->weights.halves[j / 4 * 8 + k + j % 4] = k == 0 ? 1 : 1 - w->c[j];
+        w->weights.late[j] = 1 - w->c[j];
         w->weights.last[j] = dense->of_node[j * w->lanes + m - 1];
     }
 }
@@ -67,9 +65,9 @@ static long double impulse_factor(const galerkin_coefficients *w, bool is_second
     return square;
 }
 
-/* The elements nu_ij are on a grid, too, and those above the diagonal follow from the condition of symplecticity, which
- * so holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, else nu_ij + nu_ji = 1; and that of symmetry,
- * nu_ij = nu_{m-1-j, m-1-i}. */
+/* The elements nu_ij are on a grid, too, and those above the diagonal follow from the condition of symplecticity,
+ * which so holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, else nu_ij + nu_ji = 1; and that of
+ * symmetry, nu_ij = nu_{m-1-j, m-1-i}. */
 static void set_matrix(galerkin_coefficients *w, const galerkin_dense *dense, bool is_second_order)
 {
     long double ab[MAX_LANES][MAX_LANES];
@@ -88,29 +86,10 @@ static void set_matrix(galerkin_coefficients *w, const galerkin_dense *dense, bo
         for (int j = 0; j < m; j++) matrix[j * lanes + lane] = matrix[j * lanes + m - 1];
 }
 
-/* few.h */
-static void set_turned(double *matrix, int lanes)
-{
-    for (int k = 0; k < 8 && lanes == 8; k++)
-        for (int i = 0; i < 8; i++) matrix[(8 + k) * 8 + i] = matrix[(i ^ k) * 8 + i];
-}
-
 void tvi_galerkin_coefficients_prepare(galerkin_coefficients *w, galerkin_dense *dense, bool is_second_order)
 {
     set_nodes(w);
     tvi_galerkin_dense_prepare(dense, w->lanes, w->exact_node);
     set_weights(w, dense);
     set_matrix(w, dense, is_second_order);
-    set_turned(w->matrix, w->lanes);
-}
-
-void tvi_galerkin_coefficients_fold(const galerkin_coefficients *w, const galerkin_nodes *nodes, double *folded)
-{
-    const int lanes = w->lanes, size = galerkin_matrix_size(lanes);
-    for (int u = 0; u < nodes->unknowns; u++, folded += size) {
-        for (int j = 0; j < lanes; j++)
-            for (int i = 0; i < lanes; i++)
-                folded[j * lanes + i] = nodes->scale[u] * (nodes->weight[j] * w->matrix[j * lanes + i]);
-        set_turned(folded, lanes);
-    }
 }

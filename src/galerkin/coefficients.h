@@ -8,8 +8,7 @@ typedef struct {
     int points, lanes;
     double *b, *c;    /* [lanes] */
     double inverse_b; /* of the first and the last */
-    double *matrix; /* [j][i] what multiplies impulse j in an unknown at node i; of eight lanes, the same turned (few.h)
-                       * behind it */
+    double *matrix;   /* [j][i] what multiplies impulse j in an unknown at node i */
     galerkin_weights weights;
     long double exact_node[TVI_GALERKIN_MAX_LANES], exact_weight[TVI_GALERKIN_MAX_LANES];
 } galerkin_coefficients;
@@ -18,7 +17,4 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
 /* Those of Q'' = F or of Q' = V, P' = F; prepares the dense output, too, which has the integrals that they are made
  * of. */
 void tvi_galerkin_coefficients_prepare(galerkin_coefficients *w, galerkin_dense *dense, bool is_second_order);
-/* [unknowns][j][i] what multiplies the drives (folded.h), of nodes whose weights and scales are set. */
-void tvi_galerkin_coefficients_fold(const galerkin_coefficients *w, const galerkin_nodes *nodes, double *folded);
-
 #endif

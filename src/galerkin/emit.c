@@ -1,40 +1,49 @@
-/* emit.c - the loops of generated code: those of loops.c for one number of unknowns and lanes, and a whole step in one
- * function, by the passes of the field's form. */
+/* emit.c - generated steps: the sizes of one system as constants, the loops of kernel.h for them, and the steps of
+ * steps.h by the passes of the field's form. */
 #include "galerkin/field.h"
 
 extern const char *const tvi_embedded_galerkin[];
 
-void tvi_galerkin_emit_ints(jet_text *text, const char *name, const char *what, int count, const int value[])
+void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[])
 {
-    jet_text_add(text, "static const int %s_%s[] = {", name, what);
+    jet_text_add(text, "static const int galerkin_%s[] = {", what);
     for (int i = 0; i < count; i++) jet_text_add(text, "%d, ", value[i]);
     jet_text_add(text, "0};\n");
 }
 
 #define FIELD(name) #name, r->name
 
-static void emit_rule(jet_text *text, const tvi_passes_rule *r, const char *name)
+static void emit_rule(jet_text *text, const tvi_passes_rule *r)
 {
     const struct {
         const char *name;
         double value; /* of integers, too */
     } field[] = {{FIELD(most)},        {FIELD(exactly)}, {FIELD(goal)},  {FIELD(noise)},
                  {FIELD(contraction)}, {FIELD(stuck)},   {FIELD(turns)}, {FIELD(is_quadratic)}};
-    jet_text_add(text, "static const tvi_passes_rule %s_rule = {", name);
+    jet_text_add(text, "static const tvi_passes_rule galerkin_rule = {");
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         jet_text_add(text, ".%s = %a, ", field[i].name, field[i].value);
     jet_text_add(text, "};\n");
 }
 
+static void emit_lines(jet_text *text, const char *const *line)
+{
+    for (; *line; line++) jet_text_add(text, "%s", *line);
+}
+
 void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name)
 {
-    const int lanes = field->nodes.lanes;
-    jet_text_add(text, "enum { GALERKIN_LANES = %d, GALERKIN_POINTS = %d };\n", lanes, field->points);
-    for (const char *const *line = tvi_embedded_galerkin; *line; line++) jet_text_add(text, "%s", *line);
-    jet_text_add(text, "GALERKIN_EMITTED_LOOPS(%s, %d, %d, %d, %d, %d)\n", name, field->system->n,
-                 field->system->parts.count, field->nodes.moving, field->nodes.unknowns, lanes);
-    emit_rule(text, rule, name);
-    field->form->emit(text, field, name);
-    jet_text_add(text, "GALERKIN_EMITTED_ROW(%s)\n", name);
-    jet_text_add(text, "static const galerkin_loops %s = {GALERKIN_EMITTED_TABLE(%s)};\n", name, name);
+    const galerkin_nodes *nodes = &field->nodes;
+    jet_text_add(text,
+                 "#define MEMBERS 0\n#define LANES %d\nenum { GALERKIN_LANES = LANES, GALERKIN_POINTS = %d, "
+                 "GALERKIN_N = %d, GALERKIN_UNKNOWNS = %d, GALERKIN_MOVING = %d, GALERKIN_PARTS = %d, "
+                 "GALERKIN_IS_SEPARABLE = %d, "
+                 "GALERKIN_KEPT = %d };\n#define GALERKIN_VALUES(x) tvi_values_values_%d(x)\n",
+                 nodes->lanes, field->points, field->system->n, nodes->unknowns, nodes->moving, nodes->parts.count,
+                 galerkin_is_second_order(field), galerkin_rows_kept(field->system->field_values), nodes->lanes);
+    emit_lines(text, tvi_embedded_galerkin);
+    emit_rule(text, rule);
+    field->form->emit(text, field);
+    emit_lines(text, field->form->text);
+    jet_text_add(text, "static const galerkin_code %s = {galerkin_steps};\n", name);
 }

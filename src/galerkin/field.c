@@ -41,18 +41,15 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     return status;
 }
 
-static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
+static void predict(galerkin_field *field, const galerkin_extrapolation *by)
 {
-    field->loops->predict(&field->nodes, steps, extrapolation, impulses);
+    field->loops->predict(&field->nodes, by);
 }
 
-static void emit(jet_text *text, const galerkin_field *field, const char *name)
+static void emit(jet_text *text, const galerkin_field *field)
 {
-    const galerkin_nodes *nodes = &field->nodes;
-    tvi_galerkin_emit_ints(text, name, "slot", nodes->unknowns, field->slot);
-    jet_text_add(text, "GALERKIN_EMITTED_STEADY(%s, tvi_values, %d, %d, %d)\n", name, nodes->unknowns,
-                 galerkin_rows_kept(field->system->field_values), nodes->lanes);
+    tvi_galerkin_emit_ints(text, "slot", field->nodes.unknowns, field->slot);
 }
 
-const galerkin_form tvi_galerkin_form_plain = {-1,  &tvi_galerkin_fixed_point, take, prepare, start, predict, NULL,
-                                               emit};
+const galerkin_form tvi_galerkin_form_plain = {-1,   &tvi_galerkin_fixed_point,  take, prepare, start, predict, NULL,
+                                               emit, tvi_embedded_galerkin_plain};

@@ -4,7 +4,7 @@
 #define TVI_SRC_GALERKIN_FIELD_H
 
 #include "algebra/passes.h"
-#include "galerkin/loops.h"
+#include "galerkin/blocks.h"
 #include "method/stepper.h"
 #include "system/roundoff.h"
 
@@ -40,12 +40,13 @@ struct galerkin_form {
     void (*prepare)(galerkin_field *field);
     /* The unknowns by what drives them at the start of the step, for all nodes. */
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
-    /* The unknowns by the impulses of earlier steps: impulses[step][u][j], extrapolation times ahead [steps][j][i]. */
-    void (*predict)(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[]);
+    /* The unknowns by the impulses of earlier steps: tables times ahead. */
+    void (*predict)(galerkin_field *field, const galerkin_extrapolation *by);
     /* See tvi_galerkin_pass; NULL: by galerkin_evaluate. Not counted. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
-    /* Defines NAME_steady of generated code (steady.h). */
-    void (*emit)(jet_text *text, const galerkin_field *field, const char *name);
+    /* What is constant of it in generated code, and the text of its steps (generated_*.h). */
+    void (*emit)(jet_text *text, const galerkin_field *field);
+    const char *const *text;
 };
 
 /* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: passes.c. */
@@ -61,10 +62,13 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
     return field->system->form == TVI_SEPARABLE;
 }
 
-/* Defines `static const galerkin_loops NAME` of generated code that has the sweeps (emit.c), of a field that is
- * prepared, whose passes have this rule; and `static const int NAME_what[]`, with a 0 behind it. */
+/* Defines `static const galerkin_code NAME` of generated code that has the sweeps (emit.c), of a field that is
+ * prepared, whose passes have this rule. */
 void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name);
-void tvi_galerkin_emit_ints(jet_text *text, const char *name, const char *what, int count, const int value[]);
+/* Defines `static const int galerkin_what[]`, with a 0 behind it. */
+void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[]);
+extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[],
+                                                            *const tvi_embedded_galerkin_hamiltonian[];
 /* Of a block of the tape the rows that a sweep of it does not set. */
 static inline int galerkin_rows_kept(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
@@ -84,7 +88,9 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
 /* The unknowns moved by what drives them, as far as `move` says. */
 static inline double galerkin_move(const galerkin_field *field)
 {
-    return field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot);
+    double moved;
+    field->loops->move(&field->nodes, field->matrix, field->nodes.x, field->slot, &moved);
+    return moved;
 }
 
 /* A pass: what drives the unknowns where they are, and they moved by it, as far as `move` says. Counts. */

@@ -1,10 +1,9 @@
-/* galerkin.c - the Galerkin curve: free values at m Gauss nodes, which is Gauss collocation (docs/method.md section 4).
- * With a, b, c its coefficients and F_j the field at node j,
- *     separable:    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
- *                   q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
- *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
- * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what
- * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
+/* galerkin.c - the Galerkin curve: free values at m Gauss nodes, which is Gauss collocation (docs/method.md section
+ * 4). With a, b, c its coefficients and F_j the field at node j,     separable:    Q_i = q0 + c_i h M^-1 p0 + h^2
+ * sum_j (a a)_ij M^-1 F_j,                   q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j
+ * b_j F_j;     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V,
+ * F)_j, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what the
+ * steps before lead to. The nodes are lanes of one sweep of the field's tape. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
@@ -13,7 +12,8 @@
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
+/* ---- Memory and tables -------------------------------------------------------------------------------------------
+ * */
 
 static int lanes_for(int points)
 {
@@ -31,7 +31,7 @@ static int place_of(int lanes)
 }
 
 /* Those of the instruction set that the system's tapes run with. */
-static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
+static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
     [jet_isa_base] = tvi_galerkin_loops_base,
 #ifdef JET_ISA_X86
     [jet_isa_avx2] = tvi_galerkin_loops_avx2,
@@ -57,8 +57,8 @@ static const galerkin_form *form_of(const tvi_system *system)
 
 bool tvi_galerkin_is_plain(const tvi_system *system) { return form_of(system) == &tvi_galerkin_form_plain; }
 
-/* The last coordinates that H does not have, as the time of a rescaled system whose forces do not have it: what nothing
- * depends on is a quadrature, which needs no movement, and their momenta do not move. */
+/* The last coordinates that H does not have, as the time of a rescaled system whose forces do not have it: what
+ * nothing depends on is a quadrature, which needs no movement, and their momenta do not move. */
 static int cyclic_at_end(const tvi_system *system)
 {
     const int *force = system->field_values->output;
@@ -73,13 +73,14 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     galerkin_nodes *nodes = &field->nodes;
     field->system = system;
     field->points = points;
-    const galerkin_loops *generated = system->code ? system->code->galerkin : NULL;
     const int lanes_needed = lanes_for(points);
-    field->loops = generated ? generated : &loops_of[system->field_values->sweeps->isa][place_of(lanes_needed)];
+    field->loops = loops_of[system->field_values->sweeps->isa][place_of(lanes_needed)];
     field->lagrangian = lagrangian_of[system->field_values->sweeps->isa];
     field->form = form_of(system);
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;
+    nodes->points = points;
+    nodes->width = 1;
     nodes->half = system->n;
     nodes->parts = system->parts;
     const int cyclic = cyclic_at_end(system);
@@ -124,9 +125,6 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.drift_low = tvi_arena_doubles(arena, (size_t)unknowns);
     w.share = tvi_arena_doubles(arena, (size_t)w.n);
     w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
-    w.begun = tvi_arena_doubles(arena, 2 * (size_t)w.n);
-    if (unknowns <= GALERKIN_FEWEST)
-        w.folded = tvi_arena_doubles(arena, (size_t)(unknowns * galerkin_matrix_size(lanes)));
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
     take_motion(&w.motion, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
@@ -144,15 +142,19 @@ static void prepare(void *work)
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
     w->motion.per_weight = w->coefficients.inverse_b;
     w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
-    w->frame = (galerkin_frame){.nodes = &w->field.nodes,
+    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
+    w->code = w->field.system->code && iterates ? w->field.system->code->galerkin : NULL;
+    w->frame = (galerkin_frame){.loops = w->field.loops,
+                                .nodes = &w->field.nodes,
                                 .motion = &w->motion,
                                 .weights = &w->coefficients.weights,
                                 .rule = &w->rule,
                                 .matrix = w->field.matrix,
                                 .c = w->coefficients.c,
-                                .folded = w->folded,
-                                .extrapolation = w->predictor.extrapolation,
-                                .rough = &w->predictor.rough,
+                                .from_two = w->predictor.from_two,
+                                .from_last = w->predictor.from_last,
+                                .rough = w->predictor.rough,
+                                .impulses = w->predictor.impulses,
                                 .drift = w->drift,
                                 .drift_low = w->drift_low,
                                 .share = w->share,
@@ -161,7 +163,8 @@ static void prepare(void *work)
                                 .own = w->field.own};
 }
 
-/* ---- The start of a step ----------------------------------------------------------------------------------------- */
+/* ---- The start of a step -----------------------------------------------------------------------------------------
+ * */
 
 void tvi_galerkin_set_size(galerkin *w, double h)
 {
@@ -190,107 +193,125 @@ static void set_times(galerkin *w, const tvi_origin *origin, double h)
     tvi_system_set_time(w->field.system, w->field.inputs, w->field.nodes.lanes, t);
 }
 
-static void set_start(galerkin *w, const tvi_origin *origin)
-{
-    const galerkin_loops *loops = w->field.loops;
-    if (galerkin_is_second_order(&w->field))
-        loops->start_drifting(&w->field.nodes, w->coefficients.c, origin, w->drift, w->drift_low);
-    else loops->start(&w->field.nodes, w->n, origin);
-}
-
-/* The unknowns, by the steps before, beginning after `part` of the last one; NULL: by the field at the start. */
-static tvi_status predict(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
+/* The unknowns of a step that no step of its size leads to: by the last one, beginning after `part` of it; NULL: by
+ * the field at the start. */
+static tvi_status begin(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
 {
     galerkin_field *field = &w->field;
     field->nodes.impulse = tvi_galerkin_impulses(&w->predictor, 1);
-    set_start(w, origin);
+    galerkin_start(&w->frame, &field->nodes, origin);
     if (part) {
         tvi_galerkin_extrapolate(&w->predictor, &w->coefficients, &w->dense, field, *part);
-    } else {
-        set_times(w, origin, 0);
-        stats->force_evaluations++;
-        const tvi_status status = field->form->start(field, origin);
-        if (status != TVI_OK) return status;
+        return TVI_OK;
     }
-    set_times(w, origin, field->h);
-    return TVI_OK;
+    set_times(w, origin, 0);
+    stats->force_evaluations++;
+    return field->form->start(field, origin);
 }
 
-static tvi_status solve(galerkin *w, const tvi_origin *origin, const double *part, galerkin_pace *pace,
-                        tvi_stats *stats)
+/* ---- Steps -------------------------------------------------------------------------------------------------------
+ * */
+
+/* A step that the library makes. */
+typedef struct {
+    galerkin *w;
+    const tvi_origin *origin;
+    tvi_stats *stats;
+} in_library;
+
+JET_INLINE tvi_status pass(void *of, const galerkin_nodes *nodes, double *moved, double *roundoff)
 {
-    const tvi_status status = predict(w, origin, part, stats);
-    if (status != TVI_OK || w->options->passes == TVI_PREDICT_ONLY) return status;
-    galerkin_set_sizes(&w->field.nodes, w->n);
-    return tvi_galerkin_iterate(&w->field, &w->probe, &w->rule, origin, pace, stats);
+    const in_library *step = of;
+    galerkin_field *field = &step->w->field;
+    (void)nodes;
+    if (roundoff && tvi_galerkin_is_near(field, step->origin))
+        return tvi_galerkin_measure(field, &step->w->probe, moved, roundoff, step->stats);
+    return tvi_galerkin_pass(field, moved, step->stats);
 }
 
-/* ---- The step ---------------------------------------------------------------------------------------------------- */
-
-static void set_increments(const galerkin *w, const tvi_increments *by)
+JET_INLINE void predict(void *of, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
 {
-    const galerkin_nodes *nodes = &w->field.nodes;
-    const galerkin_sums *sums = &w->motion.sums;
-    if (galerkin_is_second_order(&w->field)) w->field.loops->end_drifting(nodes, sums, w->drift, w->drift_low, by);
-    else galerkin_end(nodes, sums, w->n, by);
+    const in_library *step = of;
+    (void)nodes;
+    step->w->field.form->predict(&step->w->field, by);
 }
 
-double tvi_galerkin_tail(galerkin *w, const tvi_origin *origin, const double dp[])
+static void make_in_library(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+                            galerkin_outcome *to, tvi_stats *stats)
 {
-    galerkin_motion *motion = &w->motion;
-    motion->q = origin->q;
-    motion->p = origin->p;
-    motion->dp = dp;
-    return w->field.points < 2 ? 0 : w->field.loops->tail(motion, w->share, w->ratio);
+    in_library step = {w, origin, stats};
+    galerkin_make_steps(&w->frame, &w->field.nodes, &(galerkin_drive){pass, predict, &step}, row, origin, now, to);
 }
 
-tvi_status tvi_galerkin_begin(galerkin *w, const tvi_origin *origin, int *known, tvi_stats *stats)
+static void make_by_code(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+                         galerkin_outcome *to, tvi_stats *stats)
 {
+    w->code->steps(&w->frame, row, origin, now, to);
+    const long passes = to->count + (to->made < 1 ? to->tried : 0);
+    stats->passes += passes;
+    stats->force_evaluations += passes * w->field.points;
+    stats->factorisations += to->factors * w->field.points;
+}
+
+static void remember(galerkin_history *last, double h, const galerkin_outcome *to)
+{
+    *last = (galerkin_history){
+        .h = h, .h_before = to->made > 1 ? h : last->h, .t = to->t, .pace = to->pace, .turn = to->turn};
+}
+
+typedef void make_steps(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+                        galerkin_outcome *to, tvi_stats *stats);
+
+/* Steps of the field's size, of which the first is predicted by the steps before, or by the state alone. */
+static galerkin_outcome make(galerkin *w, make_steps *by, bool follows, const tvi_row *row, const tvi_origin *origin,
+                             const tvi_run_state *now, tvi_stats *stats)
+{
+    galerkin_history *last = w->predictor.last;
+    galerkin_outcome to = {.turn = (int)last->turn, .largest_tail = stats->largest_tail};
     double part;
-    const bool follows = tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
-    *known = follows ? tvi_galerkin_known(&w->predictor, &w->field, part) : 0;
-    if (*known == 0) return predict(w, origin, follows ? &part : NULL, stats);
+    if (w->field.h == last->h) to.pace = last->pace;
+    follows = follows && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
+    to.known = follows ? tvi_galerkin_known(&w->predictor, &w->field, part) : 0;
+    if (to.known == 0) to.status = begin(w, origin, follows ? &part : NULL, stats);
+    if (to.status != TVI_OK) return to;
     set_times(w, origin, w->field.h);
-    return TVI_OK;
+    by(w, row, origin, now, &to, stats);
+    if (to.made < 1) return to;
+    remember(last, row->h, &to);
+    stats->residual = sqrt(to.moved);
+    stats->tail = to.tail;
+    return to;
 }
 
-/* By generated code; false where it is to be made in another way. */
-static bool step_generated(galerkin *w, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
-{
-    const tvi_row row = {.h = w->field.h, .steps = 1, .by = *by};
-    galerkin_outcome to = {.largest_tail = 0};
-    if (tvi_galerkin_begin(w, origin, &to.known, stats) != TVI_OK) return false;
-    const bool is_made = tvi_galerkin_make_steadily(w, &row, origin, NULL, &to) > 0;
-    tvi_galerkin_count(w, &to, stats);
-    if (!is_made) return false;
-    stats->residual = sqrt(to.last.size);
-    stats->tail = to.last.tail;
-    return true;
-}
+static bool iterates(const galerkin *w) { return w->rule.most > 0; }
 
 /* From the steps before, else from the state alone. */
-static tvi_status solve_somehow(galerkin *w, const tvi_origin *origin, galerkin_pace *pace, tvi_stats *stats)
-{
-    double place;
-    const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
-    const bool follows = iterates && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &place);
-    const tvi_status status = solve(w, origin, follows ? &place : NULL, pace, stats);
-    return status != TVI_OK && follows ? solve(w, origin, NULL, pace, stats) : status;
-}
-
 static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     galerkin *w = work;
+    const tvi_row row = {.h = h, .steps = 1, .by = *by};
+    double part;
     tvi_galerkin_set_size(w, h);
-    if (tvi_galerkin_is_steady(w) && step_generated(w, origin, by, stats)) return TVI_OK;
-    galerkin_pace pace = galerkin_pace_before(w);
-    const tvi_status status = solve_somehow(w, origin, &pace, stats);
-    if (status != TVI_OK) return status;
-    w->field.loops->integrate(&w->field.nodes, &w->coefficients.weights, &w->motion.sums);
-    tvi_galerkin_remember(&w->predictor, w->field.h, origin->t, pace);
-    set_increments(w, by);
-    stats->tail = tvi_galerkin_tail(w, origin, by->dp);
-    return TVI_OK;
+    if (w->code && make(w, make_by_code, true, &row, origin, NULL, stats).made > 0) return TVI_OK;
+    const bool follows = iterates(w) && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
+    galerkin_outcome to = make(w, make_in_library, follows, &row, origin, NULL, stats);
+    if (to.made < 1 && follows) to = make(w, make_in_library, false, &row, origin, NULL, stats);
+    return to.made > 0 ? TVI_OK : to.status;
+}
+
+static long run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats)
+{
+    galerkin *w = work;
+    const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
+    tvi_stats counted = *stats;
+    if (!iterates(w) || w->field.system->uses_time) return 0;
+    tvi_galerkin_set_size(w, row->h);
+    row->by.dq[w->n] = row->h;
+    const galerkin_outcome to = make(w, w->code ? make_by_code : make_in_library, true, row, &origin, now, &counted);
+    if (to.made < 1) return 0;
+    *stats = counted;
+    stats->largest_tail = to.largest_tail;
+    return to.made;
 }
 
 /* ---- Dense output -------------------------------------------------------------------------------------------------
@@ -335,7 +356,8 @@ static void sample(void *work, const tvi_range of[2], const double q_start[], co
     follow_curve(w, of, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, q_start, p_start, q, p);
 }
 
-/* ---- Generated code ---------------------------------------------------------------------------------------------- */
+/* ---- Generated code ----------------------------------------------------------------------------------------------
+ * */
 
 static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
 {
@@ -367,7 +389,7 @@ static bool is_sound(const void *work) { return galerkin_is_sound(((const galerk
 const tvi_stepper tvi_stepper_galerkin = {.take = take,
                                           .prepare = prepare,
                                           .step = step,
-                                          .run = tvi_galerkin_run,
+                                          .run = run,
                                           .dense = dense,
                                           .sample = sample,
                                           .is_superconvergent = true,

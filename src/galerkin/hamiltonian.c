@@ -139,14 +139,14 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     if (!drives) return TVI_EDOMAIN;
     for (int u = 0; u < nodes->unknowns; u++)
         memcpy(nodes->x + field->slot[u] * lanes, drives + slot[u] * lanes, (size_t)lanes * sizeof *drives);
-    (void)field->loops->move(nodes, field->matrix, nodes->x, field->slot);
+    (void)galerkin_move(field);
     return TVI_OK;
 }
 
-static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
+static void predict(galerkin_field *field, const galerkin_extrapolation *by)
 {
     hamiltonian *w = field->own;
-    hamiltonian_predict(&w->passes, field->h, steps, extrapolation, impulses);
+    hamiltonian_predict(&w->passes, by);
 }
 
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
@@ -158,23 +158,23 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     return TVI_OK;
 }
 
-static void emit(jet_text *text, const galerkin_field *field, const char *name)
+static void emit(jet_text *text, const galerkin_field *field)
 {
     const hamiltonian *w = field->own;
     const lanes_rounds *rounds = &w->passes.rounds;
     const int unknowns = field->nodes.unknowns;
-    tvi_galerkin_model_emit(text, &w->model, name);
-    tvi_galerkin_emit_ints(text, name, "of_values", unknowns, w->slot[false]);
-    tvi_galerkin_emit_ints(text, name, "of_second", unknowns, w->slot[true]);
-    tvi_galerkin_emit_ints(text, name, "unknown", rounds->rows, rounds->unknown);
-    tvi_galerkin_emit_ints(text, name, "place_of", rounds->rows * rounds->count, rounds->place);
-    tvi_galerkin_emit_ints(text, name, "slot", unknowns, field->slot);
-    jet_text_add(text, "GALERKIN_EMITTED_HAMILTONIAN(%s, %d, %d, %d, %d, %d)\n", name, unknowns, rounds->count,
-                 rounds->moving, rounds->rows, field->nodes.lanes);
+    tvi_galerkin_model_emit(text, &w->model);
+    jet_text_add(text, "enum { GALERKIN_COLUMNS = %d, GALERKIN_ROUND = %d, GALERKIN_ROWS = %d };\n", rounds->count,
+                 rounds->moving, rounds->rows);
+    tvi_galerkin_emit_ints(text, "of_values", unknowns, w->slot[false]);
+    tvi_galerkin_emit_ints(text, "of_second", unknowns, w->slot[true]);
+    tvi_galerkin_emit_ints(text, "unknown", rounds->rows, rounds->unknown);
+    tvi_galerkin_emit_ints(text, "place_of", rounds->rows * rounds->count, rounds->place);
+    tvi_galerkin_emit_ints(text, "slot", unknowns, field->slot);
 }
 
-const galerkin_form tvi_galerkin_form_hamiltonian = {-1,  &tvi_galerkin_newton, take, prepare, start, predict, pass,
-                                                     emit};
+const galerkin_form tvi_galerkin_form_hamiltonian = {
+    -1, &tvi_galerkin_newton, take, prepare, start, predict, pass, emit, tvi_embedded_galerkin_hamiltonian};
 /* The part of a movement that h g'' would have made is left, too: no less of one movement than of the one before. */
-const galerkin_form tvi_galerkin_form_product = {-1,  &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass,
-                                                 emit};
+const galerkin_form tvi_galerkin_form_product = {
+    -1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass, emit, tvi_embedded_galerkin_hamiltonian};

@@ -30,12 +30,12 @@ typedef struct {
 /* The rounds of the first pass of a step end here: another follows, whose movement is no less. */
 #define HAMILTONIAN_ROUNDOFF 0x1p-108
 
-static inline void hamiltonian_predict(hamiltonian_passes *w, double h, int steps, const double *extrapolation,
-                                       const double *const impulses[])
+static inline void hamiltonian_predict(hamiltonian_passes *w, const galerkin_extrapolation *by)
 {
+    double moved;
     const galerkin_nodes all = galerkin_all_moving(w->nodes);
-    galerkin_predict_drives(w->loops, &w->drives, h, steps, extrapolation, impulses);
-    (void)GALERKIN_LOOP(w->loops, move, &all, w->matrix, w->nodes->x, w->of_drives);
+    galerkin_predict_drives(w->loops, &w->drives, by);
+    GALERKIN_LOOP(w->loops, move, &all, w->matrix, w->nodes->x, w->of_drives, &moved);
     w->moved = INFINITY;
 }
 

@@ -75,7 +75,8 @@ static void prepare(galerkin_field *field)
     for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = field->nodes.unknowns + u;
 }
 
-/* ---- The predictor ----------------------------------------------------------------------------------------------- */
+/* ---- The predictor -----------------------------------------------------------------------------------------------
+ * */
 
 static void fill(const galerkin_nodes *nodes, int n, int first, const double value[])
 {
@@ -106,13 +107,14 @@ static tvi_status start(galerkin_field *field, const tvi_origin *origin)
     return TVI_OK;
 }
 
-static void predict(galerkin_field *field, int steps, const double *extrapolation, const double *const impulses[])
+static void predict(galerkin_field *field, const galerkin_extrapolation *by)
 {
     lagrangian *w = field->own;
-    lagrangian_predict(&w->passes, field->h, steps, extrapolation, impulses);
+    lagrangian_predict(&w->passes, by);
 }
 
-/* ---- A pass ------------------------------------------------------------------------------------------------------ */
+/* ---- A pass ------------------------------------------------------------------------------------------------------
+ * */
 
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
@@ -128,16 +130,15 @@ static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
     return status[passed];
 }
 
-static void emit(jet_text *text, const galerkin_field *field, const char *name)
+static void emit(jet_text *text, const galerkin_field *field)
 {
     const lagrangian *w = field->own;
     const int unknowns = field->nodes.unknowns;
-    tvi_galerkin_model_emit(text, &w->model, name);
-    tvi_galerkin_emit_ints(text, name, "of_values", unknowns, w->passes.output[false]);
-    tvi_galerkin_emit_ints(text, name, "of_second", unknowns, w->passes.output[true]);
-    tvi_galerkin_emit_ints(text, name, "slot", unknowns, field->slot);
-    jet_text_add(text, "GALERKIN_EMITTED_LAGRANGIAN(%s, %d, %d)\n", name, field->system->n, field->nodes.lanes);
+    tvi_galerkin_model_emit(text, &w->model);
+    tvi_galerkin_emit_ints(text, "of_values", unknowns, w->passes.output[false]);
+    tvi_galerkin_emit_ints(text, "of_second", unknowns, w->passes.output[true]);
+    tvi_galerkin_emit_ints(text, "slot", unknowns, field->slot);
 }
 
 const galerkin_form tvi_galerkin_form_lagrangian = {
-    1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass, emit};
+    1, &tvi_galerkin_quasi_newton, take, prepare, start, predict, pass, emit, tvi_embedded_galerkin_lagrangian};

@@ -62,7 +62,9 @@ static inline double lagrangian_move_momenta(const lagrangian_passes *w)
 {
     const int n = w->nodes->unknowns / 2;
     const galerkin_nodes momenta = lagrangian_half(w->nodes, n);
-    return GALERKIN_LOOP(w->loops, move, &momenta, w->matrix, w->nodes->x, w->slot + n);
+    double moved;
+    GALERKIN_LOOP(w->loops, move, &momenta, w->matrix, w->nodes->x, w->slot + n, &moved);
+    return moved;
 }
 
 static inline double lagrangian_move_positions(const lagrangian_passes *w)
@@ -79,10 +81,9 @@ static inline void lagrangian_place(lagrangian_passes *w)
     w->moved = INFINITY;
 }
 
-static inline void lagrangian_predict(lagrangian_passes *w, double h, int steps, const double *extrapolation,
-                                      const double *const impulses[])
+static inline void lagrangian_predict(lagrangian_passes *w, const galerkin_extrapolation *by)
 {
-    galerkin_predict_drives(w->loops, &w->drives, h, steps, extrapolation, impulses);
+    galerkin_predict_drives(w->loops, &w->drives, by);
     lagrangian_place(w);
 }
 
@@ -126,7 +127,7 @@ static inline lagrangian_passed lagrangian_invert(lagrangian_passes *w)
             if (term->column >= n) memcpy(element, w->blocks.second + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
     w->factors++;
-    if (GALERKIN_LOOP(w->algebra, invert, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
+    if (GALERKIN_ALGEBRA(w->algebra, invert, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
     for (int k = model->end[n - 1]; k < model->end[2 * n - 1]; k++)
         if (!tvi_all_finite(lanes, w->blocks.second + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
     return LAGRANGIAN_SINGULAR;
@@ -138,8 +139,8 @@ static inline double lagrangian_iterate(lagrangian_passes *w)
     const galerkin_nodes *nodes = w->nodes;
     const int n = nodes->unknowns / 2, half = n * nodes->lanes;
     const double moved = lagrangian_move_momenta(w);
-    GALERKIN_LOOP(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), w->gradient + half,
-                  lagrangian_row(nodes, 4 * n), w->blocks.values + half, lagrangian_row(nodes, 2 * n));
+    GALERKIN_ALGEBRA(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), w->gradient + half,
+                     lagrangian_row(nodes, 4 * n), w->blocks.values + half, lagrangian_row(nodes, 2 * n));
     return moved + lagrangian_move_positions(w);
 }
 
@@ -165,7 +166,7 @@ static inline void lagrangian_linearise(lagrangian_passes *w)
     double *moved = w->model.moved;
     for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->ways[i]) + w->rise[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
-    GALERKIN_LOOP(w->algebra, linearise, &w->model, nodes->x + 3 * half);
+    GALERKIN_ALGEBRA(w->algebra, linearise, &w->model, nodes->x + 3 * half);
 }
 
 /* New second derivatives are taken where those at hand do not serve. */

@@ -1,5 +1,5 @@
-/* lanes.h - loops over the lanes of a block whose number is one of a few and known to the compiler; for files that are
- * compiled once for each instruction set (ad/vector.h). */
+/* lanes.h - vectors over the lanes of a block whose number is one of a few and known to the compiler; for files that
+ * are compiled once for each instruction set (ad/vector.h). */
 #ifndef TVI_SRC_GALERKIN_LANES_H
 #define TVI_SRC_GALERKIN_LANES_H
 
@@ -15,38 +15,45 @@
     default: call(TVI_GALERKIN_MAX_LANES);                                                                             \
     }
 
-/* name_N(parameters) calls name_lanes(..., N), a function of its own for each number of lanes: what the compiler knows
- * of one spares it the registers of the others. `give` is return, or nothing where nothing is returned.
- * Generated code has one number of lanes. */
-#ifdef JET_EMITTED
-#define OWN static
-#define BY_LANES(result, give, name, parameters, ...)
+/* a b + c, rounded once where there is such an operation: of members, and of nodes, alike. Of generated code the
+ * compiler fuses what it can. */
+#define KERNEL_JOIN(f, suffix) f##_##suffix
+#define KERNEL_NAME(f, suffix) KERNEL_JOIN(f, suffix)
+#if defined(__FMA__) && !defined(JET_EMITTED)
+#include "fused.h"
+#define FUSED(V, a, b, c) KERNEL_NAME(jet_fma, V)(a, b, c)
+#ifdef JET_WIDE
+#define jet_fma_widest jet_fma_jet_v8
 #else
-#define OWN static __attribute__((noinline))
-#define BY_LANES(result, give, name, parameters, ...)                                                                  \
-    OWN result name##_1 parameters { give name##_lanes(__VA_ARGS__, 1); }                                              \
-    OWN result name##_2 parameters { give name##_lanes(__VA_ARGS__, 2); }                                              \
-    OWN result name##_4 parameters { give name##_lanes(__VA_ARGS__, 4); }                                              \
-    OWN result name##_8 parameters { give name##_lanes(__VA_ARGS__, 8); }                                              \
-    OWN result name##_most parameters { give name##_lanes(__VA_ARGS__, TVI_GALERKIN_MAX_LANES); }
+#define jet_fma_widest jet_fma_jet_v4
+#endif
+#else
+#define FUSED(V, a, b, c) ((a) * (b) + (c))
 #endif
 
-/* The nodes of the curve, which generated code knows. */
+/* What the compiler knows of one number of lanes spares it the registers of the others: functions of their own.
+ * Generated code has one number of lanes, and knows the nodes. */
 #ifdef JET_EMITTED
-#define POINTS_OF(weights) ((void)(weights), GALERKIN_POINTS)
+#define OWN              JET_INLINE
+#define POINTS_OF(nodes) ((void)(nodes), GALERKIN_POINTS)
 #else
-#define POINTS_OF(weights) ((weights)->points)
+#define OWN              static __attribute__((noinline))
+#define POINTS_OF(nodes) ((nodes)->points)
 #endif
 
 /* All lanes at once: BODY(V, blocks), with the widest vectors of which there are as many as make all lanes. */
 enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };
 #ifdef JET_WIDE
-enum { WIDEST = 8 };
+typedef jet_v8 widest;
+typedef jet_mask_of_jet_v8 jet_mask_of_widest;
 #elif defined(__AVX__)
-enum { WIDEST = 4 };
+typedef jet_v4 widest;
+typedef jet_mask_of_jet_v4 jet_mask_of_widest;
 #else
-enum { WIDEST = 2 };
+typedef jet_v2 widest;
+typedef jet_mask_of_jet_v2 jet_mask_of_widest;
 #endif
+enum { WIDEST = sizeof(widest) / sizeof(double) };
 #define ALL_LANES(lanes, BODY)                                                                                         \
     if (WIDEST >= 8 && lanes % 8 == 0) BODY(jet_v8, (lanes / 8))                                                       \
     else if (WIDEST >= 4 && lanes % 4 == 0) BODY(jet_v4, (lanes / 4))                                                  \
@@ -71,13 +78,5 @@ JET_INLINE double sum_of_jet_v8(jet_v8 x)
 /* Block k of them. */
 #define BLOCK_AT(V, array, k) (*(V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
 #define BLOCK_OF(V, array, k) (*(const V *)((array) + (size_t)(k) * (sizeof(V) / sizeof(double))))
-
-/* So many rows. */
-#define COPY(V, blocks)                                                                                                \
-    for (int k = 0; k < (blocks); k++) BLOCK_AT(V, to, k) = BLOCK_OF(V, from, k);
-JET_INLINE void copy_lanes(double *to, const double *from, int count, int lanes)
-{
-    for (int u = 0; u < count; u++, to += lanes, from += lanes) ALL_LANES(lanes, COPY)
-}
 
 #endif

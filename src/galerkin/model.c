@@ -14,7 +14,8 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
     model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
 }
 
-/* The rows of the symmetric matrix of second derivatives: the columns of the second half first, as V moves before Q. */
+/* The rows of the symmetric matrix of second derivatives: the columns of the second half first, as V moves before Q.
+ * */
 static void set_terms(const tvi_system *system, lanes_term *term, int *end)
 {
     const int rows = 2 * system->n;
@@ -60,16 +61,17 @@ bool tvi_galerkin_sweep(const galerkin_blocks *blocks, bool with_second)
     return true;
 }
 
-void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model, const char *name)
+void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model)
 {
     const galerkin_field *field = model->blocks.of;
-    const jet_tape *values = field->system->field_values, *second = field->system->second_values;
+    const jet_tape *second = field->system->second_values;
     const int rows = 2 * model->blocks.n;
-    tvi_galerkin_emit_ints(text, name, "end", rows, model->end);
-    jet_text_add(text, "static const lanes_term %s_term[] = {", name);
+    tvi_galerkin_emit_ints(text, "end", rows, model->end);
+    jet_text_add(text, "static const lanes_term galerkin_term[] = {");
     for (int k = 0; k < model->end[rows - 1]; k++)
         jet_text_add(text, "{%d, %d}, ", model->term[k].column, model->term[k].slot);
-    jet_text_add(text, "{0}};\nGALERKIN_EMITTED_BLOCKS(%s, %d, %d, %d, %d, %d, %d, %d)\n", name, model->blocks.n,
-                 model->blocks.lanes, second->inputs, galerkin_rows_kept(values), values->slots,
-                 galerkin_rows_kept(second), second->slots);
+    jet_text_add(text,
+                 "{0}};\nenum { GALERKIN_INPUTS = %d, GALERKIN_SECOND_KEPT = %d };\n"
+                 "#define GALERKIN_SECOND_VALUES(x) tvi_second_values_%d(x)\n",
+                 second->inputs, galerkin_rows_kept(second), model->blocks.lanes);
 }

@@ -20,7 +20,7 @@ void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *fie
 /* The tapes of the field that the blocks are of, with its noise. */
 galerkin_sweep tvi_galerkin_sweep;
 
-/* Defines what of the model is constant in generated code, as `static const` NAME_what. */
-void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model, const char *name);
+/* Defines what of the model is constant in generated code. */
+void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model);
 
 #endif

@@ -10,17 +10,18 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const 
     const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     w->last = tvi_arena_history(arena, sizeof *w->last);
-    const size_t kept = (unknowns <= GALERKIN_FEWEST ? 3 : unknowns <= GALERKIN_FEW ? 2 : 1) * count * width;
     w->rough = unknowns * lanes * (1e-2 * 1e-2);
-    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, kept * sizeof(double));
-    for (int fit = 0; fit < GALERKIN_FITS; fit++) w->extrapolation[fit] = tvi_arena_doubles(arena, 4 * width * width);
+    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, count * width * sizeof(double));
+    w->from_two = tvi_arena_doubles(arena, 2 * width * width);
+    w->from_last = tvi_arena_doubles(arena, 2 * width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);
     w->led = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
     w->one = tvi_arena_doubles(arena, count + width);
 }
 
-/* ---- Tables ------------------------------------------------------------------------------------------------------ */
+/* ---- Tables ------------------------------------------------------------------------------------------------------
+ * */
 
 /* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last
  * step, of the one before it, and of the next one. */
@@ -41,18 +42,6 @@ static void set_basis(const galerkin_coefficients *a, int fitted, int degree, lo
             for (int i = 0; i < 3 * m && before == k; i++) now[i] /= sqrtl(product);
         }
     }
-}
-
-/* A table is [2][j][i], the unknowns by the impulses of the steps before, and behind it the same for a step that begins
- * where the last one did: the impulses of that have added to where the next one would be without its own. */
-static void set_following(const galerkin_coefficients *a, const galerkin_field *field, double *table)
-{
-    const int lanes = a->lanes, square = lanes * lanes;
-    double *following = table + 2 * square;
-    for (int k = 0; k < 2 * square; k++) following[k] = table[k];
-    for (int j = 0; j < a->points; j++)
-        for (int i = 0; i < lanes; i++)
-            following[j * lanes + i] += galerkin_is_second_order(field) ? 1 - a->c[j] + a->c[i] : 1;
 }
 
 /* ahead [point][next], of 2 m points and m: the drives of the next step by those of `steps` steps, as polynomials of
@@ -81,16 +70,15 @@ static void set_polynomial(const galerkin_coefficients *a, const galerkin_field 
             const double part = (double)(ahead[point][next] * a->exact_weight[next] / a->exact_weight[point % m]);
             for (int i = 0; i < lanes; i++) column[i] += part * field->ahead[next * lanes + i];
         }
-    set_following(a, field, table);
 }
 
-/* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
- * falls. */
+/* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than
+ * truncation falls. */
 void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
 {
     const int degree = a->points > 1 ? 3 * a->points / 2 : 1;
-    set_polynomial(a, field, 2, degree, w->extrapolation[GALERKIN_FROM_TWO]);
-    set_polynomial(a, field, 1, a->points - 1, w->extrapolation[GALERKIN_FROM_LAST]);
+    set_polynomial(a, field, 2, degree, w->from_two);
+    set_polynomial(a, field, 1, a->points - 1, w->from_last);
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
 }
 
@@ -111,7 +99,8 @@ static void set_from_one(galerkin_predictor *w, const galerkin_coefficients *a, 
         for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] *= ratio * a->b[i];
 }
 
-/* ---- Steps ------------------------------------------------------------------------------------------------------- */
+/* ---- Steps -------------------------------------------------------------------------------------------------------
+ * */
 
 bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part)
 {
@@ -133,16 +122,10 @@ int tvi_galerkin_known(const galerkin_predictor *w, const galerkin_field *field,
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part)
 {
-    const galerkin_history *last = w->last;
-    const double *const impulses[] = {tvi_galerkin_impulses(w, 0), tvi_galerkin_impulses(w, -1)};
-    const int known = tvi_galerkin_known(w, field, part);
-    if (known == 2) {
-        field->form->predict(field, 2, w->extrapolation[galerkin_fit(known, &last->pace, w->rough)], impulses);
-    } else {
-        const galerkin_places to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};
-        const double *const led[] = {w->led};
-        set_from_one(w, a, dense, field->loops, field->h / last->h, part);
-        field->loops->place(&to, w->from_one, impulses[0], w->led);
-        field->form->predict(field, 1, field->ahead, led);
-    }
+    const galerkin_places to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};
+    const long long last_alone = -1;
+    set_from_one(w, a, dense, field->loops, field->h / w->last->h, part);
+    field->loops->place(&to, w->from_one, tvi_galerkin_impulses(w, 0), w->led);
+    field->form->predict(field,
+                         &(galerkin_extrapolation){field->h, field->ahead, field->ahead, w->led, w->led, &last_alone});
 }

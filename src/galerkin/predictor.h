@@ -10,9 +10,7 @@ typedef struct {
     double h, h_before; /* 0: none */
     double t;           /* where the last one began */
     galerkin_pace pace; /* of its passes; or, what they do not show, of those before it */
-    int turn;           /* where its impulses are */
-    int leads;          /* behind these is what the next step of this size begins with: the unknowns, and where the
-                           fewest of them rise to */
+    long turn;          /* where its impulses are */
 } galerkin_history;
 
 /* Whether one that came from elsewhere has its index within the turns. */
@@ -23,9 +21,8 @@ static inline bool galerkin_is_sound(const galerkin_history *last)
 
 typedef struct {
     galerkin_history *last;
-    double *impulses[GALERKIN_TURNS];     /* in the history, filled in turns: [unknowns][lanes] of a step, and
-                                         once or twice as many where it leads */
-    double *extrapolation[GALERKIN_FITS]; /* of each fit, where the steps before have the size of this one */
+    double *impulses[GALERKIN_TURNS]; /* in the history, filled in turns: [unknowns][lanes] of a step */
+    double *from_two, *from_last;     /* galerkin_extrapolation, where the steps before have the size of this one */
     double rough;       /* the size of a first movement, of all unknowns together: where predictions are off by a
                            hundredth of them, what the last step has is nearer */
     double *from_one;   /* [j][lanes] from a step of size h / ratio to one that begins after `part` of it */
@@ -47,20 +44,13 @@ static inline bool galerkin_is_next(const galerkin_history *last, double h, doub
 bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part);
 /* How many of the last two steps have the size of this one, which begins where the last one ended. */
 int tvi_galerkin_known(const galerkin_predictor *w, const galerkin_field *field, double part);
-/* Sets the field's unknowns. */
+/* Sets the field's unknowns by the last step, where none is known so. */
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part);
 /* Those of the last step, of steps before it, and where the next one puts its own: after_last <= 1. */
 static inline double *tvi_galerkin_impulses(const galerkin_predictor *w, int after_last)
 {
-    const int turn = w->last->turn + after_last;
-    return w->impulses[(turn + GALERKIN_TURNS) % GALERKIN_TURNS];
-}
-/* What the step of size h from t leaves to the next ones beside its impulses: that, and how its passes went. */
-static inline void tvi_galerkin_remember(galerkin_predictor *w, double h, double t, galerkin_pace pace)
-{
-    const int next = w->last->turn + 1;
-    *w->last = (galerkin_history){h, w->last->h, t, pace, next % GALERKIN_TURNS, 0};
+    return w->impulses[(w->last->turn + after_last + GALERKIN_TURNS) % GALERKIN_TURNS];
 }
 
 #endif

@@ -93,7 +93,7 @@ static void tail(const tvi_taylor_lanes *curve, int q_degree, int p_degree, doub
 {
     if (curve->has_masses) tails_of(curve, q_degree, p_degree, true, share, ratio);
     else tails_of(curve, q_degree, p_degree, false, share, ratio);
-    tvi_tails_of_members(&curve->system->parts, curve->width, share, ratio, out);
+    tvi_tails_of_members(&curve->system->parts, curve->n, curve->width, share, ratio, out);
 }
 
 static void sweep(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums)

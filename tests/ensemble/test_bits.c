@@ -56,7 +56,7 @@ START_TEST(members_are_what_they_are_alone)
 }
 END_TEST
 
-/* In lanes to roundoff, else to the bit. */
+/* To the bit; of the other methods' steps in lanes to roundoff. */
 START_TEST(members_are_integrators)
 {
     tvi_system *system;
@@ -68,7 +68,8 @@ START_TEST(members_are_integrators)
         start_group(&of_one, 1, m);
         OK(tvi_integrate(a.integrator, H, STEPS, &a.t, a.q, a.p, NULL, NULL));
         (void)group_of(&a, &of_one);
-        if (in_lanes) ck_assert_double_le(distance(&few, m, &of_one, 0), 4e-15);
+        if (in_lanes && strcmp(methods[_i % method_count].name, "galerkin") != 0)
+            ck_assert_double_le(distance(&few, m, &of_one, 0), 4e-15);
         else expect_same(forms[_i / method_count].name, &few, m, &of_one, 0);
         end_alone(&a);
     }

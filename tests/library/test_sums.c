@@ -1,6 +1,5 @@
-/* test_sums.c - sums over the nodes of a Galerkin step (loops.h), of every instruction set, number of lanes and way to
- * add: those that it ends with, in chains, as a tree or turned over, its increments, and those that passes move
- * unknowns by. */
+/* test_sums.c - sums over the nodes of a Galerkin step (loops.h), of every instruction set and number of lanes: those
+ * that it ends with, its increments, and those that passes move unknowns by. */
 #include "problems/galerkin_tables.h"
 #include "problems/random.h"
 #include "problems/statistics.h"
@@ -8,11 +7,10 @@
 
 #include <float.h>
 
-/* Sums are of more than eight, which are turned over at once. */
 enum { UNKNOWNS = 7, SUMMED = 10, ROUNDS = 50, MOST = TVI_GALERKIN_MAX_LANES };
 
 static const int lanes_of[GALERKIN_LOOPS] = {1, 2, 4, 8, MOST};
-static const galerkin_loops *const loops_of[JET_ISA_COUNT] = {
+static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
     [jet_isa_base] = tvi_galerkin_loops_base,
 #ifdef __x86_64__
     [jet_isa_avx2] = tvi_galerkin_loops_avx2,
@@ -59,7 +57,7 @@ static void check_sums(const galerkin_coefficients *a, const double impulse[], d
     long double twice = 0, last = 0, sizes = 0, sizes_of_last = 0;
     for (int j = 0; j < a->lanes; j++) {
         const long double of_last = (long double)a->weights.last[j] * impulse[j];
-        twice += (long double)a->weights.pair[j * OF_PAIR + 1] * impulse[j];
+        twice += (long double)a->weights.late[j] * impulse[j];
         last += of_last;
         sizes += fabs(impulse[j]);
         sizes_of_last += fabsl(of_last);
@@ -83,18 +81,18 @@ START_TEST(sums_are_compensated)
     if (isa > jet_sweeps_choose()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (int j = 0; j < lanes; j++)
-        ck_assert_double_eq_tol(tables.of.weights.pair[j * OF_PAIR + 1], 1 - tables.of.c[j], DBL_EPSILON / 2);
-    shorten(lanes * OF_PAIR, tables.of.weights.pair);
-    shorten(lanes == 8 ? 2 * 8 : 0, tables.of.weights.halves);
+        ck_assert_double_eq_tol(tables.of.weights.late[j], 1 - tables.of.c[j], DBL_EPSILON / 2);
+    shorten(lanes, tables.of.weights.late);
     for (int round = 0; round < ROUNDS; round++)
         for (int unknowns = 1; unknowns <= SUMMED; unknowns++) {
             _Alignas(64) double impulse[SUMMED * MOST];
             const bool is_short = round % 2 > 0;
             double left[SUMMED], all[6][SUMMED + 7];
-            const galerkin_nodes nodes = {.lanes = lanes, .unknowns = unknowns, .impulse = impulse};
+            const galerkin_nodes nodes = {
+                .lanes = lanes, .unknowns = unknowns, .points = lanes, .width = 1, .impulse = impulse};
             const galerkin_sums sums = {all[0], all[1], all[2], all[3], all[4], all[5]};
             for (int u = 0; u < unknowns; u++) left[u] = set_impulses(impulse + u * lanes, lanes, is_short, &bits);
-            loops_of[isa][size].integrate(&nodes, &tables.of.weights, &sums);
+            loops_of[isa][size]->integrate(&nodes, &tables.of.weights, &sums);
             for (int u = 0; u < unknowns; u++) check_sums(&tables.of, impulse + u * lanes, left[u], is_short, &sums, u);
         }
     galerkin_tables_close(&tables);
@@ -116,7 +114,7 @@ START_TEST(increments_have_two_parts)
         for (int k = 0; k < 6 * UNKNOWNS; k++)
             of[k / UNKNOWNS][k % UNKNOWNS] =
                 (number_of(&bits) - 0.5) * (k / UNKNOWNS % 2 && k < 4 * UNKNOWNS ? 0x1p-54 : 1);
-        loops_of[isa][_i % GALERKIN_LOOPS].end_drifting(&nodes, &sums, drift, drift_low, &to);
+        loops_of[isa][_i % GALERKIN_LOOPS]->end_drifting(&nodes, &sums, drift, drift_low, &to);
         for (int u = 0; u < UNKNOWNS; u++) {
             const double rise = scale[u] * twice[u], rise_low = fma(scale[u], twice[u], -rise);
             const long double lacks = drift_low[u] + (rise_low + (long double)scale[u] * twice_low[u]);
@@ -157,6 +155,8 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *lo
     static blocks w;
     static const int slot[UNKNOWNS] = {0, 1, 2, 3, 4, 5, 6};
     const galerkin_nodes nodes = {.lanes = a->lanes,
+                                  .points = a->points,
+                                  .width = 1,
                                   .unknowns = unknowns,
                                   .half = unknowns,
                                   .moving = unknowns,
@@ -178,7 +178,8 @@ static sample errors_of(const galerkin_coefficients *a, const galerkin_loops *lo
             w.base[k] = (number_of(&bits) - 0.5) * DBL_EPSILON;
             w.force[k] = 12 + number_of(&bits);
         }
-        (void)loops->move(&nodes, a->matrix, w.force, slot);
+        double moved;
+        loops->move(&nodes, a->matrix, w.force, slot, &moved);
         add_errors(a, &nodes, w.force, &errors);
     }
     return errors;
@@ -199,7 +200,7 @@ START_TEST(places_are_rounded_to_no_side)
     if (isa > jet_sweeps_choose()->isa) return;
     galerkin_tables_open(&tables, lanes, lanes, true);
     for (size_t k = 0; k < sizeof unknowns / sizeof *unknowns; k++) {
-        const sample errors = errors_of(&tables.of, &loops_of[isa][size], unknowns[k], 1 / 3.0);
+        const sample errors = errors_of(&tables.of, loops_of[isa][size], unknowns[k], 1 / 3.0);
         if (isa != jet_isa_base && lanes != 2) ck_assert_double_lt(sample_drift(&errors), NO_DRIFT);
         else if (isa == jet_isa_base && (lanes == 4 || (lanes == 8 && unknowns[k] == UNKNOWNS)))
             ck_assert_double_gt(sample_drift(&errors), NO_DRIFT);

@@ -1,6 +1,6 @@
-/* passes.h - the passes of a Galerkin step, and when they may end (docs/method.md section 5). */
-#ifndef TVI_SRC_GALERKIN_PASSES_H
-#define TVI_SRC_GALERKIN_PASSES_H
+/* probe.h - the rules of the passes of a Galerkin step, and the roundoff of a pass (docs/method.md section 5). */
+#ifndef TVI_SRC_GALERKIN_PROBE_H
+#define TVI_SRC_GALERKIN_PROBE_H
 
 #include "galerkin/field.h"
 #include "system/roundoff.h"
@@ -16,12 +16,6 @@ void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const gale
 
 /* That of one unknown at one node for so many numbers, as the options have it. */
 tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, const tvi_options *options);
-
-/* From the unknowns that the field has, until the rule lets the passes end.
- * *pace: how they go, of an earlier step of the same size, then of this one. Sets stats->residual and counts.
- * TVI_ENOCONV, TVI_ENONFINITE, and what the field fails with. */
-TVI_NODISCARD tvi_status tvi_galerkin_iterate(galerkin_field *field, galerkin_probe *probe, const tvi_passes_rule *rule,
-                                              const tvi_origin *origin, galerkin_pace *pace, tvi_stats *stats);
 
 /* Whether the nodes have not run off: roundoff.h. */
 bool tvi_galerkin_is_near(const galerkin_field *field, const tvi_origin *origin);

@@ -1,0 +1,92 @@
+/* kernel.h - the loops of a Galerkin step over its nodes: one text over vectors, read once for each number of LANES of
+ * one member, and once for several members (MEMBERS). A vector V holds nodes of one member, or one node of as many
+ * members, whose vector begins at member `here`. What is written for a vector is the same for both: so a member has
+ * the same bits alone and among others. loops.h says what the functions do that end the file. */
+#undef NAME
+#define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
+#if MEMBERS
+#define NAME(f) KERNEL_NAME(f, members)
+#define V       widest
+#define COLUMN  widest
+/* The vectors of a row, one of them, what they have of a table of the nodes, and the number of node j for all of them;
+ * a number of each member. */
+#define VECTORS                 (s.points)
+#define ROW(array, u)           ((array) + (size_t)(u) * (size_t)(s.points * s.width) + here)
+#define AT(row, v)              (*(V *)((row) + (size_t)(v) * (size_t)s.width))
+#define OF_NODE(table, v)       ((table)[v] - (V){0})
+#define OF_TABLE(table, j, v)   OF_NODE((table)->number + (j)*s.lanes, v)
+#define NUMBER(row, j)          AT(row, j)
+#define MEMBER                  V
+#define MEMBER_AT(array, u)     (*(V *)((array) + (size_t)(u) * (size_t)s.width + here))
+#define MAGNITUDE(x)            JET_ABS(V, x)
+#define IF_ABOVE(a, b, yes, no) JET_CHOOSE(V, (a) > (b), yes, no)
+#define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(widest) *)(nodes->is_moving + here), now, was)
+/* The call for each vector of members; usual sizes are constants. */
+#define EACH_VECTOR_OF(P, L, W, call)                                                                                  \
+    do {                                                                                                               \
+        const galerkin_shape s = {P, L, W};                                                                            \
+        for (size_t here = 0; here < (size_t)s.width; here += NUMBERS_OF(V)) call;                                     \
+    } while (0)
+#define EACH_VECTOR(call)                                                                                              \
+    do {                                                                                                               \
+        if (nodes->points == 8 && nodes->width == 8) EACH_VECTOR_OF(8, 8, 8, call);                                    \
+        else if (nodes->points == 8 && nodes->width == 16) EACH_VECTOR_OF(8, 8, 16, call);                             \
+        else if (nodes->points == 8 && nodes->width == 32) EACH_VECTOR_OF(8, 8, 32, call);                             \
+        else EACH_VECTOR_OF(nodes->points, nodes->lanes, nodes->width, call);                                          \
+    } while (0)
+#else
+#define NAME(f) KERNEL_NAME(f, LANES)
+#if LANES % 8 == 0 && defined(JET_WIDE)
+#define V jet_v8
+#elif LANES % 4 == 0 && defined(__AVX__)
+#define V jet_v4
+#elif LANES % 2 == 0
+#define V jet_v2
+#else
+#define V jet_v1
+#endif
+#ifdef __AVX__
+#define COLUMN jet_v4
+#else
+#define COLUMN jet_v2
+#endif
+#define VECTORS                 (s.lanes / NUMBERS_OF(V))
+#define ROW(array, u)           ((array) + (size_t)(u) * (size_t)s.lanes)
+#define AT(row, v)              (*(V *)((row) + (size_t)(v)*NUMBERS_OF(V)))
+#define OF_NODE(table, v)       AT(table, v)
+#define OF_TABLE(table, j, v)   ((table)->row[j][v])
+#define NUMBER(row, j)          ((row)[j])
+#define MEMBER                  double
+#define MEMBER_AT(array, u)     ((array)[u])
+#define MAGNITUDE(x)            fabs(x)
+#define IF_ABOVE(a, b, yes, no) ((a) > (b) ? (yes) : (no))
+#define KEPT(now, was)          (now)
+#define SHAPE_OF(nodes)         ((galerkin_shape){POINTS_OF(nodes), LANES, 1})
+#define EACH_VECTOR(call)                                                                                              \
+    do {                                                                                                               \
+        const galerkin_shape s = SHAPE_OF(nodes);                                                                      \
+        const size_t here = 0;                                                                                         \
+        call;                                                                                                          \
+    } while (0)
+#endif
+
+#include "galerkin/kernel_nodes.h"
+#include "galerkin/kernel_ends.h"
+#include "galerkin/kernel_loops.h"
+
+#undef COLUMN
+#undef VECTORS
+#undef ROW
+#undef AT
+#undef OF_NODE
+#undef OF_TABLE
+#undef NUMBER
+#undef MEMBER
+#undef MEMBER_AT
+#undef MAGNITUDE
+#undef IF_ABOVE
+#undef KEPT
+#undef SHAPE_OF
+#undef EACH_VECTOR_OF
+#undef EACH_VECTOR
+#undef NUMBERS_IN

@@ -1,0 +1,264 @@
+/* kernel_nodes.h - the part of kernel.h's text that moves the unknowns at the nodes. */
+
+/* ---- The start of a step -----------------------------------------------------------------------------------------
+ * */
+
+/* Unknowns first .. first + count - 1 begin at q + q_low, and would stay there. */
+JET_INLINE void NAME(start_half)(const galerkin_nodes *of, int first, int count, const double *q, const double *q_low,
+                                 galerkin_shape s, size_t here)
+{
+    const galerkin_nodes copy = *of, *const nodes = &copy;
+    (void)here;
+    for (int u = 0; u < count; u++) {
+        double *high = ROW(nodes->high, first + u)
+        , *base = ROW(nodes->base, first + u);
+        const V start = MEMBER_AT(q, u) - (V){0}, low = MEMBER_AT(q_low, u) - (V){0};
+        MEMBER_AT(nodes->start, first + u) = MEMBER_AT(q, u);
+        for (int v = 0; v < VECTORS; v++) {
+            AT(high, v) = start;
+            AT(base, v) = low;
+        }
+    }
+}
+
+/* high + base = q + q_low + c (drift + drift_low) of unknown u. Rounded products with one and the same h repeat their
+ * errors, whose mean many steps show, if h is nearly a ratio of small numbers, such as 0.1. So the drift is exact. The
+ * sum of the impulses is rounded with `base`, with far smaller bits, which is why `base` is not added to `high`: that
+ * ends on a grid, and its product with h near the same few places of another. */
+JET_INLINE void NAME(start_drift)(const galerkin_nodes *of, int u, const double *c, const tvi_origin *origin,
+                                  const double *drifts, const double *drifts_low, galerkin_shape s, size_t here)
+{
+    const galerkin_nodes copy = *of, *const nodes = &copy;
+    (void)here;
+    double *high = ROW(nodes->high, u)
+    , *base = ROW(nodes->base, u);
+    const V start = MEMBER_AT(origin->q, u) - (V){0}, low = MEMBER_AT(origin->q_low, u) - (V){0};
+    const V drift = MEMBER_AT(drifts, u) - (V){0}, drift_low = MEMBER_AT(drifts_low, u) - (V){0};
+    MEMBER_AT(nodes->start, u) = MEMBER_AT(origin->q, u);
+    for (int v = 0; v < VECTORS; v++) {
+        const V part = OF_NODE(c, v), sum = FUSED(V, part, drift, start), added = sum - start;
+        const V lost = (start - (sum - added)) + FUSED(V, part, drift, -added);
+        AT(high, v) = sum;
+        AT(base, v) = FUSED(V, part, drift_low, low) + lost;
+    }
+}
+
+/* ---- Sums over the nodes -----------------------------------------------------------------------------------------
+ * */
+
+/* A table as the sums over the nodes have it: where that is possible in registers. */
+typedef struct {
+#if MEMBERS
+    const double *number;
+#else
+    V row[LANES][LANES / NUMBERS_OF(V)];
+#endif
+} NAME(table);
+
+JET_INLINE NAME(table) NAME(table_of)(const double *number)
+{
+#if MEMBERS
+    return (NAME(table)){number};
+#else
+    NAME(table) of;
+    for (int j = 0; j < LANES; j++)
+        for (int v = 0; v < LANES / NUMBERS_OF(V); v++) of.row[j][v] = OF_NODE(number + j * LANES, v);
+    return of;
+#endif
+}
+
+/* Adds sum_j (row j of the table) x_j, of vector v, in chains that do not wait for each other. */
+enum { NAME(chains) = 4 };
+JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v, galerkin_shape s)
+{
+    const int nodes = MEMBERS ? s.points : s.lanes;
+    for (int j = 0; j < nodes; j++)
+        sum[j % NAME(chains)] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % NAME(chains)]);
+}
+
+/* The numbers of a row, of members in registers. */
+#if MEMBERS
+#define NUMBERS_IN(name, row)                                                                                          \
+    V name[LANES];                                                                                                     \
+    for (int j = 0; j < s.points; j++) name[j] = AT(row, j);
+#else
+#define NUMBERS_IN(name, row) const double *const name = row;
+#endif
+
+JET_INLINE V NAME(sum_of_chains)(const V sum[]) { return (sum[0] + sum[2]) + (sum[1] + sum[3]); }
+
+JET_INLINE void NAME(clear)(V *x, int count)
+{
+    for (int i = 0; i < count; i++) x[i] = (V){0};
+}
+
+/* The sum over the lanes of one member, of which those behind the nodes repeat the last one: by fours, then by halves.
+ */
+JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_shape s)
+{
+#if MEMBERS
+    enum { GROUPS = 4 };
+    V sum[GROUPS];
+    NAME(clear)(sum, GROUPS);
+    for (int i = 0; i < s.lanes; i++) sum[i % GROUPS] += x[i < s.points ? i : s.points - 1];
+    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+#else
+    enum { GROUPS = NUMBERS_OF(V) < 4 && LANES >= 4 ? 4 / NUMBERS_OF(V) : 1 };
+    V sum[GROUPS];
+    NAME(clear)(sum, GROUPS);
+    for (int v = 0; v < VECTORS; v++) sum[v % GROUPS] += x[v];
+    for (int half = GROUPS / 2; half > 0; half /= 2)
+        for (int k = 0; k < half; k++) sum[k] += sum[k + half];
+    return KERNEL_NAME(sum_of, V)(sum[0]);
+#endif
+}
+
+/* ---- Movements ---------------------------------------------------------------------------------------------------
+ * */
+
+/* L_j = weight_j F_j. */
+JET_INLINE void NAME(weigh)(const galerkin_nodes *of, const double *drives, const int slot[], galerkin_shape s,
+                            size_t here)
+{
+    const galerkin_nodes copy = *of, *const nodes = &copy;
+    (void)here;
+    for (int u = 0; u < nodes->unknowns; u++) {
+        const double *drive = ROW(drives, slot[u]);
+        double *impulse = ROW(nodes->impulse, u);
+        for (int v = 0; v < VECTORS; v++)
+            AT(impulse, v) = KEPT(OF_NODE(nodes->weight, v) * AT(drive, v), AT(impulse, v));
+    }
+}
+
+/* x = high + (base + scale sum_j matrix_ji L_j), once all impulses are there. ways: [unknowns][lanes] how far x is
+ * from high; or NULL. Returns the sum of the squares of (change of x) inverse_size. */
+JET_INLINE MEMBER NAME(follow)(const galerkin_nodes *of, const double *matrix, double *ways, galerkin_shape s,
+                               size_t here)
+{
+    const galerkin_nodes copy = *of, *const nodes = &copy;
+    (void)here;
+    const int moving = nodes->moving, all = moving < nodes->unknowns ? 2 * moving : nodes->unknowns;
+    const NAME(table) table = NAME(table_of)(matrix);
+    V squares[LANES];
+    NAME(clear)(squares, VECTORS);
+    for (int k = 0; k < all; k++) {
+        const int u = k < moving ? k : k - moving + nodes->half;
+        const double *high = ROW(nodes->high, u)
+        , *base = ROW(nodes->base, u);
+        const V scale = nodes->scale[u] - (V){0}, inverse_size = MEMBER_AT(nodes->inverse_size, u) - (V){0};
+        double *x = ROW(nodes->x, u);
+        NUMBERS_IN(impulse, ROW(nodes->impulse, u))
+        for (int v = 0; v < VECTORS; v++) {
+            V sum[NAME(chains)];
+            NAME(clear)(sum, NAME(chains));
+            NAME(add_product)(sum, &table, impulse, v, s);
+            const V way = FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v)), place = AT(high, v) + way;
+            const V change = (place - AT(x, v)) * inverse_size;
+            squares[v] = FUSED(V, change, change, squares[v]);
+            AT(x, v) = place;
+            if (ways) AT(ROW(ways, u), v) = way;
+        }
+    }
+    return NAME(sum_of)(squares, s);
+}
+
+JET_INLINE void NAME(move_all)(const galerkin_nodes *nodes, const double *matrix, const double *drives,
+                               const int slot[], double moved[], galerkin_shape s, size_t here)
+{
+    NAME(weigh)(nodes, drives, slot, s, here);
+    MEMBER_AT(moved, 0) = NAME(follow)(nodes, matrix, NULL, s, here);
+}
+
+#if MEMBERS
+/* By the tables of each member. */
+JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int u, int v, galerkin_shape s,
+                                  size_t here)
+{
+    const double *last = ROW(by->last, u)
+    , *before = ROW(by->before, u)
+    , *of_before = by->from_two + s.lanes * s.lanes;
+    const JET_MASK(widest) is_rough = *(const JET_MASK(widest) *)(by->is_rough + here);
+    const V none = {0};
+    for (int j = 0; j < s.points; j++)
+        sum[j % NAME(chains)] = FUSED(V, JET_CHOOSE(V, is_rough, none, OF_NODE(of_before + j * s.lanes, v)),
+                                      AT(before, j), sum[j % NAME(chains)]);
+    for (int j = 0; j < s.points; j++)
+        sum[j % NAME(chains)] = FUSED(
+            V, JET_CHOOSE(V, is_rough, OF_NODE(by->from_last + j * s.lanes, v), OF_NODE(by->from_two + j * s.lanes, v)),
+            AT(last, j), sum[j % NAME(chains)]);
+}
+#endif
+
+/* What is known last is added last. */
+JET_INLINE void NAME(predict_all)(const galerkin_nodes *of, const galerkin_extrapolation *steps, galerkin_shape s,
+                                  size_t here)
+{
+    const galerkin_nodes copy = *of, *const nodes = &copy;
+    (void)here;
+    const galerkin_extrapolation by = *steps;
+#if !MEMBERS
+    const bool is_rough = *by.is_rough;
+    const NAME(table) of_last = NAME(table_of)(is_rough ? by.from_last : by.from_two);
+    const NAME(table) of_before = NAME(table_of)(by.from_two + LANES * LANES);
+#endif
+    for (int u = 0; u < nodes->unknowns; u++) {
+        const double *high = ROW(nodes->high, u)
+        , *base = ROW(nodes->base, u);
+        const V scale = nodes->scale[u] - (V){0};
+        double *x = ROW(nodes->x, u);
+        for (int v = 0; v < VECTORS; v++) {
+            V sum[NAME(chains)];
+            NAME(clear)(sum, NAME(chains));
+#if MEMBERS
+            NAME(extrapolate)(sum, &by, u, v, s, here);
+#else
+            if (!is_rough) NAME(add_product)(sum, &of_before, ROW(by.before, u), v, s);
+            NAME(add_product)(sum, &of_last, ROW(by.last, u), v, s);
+#endif
+            AT(x, v) = AT(high, v) + FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v));
+        }
+    }
+}
+
+/* |start| + |x at the last node - start|. */
+JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_shape s, size_t here)
+{
+    const MEMBER start = MEMBER_AT(nodes->start, u);
+    const MEMBER way = NUMBER(ROW(nodes->x, u), MEMBERS ? s.points - 1 : s.lanes - 1) - start;
+    (void)here;
+    return MAGNITUDE(start) + MAGNITUDE(way);
+}
+
+JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
+{
+    const MEMBER none = {0};
+    return IF_ABOVE(largest, none, TVI_GALERKIN_LEAST_SHARE * largest, 1 - none);
+}
+
+/* 1 / size of the unknowns of a subsystem, whose components are these. Where masses are known, a momentum that is small
+ * as its body is light is not small beside the others: it is measured by how far it moves its coordinate. No branches:
+ * which is the larger changes from step to step. */
+JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *of, int n, int first, int end, galerkin_shape s, size_t here)
+{
+    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const bool has_momenta = nodes->unknowns > n;
+    MEMBER largest_q = {0}, largest_p = {0};
+    for (int k = first; k < end; k++) {
+        const int i = tvi_subsystems_member(&nodes->parts, k);
+        const MEMBER size = NAME(size_of)(nodes, i, s, here);
+        MEMBER_AT(nodes->inverse_size, i) = size;
+        largest_q = IF_ABOVE(size, largest_q, size, largest_q);
+        if (!has_momenta) continue;
+        const MEMBER of_p = NAME(size_of)(nodes, n + i, s, here);
+        MEMBER_AT(nodes->inverse_size, n + i) = of_p;
+        largest_p = IF_ABOVE(of_p, largest_p, of_p, largest_p);
+    }
+    const MEMBER least_q = NAME(least_of)(largest_q), least_p = NAME(least_of)(largest_p);
+    for (int k = first; k < end; k++) {
+        const int i = tvi_subsystems_member(&nodes->parts, k);
+        MEMBER_AT(nodes->inverse_size, i) = 1 / (MEMBER_AT(nodes->inverse_size, i) + least_q);
+        if (!has_momenta) continue;
+        const MEMBER own = nodes->per_movement[i] * least_q, least = IF_ABOVE(least_p, own, own, least_p);
+        MEMBER_AT(nodes->inverse_size, n + i) = 1 / (MEMBER_AT(nodes->inverse_size, n + i) + least);
+    }
+}
