@@ -1,5 +1,5 @@
 /* judge.h - the rule of passes.h: one text over numbers, of one iteration, or over vectors, of several. Read for each
- * kind of REAL, whose comparisons are a TRUTH of all bits or none; JUDGED names what it defines. */
+ * kind of REAL, whose comparisons are a TRUTH; JUDGED names what it defines. */
 
 typedef struct {
     int count;
@@ -23,9 +23,9 @@ static inline TRUTH JUDGED(judge)(JUDGED(passes) * passes, const tvi_passes_rule
     const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->before;
     const REAL part = size / IF(ABOVE(one, before), before, one), part_before = passes->part;
     const int count = ++passes->count;
-    const TRUTH no = ABOVE(none, none), all = ~no, is_first = count == 1 ? all : no,
+    const TRUTH no = ABOVE(none, none), all = NOT(no), is_first = count == 1 ? all : no,
                 is_asked = rule->exactly > 0 ? all : no;
-    const TRUTH is_loud = ABOVE(size, rule->noise - none), shows = ~is_asked & ~is_first & is_loud;
+    const TRUTH is_loud = ABOVE(size, rule->noise - none), shows = NOT(is_asked) & NOT(is_first) & is_loud;
     const REAL square = part * part, larger = IF(ABOVE(part, part_before), part, part_before);
     const REAL slower = rule->is_quadratic ? square : larger;
     const REAL slowest = IF(shows, slower, passes->slowest);
@@ -39,11 +39,11 @@ static inline TRUTH JUDGED(judge)(JUDGED(passes) * passes, const tvi_passes_rule
     passes->slowest = slowest;
     passes->shown = shown;
     passes->next = IF(is_loud & is_first, size, passes->slack * left * shown);
-    const TRUTH is_cycle = ~(ABOVE(size, before) | ABOVE(before, size) | ABOVE(size, earlier) | ABOVE(earlier, size));
+    const TRUTH is_cycle = SAME(size, before) & SAME(size, earlier) & NOT(is_loud);
     const TRUTH is_at_goal = AT_MOST(passes->next, rule->goal - none), is_roundoff = AT_MOST(size, passes->roundoff);
     const TRUTH grows = ABOVE(size, rule->stuck * before) &
                         (rule->turns < 2 ? all : (TRUTH)ABOVE(size, rule->stuck * rule->stuck * earlier));
-    *is_stuck = count > rule->turns ? (TRUTH)(~is_asked & grows & (is_loud | ~is_known)) : no;
+    *is_stuck = count > rule->turns ? (TRUTH)(NOT(is_asked) & grows & (is_loud | NOT(is_known))) : no;
     if (rule->exactly > 0) return count == rule->exactly ? all : no;
-    return is_at_goal | is_roundoff | (is_cycle & ~is_loud);
+    return is_at_goal | is_roundoff | is_cycle;
 }

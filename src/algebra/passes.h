@@ -33,8 +33,10 @@ typedef enum {
 #define JUDGED(name)       tvi_##name
 #define REAL               double
 #define TRUTH              int
-#define ABOVE(a, b)        (-((a) > (b)))
-#define AT_MOST(a, b)      (-((a) <= (b)))
+#define ABOVE(a, b)        ((a) > (b))
+#define AT_MOST(a, b)      ((a) <= (b))
+#define SAME(a, b)         ((a) == (b))
+#define NOT(a)             (!(a))
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
 #undef JUDGED
@@ -42,6 +44,8 @@ typedef enum {
 #undef TRUTH
 #undef ABOVE
 #undef AT_MOST
+#undef SAME
+#undef NOT
 #undef IF
 
 /* Member by member: compilers clear a struct by an instruction that takes long to begin. slowest: 0 where it is not

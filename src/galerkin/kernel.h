@@ -5,9 +5,10 @@
 #undef NAME
 #define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
 #if MEMBERS
-#define NAME(f) KERNEL_NAME(f, members)
-#define V       widest
-#define COLUMN  widest
+#define NAME(f)    KERNEL_NAME(f, members)
+#define V          widest
+#define ONE_VECTOR 0
+#define COLUMN     widest
 /* The vectors of a row, one of them, what they have of a table of the nodes, and the number of node j for all of them;
  * a number of each member. */
 #define VECTORS                 (s.points)
@@ -37,24 +38,32 @@
 #else
 #define NAME(f) KERNEL_NAME(f, LANES)
 #if LANES % 8 == 0 && defined(JET_WIDE)
-#define V jet_v8
+#define V          jet_v8
+#define ONE_VECTOR (LANES == 8)
 #elif LANES % 4 == 0 && defined(__AVX__)
-#define V jet_v4
+#define V          jet_v4
+#define ONE_VECTOR (LANES == 4)
 #elif LANES % 2 == 0
-#define V jet_v2
+#define V          jet_v2
+#define ONE_VECTOR (LANES == 2)
 #else
-#define V jet_v1
+#define V          jet_v1
+#define ONE_VECTOR 1
 #endif
 #ifdef __AVX__
 #define COLUMN jet_v4
 #else
 #define COLUMN jet_v2
 #endif
-#define VECTORS                 (s.lanes / NUMBERS_OF(V))
-#define ROW(array, u)           ((array) + (size_t)(u) * (size_t)s.lanes)
-#define AT(row, v)              (*(V *)((row) + (size_t)(v)*NUMBERS_OF(V)))
-#define OF_NODE(table, v)       AT(table, v)
-#define OF_TABLE(table, j, v)   ((table)->row[j][v])
+#define VECTORS           (s.lanes / NUMBERS_OF(V))
+#define ROW(array, u)     ((array) + (size_t)(u) * (size_t)s.lanes)
+#define AT(row, v)        (*(V *)((row) + (size_t)(v)*NUMBERS_OF(V)))
+#define OF_NODE(table, v) AT(table, v)
+#if ONE_VECTOR
+#define OF_TABLE(table, j, v) ((table)->row[j])
+#else
+#define OF_TABLE(table, j, v) OF_NODE((table)->number + (j)*LANES, v)
+#endif
 #define NUMBER(row, j)          ((row)[j])
 #define MEMBER                  double
 #define MEMBER_AT(array, u)     ((array)[u])
@@ -79,6 +88,7 @@
 #undef ROW
 #undef AT
 #undef OF_NODE
+#undef ONE_VECTOR
 #undef OF_TABLE
 #undef NUMBER
 #undef MEMBER

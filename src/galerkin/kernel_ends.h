@@ -26,20 +26,25 @@ JET_INLINE void NAME(end_chains)(NAME(two_chains) *of, double *whole, double *lo
     *(COLUMN *)low = less - (both - of->total[0]);
 }
 
-/* The impulses of node j from unknown u on; behind the last unknown there are its own. */
-JET_INLINE COLUMN NAME(column)(const galerkin_nodes *nodes, int u, int j, galerkin_shape s, size_t here)
+/* The rows of a column from unknown u on; behind the last unknown there are its own. */
+enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
+JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_shape s, size_t here)
 {
     (void)here;
+    for (int k = 0; k < NAME(rows); k++)
+        row[k] = ROW(nodes->impulse, u + k < nodes->unknowns ? u + k : nodes->unknowns - 1);
+}
+
+/* The impulses of node j. */
+JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_shape s)
+{
+    (void)s;
 #if MEMBERS
-    return NUMBER(ROW(nodes->impulse, u), j);
-#else
-    const double *row[4];
-    for (int k = 0; k < 4; k++) row[k] = ROW(nodes->impulse, u + k < nodes->unknowns ? u + k : nodes->unknowns - 1);
-#ifdef __AVX__
+    return NUMBER(row[0], j);
+#elif defined(__AVX__)
     return (COLUMN){row[0][j], row[1][j], row[2][j], row[3][j]};
 #else
     return (COLUMN){row[0][j], row[1][j]};
-#endif
 #endif
 }
 
@@ -48,20 +53,22 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *of, const galerkin_wei
 {
     const galerkin_nodes copy = *of, *const nodes = &copy;
     (void)here;
-    const int count = MEMBERS ? s.points : s.lanes, step = MEMBERS ? 1 : NUMBERS_OF(COLUMN);
-    for (int u = 0; u < nodes->unknowns; u += step) {
+    const int count = MEMBERS ? s.points : s.lanes;
+    for (int u = 0; u < nodes->unknowns; u += NAME(rows)) {
         const size_t at = (size_t)u * (size_t)s.width + here;
         const COLUMN none = {0};
+        const double *row[NAME(rows)];
         NAME(two_chains) once = {{none, none}, {none, none}}, twice = once;
         COLUMN last = none;
+        NAME(set_rows)(nodes, u, row, s, here);
         for (int j = 0; j < count; j++) {
-            const COLUMN impulse = NAME(column)(nodes, u, j, s, here);
+            const COLUMN impulse = NAME(column)(row, j, s);
             NAME(add_two_sum)(&once.total[j % 2], &once.lost[j % 2], 1, &impulse);
             NAME(add_two_sum)(&twice.total[j % 2], &twice.lost[j % 2], weights->late[j], &impulse);
             last = FUSED(COLUMN, weights->last[j] - none, impulse, last);
         }
-        const COLUMN first = NAME(column)(nodes, u, 0, s, here);
-        const COLUMN final = NAME(column)(nodes, u, s.points - 1, s, here);
+        const COLUMN first = NAME(column)(row, 0, s);
+        const COLUMN final = NAME(column)(row, s.points - 1, s);
         NAME(end_chains)(&once, sums->once + at, sums->once_low + at);
         NAME(end_chains)(&twice, sums->twice + at, sums->twice_low + at);
         *(COLUMN *)(sums->last + at) = JET_ABS(COLUMN, last);
@@ -78,6 +85,8 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *of, const galerkin_wei
 #define TRUTH              JET_MASK(widest)
 #define ABOVE(a, b)        ((a) > (b))
 #define AT_MOST(a, b)      ((a) <= (b))
+#define SAME(a, b)         ((a) == (b))
+#define NOT(a)             (~(a))
 #define IF(which, yes, no) JET_CHOOSE(V, which, yes, no)
 #include "algebra/judge.h"
 #undef JUDGED
@@ -85,5 +94,7 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *of, const galerkin_wei
 #undef TRUTH
 #undef ABOVE
 #undef AT_MOST
+#undef SAME
+#undef NOT
 #undef IF
 #endif

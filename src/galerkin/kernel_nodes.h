@@ -10,8 +10,8 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *of, int first, int count,
     const galerkin_nodes copy = *of, *const nodes = &copy;
     (void)here;
     for (int u = 0; u < count; u++) {
-        double *high = ROW(nodes->high, first + u)
-        , *base = ROW(nodes->base, first + u);
+        double *high = ROW(nodes->high, first + u);
+        double *base = ROW(nodes->base, first + u);
         const V start = MEMBER_AT(q, u) - (V){0}, low = MEMBER_AT(q_low, u) - (V){0};
         MEMBER_AT(nodes->start, first + u) = MEMBER_AT(q, u);
         for (int v = 0; v < VECTORS; v++) {
@@ -30,8 +30,8 @@ JET_INLINE void NAME(start_drift)(const galerkin_nodes *of, int u, const double 
 {
     const galerkin_nodes copy = *of, *const nodes = &copy;
     (void)here;
-    double *high = ROW(nodes->high, u)
-    , *base = ROW(nodes->base, u);
+    double *high = ROW(nodes->high, u);
+    double *base = ROW(nodes->base, u);
     const V start = MEMBER_AT(origin->q, u) - (V){0}, low = MEMBER_AT(origin->q_low, u) - (V){0};
     const V drift = MEMBER_AT(drifts, u) - (V){0}, drift_low = MEMBER_AT(drifts_low, u) - (V){0};
     MEMBER_AT(nodes->start, u) = MEMBER_AT(origin->q, u);
@@ -46,24 +46,23 @@ JET_INLINE void NAME(start_drift)(const galerkin_nodes *of, int u, const double 
 /* ---- Sums over the nodes -----------------------------------------------------------------------------------------
  * */
 
-/* A table as the sums over the nodes have it: where that is possible in registers. */
+/* A table as the sums over the nodes have it: in registers where its rows are one vector. */
 typedef struct {
-#if MEMBERS
-    const double *number;
+#if ONE_VECTOR
+    V row[LANES];
 #else
-    V row[LANES][LANES / NUMBERS_OF(V)];
+    const double *number;
 #endif
 } NAME(table);
 
 JET_INLINE NAME(table) NAME(table_of)(const double *number)
 {
-#if MEMBERS
-    return (NAME(table)){number};
-#else
+#if ONE_VECTOR
     NAME(table) of;
-    for (int j = 0; j < LANES; j++)
-        for (int v = 0; v < LANES / NUMBERS_OF(V); v++) of.row[j][v] = OF_NODE(number + j * LANES, v);
+    for (int j = 0; j < LANES; j++) of.row[j] = OF_NODE(number + j * LANES, 0);
     return of;
+#else
+    return (NAME(table)){number};
 #endif
 }
 
@@ -72,6 +71,7 @@ enum { NAME(chains) = 4 };
 JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v, galerkin_shape s)
 {
     const int nodes = MEMBERS ? s.points : s.lanes;
+    (void)v;
     for (int j = 0; j < nodes; j++)
         sum[j % NAME(chains)] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % NAME(chains)]);
 }
@@ -143,8 +143,8 @@ JET_INLINE MEMBER NAME(follow)(const galerkin_nodes *of, const double *matrix, d
     NAME(clear)(squares, VECTORS);
     for (int k = 0; k < all; k++) {
         const int u = k < moving ? k : k - moving + nodes->half;
-        const double *high = ROW(nodes->high, u)
-        , *base = ROW(nodes->base, u);
+        const double *high = ROW(nodes->high, u);
+        const double *base = ROW(nodes->base, u);
         const V scale = nodes->scale[u] - (V){0}, inverse_size = MEMBER_AT(nodes->inverse_size, u) - (V){0};
         double *x = ROW(nodes->x, u);
         NUMBERS_IN(impulse, ROW(nodes->impulse, u))
@@ -202,8 +202,8 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *of, const galerkin_extra
     const NAME(table) of_before = NAME(table_of)(by.from_two + LANES * LANES);
 #endif
     for (int u = 0; u < nodes->unknowns; u++) {
-        const double *high = ROW(nodes->high, u)
-        , *base = ROW(nodes->base, u);
+        const double *high = ROW(nodes->high, u);
+        const double *base = ROW(nodes->base, u);
         const V scale = nodes->scale[u] - (V){0};
         double *x = ROW(nodes->x, u);
         for (int v = 0; v < VECTORS; v++) {
