@@ -199,7 +199,8 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *of, const galerkin_extra
 #if !MEMBERS
     const bool is_rough = *by.is_rough;
     const NAME(table) of_last = NAME(table_of)(is_rough ? by.from_last : by.from_two);
-    const NAME(table) of_before = NAME(table_of)(by.from_two + LANES * LANES);
+    /* A rough extrapolation has one table, and this is then not used. */
+    const NAME(table) of_before = NAME(table_of)(by.from_two + (is_rough ? 0 : LANES * LANES));
 #endif
     for (int u = 0; u < nodes->unknowns; u++) {
         const double *high = ROW(nodes->high, u);
