@@ -33,6 +33,23 @@ START_TEST(step_is_the_step)
 }
 END_TEST
 
+/* More columns take more memory, each of them two columns of D. */
+START_TEST(bytes_are_those_of_the_columns)
+{
+    const kind *k = &kinds[0];
+    const model *m = models[0];
+    const tvi_options options = kind_options(k, 4);
+    runs r = open_runs(m, &options);
+    test_state x = model_place(m);
+    double D[2 * MOST * 4] = {0};
+    tangent_step(&r, m->h, &x, D, 1);
+    const size_t of_one = tvi_integrator_stats(r.integrator)->bytes;
+    tangent_step(&r, m->h, &x, D, 4);
+    ck_assert_uint_ge(tvi_integrator_stats(r.integrator)->bytes, of_one + 2 * 3 * (2 * (size_t)m->n) * sizeof *D);
+    close_runs(&r);
+}
+END_TEST
+
 /* On failure t, q, p and D are what they were, and the run goes on as if nothing had been asked. */
 static void check_failure(const runs *r, double h, const test_state *at, double D[], int columns, tvi_status expected,
                           const char *culprit)
@@ -89,6 +106,7 @@ TCase *tcase_tangent_steps(void)
 {
     TCase *tcase = tcase_create("steps");
     tcase_add_loop_test(tcase, step_is_the_step, 0, MODELS * all_kinds);
+    tcase_add_test(tcase, bytes_are_those_of_the_columns);
     tcase_add_loop_test(tcase, failures_leave_all_as_it_was, 0, all_kinds);
     return tcase;
 }

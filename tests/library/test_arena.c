@@ -1,8 +1,10 @@
-/* test_arena.c - pieces of an arena: aligned, apart, as many bytes as were measured; with the address sanitizer,
- * nothing but the pieces may be touched. */
+/* test_arena.c - pieces of an arena, aligned, apart, as many bytes as were measured (with the address sanitizer,
+ * nothing but the pieces may be touched), and the counts of saved statistics. */
 #include "algebra/arena.h"
+#include "run/saved.h"
 #include "suites.h"
 
+#include <limits.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -94,12 +96,30 @@ START_TEST(histories_are_copied)
 }
 END_TEST
 
+/* Each count of saved statistics by itself: negative, or so large that more would overflow. */
+START_TEST(counts_are_looked_at)
+{
+    tvi_stats s = {.steps = 1};
+    long *const counts[] = {&s.steps, &s.passes, &s.expansions, &s.force_evaluations, &s.factorisations};
+    ck_assert(tvi_stats_are_sound(&s));
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        *counts[i] = -1;
+        ck_assert(!tvi_stats_are_sound(&s));
+        *counts[i] = LONG_MAX;
+        ck_assert(!tvi_stats_are_sound(&s));
+        *counts[i] = 0;
+    }
+    ck_assert(tvi_stats_are_sound(&s));
+}
+END_TEST
+
 Suite *suite_arena(void)
 {
     Suite *suite = suite_create("arena");
     TCase *tcase = tcase_create("arena");
     tcase_add_test(tcase, pieces_are_apart);
     tcase_add_test(tcase, histories_are_copied);
+    tcase_add_test(tcase, counts_are_looked_at);
     suite_add_tcase(suite, tcase);
     return suite;
 }
