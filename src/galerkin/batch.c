@@ -269,7 +269,7 @@ static void solve(batch *w, double h, const tvi_batch_origin *origin, const tvi_
     w->frame.loops->predict(nodes, &by);
     set_times(w, h, origin);
     w->frame.loops->set_sizes(nodes, w->single->n);
-    galerkin_solve_members(&w->frame, nodes, &(galerkin_drive){pass, NULL, &step}, &w->verdicts);
+    galerkin_solve_members(&w->frame, nodes, &(galerkin_drive){.pass = pass, .of = &step}, &w->verdicts);
     for (int m = 0; m < nodes->width; m++) w->in_lanes[m] = w->verdicts.has_ended[m];
 }
 

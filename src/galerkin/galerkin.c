@@ -216,7 +216,7 @@ static tvi_status begin(galerkin *w, const tvi_origin *origin, const double *par
 typedef struct {
     galerkin *w;
     const tvi_origin *origin;
-    tvi_stats *stats;
+    tvi_stats *stats, counted; /* counted: of the steps that were made */
 } in_library;
 
 JET_INLINE tvi_status pass(void *of, const galerkin_nodes *nodes, double *moved, double *roundoff)
@@ -236,11 +236,19 @@ JET_INLINE void predict(void *of, const galerkin_nodes *nodes, const galerkin_ex
     step->w->field.form->predict(&step->w->field, by);
 }
 
+static void count(void *of)
+{
+    in_library *step = of;
+    step->counted = *step->stats;
+}
+
 static void make_in_library(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
                             galerkin_outcome *to, tvi_stats *stats)
 {
-    in_library step = {w, origin, stats};
-    galerkin_make_steps(&w->frame, &w->field.nodes, &(galerkin_drive){pass, predict, &step}, row, origin, now, to);
+    in_library step = {.w = w, .origin = origin, .stats = stats};
+    galerkin_make_steps(&w->frame, &w->field.nodes, &(galerkin_drive){pass, predict, count, &step}, row, origin, now,
+                        to);
+    if (to->made > 0) *stats = step.counted;
 }
 
 static void make_by_code(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,

@@ -58,7 +58,7 @@ static void galerkin_steps(const galerkin_frame *of, const tvi_row *row, const t
         w.rounds.impulse = impulse;
         w.rounds.all = all;
     }
-    const galerkin_drive drive = {galerkin_pass_hamiltonian, galerkin_predict_hamiltonian, &w};
+    const galerkin_drive drive = {galerkin_pass_hamiltonian, galerkin_predict_hamiltonian, NULL, &w};
     galerkin_make_steps(&frame, &nodes, &drive, row, origin, now, to);
 }
 

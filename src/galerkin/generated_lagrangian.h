@@ -62,7 +62,7 @@ static void galerkin_steps(const galerkin_frame *of, const tvi_row *row, const t
         w.mass.pivot = pivot;
         w.mass.x = x;
     }
-    const galerkin_drive drive = {galerkin_pass_lagrangian, galerkin_predict_lagrangian, &w};
+    const galerkin_drive drive = {galerkin_pass_lagrangian, galerkin_predict_lagrangian, NULL, &w};
     galerkin_make_steps(&frame, &nodes, &drive, row, origin, now, to);
     to->factors = w.factors;
 }

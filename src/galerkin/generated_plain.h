@@ -72,7 +72,7 @@ static void galerkin_steps(const galerkin_frame *of, const tvi_row *row, const t
         nodes.x = x;
         galerkin_keep_rows(x, of->nodes->x, to->known > 0 ? GALERKIN_UNKNOWNS : 0, GALERKIN_KEPT);
     }
-    const galerkin_drive drive = {galerkin_pass_plain, galerkin_predict_plain, &frame};
+    const galerkin_drive drive = {galerkin_pass_plain, galerkin_predict_plain, NULL, &frame};
     galerkin_make_steps(&frame, &nodes, &drive, row, origin, now, to);
 }
 

@@ -32,6 +32,7 @@ typedef struct {
      * passes no longer shrink: sets it to what the roundoff of a pass moves, if that can be measured. */
     tvi_status (*pass)(void *of, const galerkin_nodes *nodes, double moved[], double *roundoff);
     void (*predict)(void *of, const galerkin_nodes *nodes, const galerkin_extrapolation *by);
+    void (*made)(void *of); /* a step in a row; NULL: nothing is done */
     void *of;
 } galerkin_drive;
 
@@ -200,6 +201,7 @@ JET_INLINE void galerkin_make_steps(const galerkin_frame *frame, galerkin_nodes 
             return;
         }
         to->made++;
+        if (drive->made) drive->made(drive->of);
         to->count += trial.count;
         to->turn = (to->turn + 1) % GALERKIN_TURNS;
         to->known += to->known < 2;

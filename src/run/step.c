@@ -204,7 +204,7 @@ void tvi_members_step(tvi_integrator *it, long steps, double h)
     for (long k = 0, made = 1; k < steps && made > 0; k++) made = step(it, 0, h);
 }
 
-/* Steps of generated code of which nothing is asked, all but the last one of a run. */
+/* Steps of which nothing is asked, all but the last one of a run. */
 static long make_row(tvi_integrator *it, long steps, double h, double t_end)
 {
     const int n = it->system->n;
@@ -236,7 +236,7 @@ static tvi_status go(tvi_integrator *it, long steps, double tolerance, double h,
     if (!t || !q || !p || h == 0 || !isfinite(h)) return tvi_refuse_run(given, "");
     tvi_status status = tvi_integrator_begin(it, *t, q, p);
     if (status != TVI_OK) return status;
-    const bool in_rows = tolerance == 0 && it->stats.is_compiled;
+    const bool in_rows = tolerance == 0;
     const double *now = &it->now.q[it->system->n], way = copysign(1, h);
     for (long k = 0; status == TVI_OK && k < steps && (k == 0 || way * (t_end - *now) > 0); k++) {
         if (in_rows) k += make_row(it, steps - 1 - k, h, t_end);
