@@ -322,48 +322,6 @@ static long run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_st
     return to.made;
 }
 
-/* ---- Dense output -------------------------------------------------------------------------------------------------
- */
-
-/* x [components][places] = start + what is added to it at the places theta, by a table of dense.h,
- * [lanes][places], and the impulses that drive it. */
-static void integrate_impulses(const galerkin *w, tvi_range of, int places, const double theta[], const double *table,
-                               const double *impulses, const double *start, const double *drift, const double *rise,
-                               double *x)
-{
-    const int lanes = w->field.nodes.lanes, from = of.first, count = of.end - from;
-    const galerkin_places to = {lanes, places, count, theta, start + from, drift + from, rise + from};
-    if (count > 0) w->field.loops->place(&to, table, impulses + from * lanes, x + from * places);
-}
-
-/* q, p [n][places], of[0] of q and of[1] of p: the polynomial of degree m - 1 through what drives the unknowns,
- * integrated. */
-static void follow_curve(const galerkin *w, const tvi_range of[2], int places, const double theta[], const double *once,
-                         const double *twice, const double q_start[], const double p_start[], double *q, double *p)
-{
-    const double *impulses = tvi_galerkin_impulses(&w->predictor, 0), *of_p = impulses;
-    const bool separable = galerkin_is_second_order(&w->field);
-    if (!separable) of_p += w->n * w->field.nodes.lanes;
-    integrate_impulses(w, of[0], places, theta, separable ? twice : once, impulses, q_start, w->drift, w->rise, q);
-    integrate_impulses(w, of[1], places, theta, once, of_p, p_start, w->predictor.none, w->rise + w->n, p);
-}
-
-static void dense(void *work, double theta, double dq[], double dp[])
-{
-    const galerkin *w = work;
-    const tvi_range all[] = {{0, w->n}, {0, w->n}};
-    double once[MAX_LANES] = {0}, twice[MAX_LANES] = {0};
-    tvi_galerkin_dense_integrate(&w->dense, theta, once, twice);
-    follow_curve(w, all, 1, &theta, once, twice, w->predictor.none, w->predictor.none, dq, dp);
-}
-
-static void sample(void *work, const tvi_range of[2], const double q_start[], const double p_start[], double *q,
-                   double *p)
-{
-    const galerkin *w = work;
-    follow_curve(w, of, TVI_SAMPLES, tvi_sample_place, w->dense.once, w->dense.twice, q_start, p_start, q, p);
-}
-
 /* ---- Generated code ----------------------------------------------------------------------------------------------
  * */
 
@@ -398,8 +356,8 @@ const tvi_stepper tvi_stepper_galerkin = {.take = take,
                                           .prepare = prepare,
                                           .step = step,
                                           .run = run,
-                                          .dense = dense,
-                                          .sample = sample,
+                                          .dense = tvi_galerkin_dense,
+                                          .sample = tvi_galerkin_sample,
                                           .is_superconvergent = true,
                                           .is_sound = is_sound,
                                           .uses = uses,

@@ -27,6 +27,11 @@ typedef struct {
 /* What depends on the size of the step alone: the weights and scales of the nodes. */
 void tvi_galerkin_set_size(galerkin *w, double h);
 
+/* tvi_stepper.dense and .sample. */
+void tvi_galerkin_dense(void *work, double theta, double dq[], double dp[]);
+void tvi_galerkin_sample(void *work, const tvi_range of[2], const double q_start[], const double p_start[], double *q,
+                         double *p);
+
 /* Whether its passes know no second derivatives. */
 bool tvi_galerkin_is_plain(const tvi_system *system);
 
