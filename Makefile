@@ -46,7 +46,7 @@ IS_QUIET = $(findstring s,$(filter-out -%,$(firstword $(MAKEFLAGS))))
 SAY      = $(if $(V),,@$(if $(IS_QUIET),,echo '$(1)'; ))
 PREFIX  ?= /usr/local
 DESTDIR ?=
-VERSION := 0.1.0
+VERSION := $(shell sed -n 's/^.define TVI_VERSION "\([^"]*\)".*/\1/p' include/tvi.h)
 SOVERSION := 0
 
 # No -ffast-math: the roundoff of a step is part of the design. No contraction of multiply-adds, so that gcc and clang
@@ -111,6 +111,11 @@ help:
 libs:
 	@echo $(LIBS)
 
+# the Python that has what the module needs: that of the path, or Debian's, which has Debian's packages
+PYTHONS    := $(or $(PYTHON),python3 /usr/bin/python3)
+HAS_PYTHON := for python in $(PYTHONS); do "$$python" -c "import numpy, cffi, matplotlib" && exit 0; done; exit 1
+PYTHON      = $(eval PYTHON := $(shell for python in $(PYTHONS); do "$$python" -c "import numpy, cffi" 2>/dev/null && echo "$$python" && exit; done; echo python3))$(PYTHON)
+
 # ---- What is needed from Debian: `package:test`, installed where the test fails ---------------------------------------
 
 PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
@@ -120,7 +125,7 @@ SLEEF_PACKAGE    := $(if $(filter-out 0,$(SLEEF)),'libsleef-dev:pkg-config --exi
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
                     'clang-format:command -v clang-format' 'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
                     'libeigen3-dev:test -e /usr/include/eigen3/Eigen/Core' 'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun' \
-                    'python3-cffi:python3 -c "import cffi" || /usr/bin/python3 -c "import cffi"'
+                    $(foreach package,numpy cffi matplotlib,'python3-$(package):$(HAS_PYTHON)')
 PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
 
 define need

@@ -33,6 +33,9 @@
 extern "C" {
 #endif
 
+#define TVI_VERSION "0.1.0" /* of this header */
+/* The version of the library, static: that of the header that it was built with. */
+const char *tvi_version(void);
 /* The text of a status: static, never NULL. */
 const char *tvi_status_string(tvi_status status);
 /* What was refused and where, for the last function of this thread that returned neither TVI_OK nor TVI_ESTOPPED: which

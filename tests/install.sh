@@ -2,7 +2,7 @@
 # install.sh STAGE VERSION
 # Installs below STAGE/usr, and in the manner of a package below STAGE/package, which is then moved; builds the programs of
 # tests/consumer in C and in C++ with what is installed, by pkg-config and by CMake, shared and static; uninstalls.
-# CC, CXX, MAKE, BUILD and STRICT come from the environment.
+# CC, CXX, MAKE, PYTHON, BUILD and STRICT come from the environment.
 set -eu
 stage=$1 version=$2
 here=$(dirname "$0")
@@ -58,6 +58,16 @@ by_cmake() {
     done
 }
 
+# the module of Python, which takes the library that is installed with it
+by_python() {
+    module=$(find "$1" -type d -path '*/python*/*-packages/tvi')
+    PYTHONPATH=${module%/tvi} TVI_LIBRARY="" "$PYTHON" -c "
+import tvi
+assert tvi.Integrator(tvi.potential(1, lambda q: q[0]**2), [1]).integrate(0.1, 10) and tvi.__version__ == '$version'
+assert '$1/$lib/libtvi.so.$version' in open('/proc/self/maps').read() and tvi.__file__.startswith('$1')" ||
+        fail "the module of Python"
+}
+
 # what there is not: another version, another component
 refused_by_cmake() {
     for wrong in -DWANTED=0.0 -DWANTED=0.2 -DWANTED=1.0 -DWANTED="$version.1" -DCOMPONENT=gpu; do
@@ -103,6 +113,7 @@ install install PREFIX="$stage/usr" DESTDIR=
 by_pkg_config "$stage/usr" env PKG_CONFIG_PATH="$stage/usr/lib/pkgconfig" pkg-config
 by_cmake "$stage/usr" shared static
 refused_by_cmake "$stage/usr"
+by_python "$stage/usr"
 manual "$stage/usr"
 pages "$stage/usr"
 install uninstall PREFIX="$stage/usr" DESTDIR=
@@ -121,6 +132,7 @@ mv "$stage/package" "$stage/moved"
 moved=$stage/moved/opt/tvi
 by_pkg_config "$moved" env PKG_CONFIG_SYSROOT_DIR="$stage/moved" PKG_CONFIG_PATH="$moved/$lib/pkgconfig" pkg-config
 by_cmake "$moved" shared
+by_python "$moved"
 install uninstall PREFIX=/opt/tvi LIBDIR=/opt/tvi/$lib DESTDIR="$stage/moved"
 ! install install PREFIX=/opt/tvi LIBDIR=/usr/lib DESTDIR="$stage/outside" 2>/dev/null || fail "LIBDIR outside of PREFIX"
 test -z "$(find "$stage/moved" ! -type d -o -name 'tvi?*')" || fail "uninstall leaves files in a package"

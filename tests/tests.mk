@@ -8,7 +8,7 @@
 
 FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 FIRST   := generating library compiled
-CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples install instructions \
+CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
            headers readme formatting tables symbols names floors)
 LONG    := $(patsubst %,check-%,sanitizers arm coverage isas thorough valgrind warnings-clang threads)
 ALL     := $(patsubst %,check-%,generated equilibria optimized)
@@ -222,7 +222,7 @@ FORMATTED = $(sort $(foreach folder,ad bench include src tests,$(wildcard $(addp
 check-formatting: ; $(REPORT) "formatting" $(DO)
 do-formatting:
 	clang-format --dry-run -Werror $(FORMATTED)
-	! grep -nE '^.{121,}' $(FORMATTED)
+	! grep -nE '^.{121,}' $(FORMATTED) $(wildcard src/python/tvi/*.py tests/python/*.py docs/python/*.py)
 	awk -f tests/prose.awk README.md docs/*.md docs/*/*.md
 
 # ---- What users get ----------------------------------------------------------------------------------------------------
@@ -256,7 +256,7 @@ do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 # programs outside, with what is installed
 check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMake, in C and C++; manual; uninstall" $(DO)
 do-install: all
-	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
+	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' PYTHON='$(PYTHON)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
 
 # the program of the README, by its own command, and with events: 1010 passages, and the steps that there are without; the
 # fragments of pages
@@ -314,5 +314,6 @@ instructions: need-check
 	$(INSTRUCTIONS) renew $(COMPILED_BY)
 .PHONY: instructions
 
+include tests/python.mk
 include tests/arm.mk
 include tests/analyse.mk

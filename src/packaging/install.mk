@@ -1,10 +1,11 @@
-# install.mk - make install and make uninstall below $(DESTDIR)$(PREFIX), manual pages. Included by the Makefile.
+# install.mk - make install and make uninstall below $(DESTDIR)$(PREFIX), manual pages, the module of Python. Included by
+# the Makefile.
 
 LIBDIR     ?= $(PREFIX)/lib
 LIB         = $(LIBDIR:$(PREFIX)/%=%)
 HEADERS    := $(notdir $(wildcard include/*))
 MAN        := $(BUILD)/man/man3
-PAGES      := $(wildcard docs/*.md docs/*.png docs/*/*.png docs/examples/*)
+PAGES      := $(wildcard docs/*.md docs/*.png docs/*/*.png docs/examples/* docs/python/*.py)
 ROOT        = $(DESTDIR)$(PREFIX)
 CMAKE       = $(LIB)/cmake/tvi
 SHARE      := share/doc/tvi
@@ -13,9 +14,17 @@ FILLED      = $(LIB)/pkgconfig/tvi.pc $(LIB)/pkgconfig/tvi-static.pc $(CMAKE)/tv
 FILL        = -e 's|@PREFIX@|$(PREFIX)|' -e 's|@LIB@|$(LIB)|' -e 's|@UP@|$(shell echo $(LIB) | sed 's|[^/]\+|..|g')|' \
               -e 's|@VERSION@|$(VERSION)|' -e 's|@SOVERSION@|$(SOVERSION)|' -e 's|@SLEEF@|$(HAS_SLEEF)|' \
               -e 's|@OPENMP@|$(OPENMP_LIB:%=-l%)|'
+# the module, where this Python, which is asked once, looks below the prefix; a link to the library stands beside it
+PYTHON_LOOKS = import site, sys; dirs = [d for d in site.getsitepackages() if d.startswith("$(PREFIX)/")]; \
+               print(dirs[0] if dirs else "$(PREFIX)/lib/python%d.%d/site-packages" % sys.version_info[:2])
+PYTHONDIR   = $(eval PYTHONDIR := $(shell $(PYTHON) -c '$(PYTHON_LOOKS)' 2>/dev/null))$(PYTHONDIR)
+MODULE      = $(PYTHONDIR:$(PREFIX)/%=%)/tvi
+MODULES     = $(if $(PYTHONDIR),$(patsubst src/python/tvi/%,$(MODULE)/%,$(wildcard src/python/tvi/*.py src/python/tvi/py.typed)))
+TO_LIB      = $(shell echo $(MODULE) | sed 's|[^/]\+|..|g')/$(LIB)
 INSTALLED   = $(HEADERS:%=include/%) $(LIB)/libtvi.a $(LIB)/libtvi.so.$(VERSION) $(LIB)/libtvi.so.$(SOVERSION) \
               $(LIB)/libtvi.so $(FILLED) $(PAGES:docs/%=$(SHARE)/%) \
-              $(patsubst $(BUILD)/man/%,share/man/%,$(wildcard $(MAN)/*.3))
+              $(patsubst $(BUILD)/man/%,share/man/%,$(wildcard $(MAN)/*.3)) $(MODULES) \
+              $(if $(PYTHONDIR),$(MODULE)/libtvi.so.$(SOVERSION))
 .PHONY: install uninstall man
 
 install: all
@@ -31,13 +40,16 @@ install: all
 	    sed $(FILL) src/packaging/$${file##*/}.in > $(ROOT)/$$file && chmod 644 $(ROOT)/$$file || exit 1; done
 	for file in $(PAGES:docs/%=%); do install -m 644 docs/$$file $(ROOT)/$(SHARE)/$$file || exit 1; done
 	install -m 644 $(MAN)/*.3 $(ROOT)/share/man/man3
+	for file in $(MODULES:$(MODULE)/%=%); do install -m 644 src/python/tvi/$$file $(ROOT)/$(MODULE)/$$file || exit 1; done
+	$(if $(PYTHONDIR),ln -sf $(TO_LIB)/libtvi.so.$(SOVERSION) $(ROOT)/$(MODULE)/libtvi.so.$(SOVERSION),@echo 'no Python: without its module')
 
 # what install put there and nothing else; of the directories only the library's own
 uninstall: man
 	@$(MAKE) --no-print-directory remove-installed
 remove-installed:
 	rm -f $(INSTALLED:%=$(ROOT)/%)
-	for folder in $(CMAKE) $(PAGE_DIRS) $(SHARE); do [ ! -d $(ROOT)/$$folder ] || \
+	$(if $(PYTHONDIR),rm -rf $(ROOT)/$(MODULE)/__pycache__)
+	for folder in $(CMAKE) $(if $(PYTHONDIR),$(MODULE)) $(PAGE_DIRS) $(SHARE); do [ ! -d $(ROOT)/$$folder ] || \
 	    rmdir --ignore-fail-on-non-empty $(ROOT)/$$folder; done
 .PHONY: remove-installed
 

@@ -1,4 +1,4 @@
-/* status.c - the texts of the statuses. */
+/* status.c - the texts of the statuses, and the version. */
 #include "system/refuse.h"
 
 #define STATUS_TEXT(code, text) [code] = text,
@@ -8,5 +8,7 @@ const char *tvi_status_string(tvi_status status)
     static const char *const texts[] = {TVI_STATUS_LIST(STATUS_TEXT)};
     return (unsigned)status < TVI_STATUS_COUNT ? texts[status] : "unknown status";
 }
+
+const char *tvi_version(void) { return TVI_VERSION; }
 
 const char *tvi_last_error(void) { return jet_refusal(); }

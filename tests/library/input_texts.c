@@ -51,6 +51,9 @@ static void close_run(run *r)
     tvi_system_free(r->system);
 }
 
+START_TEST(texts_of_the_version) { ck_assert_str_eq(tvi_version(), TVI_VERSION); }
+END_TEST
+
 START_TEST(texts_of_names)
 {
     static const char *const names[] = {"tvi",   "start", "midpoint", "both-ends", "htvi-left", "svhd",
@@ -370,6 +373,7 @@ END_TEST
 TCase *tcase_texts(void)
 {
     TCase *tcase = tcase_create("texts");
+    tcase_add_test(tcase, texts_of_the_version);
     tcase_add_test(tcase, texts_of_names);
     tcase_add_test(tcase, texts_of_events);
     tcase_add_test(tcase, texts_of_times);

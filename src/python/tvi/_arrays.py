@@ -1,0 +1,82 @@
+"""Checks the numbers that go to the library, and keeps them in memory that no one can resize."""
+
+from __future__ import annotations
+
+import math
+import operator
+from typing import Any
+
+import numpy as np
+
+from ._library import ffi
+
+
+def integer(name: str, value: Any, least: int, most: int = 2**31 - 1) -> int:
+    """The value as an int from least to most."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number, not {type(value).__name__}") from None
+    if not least <= number <= most:
+        raise ValueError(f"{name} = {number} is not from {least} to {most}")
+    return number
+
+
+def number(name: str, value: Any) -> float:
+    """The value as a finite float; strings and arrays of several numbers are none."""
+    array = _floats(name, value)
+    if array.size != 1:
+        raise ValueError(f"{name} is one number, and has the shape {array.shape}")
+    return array.item()
+
+
+def _floats(name: str, value: Any) -> np.ndarray:
+    array = np.asarray(value)
+    if array.dtype.kind not in "fiub":
+        try:  # Python's integers of any size, fractions, decimals, but no text and no complex number
+            if array.dtype.kind != "O" or any(x is None or isinstance(x, (str, bytes)) for x in array.flat):
+                raise TypeError
+            array = array.astype(float)
+        except (TypeError, ValueError, OverflowError):
+            raise TypeError(f"{name} has real numbers, not {array.dtype}") from None
+    array = np.array(array, dtype=np.float64, order="C")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} has a value that is not finite")
+    return array
+
+
+def numbers(name: str, value: Any, *shape: "int | None") -> np.ndarray:
+    """A copy of the value as finite doubles in C order, of this shape; None stands for any length."""
+    array = _floats(name, value)
+    if len(array.shape) != len(shape) or any(want not in (None, have) for want, have in zip(shape, array.shape)):
+        wanted = ", ".join("any" if length is None else str(length) for length in shape)
+        raise ValueError(f"{name} has the shape {array.shape}, not ({wanted})")
+    return array
+
+
+def spread(name: str, value: Any, *shape: int) -> np.ndarray:
+    """As numbers(), where a single number, or one row for all, stands for all of them."""
+    array = _floats(name, value)
+    if array.shape != shape[len(shape) - array.ndim:]:
+        raise ValueError(f"{name} has the shape {array.shape}, not {shape}")
+    return np.array(np.broadcast_to(array, shape), order="C")
+
+
+def pointer(array: np.ndarray) -> Any:
+    """Where the library reads the doubles of a C-contiguous array, which lives at least as long as this."""
+    return ffi.from_buffer("double[]", array, require_writable=False)
+
+
+class Doubles:
+    """Zeros that the library writes to: `pointer` for it, `array` for Python, which does not own its memory and so
+    cannot be resized."""
+
+    def __init__(self, *shape: int):
+        size = math.prod(shape)
+        self.pointer = ffi.new("double[]", max(size, 1))
+        self.array = np.frombuffer(ffi.buffer(self.pointer), dtype=np.float64, count=size).reshape(shape)
+
+
+def copied(pointer: Any, count: int) -> np.ndarray:
+    """A copy of doubles that the library shows to an observer."""
+    return np.frombuffer(ffi.buffer(pointer, 8 * count), dtype=np.float64).copy()

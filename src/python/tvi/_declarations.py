@@ -1,0 +1,148 @@
+"""Declares to cffi what the module uses of the headers of libtvi; tests/python/test_declarations.py compares both."""
+
+# Enumerations are ints here; the functions below are declared to the letter as in the headers.
+STRUCTURES = """
+typedef int jet_function;
+typedef int jet_function2;
+typedef int tvi_status;
+typedef int tvi_direction;
+typedef struct { double number; void *node; } jet;
+
+typedef struct tvi_system tvi_system;
+typedef struct tvi_compiled tvi_compiled;
+typedef struct tvi_integrator tvi_integrator;
+typedef struct tvi_event tvi_event;
+typedef struct tvi_ensemble tvi_ensemble;
+
+typedef struct {
+    int method, expansion, nodes;
+    int order, degree;
+    bool compose_adjoint;
+    int quadrature, quadrature_points;
+    double tolerance;
+    int passes, max_passes;
+    double max_tail;
+    const tvi_compiled *compiled;
+} tvi_options;
+
+typedef struct { const char *compiler, *flags, *cache; } tvi_compiler;
+
+typedef struct {
+    long steps, passes, expansions, force_evaluations, factorisations;
+    double residual, tail, largest_tail;
+    size_t bytes;
+    bool is_compiled;
+} tvi_stats;
+
+typedef int tvi_ensemble_observer(long step, int members, const double t[], const double q[], const double p[],
+                                  const tvi_status status[], void *ctx);
+typedef int tvi_member_observer(int member, int which, double t, const double q[], const double p[], void *ctx);
+
+typedef struct {
+    double h, tolerance;
+    long steps;
+    double t_end;
+    const double *times;
+    int time_count;
+    const tvi_event *const *events;
+    int event_count;
+    double *D;
+    int columns;
+    tvi_ensemble_observer *observer;
+    tvi_member_observer *at_time, *on_event;
+    void *ctx;
+    double largest_step;
+    tvi_member_observer *at_step;
+    size_t size;
+} tvi_run_plan;
+
+typedef void tvi_force_fn(const jet q[], jet t, jet force[], void *ctx);
+typedef jet tvi_potential_fn(const jet q[], jet t, void *ctx);
+typedef jet tvi_lagrangian_fn(const jet q[], const jet v[], jet t, void *ctx);
+typedef jet tvi_hamiltonian_fn(const jet q[], const jet p[], jet t, void *ctx);
+typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
+typedef jet tvi_event_fn(const jet q[], const jet p[], jet t, void *ctx);
+typedef void tvi_drive_fn(const jet q[], const jet v[], jet t, jet force[], void *ctx);
+"""
+
+JETS = """
+jet jet_record_add(jet a, jet b);
+jet jet_record_sub(jet a, jet b);
+jet jet_record_mul(jet a, jet b);
+jet jet_record_div(jet a, jet b);
+jet jet_record_pow(jet a, double c);
+jet jet_record_function(jet_function f, jet a);
+jet jet_record_function2(jet_function2 f, jet a, jet b);
+jet jet_parameter(jet of_recording, int index, double value);
+"""
+
+SYSTEMS = """
+const char *tvi_version(void);
+const char *tvi_status_string(tvi_status status);
+const char *tvi_last_error(void);
+tvi_status tvi_system_force(tvi_system **out, int n, const double mass[], tvi_force_fn *force, void *ctx);
+tvi_status tvi_system_potential(tvi_system **out, int n, const double mass[], tvi_potential_fn *potential, void *ctx);
+tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lagrangian, void *ctx);
+tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_hamiltonian_fn *hamiltonian, void *ctx);
+tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
+tvi_status tvi_system_driven(tvi_system **out, const tvi_system *system, tvi_drive_fn *drive, void *ctx);
+void tvi_system_free(tvi_system *system);
+int tvi_system_parameters(const tvi_system *system);
+tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H);
+tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[], double p[]);
+tvi_status tvi_velocity(const tvi_system *system, double t, const double q[], const double p[], double v[]);
+tvi_status tvi_event_create(tvi_event **out, int n, tvi_direction direction, bool terminal, tvi_event_fn *g, void *ctx);
+void tvi_event_free(tvi_event *event);
+"""
+
+METHODS = """
+tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
+tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why);
+tvi_status tvi_compile(tvi_compiled **out, const tvi_system *system, const tvi_options *options,
+                       const tvi_compiler *how);
+tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *name, const char *path);
+void tvi_compiled_free(tvi_compiled *compiled);
+int tvi_taylor_order(double tolerance);
+tvi_status tvi_suggest_step_seen(const tvi_system *system, const tvi_options *options, double t, const double q[],
+                          const double p[], double duration, double error, double *h, double *seen);
+"""
+
+INTEGRATORS = """
+tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system, const tvi_options *options);
+void tvi_integrator_free(tvi_integrator *integrator);
+const tvi_options *tvi_integrator_options(const tvi_integrator *integrator);
+tvi_status tvi_integrator_set_parameters(tvi_integrator *integrator, const double value[]);
+tvi_status tvi_integrator_energy(const tvi_integrator *integrator, double t, const double q[], const double p[],
+                                 double *H);
+tvi_status tvi_integrator_momentum(const tvi_integrator *integrator, double t, const double q[], const double v[],
+                            double p[]);
+tvi_status tvi_integrator_velocity(const tvi_integrator *integrator, double t, const double q[], const double p[],
+                            double v[]);
+tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
+tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, double *t, double q[], double p[], double D[],
+                            int columns);
+tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
+tvi_status tvi_run(tvi_integrator *integrator, const tvi_run_plan *plan, double *t, double q[], double p[]);
+void tvi_integrator_reset(tvi_integrator *integrator);
+const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
+tvi_status tvi_state_save(const tvi_integrator *integrator, void *buffer, size_t *size);
+tvi_status tvi_state_load(tvi_integrator *integrator, const void *buffer, size_t size);
+tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[]);
+tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
+"""
+
+ENSEMBLES = """
+tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, const tvi_options *options, int members,
+                        int threads);
+void tvi_ensemble_free(tvi_ensemble *ensemble);
+tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double value[]);
+void tvi_ensemble_reset(tvi_ensemble *ensemble);
+tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_run_plan *plan, double t[], double q[], double p[],
+                     tvi_status status[]);
+tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats);
+tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t *size);
+tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t size);
+tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[], tvi_status status[]);
+"""
+
+FUNCTIONS = JETS + SYSTEMS + METHODS + INTEGRATORS + ENSEMBLES

@@ -1,0 +1,278 @@
+"""Ensembles: many orbits of one system at once."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import numpy as np
+
+from ._arrays import Doubles, integer, pointer, spread
+from ._events import Recorded, events_of
+from ._integrator import Busy, Stats, saved, stats_of
+from ._library import Guard, Handle, Interrupted, STATUSES, check, ffi, lib, make
+from ._methods import Compiled, Method, code_for, method_of
+from ._runs import MOST_STEPS, Course, Observers, Way, ended, new_plan
+from ._systems import System, energies, transforms
+
+
+class Ensemble:
+    """Many orbits (members) of one system, that go on together.
+
+    q, p or v: [member, n], or [n] for all; t: a number or [member]. parameters: values of those of the system, one for
+    all or [member, ...]. threads: 0 for all cores. method, order, compiled: as for tvi.Integrator. `t` [member], `q`
+    and `p` [member, n] are the states, and may be changed between runs. `status` [member] has names: "OK", or that of
+    tvi.Error.status for a member that failed: it keeps its last good state, and the others go on; "ESTOPPED" where an
+    event or an observer ended its run. `tangent`: None, or [member, 2n + parameters, columns].
+
+    >>> import numpy as np, tvi
+    >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
+    >>> orbits = tvi.Ensemble(kepler, np.linspace([1, 0], [2, 0], 100), [0, 0.8])
+    >>> orbits.integrate(0.25, 400)
+    True
+    >>> orbits.q.shape, set(orbits.status)
+    ((100, 2), {'OK'})
+    """
+
+    def __init__(self, system: System, q: Any, p: Any = None, *, v: Any = None, t: Any = 0.0,
+                 method: "str | Method" = "galerkin", order: int = 16, threads: int = 0,
+                 compiled: "bool | Compiled" = False, members: int | None = None, **parameters: Any):
+        if not isinstance(system, System):
+            raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}")
+        if p is not None and v is not None:
+            raise TypeError("give momenta or velocities, not both")
+        self.system, self.method, n = system, method_of(method, order), system.n
+        given = [(q, 2), (p, 2), (v, 2), (t, 1)] + [(value, 1 + np.ndim(system.parameters.get(name, 0)))
+                                                    for name, value in parameters.items()]
+        counts = {len(x) for x, dimensions in given if x is not None and np.ndim(x) == dimensions}
+        self.members = count = integer("members", members or (max(counts) if counts else 1), 1)
+        self._t, self._q, self._p = Doubles(count), Doubles(n, count), Doubles(n, count)
+        self._status = ffi.new("tvi_status[]", count)
+        self._codes = np.frombuffer(ffi.buffer(self._status), dtype=np.int32)
+        self._tangent: Doubles | None = None
+        self._busy = Busy("ensemble")
+        self._t.array[:] = spread("t", t, count)
+        self._q.array[:] = spread("q", q, count, n).T
+        values = system.values(parameters, count)
+        options = ffi.new("tvi_options *", self.method._options[0])
+        code = code_for(compiled, system, self.method)
+        options.compiled = code._handle.pointer if code else ffi.NULL
+        self._made_with = {"threads": integer("threads", threads, 0), "compiled": code is not None}
+        made = make("tvi_ensemble", lambda out: lib.tvi_ensemble_create(out, system._handle.pointer, options, count,
+                                                                        self._made_with["threads"]))
+        self._system = system._handle.own(self)
+        self._handle = Handle(made, lib.tvi_ensemble_free).own(self)
+        self._values = np.tile(system.values({}), (1, count)).copy()
+        if parameters:
+            self._set(values)
+        if v is not None:
+            self._p.array[:] = self._each(lib.tvi_momentum, spread("v", v, count, n), "v").T
+        elif p is not None:
+            self._p.array[:] = spread("p", p, count, n).T
+
+    def __del__(self) -> None:
+        if handle := self.__dict__.get("_handle"):
+            handle.release(self)
+        if system := self.__dict__.get("_system"):
+            system.release(self)
+
+    # ---- The states --------------------------------------------------------------------------------------------------
+
+    @property
+    def t(self) -> np.ndarray:
+        return self._t.array
+
+    @t.setter
+    def t(self, value: Any) -> None:
+        self._t.array[:] = spread("t", value, self.members)
+
+    @property
+    def q(self) -> np.ndarray:
+        return self._q.array.T
+
+    @q.setter
+    def q(self, value: Any) -> None:
+        self._q.array[:] = spread("q", value, self.members, self.system.n).T
+
+    @property
+    def p(self) -> np.ndarray:
+        return self._p.array.T
+
+    @p.setter
+    def p(self, value: Any) -> None:
+        self._p.array[:] = spread("p", value, self.members, self.system.n).T
+
+    @property
+    def v(self) -> np.ndarray:
+        """The velocities [member, n] of the momenta, a copy."""
+        return self._each(lib.tvi_velocity, self.p, "p")
+
+    @property
+    def status(self) -> np.ndarray:
+        return np.array(STATUSES)[self._codes]
+
+    @property
+    def tangent(self) -> np.ndarray | None:
+        return None if self._tangent is None else self._tangent.array.transpose(2, 0, 1)
+
+    @tangent.setter
+    def tangent(self, value: Any) -> None:
+        with self._busy.running():
+            if value is None:
+                self._tangent = None
+                return
+            rows = 2 * self.system.n + self.system._count
+            columns = np.shape(value)[-1] if np.ndim(value) > 1 else 0
+            given = spread("tangent", value, self.members, rows, columns)
+            if columns < 1:
+                raise ValueError("tangent has no columns")
+            self._tangent = Doubles(rows, columns, self.members)
+            self._tangent.array[:] = given.transpose(1, 2, 0)
+
+    def set_parameters(self, **parameters: Any) -> None:
+        """Other values for parameters, one for all or [member, ...], from the next step on."""
+        given = self.system.values(parameters, self.members)
+        with self._busy.asked():
+            names = list(self.system.parameters)
+            rows = np.repeat([name in parameters for name in names],
+                             [np.size(self.system.parameters[name]) for name in names])[:len(given)]
+            values = np.where(rows[:, np.newaxis], given, self._values) if len(given) else given
+            self._set(values)
+
+    def _set(self, values: np.ndarray) -> None:
+        with self._busy.asked():
+            values = np.ascontiguousarray(values)
+            check(lib.tvi_ensemble_set_parameters(self._handle.pointer, pointer(values)))
+            self._values = values
+
+    def energy(self) -> np.ndarray:
+        """The energies [member], with the members' own parameters. Raises tvi.Error (EUNSUPPORTED) for a force."""
+        return self._each(lib.tvi_energy, self.p, "p")
+
+    def _each(self, function: Any, x: np.ndarray, name: str) -> np.ndarray:
+        """The function for each member; where parameters differ from the recorded ones, by an integrator with them."""
+        system, t, q = self.system, self.t, self.q
+        is_energy = function == lib.tvi_energy
+        if not system._count:
+            call = (lambda *state: energies(function, system._handle.pointer, system.n, *state)) if is_energy else \
+                (lambda *state: transforms(function, system._handle.pointer, system.n, *state, name))
+            return call(t, q, x)
+        from_own = {lib.tvi_energy: lib.tvi_integrator_energy, lib.tvi_momentum: lib.tvi_integrator_momentum,
+                    lib.tvi_velocity: lib.tvi_integrator_velocity}[function]
+        made = Handle(make("tvi_integrator", lambda out: lib.tvi_integrator_create(
+            out, system._handle.pointer, self.method._options)), lib.tvi_integrator_free).own(self)
+        try:
+            rows = []
+            for m in range(self.members):
+                values = self._values[:, m].copy()
+                check(lib.tvi_integrator_set_parameters(made.pointer, pointer(values)))
+                state = made.pointer, system.n, t[m], q[m], x[m]
+                rows.append(energies(from_own, *state) if is_energy else transforms(from_own, *state, name))
+            return np.array(rows)
+        finally:
+            made.release(self)
+
+    @property
+    def stats(self) -> Stats:
+        """Counts of all members together."""
+        stats = ffi.new("tvi_stats *")
+        with self._busy.asked():
+            check(lib.tvi_ensemble_stats(self._handle.pointer, stats))
+        return stats_of(stats)
+
+    # ---- Runs --------------------------------------------------------------------------------------------------------
+
+    def integrate(self, h: float, steps: int, **observers: Any) -> bool:
+        """So many steps of size h of each member; observers and the result as of run()."""
+        return self.run(h=h, steps=steps, **observers)
+
+    def integrate_to(self, h: float, t_end: float, **observers: Any) -> bool:
+        """All members to t_end exactly; observers and the result as of run()."""
+        return self.run(h=h, t_end=t_end, **observers)
+
+    def run(self, *, h: float | None = None, steps: int | None = None, t_end: float | None = None, times: Any = None,
+            tolerance: float | None = None, largest_step: float | None = None, events: Any = (),
+            at_step: Callable | None = None, at_time: Callable | None = None, on_event: Callable | None = None,
+            observer: Callable | None = None) -> bool:
+        """A run of all members, as Integrator.run. at_step, at_time and on_event(member, which, t, q, p) are called
+        for one member, on any thread, one call at a time, in order of time for each member; a true value ends the run
+        of that member. observer(step) is called between the steps of all members, with steps alone; there the states
+        and `tangent` may be read and changed, and a true value ends the run. Returns whether all members went to the
+        end. Members that fail are told by `status`. On Ctrl-C tvi.Interrupted.
+
+        >>> import numpy as np, tvi
+        >>> spring = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=1.0)
+        >>> springs = tvi.Ensemble(spring, [1], k=[1, 4])
+        >>> springs.run(h=0.1, t_end=np.pi)
+        True
+        >>> springs.q.round(9)
+        array([[-1.],
+               [ 1.]])
+        """
+        several = events_of(events)
+        functions = {"at_step": at_step, "at_time": at_time, "on_event": on_event}
+        if observer is not None and (steps is None or several or any(functions.values())):
+            raise TypeError("observer goes with steps alone")
+        return self._go(Way(h, steps, t_end, times, tolerance, largest_step), several, functions,
+                        may_end=any(functions.values()), after=observer, every=1 if observer else MOST_STEPS)
+
+    def _go(self, way: Way, events: list, functions: dict[str, Any], may_end: bool = False, **cuts: Any) -> bool:
+        """A run. Where events or observers may end that of a member, it is one call, as it would go on in the next."""
+        recorded, guard = Recorded(self.system, events), Guard()
+        plan = new_plan(way, recorded, self._tangent)
+        observers = Observers(self.system.n, plan, guard, **functions)
+        is_counted = not (may_end or any(one.terminal for one in events)) and \
+            (way.steps is not None or way.tolerance is None and not self.system.is_rescaled)
+        if not is_counted:
+            observers.hear(plan)
+        course = Course(way, plan, lambda: lib.tvi_ensemble_run(self._handle.pointer, plan, *self._state()),
+                        self._going_times, is_counted, **cuts)
+        with self._busy.running():
+            try:
+                return ended(course.run(), guard) and not self._codes.any()
+            except KeyboardInterrupt:
+                raise Interrupted(f"interrupted at t from {self.t.min()} to {self.t.max()}", self) from None
+
+    def _state(self) -> tuple:
+        return self._t.pointer, self._q.pointer, self._p.pointer, self._status
+
+    def _going_times(self) -> np.ndarray:
+        """The times of the members that go on."""
+        return self.t[self._codes == 0]
+
+    def reset(self) -> None:
+        """Forgets the last steps; members that have failed are tried again."""
+        with self._busy.running():
+            lib.tvi_ensemble_reset(self._handle.pointer)
+            self._codes[:] = 0
+
+    def save(self) -> bytes:
+        """All that the members hold between runs, as Integrator.save."""
+        with self._busy.asked():
+            return saved(lib.tvi_ensemble_save, self._handle.pointer)
+
+    def load(self, state: bytes) -> None:
+        """Goes on from what save() returned, with as many members. Raises tvi.Error (EINVAL) as Integrator.load."""
+        with self._busy.running():
+            check(lib.tvi_ensemble_load(self._handle.pointer, ffi.from_buffer(state), len(state)))
+            lib.tvi_ensemble_last(self._handle.pointer, *self._state())
+
+    def __reduce__(self) -> tuple:
+        state = (self.save(), self.t.copy(), self.q.copy(), self.p.copy(),
+                 None if self._tangent is None else self.tangent.copy(), self._values, self._codes.copy())
+        return _again, (self.system, self.method, self.members, self._made_with, state)
+
+    def __repr__(self) -> str:
+        return f"<tvi ensemble: {self.members} members, {self.method!r} for {self.system!r}>"
+
+
+def _again(system: System, method: Method, members: int, made_with: dict[str, Any], state: tuple) -> Ensemble:
+    """The ensemble of a pickle."""
+    kept, t, q, p, tangent, values, status = state
+    ensemble = Ensemble(system, q, p, t=t, method=method, members=members, **made_with)
+    ensemble._values = values
+    ensemble.load(kept)
+    ensemble.t, ensemble.q, ensemble.p, ensemble.tangent = t, q, p, tangent
+    ensemble._codes[:] = status
+    return ensemble
+
+

@@ -1,0 +1,220 @@
+"""tvi.ensemble: a run of many orbits, and all that it gives; lyapunov and megno: order and chaos of one or many."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Callable, Iterator
+
+import numpy as np
+
+from ._arrays import integer, number, numbers, spread
+from ._ensemble import Ensemble
+from ._events import Found, events_of, found
+from ._integrator import Stats
+from ._library import Interrupted, check, lib
+from ._methods import Compiled, Method, method_of, suggest_step, taylor_order
+from ._recorder import Progress
+from ._runs import Way, new_plan
+from ._solve import _times
+from ._systems import System
+
+
+class EnsembleResult:
+    """What tvi.ensemble returns.
+
+    t [k], q and p [member, k, n] at the times of t_eval; without it t is the end, and q and p are [member, n]. Where a
+    member did not come to a time, its numbers there are nan. events: for each function its t, q, p and member. status
+    [member]: "OK", "ESTOPPED" by a terminal event, or as tvi.Error.status. success: whether none failed. message,
+    stats: as of tvi.Result. h: the step; seen: the smallest part of a run that was looked at to choose it.
+    orbits: the tvi.Ensemble at the end, which may go on from there; its t, q and p are the last good states."""
+
+    def __init__(self, orbits: Ensemble, t: np.ndarray, h: float, seen: float | None):
+        self.orbits, self.t, self.h, self.seen = orbits, t, h, seen
+        self.q = self.p = np.empty(0)
+        self.events: list[Found] = []
+        self.status, self.message = orbits.status, ""
+        self.stats: Stats = orbits.stats
+
+    @property
+    def success(self) -> bool:
+        return bool(np.isin(self.status, ("OK", "ESTOPPED")).all())
+
+    def __repr__(self) -> str:
+        return f"<tvi ensemble result: {self.message}>"
+
+
+def ensemble(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, h: float | None = None,
+             error: float | None = None, tolerance: float | None = None, method: "str | Method" = "galerkin",
+             order: int = 16, t_eval: Any = None, events: Any = (), threads: int = 0,
+             compiled: "bool | Compiled" = False, progress: "bool | Callable" = False,
+             **parameters: Any) -> EnsembleResult:
+    """Many orbits of one system from t_span[0] to t_span[1], on all cores, several at once in the lanes of vectors.
+
+    q0, p0, v0: [member, n], or [n] for all. parameters: one value for all, or [member]. h, error, tolerance: as for
+    tvi.solve; of error the smallest step that tvi.suggest_step has for a member. A member has the same bits in every
+    ensemble and for every number of threads; one that fails keeps its last good state, and the others go on. Raises as
+    tvi.solve.
+
+    >>> import numpy as np, tvi
+    >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
+    >>> closest = tvi.event(lambda q, p: q @ p, direction=1)
+    >>> orbits = tvi.ensemble(kepler, (0, 20), np.linspace([1, 0], [2, 0], 5), [0, 0.6], h=0.1, events=closest)
+    >>> orbits.q.shape, np.bincount(orbits.events[0].member)
+    ((5, 2), array([7, 4, 3, 2, 2]))
+    """
+    t, t_end = numbers("t_span", t_span, 2)
+    if sum(x is not None for x in (h, error, tolerance)) > 1:
+        raise TypeError("give h, error or tolerance, one of them")
+    times, several, method = _times(t_eval, t, t_end), events_of(events), method_of(method, order)
+    if tolerance is not None and method.name == "galerkin":
+        method = Method("taylor", max(2, taylor_order(tolerance)))
+    if tolerance is not None and times is not None:
+        raise ValueError("a run to a tolerance has no t_eval in an ensemble: give h or error")
+    orbits = Ensemble(system, q0, p0, v=v0, t=t, method=method, threads=threads, compiled=compiled, **parameters)
+    seen = None
+    if tolerance is None:
+        if h is None:
+            h, seen = _smallest_step(orbits, parameters, t_end - t, 1e-9 if error is None else error, method)
+        h = math.copysign(number("h", h), t_end - t)
+    result = EnsembleResult(orbits, np.array([t_end]) if times is None else times, h or math.nan, seen)
+    _run(orbits, result, times, t_end, tolerance, several, Progress(progress, t, t_end))
+    return result
+
+
+def _smallest_step(orbits: Ensemble, parameters: dict[str, Any], duration: float, error: float,
+                   method: Method) -> tuple[float, float]:
+    """For parameters that differ each member has a system of its own."""
+    if duration == 0:
+        return 1.0, 1.0
+    shapes = {name: np.shape(value) for name, value in orbits.system.parameters.items()}
+    each = {name: spread(name, value, orbits.members, *shapes[name]) for name, value in parameters.items()}
+    steps = []
+    for m in range(orbits.members):
+        system = orbits.system.recorded_with({name: value[m] for name, value in each.items()})
+        steps.append(suggest_step(system, orbits.t[m], orbits.q[m], orbits.p[m], duration, error, method))
+    return min(abs(h) for h, _ in steps), min(seen for _, seen in steps)
+
+
+def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_end: float, tolerance: float | None,
+         events: list, progress: Progress) -> None:
+    members, n = orbits.members, orbits.system.n
+    told: list[tuple] = []
+    functions: dict[str, Any] = {}
+    if events:
+        functions["on_event"] = lambda member, which, t, q, p: told.append((which, member, t, q, p))
+    if times is not None:
+        q, p = np.full((members, len(times), n), np.nan), np.full((members, len(times), n), np.nan)
+
+        def at_time(member: int, which: int, t: float, q_there: np.ndarray, p_there: np.ndarray) -> None:
+            if which <= len(times):
+                q[member, which - 1], p[member, which - 1] = q_there, p_there
+
+        functions["at_time"] = at_time
+    if times is None:
+        way = Way(None if tolerance is not None else result.h, None, t_end, None, tolerance)
+    else:  # Events are told to t_end.
+        way = Way(result.h, None, None, times if len(times) and times[-1] == t_end else np.append(times, t_end), None)
+    try:
+        orbits._go(way, events, functions, after=lambda steps: progress.at(float(np.mean(orbits.t))))
+        failed = int(np.sum(~np.isin(orbits.status, ("OK", "ESTOPPED"))))
+        result.message = f"{members} members, {failed} failed."
+    except Interrupted:
+        result.message = f"interrupted at t from {orbits.t.min()} to {orbits.t.max()}"
+        raise Interrupted(result.message, result) from None
+    finally:
+        progress.end(float(np.mean(orbits.t)))
+        sign = 1 if result.h >= 0 or t_end >= progress.start else -1
+        result.events = found([row for row in told if sign * row[2] <= sign * t_end], n, len(events))
+        result.q, result.p = (orbits.q.copy(), orbits.p.copy()) if times is None else (q, p)
+        result.status, result.stats = orbits.status, orbits.stats
+
+
+# ---- Order and chaos -------------------------------------------------------------------------------------------------
+
+
+def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Any) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The times of the members since the start, and ln of the growth of their tangent vectors in the steps between."""
+    n, start = orbits.system.n, orbits.t.copy()
+    rows = 2 * n + orbits.system._count
+    w = np.zeros((orbits.members, rows, 1))
+    w[:, :2 * n, 0] = spread("w0", np.ones(2 * n) if w0 is None else w0, orbits.members, 2 * n)
+    length = np.sqrt((w**2).sum(axis=1, keepdims=True))
+    if not (length > 0).all():
+        raise ValueError("w0 is 0")
+    orbits.tangent = w / length
+    tangent = orbits._tangent.array
+    plan, state = new_plan(Way(h, every, None, None, None), None, orbits._tangent), orbits._state()
+    while (going := (orbits._codes == 0) & ((t_end - orbits.t) / h > 1e-9)).any():
+        plan.steps = every
+        if not orbits.system.is_rescaled:
+            plan.steps = min(every, max(1, math.ceil(float(np.max((t_end - orbits.t[going]) / h)) - 1e-9)))
+        check(lib.tvi_ensemble_run(orbits._handle.pointer, plan, *state))
+        length = np.sqrt((tangent**2).sum(axis=(0, 1)))
+        tangent /= length
+        yield orbits.t - start, np.where(orbits._codes == 0, np.log(length), 0.0)
+
+
+def _chaos(system: System, t_span: Any, q0: Any, p0: Any, v0: Any, h: float, method: Any, order: int, every: int,
+           w0: Any, threads: int, parameters: dict[str, Any], add: Callable) -> Any:
+    """The value of each member after add(t, ln) was called for all steps; a number where q0 is one state."""
+    t, t_end = numbers("t_span", t_span, 2)
+    if t == t_end:
+        raise ValueError("t_span has no length")
+    orbits = Ensemble(system, q0, p0, v=v0, t=t, method=method, order=order, threads=threads, **parameters)
+    h, value = math.copysign(number("h", h), t_end - t), np.full(orbits.members, np.nan)
+    try:
+        for times, logarithms in _growth(orbits, h, t_end, integer("every", every, 1), w0):
+            with np.errstate(all="ignore"):  # of members that fail in their first step
+                value = add(times, logarithms)
+    except KeyboardInterrupt:
+        raise Interrupted(f"interrupted at t = {float(orbits.t.max())}", value) from None
+    value = np.where(orbits.status == "OK", value, np.nan)
+    is_one = np.ndim(q0) == 1 and orbits.members == 1
+    return float(value[0]) if is_one else value
+
+
+def lyapunov(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, *, h: float,
+             method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Any = None, threads: int = 0,
+             **parameters: Any) -> Any:
+    """The largest Lyapunov exponent over t_span, ln(d / d_0) / t of a tangent vector: falls like ln(t) / t on regular
+    orbits.
+
+    q0, p0, v0: [n] for a number, [member, n] for [member]; nan where a member failed. h: the step. The vector starts
+    along w0 [2n], (dq, dp), None: (1, ..., 1), and is brought back to length 1 after every so many steps.
+
+    >>> import tvi
+    >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
+    >>> abs(tvi.lyapunov(spring, (0, 100), [1], h=0.5)) < 0.01
+    True
+    """
+    total = 0.0
+
+    def add(t: np.ndarray, logarithms: np.ndarray) -> np.ndarray:
+        nonlocal total
+        total = total + logarithms
+        return total / t
+
+    return _chaos(system, t_span, q0, p0, v0, h, method, order, every, w0, threads, parameters, add)
+
+
+def megno(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, *, h: float,
+          method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Any = None, threads: int = 0,
+          **parameters: Any) -> Any:
+    """MEGNO over t_span: tends to 2 on regular orbits, and grows like lambda t / 2 on chaotic ones (docs/chaos.md).
+    All else as for lyapunov().
+
+    >>> import numpy as np, tvi
+    >>> pendulum = tvi.potential(1, lambda q: -np.cos(q[0]))
+    >>> 1.5 < tvi.megno(pendulum, (0, 1000), [1], h=0.5) < 2.2
+    True
+    """
+    before, sums, mean = 0.0, 0.0, 0.0
+
+    def add(t: np.ndarray, logarithms: np.ndarray) -> np.ndarray:
+        nonlocal before, sums, mean
+        sums = sums + t * logarithms
+        mean = mean + (t - before) * 2 * sums / t
+        before = t.copy()
+        return mean / t
+
+    return _chaos(system, t_span, q0, p0, v0, h, method, order, every, w0, threads, parameters, add)

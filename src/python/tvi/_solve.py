@@ -1,0 +1,290 @@
+"""tvi.solve: a run of one orbit, and all that it gives."""
+
+from __future__ import annotations
+
+import math
+import os
+import shutil
+from functools import cached_property
+from typing import Any, Callable
+
+import numpy as np
+
+from ._arrays import number, numbers
+from ._events import Found, Recorded, events_of, found
+from ._integrator import Integrator, Stats, momenta
+from ._library import Error, Interrupted
+from ._methods import Compiled, Method, compile, method_of, suggest_step, taylor_order
+from ._recorder import ROWS, Progress, Recorder
+from ._runs import Way
+from ._solution import Dense, Solution
+from ._systems import System
+
+GAINS_FROM = 1e8  # steps times n, of "galerkin": some ten seconds, of which compiling takes five and saves half
+WEIGHT = {"galerkin": 1, "stormer-verlet": 0.3, "taylor": 2}  # of a step, relative to "galerkin"; others: 10
+
+
+class Result:
+    """What tvi.solve returns.
+
+    t [k]: the times, all of t_eval, or those of the steps; q, p, v [k, n]; energy [k], None for a force. events: for
+    each function its t [e], q and p [e, n]. status: 0 the end was reached, 1 a terminal event ended the run, -1 a step
+    was refused, -2 Ctrl-C; success: whether it is 0 or 1; message: the same in words. stats: tvi.Stats. h: the step;
+    seen: the part of the run that was looked at to choose it, None where it was given. sol: see tvi.solve.
+    t_end, q_end, p_end: the state at the end; integrator: the tvi.Integrator, which may go on from there."""
+
+    def __init__(self, integrator: Integrator, way: dict[str, Any], h: float, seen: float | None):
+        self.integrator = integrator  # at the end of the run, which may go on from there
+        self.system, self.method, self.parameters = integrator.system, integrator.method, integrator.parameters
+        self.h, self.seen = h, seen
+        self.t = self.q = self.p = np.empty(0)
+        self.events: list[Found] = []
+        self.status, self.message = 0, ""
+        self.sol: Solution | None = None
+        self.stats: Stats = integrator.stats
+        self._start, self._way = (integrator.t, integrator.q.copy(), integrator.p.copy()), way
+
+    @property
+    def success(self) -> bool:
+        return self.status >= 0
+
+    @cached_property
+    def energy(self) -> np.ndarray | None:
+        return self._recorded.energy(self.t, self.q, self.p) if self.system.has_energy else None
+
+    @cached_property
+    def v(self) -> np.ndarray:
+        return self._recorded.velocity(self.t, self.q, self.p)
+
+    @cached_property
+    def _recorded(self) -> System:
+        given = {name: value for name, value in self.parameters.items()
+                 if not np.array_equal(value, self.system.parameters[name])}
+        return self.system.recorded_with(given)
+
+    def end_error(self) -> float:
+        """How far the end is from that of the same run with half the step, or a tolerance 100 times smaller: the error
+        of a coordinate relative to the largest coordinate, or of a momentum to the largest momentum. It costs twice
+        the run. Raises tvi.Error where a step is refused.
+
+        >>> import numpy as np, tvi
+        >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
+        >>> 1e-12 < tvi.solve(kepler, (0, 100), [1, 0], [0, 0.8], h=0.5).end_error() < 1e-6
+        True
+        """
+        t, q, p = self._start
+        it = Integrator(self.system, q, p, t=t, method=self.method, **self.parameters)
+        if "h" in self._way:
+            it.integrate_to(self._way["h"] / 2, self.t_end)
+        else:
+            it.integrate_tolerance(max(self._way["tolerance"] / 100, 2.3e-16), self.t_end)
+        return max(float(np.max(np.abs(one - other)) / max(np.max(np.abs(states), initial=0), np.max(np.abs(other))))
+                   for one, other, states in ((self.q_end, it.q, self.q), (self.p_end, it.p, self.p)))
+
+    def __repr__(self) -> str:
+        return f"<tvi result: {self.message} {len(self.t)} states>"
+
+
+class Run:
+    """One call of tvi.solve, in its parts."""
+
+    def __init__(self, integrator: Integrator, result: Result, way: dict[str, Any], t_end: float, progress: Any):
+        self.integrator, self.result, self.way, self.t_end = integrator, result, way, t_end
+        self.progress = Progress(progress, integrator.t, t_end)
+        self.told: list[tuple] = []
+        self.recorder: Recorder | None = None
+
+    def record(self, steps: float) -> None:
+        it = self.integrator
+        self.recorder = Recorder(it.system.n, it.t, it.q, it.p, max(1, math.ceil(steps / ROWS)))
+
+    def go(self, events: list, t_eval: np.ndarray | None) -> None:
+        it, recorder = self.integrator, self.recorder
+        recorded = Recorded(it.system, events)
+        functions: dict[str, Any] = {}
+        if events:
+            functions["on_event"] = lambda member, which, t, q, p: self.told.append((which, member, t, q, p))
+        times = dense = None
+        if t_eval is not None and "h" in self.way:
+            times = np.append(t_eval, self.t_end) if len(t_eval) == 0 or t_eval[-1] != self.t_end else t_eval
+            rows: list[tuple] = []
+            functions["at_time"] = lambda member, which, t, q, p: rows.append((t, q, p))
+        elif t_eval is not None:
+            dense = Dense(it, t_eval)
+            dense.start()
+            rows = dense.rows
+        way = Way(self.way.get("h"), None, None if times is not None else self.t_end, times, self.way.get("tolerance"))
+        in_pieces = recorder is not None and it._is_counted(way) and times is None and not events
+        after_step = self._after_step(None if in_pieces else recorder, dense)
+        cuts = {"every": recorder.every} if in_pieces else {}
+        try:
+            is_whole = it._go(way, recorded, functions, after_step, after=self._after(recorder if in_pieces else None),
+                              **cuts)
+            self.result.status = 0 if is_whole else 1
+        except Error as error:
+            self.result.status, self.result.message = -1, f"a step was refused at t = {it.t}: {error}"
+        except KeyboardInterrupt:
+            self.result.status, self.result.message = -2, f"interrupted at t = {it.t}"
+            raise
+        finally:
+            self._keep(rows if t_eval is not None else None, 0 if t_eval is None else len(t_eval), len(events))
+
+    def _after_step(self, recorder: Recorder | None, dense: Dense | None) -> Callable | None:
+        if recorder is None and dense is None:
+            return None
+        told = [recorder.after_step] if recorder else []
+        if dense:
+            told.append(lambda t, q, p: dense.at_step(0, t))
+        progress = self.progress
+
+        def after_step(t: float, q: Any, p: Any) -> None:
+            for tell in told:
+                tell(t, q, p)
+            progress.at(t)
+
+        return after_step
+
+    def _after(self, recorder: Recorder | None) -> Callable:
+        it, progress = self.integrator, self.progress
+
+        def after(steps: int) -> None:
+            if recorder is not None and steps % recorder.every == 0:
+                recorder.keep(it.t, it.q, it.p)
+            progress.at(it.t)
+
+        return after
+
+    def _keep(self, rows: list | None, asked: int, count: int) -> None:
+        """Puts what was reached into the result, however the run ended."""
+        it, result, n = self.integrator, self.result, self.integrator.system.n
+        self.progress.end(it.t)
+        last = None
+        if self.recorder is not None:
+            self.recorder.keep(it.t, it.q, it.p)
+            states = self.recorder.arrays()
+            recorded = states
+        if rows is not None:
+            is_at_end = result.status == 0 and rows and rows[-1][0] == self.t_end
+            last = rows[-1] if is_at_end else None
+            states = (np.array([row[0] for row in rows[:asked]], dtype=float),
+                      *(np.array([row[i] for row in rows[:asked]], dtype=float).reshape(-1, n) for i in (1, 2)))
+        result.t, result.q, result.p = states
+        sign = 1 if self.t_end >= self.progress.start else -1
+        result.events = found([row for row in self.told if sign * row[2] <= sign * self.t_end], n, count)
+        result.t_end, result.q_end, result.p_end = last or (it.t, it.q.copy(), it.p.copy())
+        result.stats = it.stats
+        if self.recorder is not None:
+            result.sol = Solution(it, self.way, recorded, result.t_end)
+
+
+def solve(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, h: float | None = None,
+          error: float | None = None, tolerance: float | None = None, method: "str | Method" = "galerkin",
+          order: int = 16, t_eval: Any = None, events: Any = (), dense_output: bool = False,
+          compiled: "bool | str | Compiled" = "auto", progress: "bool | Callable" = False, **parameters: Any) -> Result:
+    """A run from t_span[0] to t_span[1], either way, from q0 and p0 or v0, [n] each; neither: at rest.
+
+    The step: h (of a rescaled system in s); or error, the wanted error of the state at the end, for which h is chosen
+    by tvi.suggest_step (Result.seen says which part of the run it has looked at); or tolerance, with "taylor", of the
+    order that suits it unless method="taylor" names one. None of them: error=1e-9.
+
+    t_eval [k]: the times of the result, in the order of the run; None: the states after all steps, or in a run of
+    more than 10000 steps after every k-th. events: tvi.event, or functions g(q, p) or g(q, p, t), one or a list.
+    dense_output: the result has sol(t). compiled: False; True; what tvi.compile made; "auto": compiled where there is
+    a compiler and so many steps are made that it gains (steps times n from 1e8 on). progress: True draws a bar on a
+    terminal; a function is called with t and the part that is done. parameters: values of those of the system.
+
+    A step that is refused ends the run: status -1, with the text of tvi_last_error in the message, and what was
+    reached. Raises tvi.Error where there is no run at all, as for a method that does not serve the system, or an error
+    below roundoff; ValueError and TypeError for arguments; on Ctrl-C tvi.Interrupted, whose `result` has what was
+    reached.
+
+    >>> import numpy as np, tvi
+    >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
+    >>> orbit = tvi.solve(kepler, (0, 4000), [1, 0], [0, 0.8], error=1e-9, t_eval=[0, 4000])
+    >>> print(orbit.status, orbit.q[-1].round(6), abs(np.ptp(orbit.energy)) < 1e-13)
+    0 [ 0.256821 -0.685955] True
+    """
+    t, t_end = numbers("t_span", t_span, 2)
+    if sum(x is not None for x in (h, error, tolerance)) > 1:
+        raise TypeError("give h, error or tolerance, one of them")
+    times = _times(t_eval, t, t_end)
+    several = events_of(events)
+    method = method_of(method, order)
+    if tolerance is not None and method.name == "galerkin":
+        method = Method("taylor", max(2, taylor_order(tolerance)))
+    it = Integrator(system, q0, p0, v=v0, t=t, method=method, **parameters)
+    seen, steps = None, math.nan
+    if tolerance is None:
+        if h is None:
+            h, seen = (suggest_step(system.recorded_with(parameters), t, it.q, it.p, t_end - t,
+                                    1e-9 if error is None else error, method) if t != t_end else (1.0, 1.0))
+        h = math.copysign(number("h", h), t_end - t)
+        steps = expected_steps(it, h, t_end)
+    if code := code_of(compiled, system, method, steps):
+        it = Integrator(system, it.q, it.p, t=t, method=method, compiled=code, **parameters)
+    way = {"h": h} if tolerance is None else {"tolerance": number("tolerance", tolerance)}
+    result = Result(it, way, h or math.nan, seen)
+    run = Run(it, result, way, t_end, progress)
+    if times is None or dense_output:
+        run.record(1 if math.isnan(steps) or system.is_rescaled else steps)
+    try:
+        run.go(several, times)
+    except Interrupted:
+        raise Interrupted(result.message, result) from None
+    finally:
+        if not dense_output:
+            result.sol = None
+    result.message = result.message or _message(result, several)
+    return result
+
+
+def _times(t_eval: Any, t: float, t_end: float) -> np.ndarray | None:
+    if t_eval is None:
+        return None
+    times = numbers("t_eval", t_eval, None)
+    along = times if t_end >= t else -times
+    first, last = (t, t_end) if t_end >= t else (-t, -t_end)
+    if np.any(np.diff(along) < 0) or len(times) and (along[0] < first or along[-1] > last):
+        raise ValueError(f"t_eval is not in order from {t} to {t_end}")
+    return times
+
+
+def expected_steps(it: Integrator, h: float, t_end: float) -> float:
+    """How many steps lead to t_end; of a rescaled system as a trial of some steps has it, whatever these cost."""
+    if not it.system.is_rescaled:
+        return abs((t_end - it.t) / h)
+    trial = Integrator(it.system, it.q, it.p, t=it.t, method=it.method, **it.parameters)
+    try:
+        trial.integrate(h, 64)
+    except Error:  # The run itself will say so.
+        return math.nan
+    return 64 * abs((t_end - it.t) / (trial.t - it.t)) if trial.t != it.t else math.nan
+
+
+def code_of(compiled: Any, system: System, method: Method, steps: float) -> "bool | Compiled":
+    """Whether a run of so many steps is compiled. The clock is not asked: runs have the same bits each time."""
+    if compiled != "auto":
+        return compiled
+    compiler = (os.environ.get("CC") or "cc").split()
+    gains = steps * system.n * WEIGHT.get(method.name, 10) >= GAINS_FROM  # never where the steps are not known: nan
+    if not gains or not shutil.which(compiler[0]):
+        return False
+    try:
+        return compile(system, method)
+    except Error:
+        return False
+
+
+def _message(result: Result, events: list) -> str:
+    """How the run ended, and what may be doubted."""
+    if result.status == 1:
+        ending = [i for i, one in enumerate(events) if one.terminal and len(result.events[i].t)
+                  and result.events[i].t[-1] == result.t_end]
+        text = f"event {ending[0]} ended the run at t = {result.t_end}."
+    else:
+        text = f"the end was reached, t = {result.t_end}."
+    if result.stats.largest_tail > 0.1:
+        text += f" The step is too large: its tail is {result.stats.largest_tail:.1g}, and 0.01 is right."
+    if result.seen is not None and result.seen < 1:
+        text += f" {100 * result.seen:.2g} % of the run were looked at to choose the step."
+    return text

@@ -1,0 +1,247 @@
+"""Systems: a potential, a force, a Lagrangian or a Hamiltonian, recorded once."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import numpy as np
+
+from ._arrays import Doubles, integer, numbers, pointer, spread
+from ._functions import Function, checked_parameters, scalar, vector
+from ._library import Guard, Handle, check, ffi, lib, make
+
+MAX_DIMENSION = 10000
+
+
+class System:
+    """A mechanical system of n degrees of freedom, made by tvi.potential, force, lagrangian or hamiltonian.
+
+    It is read-only once made, and may be shared between threads. It pickles where its function does (a function of a
+    module, no lambda). `n` is its dimension, `parameters` has the recorded values of its parameters by name."""
+
+    def __init__(self, kind: str, n: int, arguments: tuple, parameters: dict[str, Any], pointer: Any):
+        self.kind, self.n, self.parameters = kind, n, parameters
+        self._arguments = arguments
+        self._handle = Handle(pointer, lib.tvi_system_free).own(self)
+        self._count = lib.tvi_system_parameters(pointer)
+
+    def __del__(self) -> None:
+        if handle := self.__dict__.get("_handle"):
+            handle.release(self)
+
+    def __reduce__(self) -> tuple:
+        return _again, (self.kind, self._arguments, self.parameters)
+
+    def __repr__(self) -> str:
+        named = "".join(f", {name}={value}" for name, value in self.parameters.items())
+        return f"<tvi system: {self.kind}, n = {self.n}{named}>"
+
+    @property
+    def is_rescaled(self) -> bool:
+        """Whether its steps are in s, dt = g ds."""
+        return self.kind == "rescaled" or self.kind == "driven" and self._arguments[0].is_rescaled
+
+    @property
+    def has_energy(self) -> bool:
+        """Whether it has a Hamiltonian: all but a force."""
+        return self.kind != "force"
+
+    def values(self, given: dict[str, Any], members: int = 1) -> np.ndarray:
+        """The values of its parameters for so many members, [count][members] as the library takes them: those that
+        are given, one for all or one for each member, and the recorded ones of the others."""
+        for name in given:
+            if name not in self.parameters:
+                known = ", ".join(self.parameters) or "none"
+                raise TypeError(f"the system has no parameter {name}: its parameters are {known}")
+        rows = [spread(name, given.get(name, value), members, *np.shape(value)).reshape(members, -1).T
+                for name, value in self.parameters.items()]
+        return np.concatenate([np.empty((0, members)), *rows])[:self._count].copy()
+
+    def recorded_with(self, given: dict[str, Any]) -> "System":
+        """The same system, recorded anew with these values of its parameters."""
+        self.values(given)
+        return _again(self.kind, self._arguments, {**self.parameters, **given}, given) if given else self
+
+    def energy(self, t: Any, q: Any, p: Any) -> Any:
+        """The energy H(q, p, t): sum p^2 / (2 m) + V, p.v - L, or the Hamiltonian itself.
+
+        q and p: [n], or [k, n] for k states, then t is a number or [k], and the result is [k]. With the recorded
+        values of the parameters; Integrator.energy takes its own. Raises tvi.Error: a system made from a force has
+        none (EUNSUPPORTED), or H has no value there (EDOMAIN, ENONFINITE).
+
+        >>> import tvi
+        >>> tvi.potential(1, lambda q: q[0]**2 / 2).energy(0, [1], [2])
+        2.5
+        """
+        return energies(lib.tvi_energy, self._handle.pointer, self.n, t, q, p)
+
+    def momentum(self, t: Any, q: Any, v: Any) -> np.ndarray:
+        """The momenta p = L_v(q, v, t) of velocities; M v where the mass is constant. Shapes as of energy().
+        Raises tvi.Error (ESINGULAR, ENOCONV) where there are none.
+
+        >>> import tvi
+        >>> tvi.potential(2, lambda q: q @ q, mass=[1, 3]).momentum(0, [0, 0], [1, 1])
+        array([1., 3.])
+        """
+        return transforms(lib.tvi_momentum, self._handle.pointer, self.n, t, q, v, "v")
+
+    def velocity(self, t: Any, q: Any, p: Any) -> np.ndarray:
+        """The velocities v = H_p(q, p, t) of momenta; shapes and errors as of momentum().
+
+        >>> import tvi
+        >>> tvi.potential(2, lambda q: q @ q, mass=[1, 4]).velocity(0, [0, 0], [1, 1])
+        array([1.  , 0.25])
+        """
+        return transforms(lib.tvi_velocity, self._handle.pointer, self.n, t, q, p, "p")
+
+    def rescaled(self, g: Callable | None = None) -> "System":
+        """The same system with steps that adapt and stay symplectic: dt = g(q, p, t) ds, and h is in s.
+
+        g(q, p) or g(q, p, t) > 0 is the local time scale, in jets, with the system's parameters by keyword where it
+        names them; None: the automatic one, with which h is a phase. Raises tvi.Error: EUNSUPPORTED for a force, a
+        rescaled system and a general Lagrangian, EDOMAIN where g is not positive.
+
+        >>> import numpy as np, tvi
+        >>> kepler = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q)).rescaled(lambda q, p: (q @ q)**0.75)
+        >>> len(tvi.solve(kepler, (0, 6.28), [0.01, 0], [0, 14.1], h=0.5).t) < 60
+        True
+        """
+        return _derived("rescaled", self, g, "q p", {})
+
+    def driven(self, drive: Callable, **parameters: Any) -> "System":
+        """The same system with forces added to dp/dt that no potential gives: friction, drag, control.
+
+        drive(q, v) or drive(q, v, t) returns n jets, with parameters by keyword: those of the system that it names,
+        and new ones, with their values. For "galerkin" and "taylor". The energy stays that of the system without it.
+        Raises tvi.Error: EUNSUPPORTED for a force, a rescaled system and one that is driven already.
+
+        >>> import tvi
+        >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2).driven(lambda q, v, k: [-k * v[0]], k=0.1)
+        >>> spring.parameters
+        {'k': 0.1}
+        """
+        return _derived("driven", self, drive, "q v", parameters)
+
+
+def energies(function: Callable, owner: Any, n: int, t: Any, q: Any, p: Any) -> Any:
+    t, q, p, single = _states(n, t, q, p, "p")
+    H, values = ffi.new("double *"), np.empty(len(q))
+    for k in range(len(q)):
+        check(function(owner, t[k], pointer(q[k]), pointer(p[k]), H))
+        values[k] = H[0]
+    return float(values[0]) if single else values
+
+
+def transforms(function: Callable, owner: Any, n: int, t: Any, q: Any, x: Any, name: str) -> np.ndarray:
+    t, q, x, single = _states(n, t, q, x, name)
+    y = Doubles(n)
+    values = np.empty((len(q), n))
+    for k in range(len(q)):
+        check(function(owner, t[k], pointer(q[k]), pointer(x[k]), y.pointer))
+        values[k] = y.array
+    return values[0] if single else values
+
+
+def _states(n: int, t: Any, q: Any, x: Any, name: str) -> tuple:
+    """Some states, and whether one was given."""
+    single = np.ndim(q) == 1
+    shape = (n,) if single else (None, n)
+    q, x = numbers("q", q, *shape).reshape(-1, n), numbers(name, x, *shape).reshape(-1, n)
+    if len(q) != len(x):
+        raise ValueError(f"q has {len(q)} states, and {name} has {len(x)}")
+    return spread("t", t, len(q)), q, x, single
+
+
+# ---- The ways to state one -------------------------------------------------------------------------------------------
+
+_CALLS = {"potential": "q", "force": "q", "lagrangian": "q v", "hamiltonian": "q p"}
+
+
+def _stated(kind: str, n: Any, function: Callable, mass: Any, parameters: dict[str, Any]) -> System:
+    n, values = integer("n", n, 1, MAX_DIMENSION), checked_parameters(parameters)
+    masses = () if kind in ("lagrangian", "hamiltonian") else \
+        (ffi.NULL if mass is None else pointer(spread("mass", mass, n)),)
+    guard, recorded = Guard(), Function(kind, function, _CALLS[kind], values)
+    if kind == "force":
+        callback = vector(recorded, guard, "tvi_force_fn *", n)
+    else:
+        callback = scalar(recorded, guard, f"tvi_{kind}_fn *", n)
+    create = getattr(lib, "tvi_system_" + kind)
+    made = make("tvi_system", lambda out: create(out, n, *masses, callback, ffi.NULL), guard)
+    return System(kind, n, (n, function, mass), values, made)
+
+
+def _derived(kind: str, system: System, function: Callable | None, vectors: str, parameters: dict[str, Any]) -> System:
+    new = checked_parameters(parameters)
+    if twice := set(new) & set(system.parameters):
+        raise ValueError(f"the system has a parameter {min(twice)} already")
+    values = {**system.parameters, **new}
+    guard, callback = Guard(), ffi.NULL
+    if function is not None:
+        recorded = Function(kind, function, vectors, values, takes_all=False)
+        if missing := set(new) - set(recorded.named):
+            raise TypeError(f"{kind} takes no parameter {min(missing)}")
+        callback = vector(recorded, guard, "tvi_drive_fn *", system.n) if kind == "driven" else \
+            scalar(recorded, guard, "tvi_rescale_fn *", system.n)
+    elif kind == "driven":
+        raise TypeError("drive is a function of q v and t, not NoneType")
+    create = getattr(lib, "tvi_system_" + kind)
+    made = make("tvi_system", lambda out: create(out, system._handle.pointer, callback, ffi.NULL), guard)
+    return System(kind, system.n, (system, function), values, made)
+
+
+def _again(kind: str, arguments: tuple, parameters: dict[str, Any], others: dict[str, Any] = {}) -> System:
+    """The system of a pickle, or with other values of its parameters."""
+    if kind in _CALLS:
+        return _stated(kind, *arguments, parameters)
+    base, function = arguments
+    inherited = base.recorded_with({name: value for name, value in others.items() if name in base.parameters})
+    new = {name: value for name, value in parameters.items() if name not in base.parameters}
+    return inherited.rescaled(function) if kind == "rescaled" else inherited.driven(function, **new)
+
+
+def potential(n: int, V: Callable, mass: Any = None, **parameters: Any) -> System:
+    """The system M q'' = -dV/dq of a potential energy V(q) or V(q, t), with p = M v.
+
+    n: degrees of freedom, 1 to 10000. V: a function of an array of n jets, called once, that returns one jet; loops,
+    sums, slices, @ and numpy's functions are recorded (tvi.Jet). mass: a number, or [n], positive; None: all 1.
+    parameters: numbers, or arrays of numbers, that V takes by keyword, and that runs may have other values of. Units
+    are any that fit together. Raises what V raises; tvi.Error with what the library refuses; TypeError and ValueError
+    for arguments of another kind, shape or range.
+
+    >>> import numpy as np, tvi
+    >>> kepler = tvi.potential(2, lambda q, mu: -mu / np.sqrt(q @ q), mu=1.0)
+    >>> kepler.energy(0, [1, 0], [0, 1])
+    -0.5
+    """
+    return _stated("potential", n, V, mass, parameters)
+
+
+def force(n: int, F: Callable, mass: Any = None, **parameters: Any) -> System:
+    """The system M q'' = F(q, t): F(q) or F(q, t) returns n jets, dp/dt. It must not contain the masses. Such a system
+    has no energy. All else as for potential().
+
+    >>> import numpy as np, tvi
+    >>> pendulum = tvi.force(1, lambda q: [-9.8 * np.sin(q[0])])
+    """
+    return _stated("force", n, F, mass, parameters)
+
+
+def lagrangian(n: int, L: Callable, **parameters: Any) -> System:
+    """The system of a Lagrangian L(q, v) or L(q, v, t), with p = L_v. L_vv must be regular where steps are made:
+    tvi.Error (ESINGULAR) where it is nowhere. All else as for potential().
+
+    >>> import numpy as np, tvi
+    >>> pendulum = tvi.lagrangian(1, lambda q, v: v[0]**2 / 2 + 9.8 * np.cos(q[0]))
+    """
+    return _stated("lagrangian", n, L, None, parameters)
+
+
+def hamiltonian(n: int, H: Callable, **parameters: Any) -> System:
+    """The system of a Hamiltonian H(q, p) or H(q, p, t): dq/dt = H_p, dp/dt = -H_q. All else as for potential().
+
+    >>> import tvi
+    >>> tvi.hamiltonian(1, lambda q, p: (q[0]**2 + 1) * (p[0]**2 + 1) / 2).energy(0, [1], [1])
+    2.0
+    """
+    return _stated("hamiltonian", n, H, None, parameters)

@@ -1,0 +1,10 @@
+# python.mk - the tests and the gallery of the module tvi of Python. Included by tests.mk.
+
+# The environment of a program in Python that uses the module from here, with the library that was built.
+PYTHON_HERE = TVI_LIBRARY='$(abspath $(BUILD))/libtvi.so' PYTHONPATH='$(CURDIR)/src/python:$(CURDIR)/tests/python' \
+              PYTHONDONTWRITEBYTECODE=1 XDG_CACHE_HOME='$(abspath $(BUILD))/check/python' CC='$(CC)' OMP_NUM_THREADS=2
+
+check-python: ; $(REPORT) "Python: bits of C, refusals, threads, memory, Ctrl-C, the page and its doctests" $(DO)
+do-python: all
+	@mkdir -p $(BUILD)/check/python
+	$(PYTHON_HERE) $(PYTHON) -W error::ResourceWarning -m unittest discover -s tests/python

@@ -1,0 +1,67 @@
+"""The module finds its library by the documented order, and says what to do where there is none or another one."""
+
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from problems import CC, LIBRARY, ROOT, python
+
+WHICH = "import tvi; print(open('/proc/self/maps').read().count(%r) > 0)"
+
+
+class Loading(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp())
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def package(self):
+        """A copy of the package, in a folder where nothing is beside it."""
+        shutil.copytree(ROOT / "src/python/tvi", self.folder / "tvi", ignore=shutil.ignore_patterns("*.pyc"))
+        return {"PYTHONPATH": str(self.folder), "TVI_LIBRARY": ""}
+
+    def library(self, version):
+        source = "const char *tvi_version(void);\nconst char *tvi_version(void) { return \"%s\"; }\n" % version
+        path = self.folder / "other.so"
+        subprocess.run([*CC, "-shared", "-fPIC", "-x", "c", "-", "-o", str(path)], input=source, text=True, check=True)
+        return path
+
+    def test_named(self):
+        self.assertEqual(python(WHICH % str(LIBRARY)), "True\n")
+        os.chdir(LIBRARY.parent)
+        self.addCleanup(os.chdir, ROOT / "tests/python")
+        self.assertEqual(python(WHICH % str(LIBRARY), TVI_LIBRARY=LIBRARY.name), "True\n")
+
+    def test_beside(self):
+        environment = self.package()
+        shutil.copy(LIBRARY, self.folder / "tvi/libtvi.so.0")
+        self.assertEqual(python(WHICH % str(self.folder), **environment), "True\n")
+        self.assertEqual(python(WHICH % str(self.folder), **{**environment, "TVI_LIBRARY": str(LIBRARY)}), "False\n")
+
+    def test_by_the_loader(self):
+        environment = self.package()
+        (self.folder / "lib").mkdir()
+        shutil.copy(LIBRARY, self.folder / "lib/libtvi.so.0")
+        found = python(WHICH % str(self.folder / "lib"), LD_LIBRARY_PATH=str(self.folder / "lib"), **environment)
+        self.assertEqual(found, "True\n")
+
+    def test_none(self):
+        printed = python("import tvi", TVI_LIBRARY=str(self.folder / "none.so"))
+        self.assertIn("ImportError: the library of the module tvi was not found", printed)
+        self.assertIn("make install", printed)
+        (self.folder / "text.so").write_text("no library")
+        self.assertIn("was not found", python("import tvi", TVI_LIBRARY=str(self.folder / "text.so")))
+
+    def test_another_version(self):
+        printed = python("import tvi", TVI_LIBRARY=str(self.library("0.0.9")))
+        self.assertIn("other.so has version 0.0.9, and the module tvi needs", printed)
+        self.assertIn("install both from the same sources", printed)
+        empty = str(self.folder / "empty.so")
+        subprocess.run([*CC, "-shared", "-fPIC", "-x", "c", "-", "-o", empty], input="", text=True, check=True)
+        self.assertIn("has version an older one", python("import tvi", TVI_LIBRARY=empty))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,268 @@
+"""What tvi.solve, tvi.ensemble, tvi.lyapunov and tvi.megno give is right, by solutions in closed form."""
+
+import math
+import unittest
+
+import numpy as np
+
+import tvi
+from problems import kepler, same_bits, spring
+
+RADIAL = tvi.event(lambda q, p: q @ p, direction=1)
+
+
+def moved(t):
+    """The spring of frequency 1 from q = 1, p = 0."""
+    return np.cos(t), -np.sin(t)
+
+
+class Solve(unittest.TestCase):
+    def right(self, result, delta=1e-9):
+        q, p = moved(result.t)
+        self.assertLess(np.abs(result.q[:, 0] - q).max(), delta)
+        self.assertLess(np.abs(result.p[:, 0] - p).max(), delta)
+        self.assertEqual((result.status, result.success), (0, True))
+
+    def test_ways(self):
+        """Each way to say the step, to both sides, with and without times, of plain and rescaled systems."""
+        scaled = tvi.hamiltonian(1, lambda q, p: (q[0]**2 + p[0]**2) / 2).rescaled(lambda q, p: 1 + q[0]**2 / 2)
+        times = [0, 0.01, 1, 7, 7.5, 20]
+        for system in spring(), scaled:
+            for step in ({"h": 0.3}, {"error": 1e-10}, {}, {"tolerance": 1e-12}):
+                if system is scaled and "tolerance" in step:
+                    continue
+                for sign in 1, -1:
+                    with self.subTest(f"{system} {step} {sign}"):
+                        whole = tvi.solve(system, (0, 20 * sign), [1], dense_output=True, **step)
+                        self.right(whole)
+                        self.assertEqual((whole.t[0], whole.t[-1], whole.t_end), (0, 20 * sign, 20 * sign))
+                        self.assertTrue((np.diff(whole.t) * sign > 0).all())
+                        at = tvi.solve(system, (0, 20 * sign), [1], t_eval=np.multiply(sign, times), dense_output=True,
+                                       **step)
+                        self.right(at)
+                        self.assertEqual(at.t.tolist(), [sign * t for t in times])
+                        for result in whole, at:
+                            q, p = result.sol(np.multiply(sign, [20, 0, 3.3, 3.2, 19.99]))
+                            t = np.multiply(sign, [20, 0, 3.3, 3.2, 19.99])
+                            self.assertLess(np.abs(q[:, 0] - np.cos(t)).max() + np.abs(p[:, 0] + np.sin(t)).max(), 1e-9)
+                            self.assertEqual(result.sol(sign * 1.0)[0].shape, (1,))
+                            for outside in (-0.1 * sign, 20.1 * sign, [0, 21 * sign]):
+                                with self.assertRaisesRegex(ValueError, "ends of the run"):
+                                    result.sol(outside)
+                        self.assertLess(np.ptp(whole.energy), 1e-13 if "h" in step else 1e-9)
+                        self.assertTrue(same_bits(whole.v, whole.p))
+                        self.assertLess(whole.end_error(), 1e-8)
+        self.assertIsNone(tvi.solve(spring(), (0, 1), [1], h=0.1).sol)
+
+    def test_starts(self):
+        system = tvi.potential(2, lambda q: q @ q, mass=[1, 4])
+        by_v = tvi.solve(system, (0, 1), [1, 0], v0=[1, 1], h=0.1)
+        self.assertEqual(by_v.p[0].tolist(), [1, 4])
+        self.assertEqual(by_v.v[0].tolist(), [1, 1])
+        self.assertEqual(tvi.solve(system, (0, 1), [1, 0], h=0.1).p[0].tolist(), [0, 0])
+        nothing = tvi.solve(system, (2, 2), [1, 0], [1, 1])
+        self.assertEqual((nothing.t.tolist(), nothing.q[0].tolist(), nothing.status), ([2], [1, 0], 0))
+        self.assertIsNone(tvi.solve(tvi.force(1, lambda q: -q), (0, 1), [1], h=0.1).energy)
+        self.assertEqual(len(tvi.solve(system, (0, 1), [1, 0], h=0.1, t_eval=[]).t), 0)
+
+    def test_suggested(self):
+        """The error is that which was asked for, and is seen by end_error."""
+        exact = tvi.solve(kepler(), (0, 300), [1, 0], [0, 0.8], h=0.1, t_eval=[300]).q_end
+        for error in (1e-4, 1e-8):
+            result = tvi.solve(kepler(), (0, 300), [1, 0], [0, 0.8], error=error)
+            found = np.abs(result.q_end - exact).max() / np.abs(result.q).max()
+            self.assertLess(found, error)
+            self.assertTrue(0.5 * found < result.end_error() + 1e-12 and result.end_error() < error)
+            self.assertTrue(0 < result.seen <= 1 and ("looked at" in result.message) == (result.seen < 1))
+
+    def test_many_steps(self):
+        """After 10,000 steps every k-th is kept, at even distances, and sol knows all between."""
+        result = tvi.solve(spring(), (0, 10000.05), [1], h=0.3, dense_output=True, compiled=False)
+        self.assertTrue(5000 < len(result.t) <= 10002)
+        self.assertLess(np.ptp(np.diff(result.t)[:-1]), 1e-9)
+        self.right(result, 1e-8)
+        t = np.linspace(0, 10000, 777)
+        self.assertLess(np.abs(result.sol(t)[0][:, 0] - np.cos(t)).max(), 1e-8)
+        adapted = tvi.solve(kepler().rescaled(), (0, 20000), [1, 0], [0, 1], h=0.5, dense_output=True)
+        self.assertTrue(10000 < len(adapted.t) <= 20001)
+        t = np.linspace(0, 20000, 777)
+        self.assertLess(np.abs(adapted.sol(t)[0][:, 0] - np.cos(t)).max(), 1e-7)
+
+    def test_events(self):
+        """Events with each way; those of SciPy's kind; a terminal one; none after the end."""
+        zero = lambda q, p: q[0]
+        wanted = np.pi / 2 + np.pi * np.arange(6)
+        for step in ({"h": 0.3}, {"tolerance": 1e-12}, {"error": 1e-12}):
+            for more in ({}, {"t_eval": [1, 2]}, {"dense_output": True}):
+                with self.subTest(f"{step} {more}"):
+                    result = tvi.solve(spring(), (0, 18), [1], events=[zero, tvi.event(zero, -1)], **step, **more)
+                    self.assertEqual([len(found.t) for found in result.events], [6, 3])
+                    self.assertLess(np.abs(result.events[0].t - wanted).max(), 1e-10)
+                    self.assertLess(np.abs(result.events[0].q).max(), 1e-10)
+                    self.assertLess(np.abs(np.abs(result.events[0].p) - 1).max(), 1e-10)
+                    last = tvi.event(zero, 1, terminal=True)
+                    ended = tvi.solve(spring(), (0, 18), [1], events=last, **step, **more)
+                    self.assertEqual((ended.status, ended.success, len(ended.events[0].t)), (1, True, 1))
+                    self.assertAlmostEqual(ended.t_end, 1.5 * np.pi, delta=1e-10)
+                    self.assertIn("event 0 ended the run", ended.message)
+        zero.terminal, zero.direction = True, -1
+        self.assertAlmostEqual(tvi.solve(spring(), (0, 18), [1], h=0.3, events=zero).t_end, np.pi / 2, delta=1e-10)
+        moving = tvi.event(lambda q, p, t, k: q[0] - k * t, terminal=True)
+        system = tvi.potential(1, lambda q, k: q[0]**2 / 2, k=1.0)
+        for k in (0.5, 1.0):
+            t = tvi.solve(system, (0, 18), [1], h=0.3, events=moving, k=k).t_end
+            self.assertAlmostEqual(math.cos(t), k * t, delta=1e-10)
+
+    def test_parameters(self):
+        """Runs, steps and energies take the values of the run, not those of the recording."""
+        system = tvi.potential(1, lambda q, w: w**2 * q[0]**2 / 2, w=1.0)
+        for step in ({"h": 0.1}, {"error": 1e-10}, {"tolerance": 1e-12}):
+            result = tvi.solve(system, (0, 5), [1], w=2.0, dense_output=True, **step)
+            self.assertLess(np.abs(result.q[:, 0] - np.cos(2 * result.t)).max(), 1e-9)
+            self.assertAlmostEqual(result.energy[-1], 2.0, delta=1e-10)
+            self.assertAlmostEqual(result.sol(3.21)[0][0], math.cos(6.42), delta=1e-9)
+            self.assertLess(result.end_error(), 1e-8)
+        slow = tvi.solve(system, (0, 1000), [1], error=1e-8).h
+        self.assertTrue(1.8 < slow / tvi.solve(system, (0, 500), [1], error=1e-8, w=2.0).h < 2.2)
+        damped = system.driven(lambda q, v, c: -c * v, c=0.0)
+        end = tvi.solve(damped, (0, 5), [1], h=0.1, c=0.2, w=1.5).q_end[0]
+        w = math.sqrt(1.5**2 - 0.01)
+        self.assertAlmostEqual(end, math.exp(-0.5) * (math.cos(5 * w) + 0.1 / w * math.sin(5 * w)), delta=1e-10)
+
+    def test_refused_step(self):
+        """What was reached is given, with the text of the library."""
+        for more in ({}, {"t_eval": [1, 9]}):
+            result = tvi.solve(kepler(), (0, 40), [1, 0], [0, 0.8], h=2.5, **more)
+            self.assertEqual((result.status, result.success), (-1, False))
+            self.assertIn("did not converge", result.message)
+            self.assertTrue(0 < result.t_end < 40)
+        ball = tvi.solve(tvi.potential(1, lambda q: -1 / np.sqrt(q[0])), (0, 40), [1], tolerance=1e-10)
+        self.assertEqual(ball.status, -1)
+        self.assertGreater(len(ball.t), 3)
+
+    def test_compiled(self):
+        """auto compiles long runs and no others, without asking the clock."""
+        from tvi._solve import code_of
+        method = tvi.Method("stormer-verlet", 2)  # which is compiled fast
+        self.assertFalse(code_of("auto", spring(), method, 1e7))
+        self.assertIsInstance(code_of("auto", spring(), method, 1e10), tvi.Compiled)
+        self.assertFalse(code_of("auto", spring(), method, math.nan))
+        import os
+        kept = os.environ.get("CC")
+        os.environ["CC"] = "no-such-compiler"
+        try:
+            self.assertFalse(code_of("auto", spring(), method, 1e10))
+            with self.assertRaises(tvi.Error) as raised:
+                tvi.solve(spring(), (0, 1), [1], h=0.1, compiled=True)
+            self.assertEqual(raised.exception.status, "ECOMPILE")
+        finally:
+            os.environ.pop("CC") if kept is None else os.environ.update(CC=kept)
+        result = tvi.solve(spring(), (0, 5), [1], h=0.001, compiled=True, method=method)
+        self.assertTrue(result.stats.is_compiled)
+        self.right(result, 1e-5)
+
+    def test_progress(self):
+        told = []
+        tvi.solve(kepler(), (0, 200000), [1, 0], [0, 0.8], h=0.25, t_eval=[200000],
+                  progress=lambda t, done: told.append((t, done)))
+        self.assertEqual(told[-1][1], 1.0)
+        self.assertEqual(told, sorted(told))
+
+
+class Many(unittest.TestCase):
+    def test_ways(self):
+        q0 = np.linspace([1], [2], 20)
+        for step in ({"h": 0.3}, {"error": 1e-10}, {"tolerance": 1e-12}):
+            with self.subTest(str(step)):
+                result = tvi.ensemble(spring(), (0, 10), q0, events=lambda q, p: q[0], threads=2, **step)
+                self.assertLess(np.abs(result.q - q0 * math.cos(10)).max(), 1e-9)
+                self.assertEqual((result.success, set(result.status)), (True, {"OK"}))
+                self.assertEqual(np.bincount(result.events[0].member).tolist(), [3] * 20)
+                self.assertLess(np.abs(result.events[0].q).max(), 1e-9)
+        at = tvi.ensemble(spring(), (0, -10), q0, h=0.3, t_eval=[-1, -9.5], threads=2)
+        self.assertEqual(at.q.shape, (20, 2, 1))
+        self.assertLess(np.abs(at.p[:, :, 0] - q0 * np.sin([1, 9.5])).max(), 1e-9)
+        system = tvi.potential(1, lambda q, w: w**2 * q[0]**2 / 2, w=1.0)
+        w = np.linspace(1, 3, 7)
+        many = tvi.ensemble(system, (0, 10), [1], w=w, error=1e-10)
+        self.assertLess(np.abs(many.q[:, 0] - np.cos(10 * w)).max(), 1e-9)
+        self.assertLess(np.abs(many.orbits.energy() - w**2 / 2).max(), 1e-12)
+        self.assertLess(np.abs(many.orbits.v - many.p).max(), 1e-15)
+
+    def test_alone_and_together(self):
+        """A member has the bits of an ensemble of one, however many threads there are."""
+        q0 = np.linspace([1, 0], [1.5, 0.3], 33)
+        ends = [tvi.ensemble(kepler(), (0, 50), q0[members], [0, 0.8], h=0.1, threads=threads).q
+                for members, threads in ((slice(None), 1), (slice(None), 2), (slice(7, 8), 1))]
+        self.assertTrue(same_bits(ends[0], ends[1]) and same_bits(ends[0][7], ends[2][0]))
+
+    def test_failing_members(self):
+        """Members that fail, or that an event ends, leave the others alone; others go on after them."""
+        system = tvi.potential(1, lambda q: -1 / np.sqrt(q[0]) + q[0]**2 / 2)
+        result = tvi.ensemble(system, (0, 30), [[2], [1.4], [1e-3]], h=0.1)
+        self.assertFalse(result.success)
+        self.assertTrue(0 < (result.status != "OK").sum() < 4)
+        end = tvi.event(lambda q, p: q[0], terminal=True)
+        ended = tvi.ensemble(spring(), (0, 3), [[1], [2]], [[0], [5]], h=0.1, events=end)
+        self.assertEqual((set(ended.status), ended.success), ({"ESTOPPED"}, True))
+        self.assertTrue((ended.orbits.t < 3).all() and len(ended.events[0].t) == 2)
+        orbits = tvi.Ensemble(spring(), [[1], [2]])
+        self.assertFalse(orbits.run(h=0.1, steps=50, at_step=lambda member, step, *state: member == 1 and step == 3))
+        self.assertEqual(orbits.status.tolist(), ["OK", "ESTOPPED"])
+        self.assertAlmostEqual(orbits.t[1], 0.3)
+        self.assertTrue(orbits.integrate(0.1, 5))
+        orbits.q[0] = np.nan
+        self.assertFalse(orbits.integrate(0.1, 5))
+        self.assertEqual(orbits.status[0], "ENONFINITE")
+        orbits.q[0] = 1
+        orbits.reset()
+        self.assertTrue(orbits.integrate(0.1, 5))
+
+    def test_saved(self):
+        one, other = (tvi.Ensemble(kepler(), [[1, 0], [2, 0]], [0, 0.5]) for _ in range(2))
+        one.integrate(0.1, 100)
+        other.load(one.save())
+        one.integrate(0.1, 100), other.integrate(0.1, 100)
+        self.assertTrue(same_bits(one.q, other.q))
+
+    def test_tangents(self):
+        """The tangent map of the spring is its rotation, for an integrator and for members, and at events."""
+        rotation = [[math.cos(1), math.sin(1)], [-math.sin(1), math.cos(1)]]
+        it, orbits = tvi.Integrator(spring(), [1]), tvi.Ensemble(spring(), [[1], [2]])
+        it.tangent = orbits.tangent = np.eye(2)
+        it.integrate_to(0.3, 1), orbits.integrate_to(0.3, 1)
+        self.assertLess(np.abs(it.tangent - rotation).max(), 1e-13)
+        self.assertLess(np.abs(orbits.tangent - rotation).max(), 1e-13)
+        there = []
+        it = tvi.Integrator(spring(), [1])
+        it.tangent = np.eye(2)
+        it.run(h=0.3, t_end=3, events=lambda q, p: q[0], on_event=lambda *told: there.append(it.tangent.copy()))
+        self.assertLess(np.abs(there[0] - [[0, 1], [-1, 0]]).max(), 1e-12)
+        system = tvi.potential(1, lambda q, k: k * q[0]**2 / 2, k=1.0)
+        it = tvi.Integrator(system, [1])
+        it.tangent = [[0], [0], [1]]
+        it.integrate_to(0.3, 2)
+        self.assertAlmostEqual(it.tangent[0, 0], -math.sin(2), delta=1e-12)
+
+    def test_chaos(self):
+        """Exponents of what is known: a pendulum upside down, a spring, and orbits of Henon and Heiles."""
+        hill = tvi.potential(1, lambda q, w: -w**2 * q[0]**2 / 2, w=1.0)
+        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], h=0.1), 1, delta=0.01)
+        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], h=0.1, w=2.0, every=7), 2, delta=0.02)
+        self.assertAlmostEqual(tvi.lyapunov(hill, (0, 50), [0], h=0.1, w0=[1, -1]), -1, delta=0.01)
+        bowl = tvi.potential(2, lambda q: q @ q / 2 + q[0]**2 * q[1] - q[1]**3 / 3)
+        q0, p0 = [[0.25, -0.25], [0.25, 0.375]], [[0.25, 0], [0.1875, 0]]
+        values = tvi.megno(bowl, (0, 2000), q0, p0, h=0.5, threads=1)
+        self.assertTrue(1.8 < values[0] < 2.2 and values[1] > 10)
+        exponents = tvi.lyapunov(bowl, (0, 2000), q0, p0, h=0.5, threads=1, every=5)
+        self.assertTrue(exponents[0] < 0.01 < 0.03 < exponents[1])
+        scaled = tvi.megno(kepler().rescaled(lambda q, p: (q @ q)**0.75), (0, 1000), [1, 0], [0, 0.8], h=0.3, threads=1)
+        self.assertTrue(1.8 < scaled < 2.2)
+        self.assertTrue(np.isnan(tvi.megno(kepler(), (0, 50), [[1, 0], [1e-9, 0]], [0, 1], h=0.1)[1]))
+        for wrong in ({"w0": [0, 0]}, {"w0": [1]}, {"h": 0.1, "every": 0}):
+            with self.assertRaises(ValueError):
+                tvi.lyapunov(hill, (0, 50), [0], **{"h": 0.1, **wrong})
+
+
+if __name__ == "__main__":
+    unittest.main()
