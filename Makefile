@@ -37,6 +37,7 @@
 # make adaptive   fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of
 #                 docs/adaptive.md
 # make experiments      the figures of the paper: CSV, tables and pictures in build/bench/experiments, one minute
+# make gallery    the pictures of docs/python.md, half a minute
 # make references bench/scenes/references.h anew, in quadruple precision
 
 BUILD   ?= build

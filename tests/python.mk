@@ -8,3 +8,15 @@ check-python: ; $(REPORT) "Python: bits of C, refusals, threads, memory, Ctrl-C,
 do-python: all
 	@mkdir -p $(BUILD)/check/python
 	$(PYTHON_HERE) $(PYTHON) -W error::ResourceWarning -m unittest discover -s tests/python
+
+# the programs of docs/python, which take half a minute; make gallery puts their pictures into the documents
+check-gallery: ; $(REPORT) "Python: the gallery" $(DO)
+GALLERY = for program in $(basename $(notdir $(wildcard docs/python/*.py))); do \
+              $(PYTHON_HERE) MPLBACKEND=Agg $(PYTHON) $(CURDIR)/docs/python/$$program.py && \
+              test -s $$program.png || { echo "$$program: no picture"; exit 1; }; done
+do-gallery: all
+	@rm -rf $(BUILD)/check/gallery && mkdir -p $(BUILD)/check/gallery
+	cd $(BUILD)/check/gallery && $(GALLERY)
+gallery: need-check all
+	cd docs/python && $(GALLERY)
+.PHONY: gallery

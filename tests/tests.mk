@@ -10,7 +10,7 @@ FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 FIRST   := generating library compiled
 CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
            headers readme formatting tables symbols names floors)
-LONG    := $(patsubst %,check-%,sanitizers arm coverage isas thorough valgrind warnings-clang threads)
+LONG    := $(patsubst %,check-%,sanitizers arm coverage isas thorough valgrind gallery warnings-clang threads)
 ALL     := $(patsubst %,check-%,generated equilibria optimized)
 .PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
         $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)

@@ -1,0 +1,92 @@
+"""The programs of docs/python.md run one after the other and print what stands below them; the examples of docstrings
+do, too, and every public name has one."""
+
+import contextlib
+import doctest
+import importlib
+import inspect
+import io
+import os
+import pkgutil
+import re
+import tempfile
+import unittest
+
+import matplotlib
+
+import tvi
+from problems import ROOT
+
+PAGE = (ROOT / "docs/python.md").read_text()
+
+
+class Page(unittest.TestCase):
+    def test_programs(self):
+        blocks = re.findall(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", PAGE, re.S)
+        self.assertGreater(len(blocks), 7)
+        matplotlib.use("Agg")
+        names, kept = {}, os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            try:
+                for program, wanted in blocks:
+                    printed = io.StringIO()
+                    with contextlib.redirect_stdout(printed):
+                        exec(compile(program, "docs/python.md", "exec"), names)
+                    self.assertEqual(printed.getvalue(), wanted, program)
+                self.assertGreater(os.path.getsize("kepler.png"), 10000)
+            finally:
+                os.chdir(kept)
+
+    def test_readme(self):
+        program = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
+        names = {}
+        with contextlib.redirect_stdout(io.StringIO()) as printed:
+            exec(compile(program, "README.md", "exec"), names)
+        self.assertTrue(printed.getvalue().startswith("[ 0.2568"), printed.getvalue())
+        self.assertLess(abs(names["run"].q[-1] - [0.256821, -0.685955]).max(), 1e-6)
+
+    def test_opening(self):
+        """The picture at the head of the page is made by the lines below it."""
+        first = re.search(r"```python\n(.*?)```", PAGE, re.S).group(1)
+        self.assertEqual(first, (ROOT / "docs/python/kepler.py").read_text())
+
+    def test_gallery(self):
+        """Each program has its picture, small, and both are on the page."""
+        for program in (ROOT / "docs/python").glob("*.py"):
+            self.assertIn(f"({program.parent.name}/{program.name})", PAGE)
+            self.assertIn(f"({program.parent.name}/{program.stem}.png)", PAGE)
+            self.assertLess(program.with_suffix(".png").stat().st_size, 60000)
+            self.assertLessEqual(len(program.read_text().splitlines()), 40)
+
+    def test_docstrings(self):
+        finder, runner = doctest.DocTestFinder(), doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
+        names = ["tvi", *(f"tvi.{module.name}" for module in pkgutil.iter_modules(tvi.__path__))]
+        seen = set()
+        for name in names:
+            for test in finder.find(importlib.import_module(name), name):
+                if test.examples and id(test.docstring) not in seen:
+                    seen.add(id(test.docstring))
+                    printed = io.StringIO()
+                    runner.run(test, out=printed.write)
+                    self.assertEqual(printed.getvalue(), "")
+        self.assertGreater(runner.tries, 55)
+
+    def test_every_name(self):
+        """What is public has a docstring, functions one with an example, and their arguments have types."""
+        public = [name for name in dir(tvi) if not name.startswith("_")]
+        self.assertGreater(len(public), 20)
+        for name in public:
+            thing = getattr(tvi, name)
+            self.assertTrue(thing.__doc__, name)
+            if inspect.isfunction(thing):
+                self.assertIn(">>>", thing.__doc__, name)
+                self.assertEqual(thing.__annotations__.keys() >= {"return"}, True, name)
+        for kind in (tvi.Integrator, tvi.Ensemble, tvi.System, tvi.Method, tvi.Result):
+            for name, member in vars(kind).items():
+                if not name.startswith("_") and inspect.isfunction(member):
+                    self.assertTrue(member.__doc__, f"{kind.__name__}.{name}")
+
+
+if __name__ == "__main__":
+    unittest.main()
