@@ -204,6 +204,17 @@ class Refusals(unittest.TestCase):
         q[:], all_q[:], D[:] = 5, 6, 7
         self.assertEqual((q.sum(), all_q.sum(), D.sum()), (10, 60, 112))
 
+    def test_sizes_cannot_be_changed(self):
+        """What arrays are measured by is not to be written."""
+        system = tvi.potential(2, lambda q, k: k * (q @ q), k=1.0)
+        it, orbits = tvi.Integrator(system, [1, 0]), tvi.Ensemble(system, [[1, 0]] * 3)
+        for thing, names in ((system, ("n", "parameters", "kind")), (it, ("system", "method", "v", "stats")),
+                             (orbits, ("system", "members", "method", "status"))):
+            for name in names:
+                self.refused(AttributeError, "", setattr, thing, name, 1)
+        with self.assertRaises(TypeError):
+            system.parameters["k"] = [1, 2]
+
     def test_tangents(self):
         it = tvi.Integrator(kepler(), [1, 0], [0, 1])
         for D in (np.eye(3), np.eye(5), np.ones(4), np.ones((4, 0)), np.full((4, 1), NAN), "x", np.ones((4, 2, 2))):
@@ -225,9 +236,9 @@ class Refusals(unittest.TestCase):
         for bad in (b"", b"x", state[:-1], state + b"0", bytes(len(state)), state[:50] + b"?" + state[51:]):
             self.refused(tvi.Error, "", it.load, bad)
             self.refused(tvi.Error, "", tvi.peek, bad)
-        for bad in ("text", None, 5):
-            self.refused((TypeError, BufferError), "", it.load, bad)
-            self.refused((TypeError, BufferError), "", tvi.peek, bad)
+        for bad in ("text", None, 5, np.zeros(len(state), dtype="V0"), np.frombuffer(state, dtype=np.uint8)[::2]):
+            self.refused((TypeError, ValueError, BufferError, tvi.Error), "", it.load, bad)
+            self.refused((TypeError, ValueError, BufferError, tvi.Error), "", tvi.peek, bad)
         self.refused(tvi.Error, "", tvi.Integrator(spring(), [1]).load, state)
         self.refused(tvi.Error, "", tvi.Ensemble(kepler(), [1, 0]).load, state)
         self.refused(tvi.Error, "", it.dense, 2)

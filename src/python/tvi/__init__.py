@@ -4,9 +4,10 @@ State a problem with `potential`, `force`, `lagrangian` or `hamiltonian`; `solve
 step by step, `ensemble` many orbits at once. docs/python.md is the way in, include/tvi.h the reference of the library.
 """
 
+from ._alike import Stats
 from ._ensemble import Ensemble
 from ._events import Event, Found, event
-from ._integrator import Integrator, Stats, peek
+from ._integrator import Integrator, peek
 from ._jets import Jet, erf
 from ._library import Error, Interrupted, __version__
 from ._many import EnsembleResult, ensemble, lyapunov, megno

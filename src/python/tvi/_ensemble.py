@@ -6,9 +6,9 @@ from typing import Any, Callable
 
 import numpy as np
 
+from ._alike import Busy, Stats, saved, stats_of
 from ._arrays import Doubles, integer, pointer, spread
 from ._events import Recorded, events_of
-from ._integrator import Busy, Stats, saved, stats_of
 from ._library import Guard, Handle, Interrupted, STATUSES, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for, method_of
 from ._runs import MOST_STEPS, Course, Observers, Way, ended, new_plan
@@ -40,11 +40,12 @@ class Ensemble:
             raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}")
         if p is not None and v is not None:
             raise TypeError("give momenta or velocities, not both")
-        self.system, self.method, n = system, method_of(method, order), system.n
+        n = system.n
         given = [(q, 2), (p, 2), (v, 2), (t, 1)] + [(value, 1 + np.ndim(system.parameters.get(name, 0)))
                                                     for name, value in parameters.items()]
         counts = {len(x) for x, dimensions in given if x is not None and np.ndim(x) == dimensions}
-        self.members = count = integer("members", members or (max(counts) if counts else 1), 1)
+        count = integer("members", members or (max(counts) if counts else 1), 1)
+        self._made_of = system, method_of(method, order), count
         self._t, self._q, self._p = Doubles(count), Doubles(n, count), Doubles(n, count)
         self._status = ffi.new("tvi_status[]", count)
         self._codes = np.frombuffer(ffi.buffer(self._status), dtype=np.int32)
@@ -76,6 +77,18 @@ class Ensemble:
             system.release(self)
 
     # ---- The states --------------------------------------------------------------------------------------------------
+
+    @property
+    def system(self) -> System:
+        return self._made_of[0]
+
+    @property
+    def method(self) -> Method:
+        return self._made_of[1]
+
+    @property
+    def members(self) -> int:
+        return self._made_of[2]
 
     @property
     def t(self) -> np.ndarray:
@@ -217,8 +230,8 @@ class Ensemble:
 
     def _go(self, way: Way, events: list, functions: dict[str, Any], may_end: bool = False, **cuts: Any) -> bool:
         """A run. Where events or observers may end that of a member, it is one call, as it would go on in the next."""
-        recorded, guard = Recorded(self.system, events), Guard()
-        plan = new_plan(way, recorded, self._tangent)
+        recorded, guard, tangent = Recorded(self.system, events), Guard(), self._tangent
+        plan = new_plan(way, recorded, tangent)
         observers = Observers(self.system.n, plan, guard, **functions)
         is_counted = not (may_end or any(one.terminal for one in events)) and \
             (way.steps is not None or way.tolerance is None and not self.system.is_rescaled)
@@ -253,7 +266,8 @@ class Ensemble:
     def load(self, state: bytes) -> None:
         """Goes on from what save() returned, with as many members. Raises tvi.Error (EINVAL) as Integrator.load."""
         with self._busy.running():
-            check(lib.tvi_ensemble_load(self._handle.pointer, ffi.from_buffer(state), len(state)))
+            buffer = ffi.from_buffer(state)
+            check(lib.tvi_ensemble_load(self._handle.pointer, buffer, ffi.sizeof(buffer)))
             lib.tvi_ensemble_last(self._handle.pointer, *self._state())
 
     def __reduce__(self) -> tuple:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from typing import Any, Callable
+from typing import Any, Callable, Mapping
 
 import numpy as np
 
@@ -21,7 +21,7 @@ _REFUSED = (float("nan"), ffi.NULL)  # What the library gets where the function 
 class Function:
     """A user's function of so many vectors of the state, perhaps of t, and of parameters by keyword."""
 
-    def __init__(self, what: str, function: Callable, vectors: str, values: dict[str, Any], takes_all: bool = True):
+    def __init__(self, what: str, function: Callable, vectors: str, values: Mapping[str, Any], takes_all: bool = True):
         if not callable(function):
             raise TypeError(f"{what} is a function of {vectors} and t, not {type(function).__name__}")
         self.what, self.function, self.values = what, function, values
@@ -34,7 +34,7 @@ class Function:
         return self.function(*vectors, *([time] if self.with_time else []), **taken)
 
 
-def _signature(what: str, function: Callable, vectors: list[str], values: dict[str, Any],
+def _signature(what: str, function: Callable, vectors: list[str], values: Mapping[str, Any],
                takes_all: bool) -> tuple[bool, list[str]]:
     """Whether the function takes t after its vectors, and which of the parameters."""
     try:

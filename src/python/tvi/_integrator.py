@@ -2,75 +2,17 @@
 
 from __future__ import annotations
 
-import threading
-from contextlib import contextmanager
-from typing import Any, Callable, Iterator, NamedTuple
+from typing import Any, Callable
 
 import numpy as np
 
+from ._alike import Busy, Stats, saved, stats_of
 from ._arrays import Doubles, number, numbers, pointer
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for, method_of
 from ._runs import Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
-
-
-class Stats(NamedTuple):
-    """Counts since an integrator or an ensemble was made; include/tvi.h says what each is."""
-
-    steps: int
-    passes: int
-    expansions: int
-    force_evaluations: int
-    factorisations: int
-    residual: float
-    tail: float
-    largest_tail: float
-    bytes: int
-    is_compiled: bool
-
-
-def stats_of(stats: Any) -> Stats:
-    return Stats(*(getattr(stats, name) for name in Stats._fields))
-
-
-class Busy:
-    """Lets one thread at a time use an object, and no run begin inside of a run's observers."""
-
-    def __init__(self, what: str):
-        self._what = what
-        self._lock = threading.RLock()
-        self._is_running = False
-
-    @contextmanager
-    def asked(self) -> Iterator[None]:
-        if not self._lock.acquire(blocking=False):
-            raise RuntimeError(f"the {self._what} is in use by another thread")
-        try:
-            yield
-        finally:
-            self._lock.release()
-
-    @contextmanager
-    def running(self) -> Iterator[None]:
-        with self.asked():
-            if self._is_running:
-                raise RuntimeError(f"the {self._what} is in a run, and its observers may not change its state")
-            self._is_running = True
-            try:
-                yield
-            finally:
-                self._is_running = False
-
-
-def momenta(system: System, t: float, q: Any, p: Any, v: Any) -> np.ndarray:
-    """The momenta of a start, which are given, or those of the velocities, or 0."""
-    if p is not None and v is not None:
-        raise TypeError("give momenta or velocities, not both")
-    if v is None:
-        return np.zeros(np.shape(q)) if p is None else p
-    return system.momentum(t, q, v)
 
 
 class Integrator:
@@ -96,7 +38,9 @@ class Integrator:
                  **parameters: Any):
         if not isinstance(system, System):
             raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}")
-        self.system, self.method = system, method_of(method, order)
+        if p is not None and v is not None:
+            raise TypeError("give momenta or velocities, not both")
+        self._made_of = system, method_of(method, order)
         self._t, self._q, self._p = Doubles(1), Doubles(system.n), Doubles(system.n)
         self._tangent: Doubles | None = None
         self._busy = Busy("integrator")
@@ -112,7 +56,10 @@ class Integrator:
         self._parameters = dict(system.parameters)
         if parameters:
             self._set(values, parameters)
-        self.p = self.momentum(q, v) if v is not None and p is None else momenta(system, self.t, q, p, v)
+        if v is not None:
+            self.p = self.momentum(q, v)
+        elif p is not None:
+            self.p = p
 
     def __del__(self) -> None:
         if handle := self.__dict__.get("_handle"):
@@ -121,6 +68,14 @@ class Integrator:
             system.release(self)
 
     # ---- The state ---------------------------------------------------------------------------------------------------
+
+    @property
+    def system(self) -> System:
+        return self._made_of[0]
+
+    @property
+    def method(self) -> Method:
+        return self._made_of[1]
 
     @property
     def t(self) -> float:
@@ -290,8 +245,8 @@ class Integrator:
     def _go(self, way: Way, recorded: Recorded, functions: dict[str, Any], after_step: Callable | None = None,
             **cuts: Any) -> bool:
         """A run; what Observers.hear and Course say of the last arguments."""
-        guard = Guard()
-        plan = new_plan(way, recorded, self._tangent)
+        guard, tangent = Guard(), self._tangent  # which another thread may replace until the run begins
+        plan = new_plan(way, recorded, tangent)
         observers = Observers(self.system.n, plan, guard, **functions)
         is_counted = self._is_counted(way)
         if after_step is not None or not is_counted or functions.get("on_event"):
@@ -345,7 +300,8 @@ class Integrator:
         """Goes on from what save() returned. Raises tvi.Error (EINVAL) for bytes that are damaged, or of another
         version, method or system, with the state as it was."""
         with self._busy.running():
-            check(lib.tvi_state_load(self._handle.pointer, ffi.from_buffer(state), len(state)))
+            buffer = ffi.from_buffer(state)
+            check(lib.tvi_state_load(self._handle.pointer, buffer, ffi.sizeof(buffer)))
             lib.tvi_state_last(self._handle.pointer, self._t.pointer, self._q.pointer, self._p.pointer)
 
     def __reduce__(self) -> tuple:
@@ -360,14 +316,6 @@ class Integrator:
 def _of_one(function: Callable | None) -> Callable | None:
     """An observer of an integrator, which is told of no member."""
     return function if function is None or not callable(function) else lambda member, *told: function(*told)
-
-
-def saved(save: Callable, owner: Any) -> bytes:
-    size = ffi.new("size_t *")
-    check(save(owner, ffi.NULL, size))
-    buffer = ffi.new("char[]", size[0])
-    check(save(owner, buffer, size))
-    return ffi.buffer(buffer, size[0])[:]
 
 
 def _again(system: System, method: Method, is_compiled: bool, state: tuple) -> Integrator:
@@ -392,7 +340,8 @@ def peek(state: bytes) -> tuple[float, np.ndarray, np.ndarray]:
     (0.5, True)
     """
     n, buffer = ffi.new("int *"), ffi.from_buffer(state)
-    check(lib.tvi_state_peek(buffer, len(state), n, ffi.NULL, ffi.NULL, ffi.NULL))
+    size = ffi.sizeof(buffer)
+    check(lib.tvi_state_peek(buffer, size, n, ffi.NULL, ffi.NULL, ffi.NULL))
     t, q, p = Doubles(1), Doubles(n[0]), Doubles(n[0])
-    check(lib.tvi_state_peek(buffer, len(state), n, t.pointer, q.pointer, p.pointer))
+    check(lib.tvi_state_peek(buffer, size, n, t.pointer, q.pointer, p.pointer))
     return float(t.array[0]), q.array.copy(), p.array.copy()

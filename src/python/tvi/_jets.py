@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
-from typing import Any, Callable
+from typing import Any, Callable, Mapping
 
 import numpy as np
 
@@ -232,7 +232,7 @@ def erf(x: Any) -> Any:
     return np.frompyfunc(erf, 1, 1)(x) if np.ndim(x) else math.erf(x)
 
 
-def parameters(recording: Recording, of: Jet, values: dict[str, Any]) -> dict[str, Any]:
+def parameters(recording: Recording, of: Jet, values: Mapping[str, Any]) -> dict[str, Any]:
     """The parameters by name as jets: one for a number, an array of jets for an array. Their indices count on."""
     named, index = {}, 0
     for name, value in values.items():

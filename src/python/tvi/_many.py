@@ -7,10 +7,10 @@ from typing import Any, Callable, Iterator
 
 import numpy as np
 
+from ._alike import Stats
 from ._arrays import integer, number, numbers, spread
 from ._ensemble import Ensemble
 from ._events import Found, events_of, found
-from ._integrator import Stats
 from ._library import Interrupted, check, lib
 from ._methods import Compiled, Method, method_of, suggest_step, taylor_order
 from ._recorder import Progress

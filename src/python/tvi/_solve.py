@@ -10,9 +10,10 @@ from typing import Any, Callable
 
 import numpy as np
 
+from ._alike import Stats
 from ._arrays import number, numbers
 from ._events import Found, Recorded, events_of, found
-from ._integrator import Integrator, Stats, momenta
+from ._integrator import Integrator
 from ._library import Error, Interrupted
 from ._methods import Compiled, Method, compile, method_of, suggest_step, taylor_order
 from ._recorder import ROWS, Progress, Recorder
@@ -39,6 +40,7 @@ class Result:
         self.h, self.seen = h, seen
         self.t = self.q = self.p = np.empty(0)
         self.events: list[Found] = []
+        self.t_end, self.q_end, self.p_end = integrator.t, integrator.q.copy(), integrator.p.copy()
         self.status, self.message = 0, ""
         self.sol: Solution | None = None
         self.stats: Stats = integrator.stats

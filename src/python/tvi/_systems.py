@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable
+from types import MappingProxyType
+from typing import Any, Callable, Mapping
 
 import numpy as np
 
@@ -20,7 +21,7 @@ class System:
     module, no lambda). `n` is its dimension, `parameters` has the recorded values of its parameters by name."""
 
     def __init__(self, kind: str, n: int, arguments: tuple, parameters: dict[str, Any], pointer: Any):
-        self.kind, self.n, self.parameters = kind, n, parameters
+        self._stated = kind, n, MappingProxyType(parameters)
         self._arguments = arguments
         self._handle = Handle(pointer, lib.tvi_system_free).own(self)
         self._count = lib.tvi_system_parameters(pointer)
@@ -30,11 +31,23 @@ class System:
             handle.release(self)
 
     def __reduce__(self) -> tuple:
-        return _again, (self.kind, self._arguments, self.parameters)
+        return _again, (self.kind, self._arguments, dict(self.parameters))
 
     def __repr__(self) -> str:
         named = "".join(f", {name}={value}" for name, value in self.parameters.items())
         return f"<tvi system: {self.kind}, n = {self.n}{named}>"
+
+    @property
+    def kind(self) -> str:
+        return self._stated[0]
+
+    @property
+    def n(self) -> int:
+        return self._stated[1]
+
+    @property
+    def parameters(self) -> Mapping[str, Any]:
+        return self._stated[2]
 
     @property
     def is_rescaled(self) -> bool:
@@ -55,7 +68,9 @@ class System:
                 raise TypeError(f"the system has no parameter {name}: its parameters are {known}")
         rows = [spread(name, given.get(name, value), members, *np.shape(value)).reshape(members, -1).T
                 for name, value in self.parameters.items()]
-        return np.concatenate([np.empty((0, members)), *rows])[:self._count].copy()
+        values = np.concatenate([np.empty((0, members)), *rows])[:self._count].copy()
+        assert len(values) == self._count
+        return values
 
     def recorded_with(self, given: dict[str, Any]) -> "System":
         """The same system, recorded anew with these values of its parameters."""
@@ -117,7 +132,7 @@ class System:
 
         >>> import tvi
         >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2).driven(lambda q, v, k: [-k * v[0]], k=0.1)
-        >>> spring.parameters
+        >>> dict(spring.parameters)
         {'k': 0.1}
         """
         return _derived("driven", self, drive, "q v", parameters)

@@ -1,0 +1,65 @@
+"""What integrators and ensembles have alike: counts, saved bytes, and who may use them."""
+
+from __future__ import annotations
+
+import threading
+from contextlib import contextmanager
+from typing import Any, Callable, Iterator, NamedTuple
+
+from ._library import check, ffi
+
+
+class Stats(NamedTuple):
+    """Counts since an integrator or an ensemble was made; include/tvi.h says what each is."""
+
+    steps: int
+    passes: int
+    expansions: int
+    force_evaluations: int
+    factorisations: int
+    residual: float
+    tail: float
+    largest_tail: float
+    bytes: int
+    is_compiled: bool
+
+
+def stats_of(stats: Any) -> Stats:
+    return Stats(*(getattr(stats, name) for name in Stats._fields))
+
+
+class Busy:
+    """Lets one thread at a time use an object, and no run begin inside of a run's observers."""
+
+    def __init__(self, what: str):
+        self._what = what
+        self._lock = threading.RLock()
+        self._is_running = False
+
+    @contextmanager
+    def asked(self) -> Iterator[None]:
+        if not self._lock.acquire(blocking=False):
+            raise RuntimeError(f"the {self._what} is in use by another thread")
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+    @contextmanager
+    def running(self) -> Iterator[None]:
+        with self.asked():
+            if self._is_running:
+                raise RuntimeError(f"the {self._what} is in a run, and its observers may not change its state")
+            self._is_running = True
+            try:
+                yield
+            finally:
+                self._is_running = False
+
+
+def saved(save: Callable, owner: Any) -> bytes:
+    size = ffi.new("size_t *")
+    check(save(owner, ffi.NULL, size))
+    buffer = ffi.new("char[]", size[0])
+    check(save(owner, buffer, size))
+    return ffi.buffer(buffer, size[0])[:]
