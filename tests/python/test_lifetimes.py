@@ -191,6 +191,11 @@ class Lifetimes(unittest.TestCase):
                 one.integrate(0.1, 50), other.integrate(0.1, 50)
                 self.assertTrue(same_bits(one.q, other.q) and same_bits(one.p, other.p) and same_bits(one.t, other.t))
                 self.assertEqual(one.stats, other.stats)
+        it = tvi.Integrator(system, [1, 0], [0, 0.8])
+        it.step(0.1)
+        it.t, it.q, it.tangent = 5, [2, 1], np.arange(5.0).reshape(5, 1)
+        again = pickle.loads(pickle.dumps(it))
+        self.assertEqual((again.t, again.q.tolist(), again.tangent.ravel().tolist()), (5, [2, 1], [0, 1, 2, 3, 4]))
         with self.assertRaises((AttributeError, pickle.PicklingError)):
             pickle.dumps(spring())
 

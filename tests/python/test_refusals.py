@@ -243,8 +243,8 @@ class Refusals(unittest.TestCase):
         self.refused(tvi.Error, "", tvi.Ensemble(kepler(), [1, 0]).load, state)
         self.refused(tvi.Error, "", it.dense, 2)
         self.refused(tvi.Error, "no last step", tvi.Integrator(kepler(), [1, 0]).dense, 0.5)
-        it.load(state)
-        self.assertEqual(it.t, 0.5)
+        it.load(np.frombuffer(state, dtype=float))  # as many bytes in fewer elements
+        self.assertEqual((it.t, len(state) % 8), (0.5, 0))
 
 
 if __name__ == "__main__":

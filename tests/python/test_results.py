@@ -1,12 +1,14 @@
 """What tvi.solve, tvi.ensemble, tvi.lyapunov and tvi.megno give is right, by solutions in closed form."""
 
 import math
+import os
 import unittest
 
 import numpy as np
 
 import tvi
 from problems import kepler, same_bits, spring
+from tvi import _solve
 
 RADIAL = tvi.event(lambda q, p: q @ p, direction=1)
 
@@ -81,8 +83,15 @@ class Solve(unittest.TestCase):
         self.assertTrue(5000 < len(result.t) <= 10002)
         self.assertLess(np.ptp(np.diff(result.t)[:-1]), 1e-9)
         self.right(result, 1e-8)
+        self.assertEqual((result.t[-1], result.t_end), (10000.05, 10000.05))
         t = np.linspace(0, 10000, 777)
         self.assertLess(np.abs(result.sol(t)[0][:, 0] - np.cos(t)).max(), 1e-8)
+        rows, _solve.ROWS = _solve.ROWS, 10
+        try:
+            few = tvi.solve(spring(), (0, 1000), [1], h=0.3, compiled=False)
+        finally:
+            _solve.ROWS = rows
+        self.assertEqual(few.t.round(6).tolist(), [*(np.arange(10) * 100.2).round(6), 1000])
         adapted = tvi.solve(kepler().rescaled(), (0, 20000), [1, 0], [0, 1], h=0.5, dense_output=True)
         self.assertTrue(10000 < len(adapted.t) <= 20001)
         t = np.linspace(0, 20000, 777)
@@ -105,6 +114,8 @@ class Solve(unittest.TestCase):
                     self.assertEqual((ended.status, ended.success, len(ended.events[0].t)), (1, True, 1))
                     self.assertAlmostEqual(ended.t_end, 1.5 * np.pi, delta=1e-10)
                     self.assertIn("event 0 ended the run", ended.message)
+        soon = tvi.solve(spring(), (0, 1.55), [1], h=0.3, t_eval=[1], events=zero)
+        self.assertEqual(len(soon.events[0].t), 0, "that at 1.57 is past the end, in the last step")
         zero.terminal, zero.direction = True, -1
         self.assertAlmostEqual(tvi.solve(spring(), (0, 18), [1], h=0.3, events=zero).t_end, np.pi / 2, delta=1e-10)
         moving = tvi.event(lambda q, p, t, k: q[0] - k * t, terminal=True)
@@ -122,6 +133,9 @@ class Solve(unittest.TestCase):
             self.assertAlmostEqual(result.energy[-1], 2.0, delta=1e-10)
             self.assertAlmostEqual(result.sol(3.21)[0][0], math.cos(6.42), delta=1e-9)
             self.assertLess(result.end_error(), 1e-8)
+        scaled = tvi.solve(system.rescaled(lambda q, p, w: (1 + q[0]**2) / w), (0, 5), [1], w=2.0, h=0.1)
+        self.assertAlmostEqual(scaled.energy[-1], 2.0, delta=1e-10)
+        self.assertAlmostEqual(scaled.q_end[0], math.cos(10), delta=1e-9)
         slow = tvi.solve(system, (0, 1000), [1], error=1e-8).h
         self.assertTrue(1.8 < slow / tvi.solve(system, (0, 500), [1], error=1e-8, w=2.0).h < 2.2)
         damped = system.driven(lambda q, v, c: -c * v, c=0.0)
@@ -142,16 +156,14 @@ class Solve(unittest.TestCase):
 
     def test_compiled(self):
         """auto compiles long runs and no others, without asking the clock."""
-        from tvi._solve import code_of
         method = tvi.Method("stormer-verlet", 2)  # which is compiled fast
-        self.assertFalse(code_of("auto", spring(), method, 1e7))
-        self.assertIsInstance(code_of("auto", spring(), method, 1e10), tvi.Compiled)
-        self.assertFalse(code_of("auto", spring(), method, math.nan))
-        import os
+        self.assertFalse(_solve.code_of("auto", spring(), method, 1e7))
+        self.assertIsInstance(_solve.code_of("auto", spring(), method, 1e10), tvi.Compiled)
+        self.assertFalse(_solve.code_of("auto", spring(), method, math.nan))
         kept = os.environ.get("CC")
         os.environ["CC"] = "no-such-compiler"
         try:
-            self.assertFalse(code_of("auto", spring(), method, 1e10))
+            self.assertFalse(_solve.code_of("auto", spring(), method, 1e10))
             with self.assertRaises(tvi.Error) as raised:
                 tvi.solve(spring(), (0, 1), [1], h=0.1, compiled=True)
             self.assertEqual(raised.exception.status, "ECOMPILE")
