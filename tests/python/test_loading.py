@@ -5,6 +5,7 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+import zipfile
 from pathlib import Path
 
 from problems import CC, LIBRARY, ROOT, python
@@ -46,6 +47,21 @@ class Loading(unittest.TestCase):
         shutil.copy(LIBRARY, self.folder / "lib/libtvi.so.0")
         found = python(WHICH % str(self.folder / "lib"), LD_LIBRARY_PATH=str(self.folder / "lib"), **environment)
         self.assertEqual(found, "True\n")
+
+    def test_wheel(self):
+        """What pip would install is the module, whole, with what it needs said; it is imported out of the wheel."""
+        printed = python(f"import backend; print(backend.build_wheel({str(self.folder)!r}))",
+                         PYTHONPATH=str(ROOT / "src/python")).strip()
+        with zipfile.ZipFile(self.folder / printed) as wheel:
+            names = {name for name in wheel.namelist() if name.startswith("tvi/")}
+            record = next(name for name in wheel.namelist() if name.endswith("RECORD"))
+            listed = [line.split(",")[0] for line in wheel.read(record).decode().splitlines()]
+            metadata = wheel.read(record.replace("RECORD", "METADATA")).decode()
+        files = {f"tvi/{path.name}" for path in (ROOT / "src/python/tvi").glob("*.py")}
+        self.assertEqual(names, files | {"tvi/py.typed"})
+        self.assertEqual(sorted(listed), sorted(zipfile.ZipFile(self.folder / printed).namelist()))
+        self.assertIn("Requires-Dist: numpy", metadata)
+        self.assertEqual(python(WHICH % str(LIBRARY), PYTHONPATH=str(self.folder / printed)), "True\n")
 
     def test_none(self):
         printed = python("import tvi", TVI_LIBRARY=str(self.folder / "none.so"))
