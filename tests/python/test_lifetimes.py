@@ -9,7 +9,7 @@ import unittest
 import numpy as np
 
 import tvi
-from problems import kepler, same_bits, spring
+from problems import kepler, python, same_bits, spring
 from tvi import _library
 
 
@@ -140,6 +140,24 @@ class Lifetimes(unittest.TestCase):
         self.assertEqual(errors, [])
         self.assertEqual(len(ends), 8)
         self.assertEqual(len(set(ends.values())), 1)
+
+    def test_forks(self):
+        """A forked process has no threads of OpenMP: ensembles have one there, and those from before are refused."""
+        printed = python("""
+import os, tvi
+spring = tvi.potential(1, lambda q: q[0]**2)
+before = tvi.Ensemble(spring, [[1]] * 50, threads=2)
+before.integrate(0.1, 100)
+if child := os.fork():
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), before.integrate(0.1, 100))
+else:
+    new = tvi.Ensemble(spring, [[1]] * 50, threads=2)
+    try:
+        new.integrate(0.1, 200) and before.integrate(0.1, 100)
+    except RuntimeError as error:
+        os._exit(7 if "left behind by a fork" in str(error) else 1)
+""")
+        self.assertEqual(printed, "7 True\n")
 
     def test_one_thread_at_a_time(self):
         it, refused, began, end = tvi.Integrator(kepler(), [1, 0], [0, 1]), [], threading.Event(), threading.Event()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Callable
 
 import numpy as np
@@ -13,6 +14,26 @@ from ._library import Guard, Handle, Interrupted, STATUSES, check, ffi, lib, mak
 from ._methods import Compiled, Method, code_for, method_of
 from ._runs import MOST_STEPS, Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
+
+
+class Threads:
+    """Whether this process has those of OpenMP. A fork does not copy them, and who waits for them waits for ever."""
+
+    are_started = are_lost = False
+
+    @classmethod
+    def forked(cls) -> None:
+        cls.are_started, cls.are_lost = False, cls.are_lost or cls.are_started
+
+    @classmethod
+    def start(cls, threads: int) -> None:
+        if threads != 1 and cls.are_lost:
+            raise RuntimeError("the threads of this ensemble were left behind by a fork: make it anew in this process, "
+                               "where it will have one thread, or start processes by spawn")
+        cls.are_started = cls.are_started or threads != 1
+
+
+os.register_at_fork(after_in_child=Threads.forked)
 
 
 class Ensemble:
@@ -57,9 +78,10 @@ class Ensemble:
         options = ffi.new("tvi_options *", self.method._options[0])
         code = code_for(compiled, system, self.method)
         options.compiled = code._handle.pointer if code else ffi.NULL
-        self._made_with = {"threads": integer("threads", threads, 0), "compiled": code is not None}
+        threads = 1 if Threads.are_lost else integer("threads", threads, 0)
+        self._made_with: dict[str, Any] = {"threads": threads, "compiled": code is not None}
         made = make("tvi_ensemble", lambda out: lib.tvi_ensemble_create(out, system._handle.pointer, options, count,
-                                                                        self._made_with["threads"]))
+                                                                        threads))
         self._system = system._handle.own(self)
         self._handle = Handle(made, lib.tvi_ensemble_free).own(self)
         self._values = np.tile(system.values({}), (1, count)).copy()
@@ -237,8 +259,7 @@ class Ensemble:
             (way.steps is not None or way.tolerance is None and not self.system.is_rescaled)
         if not is_counted:
             observers.hear(plan)
-        course = Course(way, plan, lambda: lib.tvi_ensemble_run(self._handle.pointer, plan, *self._state()),
-                        self._going_times, is_counted, **cuts)
+        course = Course(way, plan, lambda: self._call(plan), self._going_times, is_counted, **cuts)
         with self._busy.running():
             try:
                 return ended(course.run(), guard) and not self._codes.any()
@@ -247,6 +268,10 @@ class Ensemble:
 
     def _state(self) -> tuple:
         return self._t.pointer, self._q.pointer, self._p.pointer, self._status
+
+    def _call(self, plan: Any) -> int:
+        Threads.start(self._made_with["threads"])
+        return lib.tvi_ensemble_run(self._handle.pointer, plan, *self._state())
 
     def _going_times(self) -> np.ndarray:
         """The times of the members that go on."""

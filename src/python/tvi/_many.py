@@ -11,7 +11,7 @@ from ._alike import Stats
 from ._arrays import integer, number, numbers, spread
 from ._ensemble import Ensemble
 from ._events import Found, events_of, found
-from ._library import Interrupted, check, lib
+from ._library import Interrupted, check
 from ._methods import Compiled, Method, method_of, suggest_step, taylor_order
 from ._recorder import Progress
 from ._runs import Way, new_plan
@@ -143,12 +143,12 @@ def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Any) -> It
         raise ValueError("w0 is 0")
     orbits.tangent = w / length
     tangent = orbits._tangent.array
-    plan, state = new_plan(Way(h, every, None, None, None), None, orbits._tangent), orbits._state()
+    plan = new_plan(Way(h, every, None, None, None), None, orbits._tangent)
     while (going := (orbits._codes == 0) & ((t_end - orbits.t) / h > 1e-9)).any():
         plan.steps = every
         if not orbits.system.is_rescaled:
             plan.steps = min(every, max(1, math.ceil(float(np.max((t_end - orbits.t[going]) / h)) - 1e-9)))
-        check(lib.tvi_ensemble_run(orbits._handle.pointer, plan, *state))
+        check(orbits._call(plan))
         length = np.sqrt((tangent**2).sum(axis=(0, 1)))
         tangent /= length
         yield orbits.t - start, np.where(orbits._codes == 0, np.log(length), 0.0)
