@@ -24,7 +24,8 @@ COMPUTED = {
     "roots": lambda x, t: np.sqrt(x[0]) + np.square(x[1]) + np.sqrt(x).sum() + np.reciprocal(x[2]),
     "exp, log": lambda x, t: np.exp(x[0]) + np.log(x[1]) + np.exp2(x[0]) + np.expm1(x[1]) + np.log2(x[0])
     + np.log10(x[1]) + np.log1p(x[2]),
-    "angles": lambda x, t: np.sin(x[0]) + np.cos(x[1]) + np.tan(x[2]) + np.sin(x) @ np.cos(x),
+    "angles": lambda x, t: np.sin(x[0]) + np.cos(x[1]) + np.tan(x[2]) + np.sin(x) @ np.cos(x)
+    + np.sin(np.radians(x[0])) + np.cos(np.deg2rad(x[1])) + np.degrees(x[2]) + np.rad2deg(x[0]),
     "inverse angles": lambda x, t: np.arcsin(x[0] / 9) + np.arccos(x[1] / 9) + np.arctan(x[2]),
     "hyperbolic": lambda x, t: np.sinh(x[0]) + np.cosh(x[1]) + np.tanh(x[2]),
     "inverse hyperbolic": lambda x, t: np.arcsinh(x[0]) + np.arccosh(x[1] + 1) + np.arctanh(x[2] / 9),
@@ -56,6 +57,10 @@ REFUSED = [
     (lambda q: q[0] if q[0] else 1, TypeError, BRANCH),
     (lambda q: q[0] if q[0] == 1 else 1, TypeError, BRANCH),
     (lambda q: q[0] if q[0] != 1 else 1, TypeError, BRANCH),
+    (lambda q: q[0] if (q == 0) else 1, TypeError, BRANCH),
+    (lambda q: q[0] if np.all(q != 0) else 1, TypeError, BRANCH),
+    (lambda q: np.sinc(q[0]), TypeError, BRANCH),
+    (lambda q: np.clip(q[0], 0, 1), TypeError, BRANCH),
     (lambda q: sorted([q[0], q[0] * 2])[0], TypeError, BRANCH),
     (lambda q: math.sin(q[0]), TypeError, VALUE),
     (lambda q: int(q[0]), TypeError, VALUE),
@@ -84,6 +89,7 @@ REFUSED = [
     (lambda q: q[1], IndexError, "out of bounds"),
     (lambda q, t, x: q[0], TypeError, "is called with \\(q\\) or \\(q, t\\)"),
     (lambda: 0, TypeError, "is called with"),
+    (lambda t, q: q[0], TypeError, "t comes last"),
     (lambda q, *, k: q[0], TypeError, "argument k"),
     (lambda q: [][0], IndexError, ""),
     (lambda q: exit(3), SystemExit, "3"),

@@ -8,7 +8,7 @@ from typing import Any, Callable, Mapping
 import numpy as np
 
 from ._arrays import _floats, number
-from ._jets import Recording, parameters
+from ._jets import BRANCH, Recording, parameters
 from ._library import Guard, ffi
 
 # Names that are arguments of the module's functions, and so cannot be those of parameters.
@@ -31,7 +31,10 @@ class Function:
         time = recording.jet(t)
         named = parameters(recording, time, self.values)
         taken = {name: named[name] for name in self.named}
-        return self.function(*vectors, *([time] if self.with_time else []), **taken)
+        value = self.function(*vectors, *([time] if self.with_time else []), **taken)
+        if recording.has_branched:
+            raise TypeError(BRANCH)
+        return value
 
 
 def _signature(what: str, function: Callable, vectors: list[str], values: Mapping[str, Any],
@@ -49,6 +52,8 @@ def _signature(what: str, function: Callable, vectors: list[str], values: Mappin
         raise TypeError(f"{what} takes no parameter {missing[0]}: its function is to have an argument of that name")
     places = [a for a in arguments if a.kind in (a.POSITIONAL_ONLY, a.POSITIONAL_OR_KEYWORD) and a.name not in named]
     needed = [a for a in places if a.default is a.empty]
+    if places and places[0].name == "t":
+        raise TypeError(f"{what} is called with ({', '.join(vectors)}, t): t comes last")
     count, is_open = len(vectors), any(a.kind is a.VAR_POSITIONAL for a in arguments)
     with_time = is_open or len(needed) > count or len(places) > count and places[count].name == "t"
     if len(needed) > count + 1 or len(places) < count and not is_open:

@@ -11,7 +11,7 @@ import numpy as np
 from ._library import ffi, lib
 
 _KEPT = "a jet lives as long as the call that received it: this one was kept after its function had returned"
-_BRANCH = ("a branch on the value of a jet cannot be recorded: the function is called once, without numbers. "
+BRANCH = ("a branch on the value of a jet cannot be recorded: the function is called once, without numbers. "
            "Loops and branches on ordinary numbers are fine")
 _NUMBER = "a jet has no value yet: the function is called once, without numbers. Write np.sin, not math.sin"
 
@@ -21,6 +21,7 @@ class Recording:
 
     def __init__(self) -> None:
         self.is_open = True
+        self.has_branched = False
         self.thread = threading.get_ident()
 
     def jet(self, value: Any) -> "Jet":
@@ -87,6 +88,12 @@ def _unary(code: int) -> Callable:
         return Jet(lib.jet_record_function(code, self._recording.operand(self)), self._recording)
 
     return operation
+
+
+def _branch(self: "Jet", *others: Any) -> Any:
+    """numpy takes what == raises for False (up to 1.24): so it is remembered, too."""
+    self._recording.has_branched = True
+    raise TypeError(BRANCH)
 
 
 def _refuse(kind: type, text: str) -> Callable:
@@ -161,6 +168,14 @@ and branches on ordinary numbers are fine
     def hypot(self, other: Any) -> "Jet":
         return _of_two(1, self, other)
 
+    def radians(self) -> "Jet":
+        return self * (math.pi / 180)
+
+    def degrees(self) -> "Jet":
+        return self * (180 / math.pi)
+
+    deg2rad, rad2deg = radians, degrees
+
     def exp2(self) -> "Jet":
         return (self * math.log(2)).exp()
 
@@ -182,7 +197,7 @@ and branches on ordinary numbers are fine
         of_two = _OF_TWO.get(ufunc) if method == "__call__" else None
         return of_two(*wrapped) if of_two else getattr(ufunc, method)(*wrapped, **kwargs)
 
-    __bool__ = __lt__ = __le__ = __gt__ = __ge__ = __eq__ = __ne__ = _refuse(TypeError, _BRANCH)
+    __bool__ = __lt__ = __le__ = __gt__ = __ge__ = __eq__ = __ne__ = _branch
     __float__ = __int__ = __complex__ = _refuse(TypeError, _NUMBER)
     __floordiv__ = __rfloordiv__ = __mod__ = __rmod__ = __divmod__ = __round__ = __floor__ = __ceil__ = __trunc__ = \
         floor = ceil = trunc = rint = _refuse(TypeError, "rounding, // and % have no power series to record")
