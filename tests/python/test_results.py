@@ -64,6 +64,7 @@ class Solve(unittest.TestCase):
         self.assertEqual(tvi.solve(system, (0, 1), [1, 0], h=0.1).p[0].tolist(), [0, 0])
         nothing = tvi.solve(system, (2, 2), [1, 0], [1, 1])
         self.assertEqual((nothing.t.tolist(), nothing.q[0].tolist(), nothing.status), ([2], [1, 0], 0))
+        self.assertEqual(tvi.solve(system, (0, 1), [0, 0], h=0.1).end_error(), 0)
         self.assertIsNone(tvi.solve(tvi.force(1, lambda q: -q), (0, 1), [1], h=0.1).energy)
         self.assertEqual(len(tvi.solve(system, (0, 1), [1, 0], h=0.1, t_eval=[]).t), 0)
 

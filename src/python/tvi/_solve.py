@@ -80,11 +80,15 @@ class Result:
             it.integrate_to(self._way["h"] / 2, self.t_end)
         else:
             it.integrate_tolerance(max(self._way["tolerance"] / 100, 2.3e-16), self.t_end)
-        return max(float(np.max(np.abs(one - other)) / max(np.max(np.abs(states), initial=0), np.max(np.abs(other))))
-                   for one, other, states in ((self.q_end, it.q, self.q), (self.p_end, it.p, self.p)))
+        return max(_relative(self.q_end - it.q, self.q, it.q), _relative(self.p_end - it.p, self.p, it.p))
 
     def __repr__(self) -> str:
         return f"<tvi result: {self.message} {len(self.t)} states>"
+
+
+def _relative(difference: np.ndarray, *sizes: np.ndarray) -> float:
+    largest = max(float(np.max(np.abs(size), initial=0.0)) for size in sizes)
+    return float(np.max(np.abs(difference))) / largest if largest > 0 else 0.0
 
 
 class Run:
