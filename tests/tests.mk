@@ -154,13 +154,14 @@ IN_ONE_GO  := CK_FORK=no tests/suites.sh
 check-sanitizers:
 	$(REPORT) "address, leak and undefined-behaviour sanitizers" $(LOG) \
 	    $(MAKE) -s --no-print-directory do-sanitizers BUILD=$(BUILD)/sanitize CFLAGS='$(SANITIZE)'
-do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz fuzz_states)
+do-sanitizers: $(addprefix $(BUILD)/check/,library ad generating ensemble fuzz fuzz_states) $(BUILD)/libtvi.so
 	$(IN_ONE_GO) 'input,faults,stepping,closed forms,arena' $(BUILD)/check/library
 	$(IN_ONE_GO) 'record,domain,tape,hash,series,identity,gradient' $(BUILD)/check/ad
 	$(IN_ONE_GO) 'forms,serves,statements,states,fingerprints' $(BUILD)/check/generating
 	$(IN_ONE_GO) 'failing,states,refused,lanes/lanes,runs/following' $(BUILD)/check/ensemble
 	$(BUILD)/check/fuzz
 	$(BUILD)/check/fuzz_states 1 1250000
+	$(PYTHON_SANITIZED)
 
 check-valgrind: ; $(REPORT) "valgrind" $(DO)
 do-valgrind: $(addprefix $(BUILD)/check/,library ad)

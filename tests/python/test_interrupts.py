@@ -19,7 +19,7 @@ SOON = 5.0  # seconds within which Ctrl-C is to be heard, on a machine that is b
 class Pressed:
     """Sends SIGINT to this process after a while, and says how long it took to be heard."""
 
-    def __init__(self, after=0.2):
+    def __init__(self, after=0.3):
         self.after = after
 
     def __enter__(self):
@@ -38,12 +38,13 @@ class Interrupts(unittest.TestCase):
         """All ways of a run, the steps of which would take minutes."""
         system = kepler()
         far, slow = 1e9, tvi.Ensemble(system, [[1, 0]] * 50, [0, 0.8])
+        times = np.linspace(0, 1e7, 10**6)
         end = tvi.event(lambda q, p: q[0] - 100, terminal=True)
         ways = {
             "steps": lambda it: it.integrate(0.25, 10**12),
             "to": lambda it: it.integrate_to(0.25, far),
             "at": lambda it: it.integrate_at(0.25, [1, far]),
-            "many times": lambda it: it.run(h=0.25, times=np.linspace(0, 1e7, 10**6), at_time=lambda *told: None),
+            "many times": lambda it: it.run(h=0.25, times=times, at_time=lambda *told: None),
             "events": lambda it: it.integrate_to(0.25, far, events=lambda q, p: q @ p, on_event=lambda *told: None),
             "terminal": lambda it: it.integrate(0.25, 10**12, events=end),
             "observer": lambda it: it.integrate(0.25, 10**12, at_step=lambda *told: None),
