@@ -58,6 +58,13 @@ class Declarations(unittest.TestCase):
         self.assertEqual(exported - declared, NOT_NEEDED)
         self.assertEqual(declared - exported, set())
 
+    def test_all_is_used(self):
+        """Each declared function is called by its name, or by that of a kind of system."""
+        text = "".join(path.read_text() for path in (ROOT / "src/python/tvi").glob("*.py"))
+        by_kind = {f"tvi_system_{kind}" for kind in "potential force lagrangian hamiltonian rescaled driven".split()}
+        called = set(re.findall(r"\blib(?:rary)?\.((?:tvi|jet)_\w+)", text)) | by_kind
+        self.assertEqual(set(re.findall(r"\b((?:tvi|jet)_\w+)\(", _declarations.FUNCTIONS)) - called, set())
+
     def test_statuses(self):
         header = (ROOT / "include/jet.h").read_text()
         self.assertEqual(tuple(re.findall(r"ROW\(TVI_(\w+), \"", header)), _library.STATUSES)

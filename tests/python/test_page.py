@@ -16,6 +16,7 @@ import matplotlib
 
 import tvi
 from problems import ROOT
+from tvi import _functions
 
 PAGE = (ROOT / "docs/python.md").read_text()
 
@@ -71,6 +72,14 @@ class Page(unittest.TestCase):
                     runner.run(test, out=printed.write)
                     self.assertEqual(printed.getvalue(), "")
         self.assertGreater(runner.tries, 55)
+
+    def test_parameters(self):
+        """A parameter is given by keyword beside arguments, whose names are reserved."""
+        kinds = [getattr(tvi, name) for name in dir(tvi) if not name.startswith("_")]
+        for kind in kinds + [tvi.System.driven]:
+            arguments = inspect.signature(kind).parameters if inspect.isclass(kind) or inspect.isfunction(kind) else {}
+            if "parameters" in arguments and arguments["parameters"].kind is inspect.Parameter.VAR_KEYWORD:
+                self.assertLessEqual(set(arguments) - {"parameters", "L", "F", "H"}, _functions.RESERVED, kind)
 
     def test_every_name(self):
         """What is public has a docstring, functions one with an example, and their arguments have types."""

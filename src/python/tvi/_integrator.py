@@ -10,7 +10,7 @@ from ._alike import Busy, Stats, saved, stats_of
 from ._arrays import Doubles, number, numbers, pointer
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, check, ffi, lib, make
-from ._methods import Compiled, Method, code_for, method_of
+from ._methods import Compiled, Method, code_for, method_of, resolved
 from ._runs import Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
 
@@ -161,6 +161,17 @@ class Integrator:
     def stats(self) -> Stats:
         with self._busy.asked():
             return stats_of(lib.tvi_integrator_stats(self._handle.pointer)[0])
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The options of its method as they were resolved, such as the degree and the quadrature.
+
+        >>> import tvi
+        >>> options = tvi.Integrator(tvi.potential(1, lambda q: q[0]**2), [1]).options
+        >>> options["degree"], options["quadrature_points"], options["nodes"]
+        (8, 8, 'on-curve')
+        """
+        return resolved(lib.tvi_integrator_options(self._handle.pointer))
 
     # ---- Steps -------------------------------------------------------------------------------------------------------
 

@@ -68,6 +68,12 @@ def _option(name: str, value: Any) -> Any:
     return number(name, value) if name in ("tolerance", "max_tail") else integer(name, value, -1)
 
 
+def resolved(options: Any) -> dict[str, Any]:
+    """The members of tvi_options by name, as Method takes them."""
+    words = {name: known[getattr(options, name)] for name, known in _WORDS.items()}
+    return {**words, "order": options.order, **{name: getattr(options, name) for name in _NUMBERS}}
+
+
 def _method_again(name: str, order: int, options: dict[str, Any]) -> Method:
     return Method(name, order, **options)
 
