@@ -10,6 +10,8 @@ import numpy as np
 
 from ._library import ffi
 
+Array = Any  # a number, or what numpy takes for an array of real numbers: arrays, lists, tuples
+
 
 def integer(name: str, value: Any, least: int, most: int = 2**31 - 1) -> int:
     """The value as an int from least to most."""

@@ -8,7 +8,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ._alike import Busy, Stats, saved, stats_of
-from ._arrays import Doubles, integer, pointer, spread
+from ._arrays import Array, Doubles, integer, pointer, spread
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, STATUSES, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for, method_of
@@ -54,7 +54,7 @@ class Ensemble:
     ((100, 2), {'OK'})
     """
 
-    def __init__(self, system: System, q: Any, p: Any = None, *, v: Any = None, t: Any = 0.0,
+    def __init__(self, system: System, q: Array, p: Array = None, *, v: Array = None, t: Array = 0.0,
                  method: "str | Method" = "galerkin", order: int = 16, threads: int = 0,
                  compiled: "bool | Compiled" = False, members: int | None = None, **parameters: Any):
         if not isinstance(system, System):
@@ -224,7 +224,7 @@ class Ensemble:
         """All members to t_end exactly; observers and the result as of run()."""
         return self.run(h=h, t_end=t_end, **observers)
 
-    def run(self, *, h: float | None = None, steps: int | None = None, t_end: float | None = None, times: Any = None,
+    def run(self, *, h: float | None = None, steps: int | None = None, t_end: float | None = None, times: Array = None,
             tolerance: float | None = None, largest_step: float | None = None, events: Any = (),
             at_step: Callable | None = None, at_time: Callable | None = None, on_event: Callable | None = None,
             observer: Callable | None = None) -> bool:

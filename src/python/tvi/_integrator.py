@@ -7,7 +7,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ._alike import Busy, Stats, saved, stats_of
-from ._arrays import Doubles, number, numbers, pointer
+from ._arrays import Array, Doubles, number, numbers, pointer
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, check, ffi, lib, make
 from ._methods import Compiled, Method, code_for, method_of, resolved
@@ -33,7 +33,7 @@ class Integrator:
     4000.0 [ 0.256821 -0.685955] True
     """
 
-    def __init__(self, system: System, q: Any, p: Any = None, *, v: Any = None, t: float = 0.0,
+    def __init__(self, system: System, q: Array, p: Array = None, *, v: Array = None, t: float = 0.0,
                  method: "str | Method" = "galerkin", order: int = 16, compiled: "bool | Compiled" = False,
                  **parameters: Any):
         if not isinstance(system, System):
@@ -149,11 +149,11 @@ class Integrator:
         with self._busy.asked():
             return energies(lib.tvi_integrator_energy, self._handle.pointer, self.system.n, self.t, self.q, self.p)
 
-    def momentum(self, q: Any, v: Any) -> np.ndarray:
+    def momentum(self, q: Array, v: Array) -> np.ndarray:
         """The momenta of velocities at its time and with its parameters; as System.momentum."""
         return self._transform(lib.tvi_integrator_momentum, q, v, "v")
 
-    def _transform(self, function: Any, q: Any, x: Any, name: str) -> np.ndarray:
+    def _transform(self, function: Any, q: Array, x: Any, name: str) -> np.ndarray:
         with self._busy.asked():
             return transforms(function, self._handle.pointer, self.system.n, self.t, q, x, name)
 
@@ -203,7 +203,7 @@ class Integrator:
         """Steps of size h to t_end exactly, by a last shorter step; observers and the result as of run()."""
         return self.run(h=h, t_end=t_end, **observers)
 
-    def integrate_at(self, h: float, times: Any, **observers: Any) -> tuple[np.ndarray, np.ndarray]:
+    def integrate_at(self, h: float, times: Array, **observers: Any) -> tuple[np.ndarray, np.ndarray]:
         """Steps of size h until the last of the times [k]; q and p at the times, [k, n] each. Fewer rows where an
         event or an observer stopped the run.
 
@@ -223,7 +223,7 @@ class Integrator:
         """Steps of "taylor" to t_end exactly, as large as a relative tolerance allows; as run()."""
         return self.run(tolerance=tolerance, t_end=t_end, **observers)
 
-    def run(self, *, h: float | None = None, steps: int | None = None, t_end: float | None = None, times: Any = None,
+    def run(self, *, h: float | None = None, steps: int | None = None, t_end: float | None = None, times: Array = None,
             tolerance: float | None = None, largest_step: float | None = None, events: Any = (),
             at_step: Callable | None = None, at_time: Callable | None = None,
             on_event: Callable | None = None) -> bool:

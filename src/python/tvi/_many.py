@@ -8,7 +8,7 @@ from typing import Any, Callable, Iterator
 import numpy as np
 
 from ._alike import Stats
-from ._arrays import integer, number, numbers, spread
+from ._arrays import Array, integer, number, numbers, spread
 from ._ensemble import Ensemble
 from ._events import Found, events_of, found
 from ._library import Interrupted, check
@@ -43,9 +43,9 @@ class EnsembleResult:
         return f"<tvi ensemble result: {self.message}>"
 
 
-def ensemble(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, h: float | None = None,
+def ensemble(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, h: float | None = None,
              error: float | None = None, tolerance: float | None = None, method: "str | Method" = "galerkin",
-             order: int = 16, t_eval: Any = None, events: Any = (), threads: int = 0,
+             order: int = 16, t_eval: Array = None, events: Any = (), threads: int = 0,
              compiled: "bool | Compiled" = False, progress: "bool | Callable" = False,
              **parameters: Any) -> EnsembleResult:
     """Many orbits of one system from t_span[0] to t_span[1], on all cores, several at once in the lanes of vectors.
@@ -132,7 +132,7 @@ def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_e
 # ---- Order and chaos -------------------------------------------------------------------------------------------------
 
 
-def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Any) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Array) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """The times of the members since the start, and ln of the growth of their tangent vectors in the steps between."""
     n, start = orbits.system.n, orbits.t.copy()
     rows = 2 * n + orbits.system._count
@@ -154,8 +154,8 @@ def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Any) -> It
         yield orbits.t - start, np.where(orbits._codes == 0, np.log(length), 0.0)
 
 
-def _chaos(system: System, t_span: Any, q0: Any, p0: Any, v0: Any, h: float, method: Any, order: int, every: int,
-           w0: Any, threads: int, parameters: dict[str, Any], add: Callable) -> Any:
+def _chaos(system: System, t_span: Array, q0: Array, p0: Array, v0: Array, h: float, method: Any, order: int,
+           every: int, w0: Array, threads: int, parameters: dict[str, Any], add: Callable) -> Any:
     """The value of each member after add(t, ln) was called for all steps; a number where q0 is one state."""
     t, t_end = numbers("t_span", t_span, 2)
     if t == t_end:
@@ -173,8 +173,8 @@ def _chaos(system: System, t_span: Any, q0: Any, p0: Any, v0: Any, h: float, met
     return float(value[0]) if is_one else value
 
 
-def lyapunov(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, *, h: float,
-             method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Any = None, threads: int = 0,
+def lyapunov(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, *, h: float,
+             method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Array = None, threads: int = 0,
              **parameters: Any) -> Any:
     """The largest Lyapunov exponent over t_span, ln(d / d_0) / t of a tangent vector: falls like ln(t) / t on regular
     orbits.
@@ -197,8 +197,8 @@ def lyapunov(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = Non
     return _chaos(system, t_span, q0, p0, v0, h, method, order, every, w0, threads, parameters, add)
 
 
-def megno(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, *, h: float,
-          method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Any = None, threads: int = 0,
+def megno(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, *, h: float,
+          method: "str | Method" = "galerkin", order: int = 16, every: int = 1, w0: Array = None, threads: int = 0,
           **parameters: Any) -> Any:
     """MEGNO over t_span: tends to 2 on regular orbits, and grows like lambda t / 2 on chaotic ones (docs/chaos.md).
     All else as for lyapunov().

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from ._arrays import integer, number, numbers, pointer
+from ._arrays import Array, integer, number, numbers, pointer
 from ._library import Handle, apart, check, ffi, lib, make
 from ._systems import System
 
@@ -94,7 +94,7 @@ def taylor_order(tolerance: float) -> int:
     return order
 
 
-def suggest_step(system: System, t: float, q: Any, p: Any, duration: float, error: float,
+def suggest_step(system: System, t: float, q: Array, p: Array, duration: float, error: float,
                  method: "str | Method" = "galerkin", order: int = 16) -> tuple[float, float]:
     """The step of a run of that duration whose error at its end is the wanted one, and the part of the duration,
     above 0 to 1, that was looked at for it: encounters may follow in the rest.

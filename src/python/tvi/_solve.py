@@ -11,7 +11,7 @@ from typing import Any, Callable
 import numpy as np
 
 from ._alike import Stats
-from ._arrays import number, numbers
+from ._arrays import Array, number, numbers
 from ._events import Found, Recorded, events_of, found
 from ._integrator import Integrator
 from ._library import Error, Interrupted
@@ -183,9 +183,9 @@ class Run:
             result.sol = Solution(it, self.way, recorded, result.t_end)
 
 
-def solve(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, h: float | None = None,
+def solve(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Array = None, h: float | None = None,
           error: float | None = None, tolerance: float | None = None, method: "str | Method" = "galerkin",
-          order: int = 16, t_eval: Any = None, events: Any = (), dense_output: bool = False,
+          order: int = 16, t_eval: Array = None, events: Any = (), dense_output: bool = False,
           compiled: "bool | str | Compiled" = "auto", progress: "bool | Callable" = False, **parameters: Any) -> Result:
     """A run from t_span[0] to t_span[1], either way, from q0 and p0 or v0, [n] each; neither: at rest.
 
@@ -244,7 +244,7 @@ def solve(system: System, t_span: Any, q0: Any, p0: Any = None, v0: Any = None, 
     return result
 
 
-def _times(t_eval: Any, t: float, t_end: float) -> np.ndarray | None:
+def _times(t_eval: Array, t: float, t_end: float) -> np.ndarray | None:
     if t_eval is None:
         return None
     times = numbers("t_eval", t_eval, None)

@@ -7,7 +7,7 @@ from typing import Any, Callable, Mapping
 
 import numpy as np
 
-from ._arrays import Doubles, integer, numbers, pointer, spread
+from ._arrays import Array, Doubles, integer, numbers, pointer, spread
 from ._functions import Function, checked_parameters, scalar, vector
 from ._library import Guard, Handle, check, ffi, lib, make
 
@@ -77,7 +77,7 @@ class System:
         self.values(given)
         return _again(self.kind, self._arguments, {**self.parameters, **given}, given) if given else self
 
-    def energy(self, t: Any, q: Any, p: Any) -> Any:
+    def energy(self, t: Array, q: Array, p: Array) -> Any:
         """The energy H(q, p, t): sum p^2 / (2 m) + V, p.v - L, or the Hamiltonian itself.
 
         q and p: [n], or [k, n] for k states, then t is a number or [k], and the result is [k]. With the recorded
@@ -90,7 +90,7 @@ class System:
         """
         return energies(lib.tvi_energy, self._handle.pointer, self.n, t, q, p)
 
-    def momentum(self, t: Any, q: Any, v: Any) -> np.ndarray:
+    def momentum(self, t: Array, q: Array, v: Array) -> np.ndarray:
         """The momenta p = L_v(q, v, t) of velocities; M v where the mass is constant. Shapes as of energy().
         Raises tvi.Error (ESINGULAR, ENOCONV) where there are none.
 
@@ -100,7 +100,7 @@ class System:
         """
         return transforms(lib.tvi_momentum, self._handle.pointer, self.n, t, q, v, "v")
 
-    def velocity(self, t: Any, q: Any, p: Any) -> np.ndarray:
+    def velocity(self, t: Array, q: Array, p: Array) -> np.ndarray:
         """The velocities v = H_p(q, p, t) of momenta; shapes and errors as of momentum().
 
         >>> import tvi
@@ -138,7 +138,7 @@ class System:
         return _derived("driven", self, drive, "q v", parameters)
 
 
-def energies(function: Callable, owner: Any, n: int, t: Any, q: Any, p: Any) -> Any:
+def energies(function: Callable, owner: Any, n: int, t: Array, q: Array, p: Array) -> Any:
     t, q, p, single = _states(n, t, q, p, "p")
     H, values = ffi.new("double *"), np.empty(len(q))
     for k in range(len(q)):
@@ -147,7 +147,7 @@ def energies(function: Callable, owner: Any, n: int, t: Any, q: Any, p: Any) -> 
     return float(values[0]) if single else values
 
 
-def transforms(function: Callable, owner: Any, n: int, t: Any, q: Any, x: Any, name: str) -> np.ndarray:
+def transforms(function: Callable, owner: Any, n: int, t: Array, q: Array, x: Any, name: str) -> np.ndarray:
     t, q, x, single = _states(n, t, q, x, name)
     y = Doubles(n)
     values = np.empty((len(q), n))
@@ -157,7 +157,7 @@ def transforms(function: Callable, owner: Any, n: int, t: Any, q: Any, x: Any, n
     return values[0] if single else values
 
 
-def _states(n: int, t: Any, q: Any, x: Any, name: str) -> tuple:
+def _states(n: int, t: Array, q: Array, x: Any, name: str) -> tuple:
     """Some states, and whether one was given."""
     single = np.ndim(q) == 1
     shape = (n,) if single else (None, n)
@@ -172,7 +172,7 @@ def _states(n: int, t: Any, q: Any, x: Any, name: str) -> tuple:
 _CALLS = {"potential": "q", "force": "q", "lagrangian": "q v", "hamiltonian": "q p"}
 
 
-def _stated(kind: str, n: Any, function: Callable, mass: Any, parameters: dict[str, Any]) -> System:
+def _stated(kind: str, n: Any, function: Callable, mass: Array, parameters: dict[str, Any]) -> System:
     n, values = integer("n", n, 1, MAX_DIMENSION), checked_parameters(parameters)
     masses = () if kind in ("lagrangian", "hamiltonian") else \
         (ffi.NULL if mass is None else pointer(spread("mass", mass, n)),)
@@ -215,7 +215,7 @@ def _again(kind: str, arguments: tuple, parameters: dict[str, Any], others: dict
     return inherited.rescaled(function) if kind == "rescaled" else inherited.driven(function, **new)
 
 
-def potential(n: int, V: Callable, mass: Any = None, **parameters: Any) -> System:
+def potential(n: int, V: Callable, mass: Array = None, **parameters: Any) -> System:
     """The system M q'' = -dV/dq of a potential energy V(q) or V(q, t), with p = M v.
 
     n: degrees of freedom, 1 to 10000. V: a function of an array of n jets, called once, that returns one jet; loops,
@@ -232,7 +232,7 @@ def potential(n: int, V: Callable, mass: Any = None, **parameters: Any) -> Syste
     return _stated("potential", n, V, mass, parameters)
 
 
-def force(n: int, F: Callable, mass: Any = None, **parameters: Any) -> System:
+def force(n: int, F: Callable, mass: Array = None, **parameters: Any) -> System:
     """The system M q'' = F(q, t): F(q) or F(q, t) returns n jets, dp/dt. It must not contain the masses. Such a system
     has no energy. All else as for potential().
 
