@@ -205,9 +205,15 @@ class Many(unittest.TestCase):
     def test_alone_and_together(self):
         """A member has the bits of an ensemble of one, however many threads there are."""
         q0 = np.linspace([1, 0], [1.5, 0.3], 33)
-        ends = [tvi.ensemble(kepler(), (0, 50), q0[members], [0, 0.8], h=0.1, threads=threads).q
+        runs = [tvi.ensemble(kepler(), (0, 50), q0[members], [0, 0.8], h=0.1, threads=threads,
+                             events=events) for events in ((), RADIAL)
                 for members, threads in ((slice(None), 1), (slice(None), 2), (slice(7, 8), 1))]
-        self.assertTrue(same_bits(ends[0], ends[1]) and same_bits(ends[0][7], ends[2][0]))
+        for first in 0, 3:
+            self.assertTrue(same_bits(runs[first].q, runs[first + 1].q))
+            self.assertTrue(same_bits(runs[first].q[7], runs[first + 2].q[0]))
+        one, other, alone = (run.events[0] for run in runs[3:])
+        self.assertTrue(same_bits(one.t, other.t) and same_bits(one.member, other.member))
+        self.assertTrue(same_bits(one.t[one.member == 7], alone.t))
 
     def test_failing_members(self):
         """Members that fail, or that an event ends, leave the others alone; others go on after them."""

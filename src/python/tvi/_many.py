@@ -23,10 +23,10 @@ class EnsembleResult:
     """What tvi.ensemble returns.
 
     t [k], q and p [member, k, n] at the times of t_eval; without it t is the end, and q and p are [member, n]. Where a
-    member did not come to a time, its numbers there are nan. events: for each function its t, q, p and member. status
-    [member]: "OK", "ESTOPPED" by a terminal event, or as tvi.Error.status. success: whether none failed. message,
-    stats: as of tvi.Result. h: the step; seen: the smallest part of a run that was looked at to choose it.
-    orbits: the tvi.Ensemble at the end, which may go on from there; its t, q and p are the last good states."""
+    member did not come to a time, its numbers there are nan. events: for each function its t, q, p and member, member
+    after member. status [member]: "OK", "ESTOPPED" by a terminal event, or as tvi.Error.status. success: whether none
+    failed. message, stats: as of tvi.Result. h: the step; seen: the smallest part of a run that was looked at to choose
+    it. orbits: the tvi.Ensemble at the end, which may go on from there; its t, q and p are the last good states."""
 
     def __init__(self, orbits: Ensemble, t: np.ndarray, h: float, seen: float | None):
         self.orbits, self.t, self.h, self.seen = orbits, t, h, seen
@@ -123,7 +123,8 @@ def _run(orbits: Ensemble, result: EnsembleResult, times: np.ndarray | None, t_e
         raise Interrupted(result.message, result) from None
     finally:
         progress.end(float(np.mean(orbits.t)))
-        sign = 1 if result.h >= 0 or t_end >= progress.start else -1
+        told.sort(key=lambda row: row[1])  # Members are told of in any order, the events of one in order of time.
+        sign = 1 if t_end >= progress.start else -1
         result.events = found([row for row in told if sign * row[2] <= sign * t_end], n, len(events))
         result.q, result.p = (orbits.q.copy(), orbits.p.copy()) if times is None else (q, p)
         result.status, result.stats = orbits.status, orbits.stats
