@@ -243,6 +243,10 @@ class Refusals(unittest.TestCase):
         self.refused(tvi.Error, "", tvi.Ensemble(kepler(), [1, 0]).load, state)
         self.refused(tvi.Error, "", it.dense, 2)
         self.refused(tvi.Error, "no last step", tvi.Integrator(kepler(), [1, 0]).dense, 0.5)
+        it.step(0.1)
+        self.assertEqual(tvi.peek(it.save())[0], it.t)
+        it.reset()
+        self.refused(tvi.Error, "before a step", tvi.peek, it.save())
         it.load(np.frombuffer(state, dtype=float))  # as many bytes in fewer elements
         self.assertEqual((it.t, len(state) % 8), (0.5, 0))
 
