@@ -36,7 +36,7 @@ function print_text(text, count,    i, s, item)
 function internal(    i)
 {
     for (i = 1; i <= lines; i++)
-        if (line[i] ~ /jet_record|jet_node|jet_slot|jet_function|struct jet |typedef struct (tvi|jet)[a-z_]* [a-z_]*;/) return 1
+        if (line[i] ~ /jet_record|tvi_own_|jet_node|jet_slot|jet_function|struct jet |typedef struct (tvi|jet)[a-z_]* [a-z_]*;/) return 1
     return 0
 }
 
@@ -174,12 +174,8 @@ in_comment { add_comment($0); if (/\*\//) { in_comment = 0; if (!begun) begin() 
 /^$/ { flush(); next }
 {
     sub(/^TVI_NODISCARD /, "")
-    if (sub(/^static inline /, "")) { # its prototype alone
-        if (!sub(/ *\{ */, "; ")) $0 = $0 ";"
-        line[++lines] = $0
-        in_body = 1
-        next
-    }
+    if (sub(/^static inline /, "")) in_prototype = 1 # of a definition its prototype alone
+    if (in_prototype && /^\{/) { line[lines] = line[lines] ";"; in_prototype = 0; in_body = 1; next }
     if (in_body) { if (/^}/) in_body = 0; next }
     line[++lines] = $0
 }

@@ -89,7 +89,7 @@ manual() {
     done
     swallowed=$(awk '/^ +TVI_E/ { next } /^ +.*[:;.] +TVI_E[A-Z]+( |:|$)/' "$stage/tvi.txt")
     [ -z "$swallowed" ] || fail "statuses that have no line of their own: $swallowed"
-    for name in $(nm -D --defined-only "$1/lib/libtvi.so" | awk '!/jet_record/ { print $3 }') jet_mul jet_sin; do
+    for name in $(nm -D --defined-only "$1/lib/libtvi.so" | awk '!/jet_record/ { print $3 }') jet_mul jet_sin tvi_bodies_potential tvi_orbit_of; do
         mandoc "man3/$name.3" | grep -q "$name(" || fail "no manual page with $name"
     done
     cd - >/dev/null

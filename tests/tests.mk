@@ -113,10 +113,11 @@ do-generated-few: $(GENERATED)
 	tests/generated.sh $(BUILD) few
 
 # All of the tests of which make check has a share: every allocation of a system fails, every byte of a saved state is
-# damaged in eight ways, steps of all forms' generated code allocate nothing. They guard what changes rarely, at length.
+# damaged in eight ways, steps of all forms' generated code allocate nothing, a million orbits. They guard what changes rarely, at length.
 check-thorough: ; $(REPORT) "tests of which make check has a share" $(DO)
 do-thorough: export TVI_TESTS = all
-do-thorough: $(addprefix $(BUILD)/check/,events library generating stability)
+do-thorough: $(addprefix $(BUILD)/check/,bodies events library generating stability)
+	tests/suites.sh orbits $(BUILD)/check/bodies
 	tests/suites.sh 'suggested steps of eccentric orbits' $(BUILD)/check/events
 	tests/suites.sh faults $(BUILD)/check/library
 	tests/suites.sh states $(BUILD)/check/generating

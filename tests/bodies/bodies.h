@@ -1,0 +1,15 @@
+/* bodies.h - the suites of tvi_bodies.h. */
+#ifndef TESTS_BODIES_H
+#define TESTS_BODIES_H
+
+#include "tvi_bodies.h"
+
+#include <check.h>
+
+Suite *suite_orbits(void);
+Suite *suite_elements(void);
+Suite *suite_attraction(void);
+Suite *suite_sums(void);
+Suite *suite_scales(void);
+
+#endif

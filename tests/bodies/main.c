@@ -1,0 +1,7 @@
+/* main.c - bodies that attract each other, and orbital elements. */
+#include "bodies.h"
+#include "problems/run_suites.h"
+
+static Suite *(*const suites[])(void) = {suite_orbits, suite_elements, suite_attraction, suite_sums, suite_scales};
+
+int main(void) { return RUN_SUITES(suites); }

@@ -1,0 +1,169 @@
+/* test_orbits.c - states from elements and elements from states at random: both ways, and against the textbook's
+ * formulas in long double. */
+#include "bodies.h"
+#include "problems/random.h"
+#include "problems/thorough.h"
+
+#include <float.h>
+#include <math.h>
+
+static uint64_t bits;
+
+static double between(double low, double high) { return low + (high - low) * number_of(&bits); }
+static double power_of_ten(double low, double high) { return pow(10, between(low, high)); }
+static double a_sign(void) { return number_of(&bits) < 0.5 ? -1 : 1; }
+
+/* Where e and i come from: all of both, and near what is special. */
+typedef enum { ALL, ELLIPSES, NEAR_PARABOLAS, PARABOLAS, NEAR_CIRCLES, CIRCLES, FLAT, KINDS } kind_of_orbit;
+
+static double eccentricity(kind_of_orbit kind)
+{
+    if (kind == NEAR_PARABOLAS) return 1 + a_sign() * power_of_ten(-16, -1);
+    if (kind == NEAR_CIRCLES) return power_of_ten(-17, -1);
+    return kind == PARABOLAS ? 1 : kind == CIRCLES ? 0 : between(0, kind == ELLIPSES ? 1 : 10);
+}
+
+static tvi_orbit orbit_of_kind(kind_of_orbit kind, double *mu)
+{
+    const double pi = acos(-1);
+    tvi_orbit o = {.q = power_of_ten(-2, 2), .e = eccentricity(kind), .i = between(0, pi)};
+    *mu = power_of_ten(-2, 2);
+    if (kind == FLAT) o.i = a_sign() < 0 ? power_of_ten(-18, -1) : pi - power_of_ten(-18, -1);
+    o.node = between(-pi, pi), o.pericentre = between(-pi, pi);
+    o.time = a_sign() * o.q * sqrt(o.q / *mu) * power_of_ten(-3, 3);
+    if (o.e < 1 && a_sign() > 0) o.time = between(-pi, pi) * sqrt(pow(o.q / (1 - o.e), 3) / *mu);
+    return o;
+}
+
+static double distance(const double x[3], const double y[3])
+{
+    return sqrt((x[0] - y[0]) * (x[0] - y[0]) + (x[1] - y[1]) * (x[1] - y[1]) + (x[2] - y[2]) * (x[2] - y[2]));
+}
+static double length(const double x[3]) { return distance(x, (const double[3]){0}); }
+
+/* The condition of x and v, to which a change of one part in one of an element adds |d x / d element| |element|: angles
+ * turn; the time moves along the orbit, and so does a, half as much again; q and a scale. The first of the two units is
+ * the rounding of x and v themselves. */
+static void conditions(const tvi_orbit *o, double mu, const double x[3], const double v[3], double of[2])
+{
+    const double own = 2 + fabs(o->i) + fabs(o->node) + fabs(o->pericentre), way = 2.5 * fabs(o->time), r = length(x);
+    of[0] = own * r + way * length(v);
+    of[1] = own * length(v) + way * mu / (r * r);
+}
+
+/* The state of the elements of a state is the state. */
+START_TEST(there_and_back)
+{
+    static const double BOUND = 4 * DBL_EPSILON;
+    const long count = (is_thorough() ? 1000000 : 100000) / KINDS;
+    double worst = 0;
+    bits = 54 + (uint64_t)_i;
+    for (long k = 0; k < count; k++) {
+        double mu, x[3], v[3], y[3], w[3], condition[2];
+        const tvi_orbit o = orbit_of_kind((kind_of_orbit)_i, &mu);
+        tvi_orbit found;
+        ck_assert_int_eq(tvi_orbit_state(&o, mu, x, v), TVI_OK);
+        ck_assert_int_eq(tvi_orbit_of(mu, x, v, &found), TVI_OK);
+        ck_assert_int_eq(tvi_orbit_state(&found, mu, y, w), TVI_OK);
+        conditions(&found, mu, x, v, condition);
+        worst = fmax(worst, fmax(distance(x, y) / condition[0], distance(v, w) / condition[1]));
+        ck_assert(fabs(found.e - o.e) <= 1e-9 * (1 + o.e) && found.i >= 0 && found.i <= acos(-1));
+    }
+    ck_assert_msg(worst <= BOUND, "%.2f units", worst / DBL_EPSILON);
+}
+END_TEST
+
+/* ---- The textbook ------------------------------------------------------------------------------------------------ */
+
+/* The root of a function that grows, between 0 and high, by bisection. */
+typedef long double equation(long double e, long double anomaly);
+static long double elliptic(long double e, long double E) { return E - e * sinl(E); }
+static long double hyperbolic(long double e, long double F) { return e * sinhl(F) - F; }
+static long double parabolic(long double e, long double D) { return (void)e, D + D * D * D / 3; }
+
+static long double solve(equation *of, long double e, long double M, long double high)
+{
+    long double low = 0;
+    for (int i = 0; i < 200; i++) {
+        const long double middle = (low + high) / 2;
+        if (of(e, middle) < M) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
+/* tan (f/2) of the true anomaly, of E, F, or Barker's D = tan (f/2). */
+static long double half_tangent(const tvi_orbit *o, double mu)
+{
+    const long double e = o->e, q = o->q, time = fabsl(o->time), s = sqrtl(mu) * time, pi = acosl(-1);
+    if (o->e == 1) return solve(parabolic, 1, s / sqrtl(2 * q * q * q), 1e4L);
+    const long double a = q / fabsl(1 - e), M = s / (a * sqrtl(a));
+    if (o->e > 1) return sqrtl((e + 1) / (e - 1)) * tanhl(solve(hyperbolic, e, M, 60) / 2);
+    return sqrtl((1 + e) / (1 - e)) * tanl(solve(elliptic, e, fabsl(remainderl(M, 2 * pi)), pi) / 2);
+}
+
+/* r = p / (1 + e cos f), in the directions of the node and across, turned by argument + f. */
+static void textbook(const tvi_orbit *o, double mu, double x[3], double v[3])
+{
+    const long double a = o->e < 1 ? o->q / (1 - (long double)o->e) : 0, turn = 2 * acosl(-1) * sqrtl(a * a * a / mu);
+    const long double sign = o->e < 1 ? remainderl(o->time, turn) : o->time, e = o->e, p = o->q * (1 + e);
+    const long double f = copysignl(2 * atanl(half_tangent(o, mu)), sign), u = f + o->pericentre, node = o->node;
+    const long double r = p / (1 + e * cosl(f)), rate = sqrtl(mu / p), radial = rate * e * sinl(f), i = o->i;
+    const long double n[] = {cosl(node), sinl(node), 0}, m[] = {-sinl(node) * cosl(i), cosl(node) * cosl(i), sinl(i)};
+    for (int k = 0; k < 3; k++) {
+        const long double out = cosl(u) * n[k] + sinl(u) * m[k], across = cosl(u) * m[k] - sinl(u) * n[k];
+        x[k] = (double)(r * out);
+        v[k] = (double)(radial * out + rate * (1 + e * cosl(f)) * across);
+    }
+}
+
+/* e away from 1, where the formulas with a are well conditioned, and times at which 1 + e cos f is. */
+START_TEST(as_in_the_textbook)
+{
+    bits = 7 + (uint64_t)_i;
+    for (int k = 0; k < 1000; k++) {
+        double mu, x[3], v[3], y[3], w[3], condition[2];
+        tvi_orbit o = orbit_of_kind((kind_of_orbit)_i, &mu);
+        o.time = between(-3, 3) * sqrt(pow(o.q, 3) / mu);
+        if (o.e < 1) o.time /= pow(1 - o.e, 1.5);
+        if (_i != PARABOLAS && fabs(o.e - 1) < 0.05) continue;
+        ck_assert_int_eq(tvi_orbit_state(&o, mu, x, v), TVI_OK);
+        textbook(&o, mu, y, w);
+        conditions(&o, mu, x, v, condition);
+        ck_assert_double_le(distance(x, y), 200 * DBL_EPSILON * condition[0]);
+        ck_assert_double_le(distance(v, w), 200 * DBL_EPSILON * condition[1]);
+    }
+}
+END_TEST
+
+/* Many revolutions, and the far ends of all scales: the energy and the pericentre stay what they were. */
+START_TEST(far_times)
+{
+    const tvi_orbit ends[] = {{.q = 1, .e = 0.5, .time = 1e6},          {.q = 1, .e = 1, .time = 1e30},
+                              {.q = 1, .e = 2, .time = 1e10},           {.q = 1e-8, .e = 1 - 1e-12, .time = 1e3},
+                              {.q = 1e-8, .e = 1 + 1e-12, .time = 1e9}, {.q = 1e40, .e = 0, .time = 1e59},
+                              {.q = 1, .e = 1e-300, .time = 2},         {.q = 1, .e = 1e5, .time = -1e3},
+                              {.q = 1e-30, .e = 0.999, .time = 1e-40}};
+    for (size_t k = 0; k < sizeof ends / sizeof *ends; k++) {
+        double x[3], v[3];
+        tvi_orbit found;
+        ck_assert_int_eq(tvi_orbit_state(&ends[k], 1, x, v), TVI_OK);
+        ck_assert_int_eq(tvi_orbit_of(1, x, v, &found), TVI_OK);
+        const double r = length(x), u = length(v), q = ends[k].q, wanted = (ends[k].e - 1) / q / 2;
+        ck_assert_double_le(fabs(u * u / 2 - 1 / r - wanted), 1e-15 * (1 / r + u * u));
+        /* L is known to roundoff of r v */
+        ck_assert_double_le(fabs(found.q / q - 1), 1e-14 * (1 + r * u / sqrt(q * (1 + ends[k].e))));
+    }
+}
+END_TEST
+
+Suite *suite_orbits(void)
+{
+    Suite *suite = suite_create("orbits");
+    TCase *tests = tcase_create("random");
+    tcase_add_loop_test(tests, there_and_back, 0, KINDS);
+    tcase_add_loop_test(tests, as_in_the_textbook, 0, KINDS);
+    tcase_add_test(tests, far_times);
+    suite_add_tcase(suite, tests);
+    return suite;
+}
