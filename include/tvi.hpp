@@ -14,7 +14,7 @@
 #ifndef TVI_HPP
 #define TVI_HPP
 
-#include "tvi.h"
+#include "tvi_bodies.h"
 
 #include <cmath>
 #include <exception>
@@ -306,6 +306,17 @@ class potential : public system
         own(function, [=](tvi_system **out, void *g) {
             return tvi_system_potential(out, n, m, detail::potential_of<Function>, g);
         });
+    }
+};
+
+/* Bodies that attract each other: tvi_bodies_system. For adapting steps give tvi_bodies_scale to rescaled. */
+class gravity : public system
+{
+  public:
+    explicit gravity(const tvi_bodies &bodies)
+    {
+        detail::no_observer none;
+        own(none, [&](tvi_system **out, void *) { return tvi_bodies_system(out, &bodies); });
     }
 };
 

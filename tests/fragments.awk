@@ -13,7 +13,7 @@ function find_calls(s)
 {
     while (match(s, /tvi_[a-z_]+\(/)) {
         call = substr(s, RSTART, RLENGTH - 1)
-        if (call !~ /_(free|default|error|order)$/) calls[call] = 1
+        if (call !~ /_(free|default|error|order)$|^tvi_bodies_[^s]/) calls[call] = 1
         s = substr(s, RSTART + RLENGTH)
     }
 }

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include <tvi.h>
+#include <tvi_bodies.h>
 
 static const double pi = 3.14159;
 static bool all_checked = true;

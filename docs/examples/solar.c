@@ -2,24 +2,9 @@
  *   cc solar.c $(pkg-config --cflags --libs tvi) -lm */
 #include "solar.h"
 
-#include <tvi.h>
+#include <tvi_bodies.h>
 
-#include <math.h>
 #include <stdio.h>
-
-/* V = -G sum_{i<j} m_i m_j / |q_i - q_j| */
-static jet potential(const jet q[], jet t, void *ctx)
-{
-    (void)t, (void)ctx;
-    jet V = jet_const(0);
-    for (int i = 1; i < BODIES; i++)
-        for (int j = 0; j < i; j++) {
-            jet d[3];
-            for (int k = 0; k < 3; k++) d[k] = jet_sub(q[3 * i + k], q[3 * j + k]);
-            V = jet_sub(V, jet_mul(G * mass[i] * mass[j], jet_pow(jet_dot(d, d, 3), -0.5)));
-        }
-    return V;
-}
 
 /* Rises through 0 at Pluto's perihelion: r . v, of Pluto from the Sun. */
 static jet radial(const jet q[], const jet p[], jet t, void *ctx)
@@ -39,12 +24,14 @@ static int perihelion(int which, double t, const double q[], const double p[], v
 
 int main(void)
 {
-    double t = 0, m[N], q[N], p[N], H0, H;
-    for (int i = 0; i < N; i++) m[i] = mass[i / 3], q[i] = place[i], p[i] = m[i] * speed[i];
+    const tvi_bodies bodies = {.bodies = BODIES, .axes = 3, .mass = mass, .G = G}; /* a mass a body */
+    double t = 0, q[N], p[N], H0, H;
+    for (int i = 0; i < N; i++) q[i] = place[i];
+    tvi_bodies_momenta(&bodies, speed, p);
     tvi_system *system;
     tvi_integrator *integrator;
     tvi_event *event;
-    if (tvi_system_potential(&system, N, m, potential, NULL) || tvi_integrator_create(&integrator, system, NULL) ||
+    if (tvi_bodies_system(&system, &bodies) || tvi_integrator_create(&integrator, system, NULL) ||
         tvi_event_create(&event, N, TVI_RISING, false, radial, NULL) || tvi_energy(system, t, q, p, &H0))
         return 1;
     tvi_progress_bar bar = {.steps = 400};

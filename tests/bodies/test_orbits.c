@@ -130,8 +130,8 @@ START_TEST(as_in_the_textbook)
         ck_assert_int_eq(tvi_orbit_state(&o, mu, x, v), TVI_OK);
         textbook(&o, mu, y, w);
         conditions(&o, mu, x, v, condition);
-        ck_assert_double_le(distance(x, y), 200 * DBL_EPSILON * condition[0]);
-        ck_assert_double_le(distance(v, w), 200 * DBL_EPSILON * condition[1]);
+        ck_assert_double_le(distance(x, y), 2 * DBL_EPSILON * condition[0]);
+        ck_assert_double_le(distance(v, w), 2 * DBL_EPSILON * condition[1]);
     }
 }
 END_TEST

@@ -87,6 +87,27 @@ static void every_system()
     }
 }
 
+/* Two bodies on a circle, with adapting steps, and what has no masses. */
+static void bodies()
+{
+    const double mass[] = {1, 3}, turn = std::acos(-1.0); /* at distance 1, angular velocity 2 */
+    tvi_bodies pair = tvi_bodies();
+    pair.bodies = pair.axes = 2, pair.mass = mass;
+    const auto scale = [&](const jet *q, const jet *p, jet t) { return tvi_bodies_scale(q, p, t, &pair); };
+    tvi::integrator circle(tvi::rescaled(tvi::gravity(pair), scale));
+    double t = 0;
+    std::vector<double> q = {-0.75, 0, 0.25, 0}, p = {0, -1.5, 0, 1.5};
+    expect("to the end", circle.integrate_to(0.5, turn, t, q, p));
+    expect("round", std::fabs(q[0] + 0.75) < 1e-13 && std::fabs(p[3] - 1.5) < 1e-13);
+    pair.mass = nullptr;
+    try {
+        tvi::gravity none(pair);
+        expect("no masses", false);
+    } catch (const tvi::error &error) {
+        expect("no masses", error.status() == TVI_EINVAL);
+    }
+}
+
 static void errors()
 {
     const auto unset = [](const jet *, jet, jet *f) { f[0] = 1; };
@@ -329,6 +350,7 @@ int main()
 {
     same_bits_as_c();
     every_system();
+    bodies();
     errors();
     thrown_by_users();
     runs();
