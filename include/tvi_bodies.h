@@ -87,7 +87,7 @@ static inline jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ct
     int heavy = 0;
     (void)p, (void)t;
     for (int i = 0; i < b->bodies; i++) most = fmax(most, b->mass[i]), sum += b->mass[i], heavy += b->mass[i] > 0;
-    const double k = b->sharpness > 0 ? b->sharpness : heavy > 2 && most > 10 * (sum - most) ? 3 : 1;
+    const double k = b->sharpness > 0 ? b->sharpness : most > 10 * (sum - most) ? 3 : 1;
     return jet_pow(tvi_own_sum(b, k, heavy < 2 ? 1 : 2, q), -1.5 / k);
 }
 
@@ -198,20 +198,16 @@ static inline void tvi_own_c(double psi, double c[4])
     }
 }
 
-/* Solves Kepler's equation for chi, s = mu^(1/2) time >= 0, alpha = 1 / a, by Laguerre's iteration (Conway, 1986) in a
- * bracket. It starts near the parabola's chi, or from e sinh F = M + F. */
+/* Solves Kepler's equation for chi, s = mu^(1/2) time >= 0, alpha = 1 / a, by Laguerre's iteration (Conway, 1986).
+ * From near the parabola's chi, or from e sinh F = M + F, it takes 5 rounds at the most. */
 static inline double tvi_own_chi(double q, double e, double alpha, double s)
 {
     const double w = s / q, root = sqrt(fabs(alpha));
-    double low = 0, high = alpha > 0 ? fmin(w, 3.2 / root) : w, c[4], step = w;
-    double chi = w / sqrt(1 + pow(e * w * w / (6 * q), 2.0 / 3));
+    double c[4], step = w, chi = w / sqrt(1 + pow(e * w * w / (6 * q), 2.0 / 3));
     if (alpha < 0) chi = fmin(chi, asinh((root * root * root * s + root * chi) / e) / root);
-    for (int k = 0; k < 60 && fabs(step) > 4e-16 * chi; k++) {
-        if (!(chi >= low && chi <= high)) chi = low + (high - low) / 2;
+    for (int k = 0; k < 8 && fabs(step) > 4e-16 * chi; k++) {
         tvi_own_c(alpha * chi * chi, c);
         const double f = chi * (q + e * chi * chi * c[3]) - s, r = q + e * chi * chi * c[2];
-        if (f > 0) high = chi;
-        else low = chi;
         step = 5 * f / (r + sqrt(fabs(16 * r * r - 20 * f * e * chi * c[1])));
         chi -= step;
     }
@@ -283,8 +279,7 @@ TVI_NODISCARD static inline tvi_status tvi_orbit_of(double mu, const double x[3]
     if (alpha > 0) chi = atan2(sigma * A, 1 - r * alpha) / A;
     if (alpha < 0) chi = asinh(sigma * A / o.e) / A;
     tvi_own_c(alpha * chi * chi, c);
-    const bool is_near = fabs(alpha) * chi * chi < 4;
-    o.time = (is_near ? chi * (o.q + o.e * chi * chi * c[3]) : (chi - sigma) / alpha) / root;
+    o.time = chi * (o.q + o.e * chi * chi * c[3]) / root;
     o.f = atan2(l * chi * c[1], o.q - chi * chi * c[2]), o.M = root * fabs(alpha) * A * o.time;
     o.i = atan2(hypot(L[0], L[1]), L[2]), o.node = L[0] == 0 && L[1] == 0 ? 0 : atan2(L[0], -L[1]);
     tvi_own_axes(o.i, o.node, n, m);

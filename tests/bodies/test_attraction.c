@@ -9,7 +9,7 @@
 
 /* ---- By hand ----------------------------------------------------------------------------------------------------- */
 
-enum { MANY = 13, MOST_PAIRS = MANY * (MANY - 1) / 2 };
+enum { MANY = 13, MOST_PAIRS = MANY * (MANY - 1) / 2, CROWD = 50 };
 
 /* The loop that users write, with softening. */
 static jet by_hand(const jet q[], jet t, void *ctx)
@@ -82,7 +82,7 @@ END_TEST
 
 static double potential_at(const tvi_bodies *b, const double q[])
 {
-    const double still[9] = {0};
+    const double still[CROWD] = {0};
     double V = 0;
     tvi_system *system;
     ck_assert_int_eq(tvi_bodies_system(&system, b), TVI_OK);
@@ -90,6 +90,18 @@ static double potential_at(const tvi_bodies *b, const double q[])
     tvi_system_free(system);
     return V;
 }
+
+/* More pairs than one part of the sum has, among which two test particles have none. */
+START_TEST(a_crowd)
+{
+    double mass[CROWD], q[CROWD], V = 0;
+    const tvi_bodies b = {.bodies = CROWD, .axes = 1, .mass = mass};
+    for (int i = 0; i < CROWD; i++) mass[i] = i < CROWD - 2 ? 1 + 0.1 * i : 0, q[i] = i + 0.3 * sin(i);
+    for (int i = 0; i < CROWD; i++)
+        for (int j = 0; j < i; j++) V -= mass[i] * mass[j] / fabs(q[i] - q[j]);
+    ck_assert_double_le(fabs(potential_at(&b, q) / V - 1), 1e-14);
+}
+END_TEST
 
 /* -G m_1 m_2 / r (1 - J2 (R/r)^2 P2(z/r)), whatever body is oblate and whatever the pole's length. */
 START_TEST(an_oblate_body)
@@ -209,6 +221,7 @@ Suite *suite_attraction(void)
     tcase_add_loop_test(tapes, tapes_by_hand, 1, 4);
     tcase_add_loop_test(tapes, tapes_of_scenes, 0, 3);
     suite_add_tcase(suite, tapes);
+    tcase_add_test(values, a_crowd);
     tcase_add_loop_test(values, an_oblate_body, 0, 2);
     tcase_add_test(values, the_node_of_a_satellite);
     tcase_add_test(values, test_particles);

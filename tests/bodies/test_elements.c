@@ -60,6 +60,7 @@ static const struct {
     tvi_status status;
 } wrong[] = {
     {{.q = 1, .e = -0.1}, 1, TVI_EINVAL},
+    {{.q = 1, .e = -1e-14}, 1, TVI_EINVAL},
     {{.q = -1, .e = 0.1}, 1, TVI_EINVAL},
     {{.e = 0.1}, 1, TVI_EINVAL},         /* neither a nor q */
     {{.a = 1, .e = 1.5}, 1, TVI_EINVAL}, /* an ellipse's a, a hyperbola's e */
@@ -81,7 +82,7 @@ static const struct {
     {{.q = 1, .e = 0.5, .pericentre = NAN}, 1, TVI_ENONFINITE},
     {{.q = 1, .e = 0.5, .time = NAN}, 1, TVI_ENONFINITE},
     {{.q = 1, .e = 0.5}, NAN, TVI_ENONFINITE},
-    {{.q = 1, .e = 2, .time = 1e308}, 1e308, TVI_ENONFINITE}, /* too far */
+    {{.q = 1, .e = 2, .time = 1e300}, 1e200, TVI_ENONFINITE}, /* too far */
 };
 enum { WRONG = sizeof wrong / sizeof *wrong };
 
