@@ -4,7 +4,6 @@
 #include "scenes/hard.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double one[] = {1}, pythagorean[] = {3, 4, 5}, planets[] = {1, 1e-3, 1e-3, 1e-3};
@@ -139,7 +138,7 @@ START_TEST(as_by_hand)
                               : tvi_system_potential(&base, s->n, NULL, rows[_i].potential, NULL),
                      TVI_OK);
     const long count = evaluations(base, rows[_i].of, rows[_i].scale, &b, rows[_i].h, &errors[1]);
-    ck_assert_msg(labs(count - wanted) <= 0.02 * (double)wanted, "%ld in the place of %ld", count, wanted);
+    ck_assert_msg(fabs((double)(count - wanted)) <= 0.02 * (double)wanted, "%ld in the place of %ld", count, wanted);
     ck_assert_msg(errors[1] <= 2 * errors[0], "%.1e in the place of %.1e", errors[1], errors[0]);
 }
 END_TEST
