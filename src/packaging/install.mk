@@ -53,7 +53,7 @@ remove-installed:
 	    rmdir --ignore-fail-on-non-empty $(ROOT)/$$folder; done
 .PHONY: remove-installed
 
-# tvi(3), of tvi.h and what it includes, and jet(3), and a page for each function that refers to one of them
+# tvi(3), of tvi.h and the headers beside it, and jet(3), and a page for each function that refers to one of them
 man: $(MAN)/tvi.3 $(MAN)/jet.3 ; @:
 $(MAN)/tvi.3: EXAMPLE := docs/examples/pendulum.c
 $(MAN)/tvi.3: $(filter-out include/tvi.h,$(wildcard include/tvi*.h))

@@ -126,20 +126,26 @@ static long evaluations(tvi_system *base, const hard_scene *of, tvi_rescale_fn *
     return count;
 }
 
+/* With several h, since roundoff of the last pass decides whether a short run has some passes more. */
 START_TEST(as_by_hand)
 {
+    enum { SIZES = 6 };
     const scene *s = &rows[_i].of->scene;
     tvi_bodies b = rows[_i].bodies;
-    double errors[2];
-    tvi_system *base;
-    ck_assert_int_eq(scene_system(s, &base), TVI_OK);
-    const long wanted = evaluations(base, rows[_i].of, rows[_i].of->scale, NULL, rows[_i].h, &errors[0]);
-    ck_assert_int_eq(b.bodies ? tvi_bodies_system(&base, &b)
-                              : tvi_system_potential(&base, s->n, NULL, rows[_i].potential, NULL),
-                     TVI_OK);
-    const long count = evaluations(base, rows[_i].of, rows[_i].scale, &b, rows[_i].h, &errors[1]);
+    long wanted = 0, count = 0;
+    for (int k = 0; k < SIZES; k++) {
+        const double h = rows[_i].h * (1 - 0.03 * k);
+        double errors[2];
+        tvi_system *base;
+        ck_assert_int_eq(scene_system(s, &base), TVI_OK);
+        wanted += evaluations(base, rows[_i].of, rows[_i].of->scale, NULL, h, &errors[0]);
+        ck_assert_int_eq(b.bodies ? tvi_bodies_system(&base, &b)
+                                  : tvi_system_potential(&base, s->n, NULL, rows[_i].potential, NULL),
+                         TVI_OK);
+        count += evaluations(base, rows[_i].of, rows[_i].scale, &b, h, &errors[1]);
+        ck_assert_msg(errors[1] <= 1.5 * errors[0] + 2e-11, "%.1e in the place of %.1e", errors[1], errors[0]);
+    }
     ck_assert_msg(fabs((double)(count - wanted)) <= 0.02 * (double)wanted, "%ld in the place of %ld", count, wanted);
-    ck_assert_msg(errors[1] <= 2 * errors[0], "%.1e in the place of %.1e", errors[1], errors[0]);
 }
 END_TEST
 
