@@ -143,8 +143,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.back = tvi_arena_doubles(arena, 2 * (size_t)n * rows);
     w.values = tvi_arena_doubles(arena, rows);
     w.change = tvi_arena_doubles(arena, rows);
-    double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio};
-    for (size_t i = 0; i < 4; i++) *of_n[i] = tvi_arena_doubles(arena, (size_t)n * count);
+    double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio, &w.sizes.size, &w.sizes.bend};
+    for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_doubles(arena, (size_t)n * count);
     w.tail = tvi_arena_doubles(arena, count);
     w.is_moving = tvi_arena_take(arena, count * sizeof *w.is_moving);
     w.now = tvi_arena_take(arena, count * sizeof *w.now);

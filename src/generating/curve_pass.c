@@ -220,5 +220,9 @@ void tvi_curve_end_members(batch *w)
     sum_change(w, &c->q_rise, w->seed, w->change);
     sum_change(w, &c->u_rise, w->seed, w->change + half);
     w->loops->end(of, w->values, w->change, w->dq, w->dp);
-    if (c->p_degree > 1) w->series->tail(&w->curve, w->single->q_degree, c->p_degree, w->share, w->ratio, w->tail);
+    if (c->p_degree > 1) {
+        const int q_degree = w->single->q_degree;
+        w->series->measure(&w->curve, q_degree, c->p_degree, &w->sizes);
+        w->series->tail(&w->curve, q_degree, c->p_degree, &w->sizes, w->share, w->ratio, w->tail);
+    }
 }

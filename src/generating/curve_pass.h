@@ -36,7 +36,8 @@ typedef struct {
     double *x;                       /* block of the field's values, node * width + m */
     double *at_nodes[TVI_SUMS];      /* [points][width] of one component */
     double *defect;                  /* [2][points][width] of one component: what multiplies dq_i, dp_i / kappa */
-    double *dq, *dp, *share, *ratio; /* [n][width] */
+    double *dq, *dp, *share, *ratio; /* [n][width], */
+    tvi_taylor_sums sizes;           /* as these: size and bend */
     double *tail;                    /* [width] */
     tvi_curve_sums node_sums[TVI_SUMS]; /* at all nodes */
     tvi_weights seeds_q, seeds_p;       /* from the defects */

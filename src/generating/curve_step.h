@@ -82,16 +82,21 @@ static inline void step_increments(const tvi_curve_work *w, const tvi_combinatio
     }
 }
 
-/* From the curve to what the step returns; and its tail. A Lagrangian's velocity at the end is where that of the next
- * step is looked for. */
+/* The velocity at the end of a Lagrangian's curve is where that of the next step is looked for. */
+static inline void step_leave_velocity(const tvi_curve_work *w)
+{
+    const tvi_curve *curve = &w->closure.curve;
+    if (curve_form(curve) != TVI_LAGRANGIAN) return;
+    CURVE_CALL(sum, curve, &w->v_end, w->velocity);
+    for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= curve->tau;
+}
+
+/* From the curve to what the step returns; and its tail. */
 static inline double step_finish(const tvi_curve_work *w, double dq[], double dp[])
 {
     const tvi_curve *curve = &w->closure.curve;
     step_increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
-    if (curve_form(curve) == TVI_LAGRANGIAN) {
-        CURVE_CALL(sum, curve, &w->v_end, w->velocity);
-        for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= curve->tau;
-    }
+    step_leave_velocity(w);
     CURVE_CALL(measure, curve);
     return CURVE_CALL(tail, curve);
 }

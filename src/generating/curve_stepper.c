@@ -246,6 +246,21 @@ static bool step_by_code(const attempt *a, double dq[], double dp[])
     return false;
 }
 
+/* The increments of the plain Taylor method's step of size h, by the curve, whose tau becomes that of this size. */
+static void end_plainly(work *w, double h, const tvi_increments *by)
+{
+    tvi_curve *curve = &w->closure.curve;
+    tvi_curve_end_at(curve, h / curve->tau, by->dq, by->dp);
+    for (int i = 0; i < curve->n; i++) by->dp[i] /= curve->kappa[i];
+}
+
+/* Whether it is that: a curve from the start, of a degree that the method has, of which all orders are summed. */
+static bool is_plain(const work *w)
+{
+    const tvi_closure *c = &w->closure;
+    return !w->corrects && c->span.from == 0 && w->q_degree > 1 && c->curve.top == w->q_degree;
+}
+
 static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     work *w = taken;
@@ -254,7 +269,11 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
-    stats->tail = step_finish(w, by->dq, by->dp);
+    if (is_plain(w)) {
+        end_plainly(w, h, by);
+        step_leave_velocity(w);
+        stats->tail = tvi_curve_tail(&w->closure.curve);
+    } else stats->tail = step_finish(w, by->dq, by->dp);
     return TVI_OK;
 }
 
@@ -298,14 +317,6 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
  * by much, and the first one, have to show that they are right where they end. */
 static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
 
-/* The increments of the step of size h, by the curve whose tau is that of the size before. */
-static void end_within(work *w, double h, const tvi_increments *by)
-{
-    tvi_curve *curve = &w->closure.curve;
-    tvi_curve_end_at(curve, h / curve->tau, by->dq, by->dp);
-    for (int i = 0; i < curve->n; i++) by->dp[i] /= curve->kappa[i];
-}
-
 static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin,
                               const tvi_increments *by, tvi_stats *stats)
 {
@@ -327,11 +338,11 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     if (before != 0) reach = fmin(reach, MOST_GROWTH * before);
     bool is_chosen = reach < fabs(*h);
     if (is_chosen) *h = copysign(reach, *h);
-    end_within(w, *h, by);
+    end_plainly(w, *h, by);
     while (looks && !tvi_curve_ends_right(w, *h, origin, by) && origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;
-        end_within(w, *h, by);
+        end_plainly(w, *h, by);
     }
     if (is_chosen) *w->chosen = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;

@@ -161,20 +161,13 @@ static inline void reach_sweep_rows(const tvi_curve *curve, int components, int 
     REACH_SWEEP(curve, &rows, power, x, &sums);
 }
 
-/* Of a separable system all sums are of Q, and U_0 = Q_1 is no part of what kappa p rises by. */
+/* Of a separable system all sums are of Q; U_0 = Q_1 is no part of what kappa p rises by. */
 static inline void reach_sweep_separable(const tvi_curve *curve, const double power[], double q[], double u[])
 {
     const tvi_taylor_rows rows = {curve_n(curve), 2, curve_top(curve), tvi_curve_slots(curve), true};
     const tvi_taylor_sums sums = {q, curve->movement, u, curve->momentum};
-    double *x1 = tvi_curve_input(curve, 1);
     REACH_SWEEP(curve, &rows, power, curve->x, &sums);
-    for (int i = 0; i < curve_n(curve); i++) {
-        curve->kappa[i] *= power[1];
-        x1[i] *= power[1];
-        q[i] += x1[i];
-        curve->movement[i] += fabs(x1[i]);
-        curve->momentum[i] += fabs(x1[i]);
-    }
+    for (int i = 0; i < curve_n(curve); i++) curve->kappa[i] *= power[1];
 }
 
 /* power[k] = factor^k, k = 0 .. top and up to 3 more, in chains that do not wait for each other. */

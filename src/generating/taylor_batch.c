@@ -17,9 +17,11 @@ typedef struct {
     const tvi_taylor_loops *loops;
     int degree;
     tvi_taylor_lanes curve;
-    double *kappa;                          /* [n] */
-    double *dq, *dp, *share, *ratio, *tail; /* [n][width] */
-    double *chosen;                         /* [width] as that of curve_stepper.h, in the history */
+    double *kappa;                    /* [n] */
+    double *share, *ratio, *tail;     /* [n][width], */
+    tvi_taylor_sums sums;             /* as these: the increments are rise and slope, */
+    double power[TVI_MAX_DEGREE + 2]; /* of the unit of time, which stays: 1 */
+    double *chosen;                   /* [width] as that of curve_stepper.h, in the history */
 } batch;
 
 static const tvi_taylor_loops *const loops_of[JET_ISA_COUNT] = {
@@ -51,8 +53,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     const size_t n = (size_t)system->n;
     batch w = {.system = system, .loops = tvi_taylor_loops_of(system), .degree = options->degree};
     tvi_single_take(&w.by_itself, arena, &tvi_stepper_taylor, system, options, width, 1);
-    double **const of_n[] = {&w.dq, &w.dp, &w.share, &w.ratio, &w.tail};
-    for (size_t i = 0; i < 5; i++) *of_n[i] = tvi_arena_doubles(arena, n * (size_t)width);
+    double **const of_n[] = {&w.share, &w.ratio, &w.tail, &w.sums.rise, &w.sums.size, &w.sums.slope, &w.sums.bend};
+    for (size_t i = 0; i < 7; i++) *of_n[i] = tvi_arena_doubles(arena, n * (size_t)width);
     w.kappa = tvi_arena_doubles(arena, n);
     w.chosen = tvi_arena_history(arena, (size_t)width * sizeof *w.chosen);
     w.curve = (tvi_taylor_lanes){.n = system->n,
@@ -72,6 +74,7 @@ static void prepare(void *work)
 {
     batch *w = work;
     tvi_single_prepare(&w->by_itself);
+    for (int k = 0; k <= w->degree; k++) w->power[k] = 1;
 }
 
 /* The data at the start: (q, tau v) or (q, p). */
@@ -94,10 +97,27 @@ static void set_start(batch *w, double h, const tvi_batch_origin *origin)
     }
 }
 
+/* As curve_end_at of reach.h. */
+static void end_at(batch *w)
+{
+    const tvi_taylor_lanes *curve = &w->curve;
+    const tvi_taylor_sums *of = &w->sums, of_p = {of->slope, of->bend, NULL, NULL};
+    const int numbers = curve->n * curve->width, degree = w->degree;
+    double *const x = curve->x;
+    if (curve->has_masses) {
+        w->loops->sweep(&(tvi_taylor_rows){numbers, 2, degree, curve->stride, true}, w->power, x, of);
+        for (int at = 0; at < numbers; at++) of->slope[at] /= w->kappa[at / curve->width];
+        return;
+    }
+    w->loops->sweep(&(tvi_taylor_rows){numbers, 1, degree, curve->stride, false}, w->power, x, of);
+    w->loops->sweep(&(tvi_taylor_rows){numbers, 1, degree - 1, curve->stride, false}, w->power, x + numbers, &of_p);
+    for (int at = 0; at < numbers; at++) of->bend[at] += fabs(x[numbers + at]);
+}
+
 static bool is_finite(const batch *w, int m)
 {
     for (int at = m; at < w->curve.n * w->curve.width; at += w->curve.width)
-        if (!isfinite(w->dq[at]) || !isfinite(w->dp[at])) return false;
+        if (!isfinite(w->sums.rise[at]) || !isfinite(w->sums.slope[at])) return false;
     return true;
 }
 
@@ -109,8 +129,8 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
     const int n = curve->n, width = curve->width, p_degree = w->degree - 1;
     set_start(w, h, origin);
     const bool inside = tvi_taylor_expand(w->loops, curve, tape);
-    w->loops->rise(curve, w->degree, p_degree, w->dq, w->dp);
-    if (p_degree > 1) w->loops->tail(curve, w->degree, p_degree, w->share, w->ratio, w->tail);
+    end_at(w);
+    if (p_degree > 1) w->loops->tail(curve, w->degree, p_degree, &w->sums, w->share, w->ratio, w->tail);
     for (int m = 0; m < width; m++) {
         if (end->status[m] != TVI_OK) continue;
         if ((!inside && !tvi_single_is_inside(&w->by_itself, tape, curve->x, 1, m)) || !is_finite(w, m)) {
@@ -118,8 +138,8 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
             continue;
         }
         for (int at = m; at < n * width; at += width) {
-            end->by.dq[at] = w->dq[at];
-            end->by.dp[at] = w->dp[at];
+            end->by.dq[at] = w->sums.rise[at];
+            end->by.dp[at] = w->sums.slope[at];
         }
         end->tail[m] = stats->tail = w->tail[m];
         end->passes[m] = 0;

@@ -23,63 +23,48 @@ static void advance(const tvi_taylor_lanes *curve, int k)
     }
 }
 
-/* sum_k factor_k row i of order k, k = from .. to, factor_k = k or 1. */
-#define SUM(V, S)                                                                                                      \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        for (int k = to; k >= from; k--) sum += (by_order ? k : 1) * *(const V *)(ROW(curve, k, i) + here);            \
-        *(V *)(out + here) = sum / divisor;                                                                            \
-    }
-
-JET_INLINE void sum_up(const tvi_taylor_lanes *curve, int i, int from, int to, bool by_order, double divisor,
-                       double *out)
-{
-    JET_EIGHTS(curve->width, SUM, )
-}
-
-/* U_k = (k + 1) Q_{k+1} of a separable system. */
-static void rise(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *dq, double *dp)
-{
-    for (int i = 0; i < curve->n; i++, dq += curve->width, dp += curve->width) {
-        sum_up(curve, i, 1, q_degree, false, 1, dq);
-        if (curve->has_masses) sum_up(curve, i, 2, p_degree + 1, true, curve->kappa[i], dp);
-        else sum_up(curve, curve->n + i, 1, p_degree, false, 1, dp);
-    }
-}
-
-/* sum_{k=from}^{to} factor_k |row i of order k|, and its last term; factor_k = k, or k (k - 1) of p = Q'. */
+/* sum_{k=from}^{to} factor_k |row i of order k|, small terms first; factor_k = k, or k (k - 1) of p = Q'. */
 #define SUM_SIZES(V, S)                                                                                                \
     {                                                                                                                  \
-        V sum = {0}, term = {0};                                                                                       \
-        for (int k = from; k <= to; k++) {                                                                             \
-            const V x = *(const V *)(ROW(curve, k, i) + here);                                                         \
-            term = (double)(of_slope ? k * (k - 1) : k) * JET_ABS(V, x);                                               \
-            sum += term;                                                                                               \
-        }                                                                                                              \
-        *(V *)(all + here) = sum;                                                                                      \
-        *(V *)(last + here) = term;                                                                                    \
+        V sum = {0};                                                                                                   \
+        for (int k = to; k >= from; k--)                                                                               \
+            sum += (double)(of_slope ? k * (k - 1) : k) * JET_ABS(V, *(const V *)(ROW(curve, k, i) + here));           \
+        *(V *)(out + here) = sum;                                                                                      \
     }
 
-JET_INLINE void sum_sizes(const tvi_taylor_lanes *curve, int i, int from, int to, bool of_slope, double *all,
-                          double *last){JET_EIGHTS(curve->width, SUM_SIZES, )}
-
-/* As tail_part of curve.c, momenta in the unit of kappa p. */
-JET_INLINE void tails_of(const tvi_taylor_lanes *curve, int q_degree, int p_degree, bool has_masses,
-                         double *restrict share, double *restrict ratio)
+JET_INLINE void sum_sizes(const tvi_taylor_lanes *curve, int i, int from, int to, bool of_slope, double *out)
 {
-    double p[TVI_TAIL_MOST_WIDTH], last_p[TVI_TAIL_MOST_WIDTH], q[TVI_TAIL_MOST_WIDTH], last_q[TVI_TAIL_MOST_WIDTH];
+    JET_EIGHTS(curve->width, SUM_SIZES, )
+}
+
+static void measure(const tvi_taylor_lanes *curve, int q_degree, int p_degree, const tvi_taylor_sums *sums)
+{
+    for (int i = 0; i < curve->n; i++) {
+        const int here = i * curve->width;
+        double *const momentum = sums->bend + here;
+        const double *p0 = curve->has_masses ? ROW(curve, 1, i) : ROW(curve, 0, curve->n + i);
+        sum_sizes(curve, i, 1, q_degree, false, sums->size + here);
+        if (curve->has_masses) sum_sizes(curve, i, 2, p_degree + 1, true, momentum);
+        else sum_sizes(curve, curve->n + i, 1, p_degree, false, momentum);
+        for (int m = 0; m < curve->width; m++) momentum[m] += fabs(p0[m]);
+    }
+}
+
+/* As curve_tail_part of series.h, momenta in the unit of kappa p. */
+JET_INLINE void tails_of(const tvi_taylor_lanes *curve, int q_degree, int p_degree, bool has_masses,
+                         const tvi_taylor_sums *sums, double *restrict share, double *restrict ratio)
+{
     const int width = curve->width, n = curve->n;
-    for (int i = 0; i < n; i++, share += width, ratio += width) {
+    const double of_p = has_masses ? p_degree + 1 : 1;
+    for (int i = 0, at = 0; i < n; i++, share += width, ratio += width) {
         const double *q0 = ROW(curve, 0, i)
-        , *p0 = has_masses ? ROW(curve, 1, i) : ROW(curve, 0, n + i);
-        sum_sizes(curve, i, 1, q_degree, false, q, last_q);
-        if (has_masses) sum_sizes(curve, i, 2, p_degree + 1, true, p, last_p);
-        else sum_sizes(curve, n + i, 1, p_degree, false, p, last_p);
-        for (int m = 0; m < width; m++) {
-            tvi_tail_part part = {.momentum = fabs(p0[m]) + p[m],
-                                  .movement = q[m],
-                                  .last_p = last_p[m],
-                                  .last_q = has_masses ? 0 : last_q[m],
+        , *last_q = ROW(curve, q_degree, i);
+        const double *last_p = has_masses ? ROW(curve, p_degree + 1, i) : ROW(curve, p_degree, n + i);
+        for (int m = 0; m < width; m++, at++) {
+            tvi_tail_part part = {.momentum = sums->bend[at],
+                                  .movement = sums->size[at],
+                                  .last_p = p_degree * fabs(of_p * last_p[m]),
+                                  .last_q = has_masses ? 0 : q_degree * fabs(last_q[m]),
                                   .place = fabs(q0[m])};
             part.per_momentum = 1 / part.momentum;
             part.per_movement = 1 / part.movement;
@@ -89,10 +74,11 @@ JET_INLINE void tails_of(const tvi_taylor_lanes *curve, int q_degree, int p_degr
     }
 }
 
-static void tail(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *share, double *ratio, double *out)
+static void tail(const tvi_taylor_lanes *curve, int q_degree, int p_degree, const tvi_taylor_sums *sums, double *share,
+                 double *ratio, double *out)
 {
-    if (curve->has_masses) tails_of(curve, q_degree, p_degree, true, share, ratio);
-    else tails_of(curve, q_degree, p_degree, false, share, ratio);
+    if (curve->has_masses) tails_of(curve, q_degree, p_degree, true, sums, share, ratio);
+    else tails_of(curve, q_degree, p_degree, false, sums, share, ratio);
     tvi_tails_of_members(&curve->system->parts, curve->n, curve->width, share, ratio, out);
 }
 
@@ -101,4 +87,4 @@ static void sweep(const tvi_taylor_rows *rows, const double *power, double *x, c
     taylor_sweep(rows, power, x, sums);
 }
 
-const tvi_taylor_loops JET_FOR_ISA(tvi_taylor_loops) = {advance, rise, tail, sweep};
+const tvi_taylor_loops JET_FOR_ISA(tvi_taylor_loops) = {advance, measure, tail, sweep};

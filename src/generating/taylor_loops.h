@@ -21,10 +21,11 @@ typedef struct {
 typedef struct {
     /* The curve's coefficients that order k of the field gives (docs/method.md section 2). */
     void (*advance)(const tvi_taylor_lanes *curve, int k);
-    /* dq = sum_k Q_k, k = 1 .. q_degree, and dp likewise, [n][width]; the small terms first. */
-    void (*rise)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *dq, double *dp);
-    /* tvi_stats.tail of each member, for P and Q to these degrees; share, ratio [n][width]: scratch. */
-    void (*tail)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, double *share, double *ratio, double *tail);
+    /* The sums of sizes that the tail is made of, for P and Q to these degrees, as curve_measure of series.h. */
+    void (*measure)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, const tvi_taylor_sums *sums);
+    /* tvi_stats.tail of each member, of these sums; share, ratio [n][width]: scratch. */
+    void (*tail)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, const tvi_taylor_sums *sums, double *share,
+                 double *ratio, double *tail);
     /* x_k *= power[k], and their sums, the small terms first. */
     void (*sweep)(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums);
 } tvi_taylor_loops;

@@ -3,21 +3,30 @@
 #ifndef TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 #define TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 
-#include "vector.h"
+#include "fused.h"
 
 #include <math.h>
 
-/* Rows x_k of one curve, k = least .. degree, [components], `stride` apart. */
+/* Rows x_k, k = least .. degree, [components], `stride` apart: of one curve, or of several, whose components are lanes
+ * that know nothing of each other. */
 typedef struct {
     int components, least, degree;
     size_t stride;
     bool has_slope;
 } tvi_taylor_rows;
 
-/* Their sums, [components]: of x_k and k |x_k|, and of rows with a slope those of k x_k and (k - 1) k |x_k|. */
+/* Their sums, [components]: of x_k and k |x_k|. Rows with a slope begin with k = 2, but x_1 is in these sums, too; they
+ * also have that of k x_k, and |x_1| and that of (k - 1) k |x_k|. */
 typedef struct {
     double *rise, *size, *slope, *bend;
 } tvi_taylor_sums;
+
+/* a b + c, rounded once where there is such an operation: so a number has the same bits in vectors of every length. */
+#ifdef __FMA__
+#define SWEEP_FUSED(V, a, b, c) JET_FMA(V, (a) + none, b, c)
+#else
+#define SWEEP_FUSED(V, a, b, c) ((a) * (b) + (c))
+#endif
 
 /* Row k, into the sums of one of two chains, which do not wait for each other. */
 #define SIZE_OF_jet_v1(x) fabs(x)
@@ -27,15 +36,13 @@ typedef struct {
 #define SWEEP_ROW(V, k, c)                                                                                             \
     {                                                                                                                  \
         V *const row = (V *)(x + (size_t)(k)*rows->stride + here);                                                     \
-        const V now = *row * power[k], term = weight * SIZE_OF_##V(now);                                               \
+        const V now = *row * power[k], size_of = SIZE_OF_##V(now), term = weight * size_of;                            \
         *row = now;                                                                                                    \
         rise[c] += now;                                                                                                \
-        size[c] += term;                                                                                               \
-        if (has_slope) {                                                                                               \
-            slope[c] += weight * now;                                                                                  \
-            weight -= 1;                                                                                               \
-            bend[c] += weight * term;                                                                                  \
-        } else weight -= 1;                                                                                            \
+        size[c] = SWEEP_FUSED(V, weight, size_of, size[c]);                                                            \
+        if (has_slope) slope[c] = SWEEP_FUSED(V, weight, now, slope[c]);                                               \
+        weight -= 1;                                                                                                   \
+        if (has_slope) bend[c] = SWEEP_FUSED(V, weight, term, bend[c]);                                                \
     }
 #define SWEEP(V, WITH_SLOPE)                                                                                           \
     {                                                                                                                  \
@@ -49,11 +56,17 @@ typedef struct {
             SWEEP_ROW(V, k - 1, 1)                                                                                     \
         }                                                                                                              \
         if (k == rows->least) SWEEP_ROW(V, k, 0)                                                                       \
-        *(V *)(sums->rise + here) = rise[0] + rise[1];                                                                 \
-        *(V *)(sums->size + here) = size[0] + size[1];                                                                 \
         if (has_slope) {                                                                                               \
+            V *const row = (V *)(x + rows->stride + here);                                                             \
+            const V now = *row * power[1], size_of = SIZE_OF_##V(now);                                                 \
+            *row = now;                                                                                                \
+            *(V *)(sums->rise + here) = rise[0] + rise[1] + now;                                                       \
+            *(V *)(sums->size + here) = size[0] + size[1] + size_of;                                                   \
             *(V *)(sums->slope + here) = slope[0] + slope[1];                                                          \
-            *(V *)(sums->bend + here) = bend[0] + bend[1];                                                             \
+            *(V *)(sums->bend + here) = bend[0] + bend[1] + size_of;                                                   \
+        } else {                                                                                                       \
+            *(V *)(sums->rise + here) = rise[0] + rise[1];                                                             \
+            *(V *)(sums->size + here) = size[0] + size[1];                                                             \
         }                                                                                                              \
     }
 

@@ -87,7 +87,7 @@ bool has_options(const tvi_system *system, const method *by, tvi_options *option
 
 bool has_two_texts(const method *by)
 {
-    static const char *const names[] = {"taylor", "midpoint", "poincare"};
+    static const char *const names[] = {"midpoint", "poincare"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
         if (strcmp(by->name, names[i]) == 0) return true;
     return false;
