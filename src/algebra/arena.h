@@ -15,11 +15,10 @@
 #endif
 #endif
 
-/* What one step leaves to the next stands apart, in one region of its own: the history. All zeros are the history of
- * no step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. At its
- * end stand pieces that are not marked, and that undoing the last step does not touch: what is set where a run begins,
- * and those that steps fill in turns. The rest of the history knows which: a step writes into one that nobody reads.
- * */
+/* What one step leaves to the next stands apart, in one region of its own: the history. All zeros are the history of no
+ * step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. At its end
+ * stand pieces that are not marked, and that undoing the last step does not touch: what is set where a run begins, and
+ * those that steps fill in turns. The rest of the history knows which: a step writes into one that nobody reads. */
 typedef struct tvi_block tvi_block;
 typedef struct {
     char *base, *history, *turns;

@@ -4,8 +4,8 @@
 typedef struct {
     int count;
     REAL size, before, earlier; /* of the corrections of the last three passes */
-    REAL part, slowest; /* that the last pass left which showed it, and the slower of the last two, at first that of
-                             an earlier iteration; 0: not known */
+    REAL part, slowest; /* what the last loud pass left of the correction before, and the larger of the last two such
+                           parts, at first that of an earlier iteration; 0: not known. Loud is what is above roundoff */
     REAL shown;         /* the last correction without its roundoff, */
     REAL next;          /* what the next one should be, */
     REAL slack;         /* and how much more it is taken to be: 1, but for Newton's method (generating/newton.h) */
@@ -15,9 +15,10 @@ typedef struct {
 /* Adds a pass, whose correction is so large: whether it may be the last; *is_stuck: otherwise, whether it is one of
  * those that no longer shrink.
  *
- * A correction before that is larger than 1 counts as 1: it says more of the unknown's size than of the passes.
- * Roundoff is taken to shrink as corrections above it did, and grows and shrinks where passes are known to contract;
- * of a first correction above it nothing is known. In a cycle the last bits go to and fro, and nothing else moves. */
+ * A correction before that is larger than 1 counts as 1: it says more of the unknown's size than of the passes. Once
+ * corrections are roundoff, they no longer show how passes contract: then they are taken to go on as the loud ones did,
+ * and that they grow does not mean that they are stuck. Of a first correction that is loud nothing is known. In a cycle
+ * the last bits go to and fro, and nothing else moves. */
 static inline TRUTH JUDGED(judge)(JUDGED(passes) * passes, const tvi_passes_rule *rule, REAL size, TRUTH *is_stuck)
 {
     const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->before;

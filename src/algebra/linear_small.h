@@ -14,8 +14,8 @@
 #include <string.h>
 
 /* The n up to which whole steps are faster with this: 1.2 to 1.5 times on pendulum, Kepler, Henon-Heiles and double
- * pendulum, 1.2 times on FPU, whose matrices have 12 rows, than with the reference LAPACK. Few curves have larger
- * ones: products.c. */
+ * pendulum, 1.2 times on FPU, whose matrices have 12 rows, than with the reference LAPACK. Few curves have larger ones:
+ * products.c. */
 enum { LINEAR_SMALL = 16 };
 
 /* call(n) with n known to the compiler where it can be. */
@@ -90,8 +90,7 @@ JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const in
     for (int i = n - 1; i >= 0; i--) linear_swap(&x[i], &x[pivot[i] - 1]);
 }
 
-/* ---- Factors of all sizes ----------------------------------------------------------------------------------------
- * */
+/* ---- Factors of all sizes ---------------------------------------------------------------------------------------- */
 
 /* The power of two next to 1/size, so that scaling rounds nothing; 1 for 0. */
 JET_INLINE double linear_inverse_power(double size)
@@ -167,8 +166,8 @@ JET_INLINE void linear_rescale(int n, const double scale[], double x[])
     for (int i = 0; i < n; i++) x[i] *= scale[i];
 }
 
-/* One step of iterative refinement of (R A C)^-1 given: where the pivots mix unknowns of different units, it takes
- * from the small ones the roundoff of the large (Skeel, Math. Comp. 35, 1980). What is solved for in between: */
+/* One step of iterative refinement of (R A C)^-1 given: where the pivots mix unknowns of different units, it takes from
+ * the small ones the roundoff of the large (Skeel, Math. Comp. 35, 1980). What is solved for in between: */
 JET_INLINE void linear_find_lack(int n, const tvi_factor *factor, bool transposed, const double x[])
 {
     const int of_row = transposed ? 1 : n, of_column = transposed ? n : 1;
@@ -200,8 +199,7 @@ JET_INLINE void linear_solve_scaled(int n, const tvi_factor *factor, bool transp
     linear_rescale(n, transposed ? factor->row_scale : factor->column_scale, x);
 }
 
-/* ---- Factors of small sizes --------------------------------------------------------------------------------------
- * */
+/* ---- Factors of small sizes -------------------------------------------------------------------------------------- */
 
 JET_INLINE tvi_status linear_small_compute(int n, tvi_factor *factor)
 {
@@ -218,11 +216,10 @@ JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transpo
     else linear_small_solve_transposed(n, factor->lu, factor->pivot, x);
 }
 
-/* ---- Without exchanges of rows, of matrices that are I + O(h) in some units --------------------------------------
- * */
+/* ---- Without exchanges of rows, of matrices that are I + O(h) in some units -------------------------------------- */
 
-/* Pivots that are so much smaller or larger than what stood on the diagonal are left to those that exchange rows; and
- * a diagonal of a row in the unit of its column that is so small. */
+/* Pivots that are so much smaller or larger than what stood on the diagonal are left to those that exchange rows; and a
+ * diagonal of a row in the unit of its column that is so small. */
 static const double LINEAR_LEAST_PIVOT = 0x1p-10;
 /* The same of an inverse, which rounds more than a factor does. */
 static const double LINEAR_LEAST_INVERTED = 1.0 / 16;

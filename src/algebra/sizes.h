@@ -8,8 +8,8 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Of each number that a loop sets, where it is one of a few that were just stored in parts: a vector of them would
- * wait for that. Generated code with vectors of eight has not stored them in parts. */
+/* Of each number that a loop sets, where it is one of a few that were just stored in parts: a vector of them would wait
+ * for that. Generated code with vectors of eight has not stored them in parts. */
 #if defined(JET_EMITTED) && defined(JET_WIDE)
 #define TVI_ONE_BY_ONE(count, number) ((void)(count), (void)(number))
 #else

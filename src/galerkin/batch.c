@@ -9,8 +9,8 @@
 #include "method/single.h"
 
 enum { MOST_LANES = 256, LEAST_WIDTH = 8 };
-/* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger, but where a
- * whole step is generated code, which then is faster. */
+/* Of a block of the tape, partly in the second-level cache; a block of the least width may be larger, but where a whole
+ * step is generated code, which then is faster. */
 enum { MOST_BYTES = 40 << 10, MOST_BYTES_OF_ALL = 128 << 10 };
 
 /* The last two steps of each member, as in galerkin_history, [width] each. */
@@ -35,8 +35,7 @@ typedef struct {
     double *impulses[GALERKIN_TURNS]; /* [unknowns][points][width] of the last step, of the one before, of the next */
 } batch;
 
-/* ---- Memory and tables -------------------------------------------------------------------------------------------
- * */
+/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
 static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
     [jet_isa_base] = &tvi_galerkin_members_base,
@@ -130,8 +129,7 @@ static void prepare(void *work)
     w->frame.impulses = w->impulses;
 }
 
-/* ---- Members one by one ------------------------------------------------------------------------------------------
- * */
+/* ---- Members one by one ------------------------------------------------------------------------------------------ */
 
 /* Between [unknowns][points][width] and [unknowns][lanes]. */
 static void gather_impulses(const batch *w, const double *from, int m, double *to)

@@ -21,8 +21,8 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
 
 static double on_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
 
-/* c and b are on the grid 2^-53, where differences are exact; c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1
- * hold as they stand. */
+/* c and b are on the grid 2^-53, where differences are exact; c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1 hold
+ * as they stand. */
 static void set_nodes(galerkin_coefficients *w)
 {
     const int m = w->points;
@@ -65,9 +65,9 @@ static long double impulse_factor(const galerkin_coefficients *w, bool is_second
     return square;
 }
 
-/* The elements nu_ij are on a grid, too, and those above the diagonal follow from the condition of symplecticity,
- * which so holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, else nu_ij + nu_ji = 1; and that of
- * symmetry, nu_ij = nu_{m-1-j, m-1-i}. */
+/* The elements nu_ij are on a grid, too, and those above the diagonal follow from the condition of symplecticity, which
+ * so holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, else nu_ij + nu_ji = 1; and that of symmetry,
+ * nu_ij = nu_{m-1-j, m-1-i}. */
 static void set_matrix(galerkin_coefficients *w, const galerkin_dense *dense, bool is_second_order)
 {
     long double ab[MAX_LANES][MAX_LANES];

@@ -49,7 +49,7 @@ struct galerkin_form {
     const char *const *text;
 };
 
-/* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: passes.c. */
+/* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: probe.c. */
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
 /* A tape's inputs are the unknowns, and its outputs drive them; those that know second derivatives. */

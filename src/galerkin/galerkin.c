@@ -1,9 +1,10 @@
-/* galerkin.c - the Galerkin curve: free values at m Gauss nodes, which is Gauss collocation (docs/method.md section
- * 4). With a, b, c its coefficients and F_j the field at node j,     separable:    Q_i = q0 + c_i h M^-1 p0 + h^2
- * sum_j (a a)_ij M^-1 F_j,                   q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j
- * b_j F_j;     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V,
- * F)_j, with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what the
- * steps before lead to. The nodes are lanes of one sweep of the field's tape. */
+/* galerkin.c - the Galerkin curve: free values at m Gauss nodes, which is Gauss collocation (docs/method.md section 4).
+ * With a, b, c its coefficients and F_j the field at node j,
+ *     separable:    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
+ *                   q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
+ *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
+ * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what
+ * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
@@ -12,8 +13,7 @@
 
 enum { MAX_LANES = TVI_GALERKIN_MAX_LANES };
 
-/* ---- Memory and tables -------------------------------------------------------------------------------------------
- * */
+/* ---- Memory and tables ------------------------------------------------------------------------------------------- */
 
 static int lanes_for(int points)
 {
@@ -57,8 +57,8 @@ static const galerkin_form *form_of(const tvi_system *system)
 
 bool tvi_galerkin_is_plain(const tvi_system *system) { return form_of(system) == &tvi_galerkin_form_plain; }
 
-/* The last coordinates that H does not have, as the time of a rescaled system whose forces do not have it: what
- * nothing depends on is a quadrature, which needs no movement, and their momenta do not move. */
+/* The last coordinates that H does not have, as the time of a rescaled system whose forces do not have it: what nothing
+ * depends on is a quadrature, which needs no movement, and their momenta do not move. */
 static int cyclic_at_end(const tvi_system *system)
 {
     const int *force = system->field_values->output;
@@ -163,8 +163,7 @@ static void prepare(void *work)
                                 .own = w->field.own};
 }
 
-/* ---- The start of a step -----------------------------------------------------------------------------------------
- * */
+/* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
 void tvi_galerkin_set_size(galerkin *w, double h)
 {
@@ -322,8 +321,7 @@ static long run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_st
     return to.made;
 }
 
-/* ---- Generated code ----------------------------------------------------------------------------------------------
- * */
+/* ---- Generated code ---------------------------------------------------------------------------------------------- */
 
 static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
 {

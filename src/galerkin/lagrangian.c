@@ -75,8 +75,7 @@ static void prepare(galerkin_field *field)
     for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = field->nodes.unknowns + u;
 }
 
-/* ---- The predictor -----------------------------------------------------------------------------------------------
- * */
+/* ---- The predictor ----------------------------------------------------------------------------------------------- */
 
 static void fill(const galerkin_nodes *nodes, int n, int first, const double value[])
 {
@@ -113,8 +112,7 @@ static void predict(galerkin_field *field, const galerkin_extrapolation *by)
     lagrangian_predict(&w->passes, by);
 }
 
-/* ---- A pass ------------------------------------------------------------------------------------------------------
- * */
+/* ---- A pass ------------------------------------------------------------------------------------------------------ */
 
 static tvi_status pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {

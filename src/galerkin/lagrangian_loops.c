@@ -9,8 +9,7 @@
 
 #define EACH_LANE for (size_t w = 0; w < stride; w++)
 
-/* ---- Factors -----------------------------------------------------------------------------------------------------
- * */
+/* ---- Factors ----------------------------------------------------------------------------------------------------- */
 
 #define LARGER(V, a, b)            TVI_LARGER_OF_##V(a, b)
 #define TVI_LARGER_OF_jet_v1(a, b) ((a) > (b) ? (a) : (b))
@@ -109,8 +108,7 @@ JET_INLINE double factor_lanes(lanes_inverse *f, int lanes)
     return smallest;
 }
 
-/* ---- The inverse: A^-1 = C (R A C)^-1 R --------------------------------------------------------------------------
- * */
+/* ---- The inverse: A^-1 = C (R A C)^-1 R -------------------------------------------------------------------------- */
 
 #define UNIT_COLUMN(V, S) JET_AT(V, x, i) = i == column ? JET_OF(V, f->row_scale, i) : (V){0};
 
@@ -146,8 +144,7 @@ JET_INLINE void invert_column(lanes_inverse *f, int column, int lanes)
     }
 }
 
-/* ---- Without scales and exchanges, of matrices that are plain ----------------------------------------------------
- * */
+/* ---- Without scales and exchanges, of matrices that are plain ---------------------------------------------------- */
 
 /* What stood on the diagonal as a part of the pivot: no less than this, and no more than 1 / this, as in the inverses
  * of algebra/linear_small.h. */
@@ -214,8 +211,7 @@ JET_INLINE void correct_lanes(const lanes_inverse *f, const double *P, const dou
     for (int i = 0; i < f->n; i++, row += (size_t)f->n * stride) JET_BLOCKS(lanes, CORRECT, );
 }
 
-/* ---- The gradient to first order ---------------------------------------------------------------------------------
- * */
+/* ---- The gradient to first order --------------------------------------------------------------------------------- */
 
 /* What is small is added up first. */
 #define SUM(V, S)                                                                                                      \
@@ -235,8 +231,7 @@ JET_INLINE void linearise_lanes(const lanes_model *m, double *out, int lanes)
         for (int i = 0, begin = 0; i < 2 * m->n; begin = m->end[i++]) JET_BLOCKS(lanes, SUM, );
 }
 
-/* ---- For any number of lanes -------------------------------------------------------------------------------------
- * */
+/* ---- For any number of lanes ------------------------------------------------------------------------------------- */
 
 #ifndef JET_EMITTED
 static double invert(lanes_inverse *f)

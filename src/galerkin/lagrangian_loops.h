@@ -1,5 +1,5 @@
-/* lagrangian_loops.h - the algebra of the second derivatives of a Lagrangian at the nodes of a Galerkin curve,
- * compiled once for each instruction set. Numbers of a node are a lane: x[i] of node k stands at x[i * lanes + k]. */
+/* lagrangian_loops.h - the algebra of the second derivatives of a Lagrangian at the nodes of a Galerkin curve, compiled
+ * once for each instruction set. Numbers of a node are a lane: x[i] of node k stands at x[i * lanes + k]. */
 #ifndef TVI_SRC_LAGRANGIAN_LOOPS_H
 #define TVI_SRC_LAGRANGIAN_LOOPS_H
 

@@ -14,8 +14,7 @@ void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const gale
     model->end = tvi_arena_take(arena, 2 * (size_t)system->n * sizeof *model->end);
 }
 
-/* The rows of the symmetric matrix of second derivatives: the columns of the second half first, as V moves before Q.
- * */
+/* The rows of the symmetric matrix of second derivatives: the columns of the second half first, as V moves before Q. */
 static void set_terms(const tvi_system *system, lanes_term *term, int *end)
 {
     const int rows = 2 * system->n;

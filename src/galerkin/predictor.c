@@ -20,8 +20,7 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const 
     w->one = tvi_arena_doubles(arena, count + width);
 }
 
-/* ---- Tables ------------------------------------------------------------------------------------------------------
- * */
+/* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
 /* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last
  * step, of the one before it, and of the next one. */
@@ -72,8 +71,8 @@ static void set_polynomial(const galerkin_coefficients *a, const galerkin_field 
         }
 }
 
-/* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than
- * truncation falls. */
+/* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
+ * falls. */
 void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
 {
     const int degree = a->points > 1 ? 3 * a->points / 2 : 1;
@@ -99,8 +98,7 @@ static void set_from_one(galerkin_predictor *w, const galerkin_coefficients *a, 
         for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] *= ratio * a->b[i];
 }
 
-/* ---- Steps -------------------------------------------------------------------------------------------------------
- * */
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 bool tvi_galerkin_can_extrapolate(const galerkin_predictor *w, const galerkin_field *field, double t, double *part)
 {

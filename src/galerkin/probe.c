@@ -38,8 +38,8 @@ tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, co
 /* ---- Roundoff ----------------------------------------------------------------------------------------------------
  * */
 
-/* A movement is roundoff if unknowns and values of the field that are displaced by so many units of theirs move as
- * far. */
+/* A movement is roundoff if unknowns and values of the field that are displaced by so many units of theirs move as far.
+ */
 enum { UNITS = 16 };
 
 static size_t numbers(const galerkin_field *field, int rows) { return (size_t)rows * (size_t)field->nodes.lanes; }
@@ -53,8 +53,8 @@ void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const gale
     probe->impulse = tvi_arena_doubles(arena, numbers(field, field->nodes.unknowns));
 }
 
-/* Moves the unknowns, and what the passes bring them back to, by some units of the roundoff that a pass leaves in
- * them, up or down as the bits of a sequence have it. */
+/* Moves the unknowns, and what the passes bring them back to, by some units of the roundoff that a pass leaves in them,
+ * up or down as the bits of a sequence have it. */
 static void displace(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
@@ -98,8 +98,8 @@ static tvi_status pass_displaced(galerkin_field *field, galerkin_probe *probe, d
     return status;
 }
 
-/* The rounds of a pass may move the unknowns to and fro: what counts is how far they have moved from where they were
- * to where they are. */
+/* The rounds of a pass may move the unknowns to and fro: what counts is how far they have moved from where they were to
+ * where they are. */
 tvi_status tvi_galerkin_measure(galerkin_field *field, galerkin_probe *probe, double *moved, double *roundoff,
                                 tvi_stats *stats)
 {

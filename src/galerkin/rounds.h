@@ -1,8 +1,8 @@
 /* rounds.h - the rounds of a pass that knows second derivatives (hamiltonian.c), in the lanes of a block; read by
  * loops.c. They are in single precision, which takes half the time: a pass leaves more than that of its movement, but
  * for the last one, whose movement is roundoff. So that nothing depends on units, movements are relative to the sizes
- * of the unknowns. The first one is by how far the impulses are from those that made the unknowns: so it has the
- * digits of a difference, without the unknowns. */
+ * of the unknowns. The first one is by how far the impulses are from those that made the unknowns: so it has the digits
+ * of a difference, without the unknowns. */
 #ifndef TVI_SRC_GALERKIN_ROUNDS_H
 #define TVI_SRC_GALERKIN_ROUNDS_H
 

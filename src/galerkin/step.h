@@ -1,5 +1,4 @@
-/* step.h - what a step of the Galerkin curve is made with (galerkin.c), for those of several members, too (batch.c).
- * */
+/* step.h - what a step of the Galerkin curve is made with (galerkin.c), for those of several members, too (batch.c). */
 #ifndef TVI_SRC_GALERKIN_STEP_H
 #define TVI_SRC_GALERKIN_STEP_H
 

@@ -72,7 +72,7 @@ JET_INLINE double *galerkin_turn(const galerkin_frame *frame, int turn)
     return frame->impulses[turn < 0 ? turn + GALERKIN_TURNS : turn < GALERKIN_TURNS ? turn : turn - GALERKIN_TURNS];
 }
 
-/* Whether the last step alone predicts a member's: all bits, or none. */
+/* Whether the last step alone is to predict the unknowns of a member, as a mask: all bits, or none. */
 JET_INLINE long long galerkin_is_rough(const galerkin_frame *frame, int known, double first)
 {
     return known < 2 || first > frame->rough ? -1 : 0;
@@ -175,7 +175,7 @@ JET_INLINE bool galerkin_advance(int n, const tvi_row *row, const tvi_run_state 
 }
 
 /* Steps of one member from the origin, which is `now` and moves on, or NULL: one, which is not added. Where none is
- * known before the first one, its unknowns are there. */
+ * known before the first one, `begin` of galerkin.c has set its unknowns. */
 JET_INLINE void galerkin_make_steps(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_drive *drive,
                                     const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
                                     galerkin_outcome *to)
