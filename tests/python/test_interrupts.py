@@ -16,6 +16,17 @@ from problems import kepler, same_bits, spring
 SOON = 15  # seconds within which Ctrl-C is heard on a busy machine; what is interrupted would take 20 and more
 
 
+def setUpModule():
+    """Programs in the background of a shell ignore SIGINT, and so would Python; what does not hear it is ended."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    signal.alarm(400)
+
+
+def tearDownModule():
+    signal.alarm(0)
+
+
 class Pressed:
     """Sends SIGINT to this process after a while, and says how long it took to be heard."""
 
