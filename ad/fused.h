@@ -8,7 +8,8 @@
 /* a b + c, rounded once. */
 #ifdef __FMA__
 #include <immintrin.h>
-#define JET_FMA(V, a, b, c) jet_fma_##V(a, b, c)
+#define JET_FMA(V, a, b, c)    JET_FMA_OF(V, a, b, c)
+#define JET_FMA_OF(V, a, b, c) jet_fma_##V(a, b, c)
 JET_INLINE jet_v1 jet_fma_jet_v1(jet_v1 a, jet_v1 b, jet_v1 c) { return __builtin_fma(a, b, c); }
 JET_INLINE jet_v2 jet_fma_jet_v2(jet_v2 a, jet_v2 b, jet_v2 c)
 {
@@ -24,6 +25,13 @@ JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
     return (jet_v8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
 }
 #endif
+#endif
+
+/* The same where there is such an operation: so a number has the same bits in vectors of every length. */
+#ifdef __FMA__
+#define JET_FUSED(V, a, b, c) JET_FMA(V, a, b, c)
+#else
+#define JET_FUSED(V, a, b, c) ((a) * (b) + (c))
 #endif
 
 #endif

@@ -91,3 +91,10 @@ $(REFERENCE_OBJECTS): $(BUILD)/bench/references/%.o: bench/references/%.c
 $(BUILD)/bench/%.o: bench/%.c
 	@mkdir -p $(@D)
 	$(call SAY,CC $<)$(CC) $(TOOL) $(CFLAGS) -DBENCH_CFLAGS='"$(BASE) $(CFLAGS)"' -MMD -MP -c -o $@ $<
+
+# what runs cost in Python beside C: the figures of docs/python.md, half a minute
+python-cost: need-check all
+	@mkdir -p $(BUILD)/bench/python
+	@$(CC) -std=c11 -O2 -Iinclude -o $(BUILD)/bench/python/cost bench/python/cost.c $(BUILD)/libtvi.a $(LIBS)
+	@$(PYTHON_HERE) $(PYTHON) bench/python/cost.py $(BUILD)/bench/python/cost
+.PHONY: python-cost

@@ -1,5 +1,6 @@
 /* judge.h - the rule of passes.h: one text over numbers, of one iteration, or over vectors, of several. Read for each
- * kind of REAL, whose comparisons are a TRUTH; JUDGED names what it defines. */
+ * kind of REAL, whose comparisons are a TRUTH; JUDGED names what it
+ * defines. These macros, ABOVE, AT_MOST, SAME, NOT and IF are the reader's, and end here. */
 
 typedef struct {
     int count;
@@ -48,3 +49,12 @@ static inline TRUTH JUDGED(judge)(JUDGED(passes) * passes, const tvi_passes_rule
     if (rule->exactly > 0) return count == rule->exactly ? all : no;
     return is_at_goal | is_roundoff | is_cycle;
 }
+
+#undef JUDGED
+#undef REAL
+#undef TRUTH
+#undef ABOVE
+#undef AT_MOST
+#undef SAME
+#undef NOT
+#undef IF

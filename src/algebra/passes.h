@@ -29,7 +29,7 @@ typedef enum {
     TVI_PASSES_STUCK    /* they have come to roundoff, or do not converge: the caller measures */
 } tvi_passes_verdict;
 
-/* What the passes have shown so far. */
+/* The passes so far: tvi_passes, and tvi_judge adds one. */
 #define JUDGED(name)       tvi_##name
 #define REAL               double
 #define TRUTH              int
@@ -39,14 +39,6 @@ typedef enum {
 #define NOT(a)             (!(a))
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
-#undef JUDGED
-#undef REAL
-#undef TRUTH
-#undef ABOVE
-#undef AT_MOST
-#undef SAME
-#undef NOT
-#undef IF
 
 /* Member by member: compilers clear a struct by an instruction that takes long to begin. slowest: 0 where it is not
  * known of an earlier iteration. */

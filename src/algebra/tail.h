@@ -27,7 +27,7 @@ typedef struct {
  * one, or momentum times velocity where there are no masses. */
 #define TVI_TAIL_LEAST 1e-4
 
-/* What is known when all components of a subsystem were looked at once: the largest ratio, the share of the component
+/* All that one look at the components of a subsystem shows: the largest ratio, the share of the component
  * that has it, and the largest share. */
 typedef struct {
     double ratio, share, largest;
@@ -68,28 +68,6 @@ static inline double tvi_tail_of(double ratio, double share, double largest)
 {
     const double least = TVI_TAIL_LEAST * largest, part = share * (1 / least);
     return ratio * (share < least ? part : 1);
-}
-
-/* In a subsystem; member: which components it has, or NULL: all. */
-static inline double tvi_tail_of_part(const double *share, const double *ratio, const int *member, int first, int end)
-{
-    double largest = 0, most = 0;
-    for (int k = first; k < end; k++) largest = tvi_larger(share[member ? member[k] : k], largest);
-    for (int k = first; k < end; k++) {
-        const int i = member ? member[k] : k;
-        most = tvi_larger(tvi_tail_of(ratio[i], share[i], largest), most);
-    }
-    return most;
-}
-
-/* Of n components. */
-static inline double tvi_tail_of_all(const tvi_subsystems *parts, int n, const double *share, const double *ratio)
-{
-    double most = 0;
-    if (parts->count == 1) return tvi_tail_of_part(share, ratio, NULL, 0, n);
-    for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
-        most = tvi_larger(tvi_tail_of_part(share, ratio, parts->member, first, parts->end[k]), most);
-    return most;
 }
 
 /* out[width] = the tails of several members, of share and ratio [n][width]. */

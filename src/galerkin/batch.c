@@ -192,8 +192,7 @@ static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, c
         put(w, m, w->single);
 }
 
-/* ---- Members in lanes --------------------------------------------------------------------------------------------
- * */
+/* ---- Members in lanes -------------------------------------------------------------------------------------------- */
 
 /* Whose step goes on from one of the size h that ended at t; how many. */
 static int choose_members(batch *w, double h, const double t[], const tvi_status status[])
@@ -210,7 +209,7 @@ static int choose_members(batch *w, double h, const double t[], const tvi_status
     return count;
 }
 
-/* What goes by itself rests where it starts, so that it does not disturb the sweeps. */
+/* A member that goes by itself rests where it starts, so that it does not disturb the sweeps. */
 static void rest(batch *w, int m)
 {
     const galerkin_nodes *nodes = &w->nodes;
@@ -235,12 +234,12 @@ static void set_times(const batch *w, double h, const tvi_batch_origin *origin)
 typedef struct {
     batch *w;
     tvi_stats *stats;
-} in_lanes;
+} lanes_step;
 
 /* Members outside of the domain go by themselves. */
 static tvi_status pass(void *of, const galerkin_nodes *nodes, double moved[], double *roundoff)
 {
-    const in_lanes *step = of;
+    const lanes_step *step = of;
     batch *w = step->w;
     const galerkin_field *field = &w->single->field;
     const jet_tape *tape = field->system->field_values;
@@ -260,7 +259,7 @@ static void solve(batch *w, double h, const tvi_batch_origin *origin, const tvi_
 {
     const galerkin_nodes *nodes = &w->nodes;
     const galerkin_extrapolation by = galerkin_from_steps(&w->frame, (int)*w->turn, w->is_rough);
-    in_lanes step = {w, stats};
+    lanes_step step = {w, stats};
     galerkin_start(&w->frame, nodes, from);
     for (int m = 0; m < nodes->width; m++)
         if (!w->in_lanes[m]) rest(w, m);

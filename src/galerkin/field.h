@@ -44,7 +44,7 @@ struct galerkin_form {
     void (*predict)(galerkin_field *field, const galerkin_extrapolation *by);
     /* See tvi_galerkin_pass; NULL: by galerkin_evaluate. Not counted. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
-    /* What is constant of it in generated code, and the text of its steps (generated_*.h). */
+    /* Defines its constants in generated code; and the text of its steps (generated_*.h). */
     void (*emit)(jet_text *text, const galerkin_field *field);
     const char *const *text;
 };

@@ -208,8 +208,7 @@ static tvi_status begin(galerkin *w, const tvi_origin *origin, const double *par
     return field->form->start(field, origin);
 }
 
-/* ---- Steps -------------------------------------------------------------------------------------------------------
- * */
+/* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
 /* A step that the library makes. */
 typedef struct {

@@ -1,7 +1,6 @@
 /* kernel_ends.h - the part of kernel.h's text with which passes and steps end. */
 
-/* ---- The sums that a step ends with ------------------------------------------------------------------------------
- * */
+/* ---- The sums that a step ends with ------------------------------------------------------------------------------ */
 
 /* A column has members of one unknown, or unknowns of one member. Sums are compensated by two-sums: what an addition
  * loses is added up by itself, and what the sum of both loses is its second part. Nodes in turns make two chains,
@@ -76,8 +75,7 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *of, const galerkin_wei
     }
 }
 
-/* ---- When passes may end -----------------------------------------------------------------------------------------
- * */
+/* ---- When passes may end ----------------------------------------------------------------------------------------- */
 
 #if MEMBERS
 #define JUDGED(name)       members_##name
@@ -89,12 +87,4 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *of, const galerkin_wei
 #define NOT(a)             (~(a))
 #define IF(which, yes, no) JET_CHOOSE(V, which, yes, no)
 #include "algebra/judge.h"
-#undef JUDGED
-#undef REAL
-#undef TRUTH
-#undef ABOVE
-#undef AT_MOST
-#undef SAME
-#undef NOT
-#undef IF
 #endif

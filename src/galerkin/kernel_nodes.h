@@ -1,7 +1,6 @@
 /* kernel_nodes.h - the part of kernel.h's text that moves the unknowns at the nodes. */
 
-/* ---- The start of a step -----------------------------------------------------------------------------------------
- * */
+/* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
 /* Unknowns first .. first + count - 1 begin at q + q_low, and would stay there. */
 JET_INLINE void NAME(start_half)(const galerkin_nodes *of, int first, int count, const double *q, const double *q_low,
@@ -43,8 +42,7 @@ JET_INLINE void NAME(start_drift)(const galerkin_nodes *of, int u, const double 
     }
 }
 
-/* ---- Sums over the nodes -----------------------------------------------------------------------------------------
- * */
+/* ---- Sums over the nodes ----------------------------------------------------------------------------------------- */
 
 /* A table as the sums over the nodes have it: in registers where its rows are one vector. */
 typedef struct {
@@ -113,8 +111,7 @@ JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_shape s)
 #endif
 }
 
-/* ---- Movements ---------------------------------------------------------------------------------------------------
- * */
+/* ---- Movements --------------------------------------------------------------------------------------------------- */
 
 /* L_j = weight_j F_j. */
 JET_INLINE void NAME(weigh)(const galerkin_nodes *of, const double *drives, const int slot[], galerkin_shape s,
@@ -174,9 +171,9 @@ JET_INLINE void NAME(move_all)(const galerkin_nodes *nodes, const double *matrix
 JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int u, int v, galerkin_shape s,
                                   size_t here)
 {
-    const double *last = ROW(by->last, u)
-    , *before = ROW(by->before, u)
-    , *of_before = by->from_two + s.lanes * s.lanes;
+    const double *last = ROW(by->last, u);
+    const double *before = ROW(by->before, u);
+    const double *of_before = by->from_two + s.lanes * s.lanes;
     const JET_MASK(widest) is_rough = *(const JET_MASK(widest) *)(by->is_rough + here);
     const V none = {0};
     for (int j = 0; j < s.points; j++)
@@ -189,7 +186,7 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int
 }
 #endif
 
-/* What is known last is added last. */
+/* The step that is known last is added last. */
 JET_INLINE void NAME(predict_all)(const galerkin_nodes *of, const galerkin_extrapolation *steps, galerkin_shape s,
                                   size_t here)
 {

@@ -15,20 +15,21 @@
     default: call(TVI_GALERKIN_MAX_LANES);                                                                             \
     }
 
-/* a b + c, rounded once where there is such an operation: of members, and of nodes, alike. Of generated code the
- * compiler fuses what it can. */
 #define KERNEL_JOIN(f, suffix) f##_##suffix
 #define KERNEL_NAME(f, suffix) KERNEL_JOIN(f, suffix)
-#if defined(__FMA__) && !defined(JET_EMITTED)
+
+/* a b + c: of members, and of nodes, rounded alike. In generated code the compiler fuses what it can: the header of all
+ * vector instructions would take longer than the rest. */
+#ifdef JET_EMITTED
+#define FUSED(V, a, b, c) ((a) * (b) + (c))
+#else
 #include "fused.h"
-#define FUSED(V, a, b, c) KERNEL_NAME(jet_fma, V)(a, b, c)
+#define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 #ifdef JET_WIDE
 #define jet_fma_widest jet_fma_jet_v8
-#else
+#elif defined(__AVX__)
 #define jet_fma_widest jet_fma_jet_v4
 #endif
-#else
-#define FUSED(V, a, b, c) ((a) * (b) + (c))
 #endif
 
 /* What the compiler knows of one number of lanes spares it the registers of the others: functions of their own.

@@ -8,8 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-/* ---- The rules ---------------------------------------------------------------------------------------------------
- * */
+/* ---- The rules --------------------------------------------------------------------------------------------------- */
 
 /* Sizes are squares, summed over all unknowns and lanes, relative to the sizes of the unknowns; here of one of them.
  * What a step leaves out has the same sign in the next one, where roundoff changes its sign: it stays below the
@@ -35,8 +34,7 @@ tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, co
     return rule;
 }
 
-/* ---- Roundoff ----------------------------------------------------------------------------------------------------
- * */
+/* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
 /* A movement is roundoff if unknowns and values of the field that are displaced by so many units of theirs move as far.
  */

@@ -57,8 +57,7 @@ typedef struct galerkin_outcome {
     double largest_tail; /* of these steps, and of those before */
 } galerkin_outcome;
 
-/* ---- The parts of a step, of one member or several ---------------------------------------------------------------
- * */
+/* ---- The parts of a step, of one member or several --------------------------------------------------------------- */
 
 JET_INLINE void galerkin_start(const galerkin_frame *frame, const galerkin_nodes *nodes, const tvi_origin *origin)
 {
@@ -152,8 +151,7 @@ JET_INLINE void galerkin_end_step(const galerkin_frame *frame, const galerkin_no
     if (nodes->points > 1) GALERKIN_LOOP(frame->loops, tail, &motion, nodes->width, frame->share, frame->ratio, tail);
 }
 
-/* ---- Steps in a row ----------------------------------------------------------------------------------------------
- * */
+/* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
 
 JET_INLINE bool galerkin_sums_are_finite(int count, const double *x, const double *dx)
 {

@@ -305,19 +305,20 @@ static inline void curve_measure(const tvi_curve *curve)
     curve_sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
 }
 
-/* Of a subsystem; member: which components it has, or NULL: all. */
-static inline double curve_tail_of(const tvi_curve *curve, const int *member, int first, int end)
+/* The tail of a subsystem, whose components are these. */
+static inline double curve_tail_of(const tvi_curve *curve, int first, int end)
 {
+    const tvi_subsystems *parts = &curve->system->parts;
     const bool has_masses = curve->system->has_masses;
     tvi_tail_survey survey = {0, 0, 0};
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, member ? member[k] : k);
+        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k));
         tvi_tail_look(&survey, &part, has_masses);
     }
     if (tvi_tail_is_known(&survey)) return survey.ratio;
     double tail = 0;
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, member ? member[k] : k);
+        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k));
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;
@@ -328,9 +329,10 @@ static inline double curve_tail(const tvi_curve *curve)
     const tvi_subsystems *parts = &curve->system->parts;
     double tail = 0;
     if (curve_p_degree(curve) < 2) return 0;
-    if (parts->count == 1) return curve_tail_of(curve, NULL, 0, curve_n(curve));
-    for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])
-        tail = fmax(tail, curve_tail_of(curve, parts->member, first, parts->end[k]));
+    for (int k = 0, first = 0, end; k < parts->count; k++, first = end) {
+        end = tvi_subsystems_end(parts, k, curve_n(curve));
+        tail = fmax(tail, curve_tail_of(curve, first, end));
+    }
     return tail;
 }
 

@@ -21,13 +21,6 @@ typedef struct {
     double *rise, *size, *slope, *bend;
 } tvi_taylor_sums;
 
-/* a b + c, rounded once where there is such an operation: so a number has the same bits in vectors of every length. */
-#ifdef __FMA__
-#define SWEEP_FUSED(V, a, b, c) JET_FMA(V, (a) + none, b, c)
-#else
-#define SWEEP_FUSED(V, a, b, c) ((a) * (b) + (c))
-#endif
-
 /* Row k, into the sums of one of two chains, which do not wait for each other. */
 #define SIZE_OF_jet_v1(x) fabs(x)
 #define SIZE_OF_jet_v2(x) JET_ABS(jet_v2, x)
@@ -39,10 +32,10 @@ typedef struct {
         const V now = *row * power[k], size_of = SIZE_OF_##V(now), term = weight * size_of;                            \
         *row = now;                                                                                                    \
         rise[c] += now;                                                                                                \
-        size[c] = SWEEP_FUSED(V, weight, size_of, size[c]);                                                            \
-        if (has_slope) slope[c] = SWEEP_FUSED(V, weight, now, slope[c]);                                               \
+        size[c] = JET_FUSED(V, weight + none, size_of, size[c]);                                                       \
+        if (has_slope) slope[c] = JET_FUSED(V, weight + none, now, slope[c]);                                          \
         weight -= 1;                                                                                                   \
-        if (has_slope) bend[c] = SWEEP_FUSED(V, weight, term, bend[c]);                                                \
+        if (has_slope) bend[c] = JET_FUSED(V, weight + none, term, bend[c]);                                           \
     }
 #define SWEEP(V, WITH_SLOPE)                                                                                           \
     {                                                                                                                  \

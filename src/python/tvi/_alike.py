@@ -1,4 +1,4 @@
-"""What integrators and ensembles have alike: counts, saved bytes, and who may use them."""
+"""What integrators and ensembles have alike: what they are made of, counts, saved bytes, and who may use them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,36 @@ import threading
 from contextlib import contextmanager
 from typing import Any, Callable, Iterator, NamedTuple
 
-from ._library import check, ffi
+from ._library import Handle, check, ffi
+from ._methods import Method, method_of
+from ._systems import System
+
+
+class Made:
+    """What is made of a system and a method: it keeps both, and lets go of what the library has of them."""
+
+    _handle: Handle
+    _system: Handle
+
+    def _make_of(self, system: System, method: "str | Method", order: int, p: Any, v: Any) -> None:
+        if not isinstance(system, System):
+            raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}")
+        if p is not None and v is not None:
+            raise TypeError("give momenta or velocities, not both")
+        self._made_of = system, method_of(method, order)
+
+    def __del__(self) -> None:
+        for name in ("_handle", "_system"):  # Where making it failed, one of them is not there.
+            if handle := self.__dict__.get(name):
+                handle.release(self)
+
+    @property
+    def system(self) -> System:
+        return self._made_of[0]
+
+    @property
+    def method(self) -> Method:
+        return self._made_of[1]
 
 
 class Stats(NamedTuple):

@@ -7,11 +7,11 @@ from typing import Any, Callable
 
 import numpy as np
 
-from ._alike import Busy, Stats, saved, stats_of
+from ._alike import Busy, Made, Stats, saved, stats_of
 from ._arrays import Array, Doubles, integer, pointer, spread
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, STATUSES, check, ffi, lib, make
-from ._methods import Compiled, Method, code_for, method_of
+from ._methods import Compiled, Method, code_for
 from ._runs import MOST_STEPS, Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
 
@@ -36,7 +36,7 @@ class Threads:
 os.register_at_fork(after_in_child=Threads.forked)
 
 
-class Ensemble:
+class Ensemble(Made):
     """Many orbits (members) of one system, that go on together.
 
     q, p or v: [member, n], or [n] for all; t: a number or [member]. parameters: values of those of the system, one for
@@ -57,16 +57,13 @@ class Ensemble:
     def __init__(self, system: System, q: Array, p: Array = None, *, v: Array = None, t: Array = 0.0,
                  method: "str | Method" = "galerkin", order: int = 16, threads: int = 0,
                  compiled: "bool | Compiled" = False, members: int | None = None, **parameters: Any):
-        if not isinstance(system, System):
-            raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}")
-        if p is not None and v is not None:
-            raise TypeError("give momenta or velocities, not both")
+        self._make_of(system, method, order, p, v)
         n = system.n
         given = [(q, 2), (p, 2), (v, 2), (t, 1)] + [(value, 1 + np.ndim(system.parameters.get(name, 0)))
                                                     for name, value in parameters.items()]
         counts = {len(x) for x, dimensions in given if x is not None and np.ndim(x) == dimensions}
         count = integer("members", members or (max(counts) if counts else 1), 1)
-        self._made_of = system, method_of(method, order), count
+        self._members = count
         self._t, self._q, self._p = Doubles(count), Doubles(n, count), Doubles(n, count)
         self._status = ffi.new("tvi_status[]", count)
         self._codes = np.frombuffer(ffi.buffer(self._status), dtype=np.int32)
@@ -92,25 +89,11 @@ class Ensemble:
         elif p is not None:
             self._p.array[:] = spread("p", p, count, n).T
 
-    def __del__(self) -> None:
-        if handle := self.__dict__.get("_handle"):
-            handle.release(self)
-        if system := self.__dict__.get("_system"):
-            system.release(self)
-
     # ---- The states --------------------------------------------------------------------------------------------------
 
     @property
-    def system(self) -> System:
-        return self._made_of[0]
-
-    @property
-    def method(self) -> Method:
-        return self._made_of[1]
-
-    @property
     def members(self) -> int:
-        return self._made_of[2]
+        return self._members
 
     @property
     def t(self) -> np.ndarray:

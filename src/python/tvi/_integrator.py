@@ -6,16 +6,16 @@ from typing import Any, Callable
 
 import numpy as np
 
-from ._alike import Busy, Stats, saved, stats_of
+from ._alike import Busy, Made, Stats, saved, stats_of
 from ._arrays import Array, Doubles, number, numbers, pointer
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, check, ffi, lib, make
-from ._methods import Compiled, Method, code_for, method_of, resolved
+from ._methods import Compiled, Method, code_for, resolved
 from ._runs import Course, Observers, Way, ended, new_plan
 from ._systems import System, energies, transforms
 
 
-class Integrator:
+class Integrator(Made):
     """One orbit of a system, that goes on from step to step.
 
     q, p or v: [n], the momenta or the velocities; neither: at rest. method, order: tvi.Method. compiled: True, or what
@@ -36,11 +36,7 @@ class Integrator:
     def __init__(self, system: System, q: Array, p: Array = None, *, v: Array = None, t: float = 0.0,
                  method: "str | Method" = "galerkin", order: int = 16, compiled: "bool | Compiled" = False,
                  **parameters: Any):
-        if not isinstance(system, System):
-            raise TypeError(f"system is what tvi.potential and its like make, not {type(system).__name__}")
-        if p is not None and v is not None:
-            raise TypeError("give momenta or velocities, not both")
-        self._made_of = system, method_of(method, order)
+        self._make_of(system, method, order, p, v)
         self._t, self._q, self._p = Doubles(1), Doubles(system.n), Doubles(system.n)
         self._tangent: Doubles | None = None
         self._busy = Busy("integrator")
@@ -61,21 +57,7 @@ class Integrator:
         elif p is not None:
             self.p = p
 
-    def __del__(self) -> None:
-        if handle := self.__dict__.get("_handle"):
-            handle.release(self)
-        if system := self.__dict__.get("_system"):
-            system.release(self)
-
     # ---- The state ---------------------------------------------------------------------------------------------------
-
-    @property
-    def system(self) -> System:
-        return self._made_of[0]
-
-    @property
-    def method(self) -> Method:
-        return self._made_of[1]
 
     @property
     def t(self) -> float:
