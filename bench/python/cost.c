@@ -1,5 +1,5 @@
-/* cost.c - the runs of cost.py in C: cost STEPS REPETITIONS prints the least CPU time of an integrator that makes so many
- * steps of Kepler's problem and keeps the state of each where they are few, in seconds. */
+/* cost.c - makes the runs of cost.py in C. `cost STEPS REPETITIONS` prints the least CPU time, in seconds, that an
+ * integrator takes for so many steps of Kepler's problem; it keeps the state of each step if they are few. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

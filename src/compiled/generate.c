@@ -5,10 +5,9 @@
 #include <inttypes.h>
 #include <string.h>
 
-extern const char *const tvi_embedded_code[],
-    *const tvi_embedded_galerkin[], *const tvi_embedded_galerkin_plain[],
-                                        *const tvi_embedded_galerkin_lagrangian[],
-                                            *const tvi_embedded_galerkin_hamiltonian[], *const tvi_embedded_curve[];
+extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[], *const tvi_embedded_curve[];
+extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
+extern const char *const tvi_embedded_galerkin_hamiltonian[];
 
 static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 {

@@ -67,8 +67,8 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
 void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name);
 /* Defines `static const int galerkin_what[]`, with a 0 behind it. */
 void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[]);
-extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[],
-                                                            *const tvi_embedded_galerkin_hamiltonian[];
+extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
+extern const char *const tvi_embedded_galerkin_hamiltonian[];
 /* Of a block of the tape the rows that a sweep of it does not set. */
 static inline int galerkin_rows_kept(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
