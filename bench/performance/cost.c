@@ -1,29 +1,20 @@
 /* cost.c - what a step of type I at the midpoint costs: against n, with Jacobians as matrices and as products, and
  * against N. Linked with --wrap=tvi_curve_jacobians_for, so that both can be had at every n.
- * Writes DIR/cost_n.md, cost_degree.md, crossover.md, exponents.md, cost_n.csv and cost_degree.csv.
+ * Writes DIR/cost_n.md, cost_degree.md, cost_n.csv and cost_degree.csv.
  *
  *   cost DIR */
 #include "curves.h"
 #include "experiments/experiment.h"
 #include "stepping.h"
 
-#include <math.h>
-
 static const int bodies[] = {3, 4, 5, 6, 8, 10, 15, 20, 30, 40};
 static const int degrees[] = {2, 3, 4, 6, 8, 10, 12, 16, 20, 25, 30};
-static const int small[] = {2, 4, 6, 8, 10, 12, 14, 16, 20, 24};
-enum {
-    BODIES = sizeof bodies / sizeof *bodies,
-    DEGREES = sizeof degrees / sizeof *degrees,
-    SMALL = sizeof small / sizeof *small,
-    POINTS = 16,
-    DEGREE = 8
-};
+enum { BODIES = sizeof bodies / sizeof *bodies, DEGREES = sizeof degrees / sizeof *degrees, DEGREE = 8 };
 
 /* ---- The choice of the Jacobians ------------------------------------------------------------------------------------
  */
 
-static tvi_jacobians forced = TVI_NO_JACOBIANS; /* no: as the library chooses */
+static tvi_jacobians forced = TVI_NO_JACOBIANS; /* TVI_NO_JACOBIANS: the library chooses. */
 
 tvi_jacobians __real_tvi_curve_jacobians_for(const tvi_system *system);
 tvi_jacobians __wrap_tvi_curve_jacobians_for(const tvi_system *system);
@@ -67,45 +58,6 @@ static cost measure(const big_system *b, int N)
     return found;
 }
 
-/* ---- Fits -----------------------------------------------------------------------------------------------------------
- */
-
-typedef struct {
-    double x[POINTS], y[POINTS];
-    int count;
-} line;
-
-static void add_point(line *l, double x, double y)
-{
-    l->x[l->count] = log(x);
-    l->y[l->count++] = log(y);
-}
-
-/* Of the straight line through (log x, log y): the a of y = c x^a. */
-static double exponent(const line *l)
-{
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (int i = 0; i < l->count; i++) x += l->x[i] / l->count, y += l->y[i] / l->count;
-    for (int i = 0; i < l->count; i++) {
-        xx += (l->x[i] - x) * (l->x[i] - x);
-        xy += (l->x[i] - x) * (l->y[i] - y);
-    }
-    return xy / xx;
-}
-
-/* of matrices, products, and the expansion */
-static void write_exponents(FILE *table, const char *what, const line of[3])
-{
-    fprintf(table, "| %s | %.2f | %.2f | %.2f |\n", what, exponent(&of[0]), exponent(&of[1]), exponent(&of[2]));
-}
-
-static void add_cost(line of[3], double x, const cost *c)
-{
-    add_point(&of[0], x, c->matrices);
-    add_point(&of[1], x, c->products);
-    add_point(&of[2], x, c->expansion);
-}
-
 /* ---- Tables ---------------------------------------------------------------------------------------------------------
  */
 
@@ -126,33 +78,27 @@ static void write_csv(FILE *csv, int x, const cost *c)
     "products / matrices (time)|products / expansion (time)"
 #define CSV_COSTS ",expansion us,matrices us,products us"
 
-static void against_n(const experiment *e, FILE *exponents)
+static void against_n(const experiment *e)
 {
     FILE *table = experiment_table(e, "cost_n", "bodies|n|" COSTS);
     FILE *csv = experiment_csv(e, "cost_n", "n" CSV_COSTS);
-    line all[3] = {0}, large[3] = {0};
     for (int i = 0; i < BODIES; i++) {
         big_system b = bodies_make(bodies[i], 3);
         const cost c = measure(&b, DEGREE);
         fprintf(table, "| %d | %d |", bodies[i], b.n);
         write_row(table, &c);
         write_csv(csv, b.n, &c);
-        add_cost(all, b.n, &c);
-        if (bodies[i] >= 10) add_cost(large, b.n, &c);
         tvi_system_free(b.system);
         experiment_progress("cost: %d bodies", bodies[i]);
     }
-    write_exponents(exponents, "n, 3 to 40 bodies, N = 8", all);
-    write_exponents(exponents, "n, 10 to 40 bodies, N = 8", large);
     experiment_close(table);
     experiment_close(csv);
 }
 
-static void against_degree(const experiment *e, FILE *exponents)
+static void against_degree(const experiment *e)
 {
     FILE *table = experiment_table(e, "cost_degree", "N|" COSTS);
     FILE *csv = experiment_csv(e, "cost_degree", "N" CSV_COSTS);
-    line all[3] = {0}, large[3] = {0};
     big_system b = bodies_make(6, 3);
     b.h = 0.1; /* low orders converge, too */
     for (int i = 0; i < DEGREES; i++) {
@@ -160,47 +106,17 @@ static void against_degree(const experiment *e, FILE *exponents)
         fprintf(table, "| %d |", degrees[i]);
         write_row(table, &c);
         write_csv(csv, degrees[i], &c);
-        add_cost(all, degrees[i], &c);
-        if (degrees[i] >= 10) add_cost(large, degrees[i], &c);
         experiment_progress("cost: N = %d", degrees[i]);
     }
     tvi_system_free(b.system);
-    write_exponents(exponents, "N from 2 to 30, 6 bodies", all);
-    write_exponents(exponents, "N from 10 to 30, 6 bodies", large);
     experiment_close(table);
     experiment_close(csv);
-}
-
-static void crossover(const experiment *e)
-{
-    FILE *table = experiment_table(e, "crossover",
-                                   "n|library|gravity in the plane: products / matrices (time)|"
-                                   "chain: products / matrices (time)");
-    for (int i = 0; i < SMALL; i++) {
-        const int n = small[i];
-        big_system of[] = {bodies_make(n / 2 > 1 ? n / 2 : 2, 2), chain_make(n)};
-        const tvi_jacobians taken = tvi_curve_jacobians_for(of[1].system);
-        fprintf(table, "| %d | %s |", n, taken == TVI_JACOBIAN_PRODUCTS ? "products" : "matrices");
-        for (int k = 0; k < 2; k++) {
-            const cost c = measure(&of[k], DEGREE);
-            if (of[k].n == n) fprintf(table, " %.2f |", c.products / c.matrices);
-            else fprintf(table, " - |");
-            tvi_system_free(of[k].system);
-        }
-        fprintf(table, "\n");
-        experiment_progress("cost: matrices against products, n = %d", n);
-    }
-    experiment_close(table);
 }
 
 int main(int argc, char *argv[])
 {
     const experiment e = experiment_begin(argc, argv);
-    FILE *exponents =
-        experiment_table(&e, "exponents", "cost as a power of|matrices (time)|products (time)|expansion (time)");
-    against_n(&e, exponents);
-    against_degree(&e, exponents);
-    crossover(&e);
-    experiment_close(exponents);
+    against_n(&e);
+    against_degree(&e);
     return 0;
 }

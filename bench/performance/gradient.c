@@ -15,54 +15,48 @@ typedef struct {
     FILE *table, *csv;
 } files;
 
-static void measure(const tvi_system *system, const double q[], const double p[], double h, isa which,
-                    const char *title, const files *f)
+static void measure(const tvi_system *system, const double q[], const double p[], double h, const char *title,
+                    const files *f)
 {
     open_curve *c = curve_open(system, DEGREE, q, p, h);
     turn t[] = {{.work = curve_expand, .ctx = c}, {.work = curve_gradient, .ctx = c}, {.work = curve_pull, .ctx = c}};
     turns_time(3, t);
     const double sweep = t[2].seconds / t[0].seconds, gradient = t[1].seconds / t[0].seconds;
-    fprintf(f->table, "| %s | %d | %s | %.2f | %.2f | %.2f | %.2f |\n", title, system->n, isa_name(which),
-            1e6 * t[0].seconds, gradient - sweep, sweep, gradient);
-    fprintf(f->csv, "%s,%d,%s,%.1f,%.1f,%.1f\n", title, system->n, isa_name(which), 1e9 * t[0].seconds,
-            1e9 * t[1].seconds, 1e9 * t[2].seconds);
+    fprintf(f->table, "| %s | %d | %.2f | %.2f | %.2f | %.2f |\n", title, system->n, 1e6 * t[0].seconds,
+            gradient - sweep, sweep, gradient);
+    fprintf(f->csv, "%s,%d,%.1f,%.1f,%.1f\n", title, system->n, 1e9 * t[0].seconds, 1e9 * t[1].seconds,
+            1e9 * t[2].seconds);
     curve_close(c);
 }
 
-static void measure_solar(isa which, const files *f)
+static void measure_solar(const files *f)
 {
     const scene *s = &scene_solar;
-    isa_pin(which);
     tvi_system *system = experiment_system(s);
-    measure(system, s->q, s->p, 400, which, "outer Solar System", f);
+    measure(system, s->q, s->p, 400, "outer Solar System", f);
     tvi_system_free(system);
 }
 
-static void measure_bodies(int count, isa which, const files *f)
+static void measure_bodies(int count, const files *f)
 {
     char title[32];
     snprintf(title, sizeof title, "%d bodies", count);
-    isa_pin(which);
     big_system b = bodies_make(count, 3);
-    measure(b.system, b.q, b.p, b.h, which, title, f);
+    measure(b.system, b.q, b.p, b.h, title, f);
     tvi_system_free(b.system);
 }
 
 int main(int argc, char *argv[])
 {
     const experiment e = experiment_begin(argc, argv);
-    static const isa sets[] = {ISA_WIDEST, ISA_BASE};
-    const files f = {
-        experiment_table(&e, "gradient",
-                         "system|n|instruction set|expansion, us (time)|nodes and seeds / expansion (time)|"
-                         "adjoint sweep / expansion (time)|gradient / expansion (time)"),
-        experiment_csv(&e, "gradient", "system,n,instruction set,expansion ns,gradient ns,adjoint sweep ns")};
-    for (int set = 0; set < 2; set++) {
-        measure_solar(sets[set], &f);
-        for (int i = 0; i < SIZES; i++) {
-            measure_bodies(sizes[i], sets[set], &f);
-            experiment_progress("gradient: %s, %d bodies", isa_name(sets[set]), sizes[i]);
-        }
+    const files f = {experiment_table(&e, "gradient",
+                                      "system|n|expansion, us (time)|nodes and seeds / expansion (time)|"
+                                      "adjoint sweep / expansion (time)|gradient / expansion (time)"),
+                     experiment_csv(&e, "gradient", "system,n,expansion ns,gradient ns,adjoint sweep ns")};
+    measure_solar(&f);
+    for (int i = 0; i < SIZES; i++) {
+        measure_bodies(sizes[i], &f);
+        experiment_progress("gradient: %d bodies", sizes[i]);
     }
     experiment_close(f.table);
     experiment_close(f.csv);

@@ -1,6 +1,6 @@
 # What docs/performance.md shows, six minutes. Included by the Makefile after bench.mk.
 
-PERFORMANCE          := series gradient cost dispatch events compiled compiling targets ensembles
+PERFORMANCE          := series gradient cost dispatch events compiled compiling rivals ensembles
 PERFORMANCE_DIR       = $(BUILD)/bench/performance
 PERFORMANCE_PROGRAMS  = $(PERFORMANCE:%=$(PERFORMANCE_DIR)/%)
 PERFORMANCE_SHARED    = $(patsubst %,$(PERFORMANCE_DIR)/%.o,turns bodies curves stepping) $(EXPERIMENTS_DIR)/experiment.o

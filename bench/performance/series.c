@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-static const int degrees[] = {6, 8, 10, 12, 14, 16, 18, 20};
+static const int degrees[] = {6, 10, 14, 20};
 enum { COUNT = sizeof degrees / sizeof *degrees };
 
 /* Steps that have all coefficients of about one size. */
