@@ -10,14 +10,16 @@ curve(file, label) = rows(file, of(label), "$2, $3")
 
 do for [type in types] {
     eval open(type, "adaptive", 1000, 460)
-    set multiplot layout 1,2 margins 0.07, 0.985, 0.33, 0.925 spacing 0.08, 0.1
-    set title "Pythagorean three bodies: the steps in t"
+    set multiplot layout 1,2 margins 0.08, 0.985, 0.33, 0.925 spacing 0.1, 0.1
+    set title "Pythagorean three bodies: size of the steps"
+    set ylabel "step in t"
     set xlabel "t"
     set xrange [0:70]; set yrange [1e-7:10]
     set key at screen 0.27, 0.01 center bottom Left reverse samplen 2
     plot curve("steps", "pythagorean automatic 0.3") with lines lw 1 lc rgb midpoint_colour title "automatic g", \
          curve("steps", "pythagorean own 0.9") with lines lw 1 lc rgb tvi_colour title "own g, of the pairs"
-    set title "Kepler: distance from the solution at pericentre"
+    set title "Kepler: error of the position at pericentre"
+    set ylabel "distance from the solution, a = 1"
     set xlabel "revolutions"
     set xrange [0:100]; set yrange [1e-15:1]
     set key at screen 0.75, 0.01 center bottom maxrows 4 Left reverse samplen 2

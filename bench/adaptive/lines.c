@@ -5,7 +5,6 @@
 #define OWN       .method = "galerkin", .order = 16, .g = ADAPTIVE_OWN
 #define AUTOMATIC .method = "galerkin", .order = 16, .g = ADAPTIVE_AUTOMATIC
 #define POINCARE  .method = "poincare", .order = 20, .g = ADAPTIVE_OWN
-#define RIGHT     .method = "right", .order = 12, .g = ADAPTIVE_OWN
 #define TOLERANCE .method = "taylor", .order = 18, .g = ADAPTIVE_TOLERANCE, .h = 1e-14
 
 /* With the automatic g a revolution is 5^(1/4) times as long. */
@@ -20,28 +19,23 @@ const adaptive_line adaptive_lines[] = {
     {&hard_kepler_90, OWN, .h = S_90 / 10},
     {&hard_kepler_90, AUTOMATIC, .h = ROOT_5 * S_90 / 10},
     {&hard_kepler_90, POINCARE, .h = S_90 / 15},
-    {&hard_kepler_90, RIGHT, .h = S_90 / 73},
     {&hard_kepler_90, TOLERANCE},
     {&hard_kepler_99, FIXED, .h = ADAPTIVE_REVOLUTION / 800},
     {&hard_kepler_99, FIXED, .h = ADAPTIVE_REVOLUTION / 6400},
     {&hard_kepler_99, OWN, .h = S_99 / 10},
-    {&hard_kepler_99, OWN, .h = 1.1447},
     {&hard_kepler_99, AUTOMATIC, .h = ROOT_5 * S_99 / 10},
     {&hard_kepler_99, POINCARE, .h = S_99 / 15},
-    {&hard_kepler_99, RIGHT, .h = S_99 / 73},
     {&hard_kepler_99, TOLERANCE},
     {&hard_kepler_999, FIXED, .h = ADAPTIVE_REVOLUTION / 6400},
     {&hard_kepler_999, OWN, .h = S_999 / 15},
     {&hard_kepler_999, AUTOMATIC, .h = ROOT_5 * S_999 / 15},
     {&hard_kepler_999, POINCARE, .h = S_999 / 20},
-    {&hard_kepler_999, RIGHT, .h = S_999 / 100},
     {&hard_kepler_999, TOLERANCE},
     {&hard_pythagorean, FIXED, .h = 1e-3},
     {&hard_pythagorean, FIXED, .h = 1e-4},
     {&hard_pythagorean, OWN, .h = 0.9},
     {&hard_pythagorean, AUTOMATIC, .h = 0.3},
     {&hard_pythagorean, POINCARE, .h = 0.6},
-    {&hard_pythagorean, RIGHT, .h = 0.1},
     {&hard_pythagorean, TOLERANCE},
     {&hard_comet, FIXED, .h = 120.0 / 6400},
     {&hard_comet, OWN, .h = 0.06},

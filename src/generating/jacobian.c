@@ -9,7 +9,7 @@
 
 #include <string.h>
 
-/* The n from which a system has products. They are cheaper from about 6 on (docs/performance.md), but stiff systems of
+/* The n from which a system has products. They cost less from about 6 on, but stiff systems of
  * few bodies at large steps do better with matrices, which can be made anew by differences. */
 enum { PRODUCTS_FROM = 8 };
 
