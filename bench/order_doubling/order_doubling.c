@@ -119,7 +119,7 @@ static convergence converge(const tvi_system *system, int problem, const tvi_opt
 /* ---- The tables of errors ---------------------------------------------------------------------------------------- */
 
 typedef struct {
-    FILE *orders, *ladders, *csv, *price;
+    FILE *orders, *csv, *price;
 } files;
 
 static tvi_options options_of(int method, int degree)
@@ -129,20 +129,13 @@ static tvi_options options_of(int method, int degree)
     return options;
 }
 
-static void write_ladder(const files *f, int problem, int method, int degree, const convergence *c)
+static void write_errors(const files *f, int problem, int method, int degree, const convergence *c)
 {
     const scene *s = problems[problem].scene;
     for (int k = 0; k < DOUBLINGS; k++)
         if (c->error[k] > 0)
             fprintf(f->csv, "%s,%s,%d,%d,%.10g,%.4e\n", s->name, methods[method].name, degree, STEPS_FIRST << k,
                     problems[problem].t_end / (STEPS_FIRST << k), c->error[k]);
-    if (degree != DEGREES) return;
-    fprintf(f->ladders, "| %s | %s |", s->name, methods[method].title);
-    for (int k = 1; k < 6; k++)
-        if (isnan(c->error[k])) fprintf(f->ladders, " - |");
-        else fprintf(f->ladders, " %.1e |", c->error[k]);
-    if (isnan(c->order)) fprintf(f->ladders, " - |\n");
-    else fprintf(f->ladders, " %.1f |\n", c->order);
 }
 
 /* "order (error)", or what is known of it. */
@@ -160,14 +153,14 @@ static bool measure_problem(const files *f, int problem)
     state_at_end exact;
     if (scene_system(s, &system) != TVI_OK) return false;
     bool good = solve(system, problem, &exact) == TVI_OK;
-    for (int degree = 1; degree <= DEGREES && good; degree++) {
+    for (int degree = 2; degree <= DEGREES && good; degree++) {
         fprintf(f->orders, "| %s | %d |", s->name, degree);
         for (int method = 0; method < METHODS; method++) {
             const tvi_options options = options_of(method, degree);
             convergence c = no_convergence();
             const bool serves = tvi_options_check(system, &options, NULL) == TVI_OK;
             if (serves) c = converge(system, problem, &options, &exact);
-            if (serves) write_ladder(f, problem, method, degree, &c);
+            if (serves) write_errors(f, problem, method, degree, &c);
             write_cell(f, &c);
         }
         fprintf(f->orders, "\n");
@@ -224,9 +217,6 @@ static void write_heads(const files *f)
     fprintf(f->orders, "\n|---|---|");
     for (int method = 0; method < METHODS; method++) fprintf(f->orders, "---|");
     fprintf(f->orders, "\n");
-    fprintf(f->ladders, "| scene | method |");
-    for (int k = 1; k < 6; k++) fprintf(f->ladders, " %d steps |", STEPS_FIRST << k);
-    fprintf(f->ladders, " order |\n|---|---|---|---|---|---|---|---|\n");
     fprintf(f->csv, "scene,method,degree,steps,h,error\n");
     fprintf(f->price, "| scene | N |");
     for (int method = 1; method < METHODS; method++) fprintf(f->price, " %s (time) |", methods[method].title);
@@ -255,13 +245,12 @@ int main(int argc, char *argv[])
         return EXIT_FAILURE;
     }
     mkdir(argv[1], 0777);
-    const files f = {open_in(argv[1], "orders.md"), open_in(argv[1], "ladders.md"), open_in(argv[1], "errors.csv"),
-                     open_in(argv[1], "price.md")};
+    const files f = {open_in(argv[1], "orders.md"), open_in(argv[1], "errors.csv"), open_in(argv[1], "price.md")};
     write_heads(&f);
     bool good = true;
     for (int problem = 0; problem < PROBLEMS; problem++) good &= measure_problem(&f, problem);
     for (int i = 0; i < PRICED; i++) good &= measure_price(&f, priced[i].scene, priced[i].h);
-    FILE *const all[] = {f.orders, f.ladders, f.csv, f.price};
-    for (int i = 0; i < 4; i++) good &= fclose(all[i]) == 0;
+    FILE *const all[] = {f.orders, f.csv, f.price};
+    for (int i = 0; i < 3; i++) good &= fclose(all[i]) == 0;
     return good ? EXIT_SUCCESS : EXIT_FAILURE;
 }
