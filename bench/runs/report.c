@@ -123,7 +123,7 @@ bool report_is_named(const run *row, const void *name) { return strcmp(row->meth
 
 void report_methods(const report *r, const scene *s, const char *const names[], int count, FILE *out)
 {
-    static const double bounds[] = {1e-4, 1e-6, 1e-8, 1e-10};
+    static const double bounds[] = {1e-4, 1e-8};
     for (size_t i = 0; i < sizeof bounds / sizeof *bounds; i++) {
         fprintf(out, "| %s | %.0e |", s->name, bounds[i]);
         for (int k = 0; k < count; k++) {
