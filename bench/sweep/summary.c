@@ -4,7 +4,7 @@
 #include <string.h>
 
 /* The errors of a table, 0 ends. */
-static const double energy_errors[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 0}, position_errors[] = {1e-6, 1e-8, 1e-10, 0};
+static const double energy_errors[] = {1e-4, 1e-8, 1e-12, 0}, position_errors[] = {1e-6, 1e-8, 1e-10, 0};
 
 static const struct {
     const char *file, *title, *head;
