@@ -1,6 +1,6 @@
 /* cost.c - what a step of type I at the midpoint costs: against n, with Jacobians as matrices and as products, and
  * against N. Linked with --wrap=tvi_curve_jacobians_for, so that both can be had at every n.
- * Writes DIR/cost_n.md, cost_degree.md, cost_n.csv and cost_degree.csv.
+ * Writes DIR/cost_n.md, cost_n.csv and cost_degree.csv.
  *
  *   cost DIR */
 #include "curves.h"
@@ -97,19 +97,15 @@ static void against_n(const experiment *e)
 
 static void against_degree(const experiment *e)
 {
-    FILE *table = experiment_table(e, "cost_degree", "N|" COSTS);
     FILE *csv = experiment_csv(e, "cost_degree", "N" CSV_COSTS);
     big_system b = bodies_make(6, 3);
     b.h = 0.1; /* low orders converge, too */
     for (int i = 0; i < DEGREES; i++) {
         const cost c = measure(&b, degrees[i]);
-        fprintf(table, "| %d |", degrees[i]);
-        write_row(table, &c);
         write_csv(csv, degrees[i], &c);
         experiment_progress("cost: N = %d", degrees[i]);
     }
     tvi_system_free(b.system);
-    experiment_close(table);
     experiment_close(csv);
 }
 

@@ -1,6 +1,6 @@
 # What docs/performance.md shows, six minutes. Included by the Makefile after bench.mk.
 
-PERFORMANCE          := series gradient cost dispatch events compiled compiling rivals ensembles
+PERFORMANCE          := cost dispatch events compiled compiling rivals ensembles
 PERFORMANCE_DIR       = $(BUILD)/bench/performance
 PERFORMANCE_PROGRAMS  = $(PERFORMANCE:%=$(PERFORMANCE_DIR)/%)
 PERFORMANCE_SHARED    = $(patsubst %,$(PERFORMANCE_DIR)/%.o,turns bodies curves stepping) $(EXPERIMENTS_DIR)/experiment.o
@@ -24,7 +24,7 @@ BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand.%.o)
 $(BY_HAND): BASE += -Ibench -Ibench/scenes -Ibench/baselines
 $(PERFORMANCE_DIR)/by_hand.o: TOOL = $(BASE)
 $(PERFORMANCE_DIR)/%.o: TOOL += -Ibench/baselines $(if $(ISAS),-DJET_ISA_X86)
-$(PERFORMANCE_DIR)/series $(PERFORMANCE_DIR)/compiled: $(BY_HAND)
+$(PERFORMANCE_DIR)/compiled: $(BY_HAND)
 $(PERFORMANCE_DIR)/compiled: $(BUILD)/bench/adaptive/solution.o
 
 # matrices where the library takes products, and the reverse
