@@ -24,18 +24,13 @@ static const stop stops[] = {{"no pass", 0, TVI_PREDICT_ONLY},
                              {"1e-7", 1e-7, 0},
                              {"1e-8", 1e-8, 0},
                              {"1e-9", 1e-9, 0},
-                             {"1e-10", 1e-10, 0},
-                             {"1e-11", 1e-11, 0},
-                             {"1e-12", 1e-12, 0},
-                             {"1e-13", 1e-13, 0},
-                             {"1e-14", 1e-14, 0},
                              {"roundoff", 0, 0}};
 enum { STOPS = sizeof stops / sizeof *stops };
 
 static const struct {
     const char *name;
     int order, step_over; /* only every so many-th stop from the fifth on */
-} methods[] = {{"tvi", 4, 1}, {"symmetric-tvi", 4, 11}, {"start", 8, 11}, {"midpoint", 8, 11}};
+} methods[] = {{"tvi", 4, 1}, {"symmetric-tvi", 4, 6}, {"start", 8, 6}, {"midpoint", 8, 6}};
 enum { METHODS = sizeof methods / sizeof *methods, FIXED = 4 };
 
 typedef struct {

@@ -93,7 +93,10 @@ experiment_method experiment_find(const char *name, int order)
 {
     experiment_method m = {.who = {.name = name, .order = order}};
     snprintf(m.label, sizeof m.label, "%s %d", name, order);
-    if (tvi_options_named(name, order, &m.who.options) == TVI_OK) return m;
+    if (tvi_options_named(name, order, &m.who.options) == TVI_OK) {
+        m.who.options.max_tail = -1;
+        return m;
+    }
     m.who.baseline = baseline_find(name, order);
     if (!m.who.baseline) experiment_fail(m.label, "no such method");
     return m;

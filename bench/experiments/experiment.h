@@ -38,6 +38,7 @@ typedef struct {
     contender who;
 } experiment_method;
 
+/* The method refuses no step for being too large, as those of the paper do not. */
 experiment_method experiment_find(const char *name, int order);
 /* The same with another quadrature; said is what the label says of it. */
 experiment_method experiment_find_with(const char *name, int order, tvi_quadrature quadrature, int points,

@@ -3,7 +3,6 @@
 #include "experiment.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* ---- Poincare sections: (y, p_y) where x = 0 and p_x > 0 ------------------------------------------------------ */
@@ -24,29 +23,11 @@ enum { STARTS = sizeof starts / sizeof *starts };
 
 /* The three orbits of docs/method.md section 9. */
 static const struct {
-    const char *label;
     double H, q[2], p[2];
-} named[] = {{"(1/4, -1/4, 1/4, 0)", 1.0 / 12, {0.25, -0.25}, {0.25, 0}},
-             {"(0, 3/8, 3/8, 1/16)", 1.0 / 8, {0, 0.375}, {0.375, 0.0625}},
-             {"(1/4, 3/8, 3/16, 0)", 1.0 / 8, {0.25, 0.375}, {0.1875, 0}}};
+} named[] = {{1.0 / 12, {0.25, -0.25}, {0.25, 0}},
+             {1.0 / 8, {0, 0.375}, {0.375, 0.0625}},
+             {1.0 / 8, {0.25, 0.375}, {0.1875, 0}}};
 enum { NAMED = sizeof named / sizeof *named };
-
-enum { GRID = 200 }; /* cells of 0.01 x 0.01 on the section */
-
-typedef struct {
-    experiment_energy energy;
-    long crossings, cells;
-    bool seen[GRID][GRID];
-} section;
-
-static void note_cell(section *s, double y, double p_y)
-{
-    const long i = lround(100 * y) + GRID / 2, k = lround(100 * p_y) + GRID / 2;
-    s->crossings++;
-    if (i < 0 || i >= GRID || k < 0 || k >= GRID || s->seen[i][k]) return;
-    s->seen[i][k] = true;
-    s->cells++;
-}
 
 /* Where x = 0 in the last step, by bisection on the step's own curve; x < 0 before and >= 0 after it. */
 static bool cross(tvi_integrator *integrator, double q[2], double p[2])
@@ -61,14 +42,11 @@ static bool cross(tvi_integrator *integrator, double q[2], double p[2])
     return true;
 }
 
-/* One orbit; false where a step fails, and then as far as it came. */
-static bool draw_section(const experiment_method *method, const tvi_system *system, int orbit, double H, double q[2],
-                         double p[2], FILE *csv, section *s)
+/* Draws one orbit, as far as its steps succeed. */
+static void draw_section(const experiment_method *method, const tvi_system *system, int orbit, double H, double q[2],
+                         double p[2], FILE *csv)
 {
     tvi_integrator *integrator;
-    scene start_here = scene_henon_heiles_8;
-    start_here.q = q, start_here.p = p;
-    *s = (section){.energy = experiment_energy_begin(system, &start_here)};
     if (tvi_integrator_create(&integrator, system, &method->who.options) != TVI_OK)
         experiment_fail(method->label, "refused");
     double t = 0;
@@ -77,54 +55,34 @@ static bool draw_section(const experiment_method *method, const tvi_system *syst
         const double x = q[0];
         status = tvi_step(integrator, section_step, &t, q, p);
         if (status != TVI_OK) break;
-        experiment_energy_note(&s->energy, t, q, p);
         double Q[2], P[2];
         if (!(x < 0 && q[0] >= 0) || !cross(integrator, Q, P)) continue;
-        note_cell(s, Q[1], P[1]);
         fprintf(csv, "%s,%d,%d,%.6f,%.6f\n", method->label, (int)lround(1 / H), orbit, Q[1], P[1]);
     }
     tvi_integrator_free(integrator);
-    return status == TVI_OK;
-}
-
-static void write_section(FILE *table, const experiment_method *method, int orbit, bool whole, const section *s)
-{
-    fprintf(table, "| %s | %s | %d |", method->label, named[orbit].label, (int)lround(1 / named[orbit].H));
-    if (!whole) fprintf(table, " fails | - | - | - |\n");
-    else
-        fprintf(table, " %.1e | %.1e | %ld | %ld |\n", experiment_energy_mean(&s->energy), s->energy.worst,
-                s->crossings, s->cells);
 }
 
 static void sections(const experiment *e)
 {
     const experiment_method methods[] = {experiment_find("tvi", 6), experiment_find("taylor", 6),
-                                         experiment_find("start", 12), experiment_find("midpoint", 12)};
+                                         experiment_find("midpoint", 12)};
     tvi_system *system = experiment_system(&scene_henon_heiles_8);
-    section *s = malloc(sizeof *s);
-    if (!s) experiment_fail("sections", "no memory");
     FILE *csv = experiment_csv(e, "henon_heiles_sections", "method,1/H,orbit,y,p_y");
-    FILE *table = experiment_table(e, "henon_heiles_sections",
-                                   " method | start (q, p) | 1/H | mean energy error (chaotic) | largest (chaotic) "
-                                   "| crossings (chaotic) | cells visited (chaotic) ");
-    for (int m = 0; m < 4; m++) {
+    for (int m = 0; m < 3; m++) {
         experiment_progress("  sections: %s", methods[m].label);
         for (int k = 0; k < STARTS; k++) {
             const double y = starts[k].y, p_y = starts[k].p_y;
             double q[2] = {0, y}, p[2] = {sqrt(2 * starts[k].H - p_y * p_y - y * y + 2 * y * y * y / 3), p_y};
-            draw_section(&methods[m], system, k, starts[k].H, q, p, csv, s);
+            draw_section(&methods[m], system, k, starts[k].H, q, p, csv);
         }
         for (int k = 0; k < NAMED; k++) {
             double q[2], p[2];
             memcpy(q, named[k].q, sizeof q);
             memcpy(p, named[k].p, sizeof p);
-            const bool whole = draw_section(&methods[m], system, STARTS + k, named[k].H, q, p, csv, s);
-            write_section(table, &methods[m], k, whole, s);
+            draw_section(&methods[m], system, STARTS + k, named[k].H, q, p, csv);
         }
     }
     experiment_close(csv);
-    experiment_close(table);
-    free(s);
     tvi_system_free(system);
 }
 

@@ -6,14 +6,15 @@ load ARG2."/style.gp"
 
 wrapped(q) = q - 2 * pi * floor((q + pi) / (2 * pi))
 momentum(H, q) = sqrt(2 * (H - 9.8 * (1 - cos(q))))
-energies = system(sprintf("awk -F'|' 'NR > 2 {print $3}' %s/pendulum_levels.md", dir))
+energies = system(sprintf("awk -F, '$1 == \"midpoint 4\" && !seen[$2]++ {print $5 * $5 / 2 + 9.8 * (1 - cos($4))}' " \
+    ."%s/pendulum_levels.csv", dir))
 
 do for [type in types] {
     eval open(type, "pendulum_levels", 860, 330)
     set multiplot layout 1,3 margins 0.06, 0.985, 0.14, 0.91 spacing 0.04, 0.1
     set xrange [-pi:pi]; set yrange [-9:9]; set samples 2000
     set xtics ("-π" -pi, "-π/2" -pi/2, "0" 0, "π/2" pi/2, "π" pi)
-    set xlabel "q"; set ylabel "p"
+    set xlabel "q (rad)"; set ylabel "p (1/s)"
     unset key
     exact = "for [H in energies] momentum(real(H), x) lc rgb grey lw 1, " \
         ."for [H in energies] -momentum(real(H), x) lc rgb grey lw 1"

@@ -164,7 +164,8 @@ void longrun_run(longrun_series *series, const longrun_line *line, int orbits, d
     tvi_system *system = experiment_system(line->scene), *rescaled = NULL;
     if (line->scale && tvi_system_rescaled(&rescaled, system, line->scale, NULL) != TVI_OK)
         experiment_fail(line->title, "cannot be rescaled");
-    const experiment_method method = experiment_find(line->method, line->order);
+    experiment_method method = experiment_find(line->method, line->order);
+    method.who.options.max_tail = 0;
     tvi_compiled *code = NULL;
     ensemble all = {
         .series = series, .system = system, .stepped = rescaled ? rescaled : system, .options = method.who.options};
