@@ -1,4 +1,4 @@
-# What docs/performance.md shows, six minutes. Included by the Makefile after bench.mk.
+# What docs/performance.md shows, five minutes. Included by the Makefile after bench.mk.
 
 PERFORMANCE          := cost dispatch events compiled compiling rivals ensembles
 PERFORMANCE_DIR       = $(BUILD)/bench/performance
@@ -6,14 +6,13 @@ PERFORMANCE_PROGRAMS  = $(PERFORMANCE:%=$(PERFORMANCE_DIR)/%)
 PERFORMANCE_SHARED    = $(patsubst %,$(PERFORMANCE_DIR)/%.o,turns bodies curves stepping) $(EXPERIMENTS_DIR)/experiment.o
 
 # ONE=name for one of them
-performance: need-bench need-check
-	@$(MAKE) --no-print-directory -s $(PERFORMANCE_PROGRAMS) $(BUILD)/bench/steps/steps
+performance: need-bench
+	@$(MAKE) --no-print-directory -s $(PERFORMANCE_PROGRAMS)
 	@for name in $(or $(ONE),$(PERFORMANCE)); do \
 	    OPENBLAS_NUM_THREADS=1 $(PERFORMANCE_DIR)/$$name $(PERFORMANCE_DIR) || exit 1; done
 	@[ -n "$(ONE)" ] || { echo '| | |'; echo '|---|---|'; \
 	    sed -n 's/^# \(processor\|compiler\|flags\|flags of the baselines\|widest instruction set\): \(.*\)/| \1 | \2 |/p' \
 	        $(PERFORMANCE_DIR)/work_precision.csv; } >$(PERFORMANCE_DIR)/machine.md
-	@[ -n "$(ONE)" ] || bench/performance/profile.sh $(BUILD)/bench/steps/steps >$(PERFORMANCE_DIR)/profile.md
 	@[ -n "$(ONE)" ] || gnuplot -c bench/performance/performance.gp $(PERFORMANCE_DIR) bench/experiments
 	@for file in $(PERFORMANCE_DIR)/$(ONE)*.md; do echo && cat $$file; done
 
