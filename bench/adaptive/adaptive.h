@@ -43,7 +43,7 @@ double adaptive_time_of_unit(void);
 /* growth.md: errors against the length of the run. */
 void adaptive_growth(const experiment *e);
 
-/* tolerance.md, tolerance_times.md: what a run to a tolerance reaches, and how fast. */
+/* Writes tolerance.md: the error at the end of a run to a tolerance. */
 void adaptive_tolerances(const experiment *e);
 
 /* Relative to the scene's scale; NAN where the energy is of the time, and not kept. */

@@ -1,12 +1,11 @@
-/* tolerance.c - "taylor" to a tolerance on the smooth scenes: its error, and its time beside fixed steps. */
+/* tolerance.c - "taylor" to a tolerance on the smooth scenes: its error at the end. */
 #include "adaptive.h"
 
 #include <math.h>
 #include <string.h>
 
 static const double tolerances[] = {1e-6, 1e-8, 1e-10, 1e-12, 1e-13, 1e-14, 1e-15};
-enum { TOLERANCES = sizeof tolerances / sizeof *tolerances, REPEATED = 3, MOST_STEPS = 1 << 20 };
-static const double TIMED = 1e-10;
+enum { TOLERANCES = sizeof tolerances / sizeof *tolerances };
 
 static double relative(int n, const double x[], const double y[])
 {
@@ -45,31 +44,6 @@ static void write_errors(FILE *table, const hard_scene *of)
     fflush(table);
 }
 
-/* Fixed steps of the same order, the fewest of a ladder whose error is not above this; 0: none. */
-static adaptive_line fixed_steps(const hard_scene *of, int order, double error)
-{
-    adaptive_line l = {.of = of, .method = "taylor", .order = order, .g = ADAPTIVE_FIXED};
-    for (double steps = 8; steps < MOST_STEPS; steps *= 1.1) {
-        l.h = of->scene.t_end / ceil(steps);
-        if (error_of(&l) <= error) return l;
-    }
-    l.h = 0;
-    return l;
-}
-
-static void write_times(FILE *table, const hard_scene *of)
-{
-    const adaptive_line l = to(of, TIMED, tvi_taylor_order(TIMED));
-    const double error = error_of(&l), unit = adaptive_time_of_unit();
-    const double cpu = adaptive_time_of(&l, REPEATED);
-    fprintf(table, "| %s | %.1e | %.3g | %.3g |", of->scene.title, error, 1e3 * cpu,
-            cpu / fmin(unit, adaptive_time_of_unit()));
-    const adaptive_line fixed = fixed_steps(of, l.order, error);
-    if (fixed.h > 0) fprintf(table, " %.2f |\n", cpu / adaptive_time_of(&fixed, REPEATED));
-    else fprintf(table, " - |\n");
-    fflush(table);
-}
-
 void adaptive_tolerances(const experiment *e)
 {
     static const scene *const of[] = {&scene_pendulum,        &scene_kepler,    &scene_henon_heiles_12,
@@ -81,10 +55,5 @@ void adaptive_tolerances(const experiment *e)
                                    " scene | error at 1e-6 | 1e-8 | 1e-10 | 1e-12 (chaotic) | 1e-13 (chaotic) | "
                                    "1e-14 (chaotic) | 1e-15 (chaotic) ");
     for (int i = 0; i < SCENES; i++) write_errors(table, &(hard_scene){.scene = *of[i]});
-    experiment_close(table);
-    table = experiment_table(e, "tolerance_times", " scene | error | ms (time) | u (time) | to fixed steps (time) ");
-    for (int i = 0; i < SCENES; i++) write_times(table, &(hard_scene){.scene = *of[i]});
-    write_times(table, &hard_comet);
-    write_times(table, &hard_three_planets);
     experiment_close(table);
 }
