@@ -1,7 +1,7 @@
 # gnuplot -c plot.gp DIR
 # Reads what break wrote to DIR and draws there, as PNG and SVG,
 #   linear.*   spectral radius of a step of the harmonic oscillator against h w
-#   fpu_W.*    energy error of the Fermi-Pasta-Ulam chain against h w
+#   fpu_100.*  energy error of the Fermi-Pasta-Ulam chain of w = 100 against h w
 #   survive.*  the largest step that survives, of each method, over some cases
 
 dir = ARG1
@@ -18,7 +18,7 @@ colour(i) = word(colours, i)
 do for [type in "png svg"] {
     eval open(type, "linear", 1000, 560)
     set title "Harmonic oscillator: spectral radius of a step"
-    set xlabel "h w"
+    set xlabel "h w (step times frequency)"
     set ylabel "spectral radius"
     set xrange [0:8]
     set yrange [0.95:2.2]
@@ -31,20 +31,18 @@ do for [type in "png svg"] {
     set xrange [0:3.1]
     set yrange [1e-16:1e-1]
     set ylabel "largest relative energy error"
-    do for [w in "50 100 200"] {
-        eval open(type, "fpu_".w, 860, 500)
-        set title "Fermi-Pasta-Ulam, w = ".w.", to w t = 500"
-        name(i) = system(sprintf("sed -n '/\"/p' %s/fpu_%s.dat | sed -n '%dp' | tr -d '\"'", dir, w, i))
-        is_gauss(i) = name(i)[1:5] eq "gauss" # "galerkin" is drawn over it
-        plot for [i=1:17] dir."/fpu_".w.".dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps (is_gauss(i) ? 0.8 : 0.5) \
-            lw (is_gauss(i) ? 3.5 : 1.4) lc rgb colour(i) title name(i)
-    }
+    eval open(type, "fpu_100", 860, 500)
+    set title "Fermi-Pasta-Ulam, w = 100, to w t = 500"
+    name(i) = system(sprintf("sed -n '/\"/p' %s/fpu_100.dat | sed -n '%dp' | tr -d '\"'", dir, i))
+    is_gauss(i) = name(i)[1:5] eq "gauss" # "galerkin" is drawn over it
+    plot for [i=1:17] dir."/fpu_100.dat" index i-1 using 1:2 every ::1 with linespoints pt 7 ps (is_gauss(i) ? 0.8 : 0.5) \
+        lw (is_gauss(i) ? 3.5 : 1.4) lc rgb colour(i) title name(i)
     unset logscale y
     set format y
 
     eval open(type, "survive", 1150, 760)
-    set title "The largest step that survives, as a part of that of Gauss collocation of order 16"
-    set xlabel "h / h(gauss 16)"
+    set title "Largest step that survives, relative to Gauss collocation of order 16"
+    set xlabel "h of the method / h of gauss 16"
     set ylabel ""
     set logscale x
     set xrange [0.01:3]

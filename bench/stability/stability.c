@@ -1,6 +1,6 @@
 /* stability.c - where methods break: the tables of docs/stability.md and the data of its pictures, in DIR.
  *
- *   stability --out DIR [--only linear|survive|fpu|guard|extremes] [--case NAME] */
+ *   stability --out DIR [--only linear|survive|fpu|guard|large] [--case NAME] */
 #include "linear.h"
 #include "tables.h"
 
@@ -13,26 +13,51 @@
 
 /* ---- Linear stability -------------------------------------------------------------------------------------------- */
 
-enum { LINEAR_MOST = 40, LINEAR_ORDERS = 10 };
+enum { LINEAR_MOST = 40 };
 static const char *const linear_names[] = {
     "stormer-verlet", "svhd", "tvi",      "htvi-right", "htvi-left", "symmetric-tvi", "start",  "end",
     "right",          "left", "midpoint", "both-ends",  "poincare",  "galerkin",      "taylor",
 };
-enum { LINEAR_NAMES = sizeof linear_names / sizeof *linear_names };
+static const int linear_orders[] = {2, 4, 8, 16, 20};
+enum {
+    LINEAR_NAMES = sizeof linear_names / sizeof *linear_names,
+    LINEAR_ORDERS = sizeof linear_orders / sizeof *linear_orders
+};
 
-static void write_limit(FILE *md, FILE *csv, const char *name, const tvi_options *resolved, const linear_limit *limit)
+/* Searches with one order of a method. Returns false where the method does not have the order. */
+static bool find_limit(const tvi_system *system, const char *name, int order, linear_limit *limit)
 {
-    char onset[32], growth[32], percent[32], refused[64] = "-";
-    table_number(isinf(limit->onset) ? NAN : limit->onset, "%.5f", onset);
-    table_number(isinf(limit->onset) ? NAN : limit->growth, "%.1e", growth);
-    table_number(isinf(limit->one_percent) ? NAN : limit->one_percent, "%.4f", percent);
-    if (limit->status != TVI_OK) {
-        const hard_run refusal = {.status = limit->status};
-        snprintf(refused, sizeof refused, "%.2f, %s", limit->refused_at, hard_run_cause(&refusal));
+    tvi_options options;
+    tvi_integrator *integrator;
+    if (tvi_options_named(name, order, &options) != TVI_OK) return false;
+    options.max_tail = -1; /* No step is refused for being too large. */
+    if (tvi_integrator_create(&integrator, system, &options) != TVI_OK) return false;
+    *limit = linear_search(integrator, LINEAR_MOST);
+    tvi_integrator_free(integrator);
+    return true;
+}
+
+/* Writes a row: where each order becomes unstable, then where it first refuses a step. */
+static void write_limits(FILE *md, FILE *csv, const tvi_system *system, const char *name)
+{
+    char onset[32], refused[LINEAR_ORDERS][32], text[32];
+    fprintf(md, "| %s |", name);
+    for (int i = 0; i < LINEAR_ORDERS; i++) {
+        linear_limit limit;
+        strcpy(refused[i], "");
+        if (!find_limit(system, name, linear_orders[i], &limit)) {
+            fprintf(md, " |");
+            continue;
+        }
+        table_number(isinf(limit.onset) ? NAN : limit.onset, "%.4f", onset);
+        table_number(limit.status == TVI_OK ? NAN : limit.refused_at, "%.2f", refused[i]);
+        fprintf(md, " %s |", onset);
+        fprintf(csv, "%s,%d,%s,%s,%s,%s\n", name, linear_orders[i], onset,
+                table_number(isinf(limit.onset) ? NAN : limit.growth, "%.1e", text), refused[i],
+                hard_run_cause(&(hard_run){.status = limit.status}));
     }
-    fprintf(md, "| %s | %d | %d | %s | %s | %s | %s |\n", name, resolved->degree, resolved->order, onset, growth,
-            percent, refused);
-    fprintf(csv, "%s,%d,%d,%s,%s,%s,%s\n", name, resolved->degree, resolved->order, onset, growth, percent, refused);
+    for (int i = 0; i < LINEAR_ORDERS; i++) fprintf(md, " %s |", refused[i]);
+    fprintf(md, "\n");
 }
 
 static bool linear_table(const table_command *at)
@@ -40,25 +65,14 @@ static bool linear_table(const table_command *at)
     tvi_system *system;
     FILE *md = table_open(at, "linear.md"), *csv = table_open(at, "linear.csv");
     if (!md || !csv || hard_system(&oscillator, &system) != TVI_OK) return false;
-    fprintf(
-        md,
-        "| method | degree | order | stable below h w = | growth a step there (chaotic) | growth of 1%% from h w = | "
-        "refused from h w = (chaotic) |\n"
-        "|---|---|---|---|---|---|---|\n");
-    fprintf(csv, "method,degree,order,onset,growth,one_percent,refused\n");
+    fprintf(md, "| method |");
+    for (int i = 0; i < LINEAR_ORDERS; i++) fprintf(md, " order %d: stable below |", linear_orders[i]);
+    for (int i = 0; i < LINEAR_ORDERS; i++) fprintf(md, " order %d: refused from (chaotic) |", linear_orders[i]);
+    fprintf(md, "\n|---|---|---|---|---|---|---|---|---|---|---|\n");
+    fprintf(csv, "method,order,onset,growth,refused,status\n");
     for (int i = 0; i < LINEAR_NAMES; i++) {
         table_progress("linear", linear_names[i]);
-        for (int order = 1; order <= 20; order++) {
-            tvi_options options;
-            tvi_integrator *integrator;
-            if (order > 8 && order % 4 != 0) continue;
-            if (tvi_options_named(linear_names[i], order, &options) != TVI_OK) continue;
-            options.max_tail = -1; /* steps that are too large are looked for */
-            if (tvi_integrator_create(&integrator, system, &options) != TVI_OK) continue;
-            const linear_limit limit = linear_search(integrator, LINEAR_MOST);
-            write_limit(md, csv, linear_names[i], tvi_integrator_options(integrator), &limit);
-            tvi_integrator_free(integrator);
-        }
+        write_limits(md, csv, system, linear_names[i]);
     }
     tvi_system_free(system);
     return fclose(md) == 0 && fclose(csv) == 0;
@@ -160,57 +174,72 @@ static survival search(const hard_case *c, const tvi_system *system, const hard_
     return found;
 }
 
-static void write_survival(FILE *md, FILE *csv, const hard_case *c, const hard_method *m, const survival *s)
+static void write_survival(FILE *csv, const hard_case *c, const hard_method *m, const survival *s)
 {
-    char name[32], h[32], energy[32], position[32], passes[32], ends[128], above[64] = "-";
+    char name[32], h[32], energy[32], position[32], passes[32], ends[128];
     table_method(m, name);
     describe(&s->ends, ends);
     table_number(s->found ? s->largest.h : NAN, "%.3g", h);
     table_number(s->found ? s->largest.energy_error : NAN, "%.1e", energy);
     table_number(s->found ? s->largest.position_error : NAN, "%.1e", position);
     table_number(s->found ? s->largest.passes : NAN, "%.1f", passes);
-    if (s->above.status != TVI_OK)
-        snprintf(above, sizeof above, "%s at step %ld", hard_run_cause(&s->above),
-                 s->above.steps + (s->above.status != TVI_ESTOPPED));
-    fprintf(md, "| %s | %d | %s | %s | %s | %s | %s | %s |\n", name, m->order, h, energy, position, passes, above,
-            ends[0] ? ends : "-");
     fprintf(csv, "%s,%s,%d,%s,%s,%s,%s,%s,%ld,\"%s\"\n", c->scene.name, name, m->order, h, energy, position, passes,
             hard_run_cause(&s->above), s->above.steps, ends);
     fflush(csv);
 }
 
-static bool survive_case(const table_command *at, const hard_case *c, FILE *csv)
+/* Whether the case tries the method. */
+static bool is_tried(const hard_case *c, const hard_method *m)
 {
-    char file[64];
+    const bool is_best = strcmp(m->name, "gauss") == 0 || strcmp(m->name, "galerkin") == 0 || m->order == 20;
+    return m->order >= c->least_order && (is_best || !c->long_run);
+}
+
+enum { HARD_CASES_MOST = 16 };
+typedef char survival_cell[16];
+
+/* Searches with every method; cell[i] is the largest step of the i-th, empty where it is not tried. */
+static bool survive_case(const hard_case *c, FILE *csv, survival_cell cell[SURVIVORS])
+{
+    char h[32];
     tvi_system *system;
-    snprintf(file, sizeof file, "survive_%s.md", c->scene.name);
-    FILE *md = table_open(at, file);
-    if (!md || hard_system(c, &system) != TVI_OK) return false;
+    if (hard_system(c, &system) != TVI_OK) return false;
     table_progress("survive", c->scene.name);
-    fprintf(md, "| method | order | largest h (chaotic) | energy error (chaotic) | position error (chaotic) | "
-                "passes a step (chaotic) | the next larger h ends by (chaotic) | all larger ones (chaotic) |\n"
-                "|---|---|---|---|---|---|---|---|\n");
     for (int i = 0; i < SURVIVORS; i++) {
-        const bool is_first = strcmp(survivors[i].name, "gauss") == 0 || strcmp(survivors[i].name, "galerkin") == 0 ||
-                              survivors[i].order == 20;
-        if (survivors[i].order < c->least_order || (c->long_run && !is_first)) continue;
+        strcpy(cell[i], "");
+        if (!is_tried(c, &survivors[i])) continue;
         const survival s = search(c, system, &survivors[i]);
-        write_survival(md, csv, c, &survivors[i], &s);
+        write_survival(csv, c, &survivors[i], &s);
+        snprintf(cell[i], sizeof cell[i], "%s", table_number(s.found ? s.largest.h : NAN, "%.2g", h));
     }
     tvi_system_free(system);
-    return fclose(md) == 0;
+    return true;
 }
 
 static bool survive(const table_command *at)
 {
-    FILE *csv = table_open(at, "survive.csv");
-    if (!csv) return false;
+    static survival_cell cell[HARD_CASES_MOST][SURVIVORS];
+    int cases = 0;
+    FILE *md = table_open(at, "survive.md"), *csv = table_open(at, "survive.csv");
+    if (!md || !csv) return false;
     fprintf(csv,
             "case,method,order,h,energy_error,position_error,passes_per_step,next_ends_by,after_steps,all_larger\n");
-    for (const hard_case *const *c = hard_cases; *c; c++)
-        if ((!at->only_case || strcmp(at->only_case, (*c)->scene.name) == 0) && !survive_case(at, *c, csv))
-            return false;
-    return fclose(csv) == 0;
+    fprintf(md, "| method | order |");
+    for (const hard_case *const *c = hard_cases; *c; c++) {
+        if (at->only_case && strcmp(at->only_case, (*c)->scene.name) != 0) continue;
+        if (!survive_case(*c, csv, cell[cases++])) return false;
+        fprintf(md, " %s (chaotic) |", (*c)->scene.name);
+    }
+    fprintf(md, "\n|---|---|");
+    for (int c = 0; c < cases; c++) fprintf(md, "---|");
+    for (int i = 0; i < SURVIVORS; i++) {
+        char name[32];
+        table_method(&survivors[i], name);
+        fprintf(md, "\n| %s | %d |", name, survivors[i].order);
+        for (int c = 0; c < cases; c++) fprintf(md, " %s |", cell[c][i]);
+    }
+    fprintf(md, "\n");
+    return fclose(md) == 0 && fclose(csv) == 0;
 }
 
 /* ---- Fermi-Pasta-Ulam over h w ----------------------------------------------------------------------------------- */
@@ -226,44 +255,24 @@ static const hard_method chains[] = {
 };
 enum { CHAINS = sizeof chains / sizeof *chains };
 
-static bool fpu_case(const table_command *at, const hard_case *c, FILE *csv)
-{
-    char file[64], text[32];
-    tvi_system *system;
-    snprintf(file, sizeof file, "%s.md", c->scene.name);
-    FILE *md = table_open(at, file);
-    if (!md || hard_system(c, &system) != TVI_OK) return false;
-    table_progress("fpu", c->scene.name);
-    fprintf(md, "| method |");
-    for (int k = 0; k < RATIOS; k++) fprintf(md, " h w = %g (chaotic) |", ratios[k]);
-    fprintf(md, "\n|---|");
-    for (int k = 0; k < RATIOS; k++) fprintf(md, "---|");
-    for (int i = 0; i < CHAINS; i++) {
-        fprintf(md, "\n| %s %d |", chains[i].name, chains[i].order);
-        fprintf(csv, "\n\n\"%s %d\"\n", chains[i].name, chains[i].order);
-        for (int k = 0; k < RATIOS; k++) {
-            const double w = *(const double *)c->ctx;
-            const hard_run run = hard_run_make(c, system, &chains[i], (long)ceil(c->scene.t_end * w / ratios[k]));
-            const bool survives = hard_run_survives(&run);
-            fprintf(md, " %s |", survives ? table_number(run.energy_error, "%.0e", text) : hard_run_cause(&run));
-            if (survives) fprintf(csv, "%g %g %g\n", ratios[k], run.energy_error, run.passes);
-        }
-    }
-    fprintf(md, "\n");
-    tvi_system_free(system);
-    return fclose(md) == 0;
-}
-
+/* Writes the energy error and the passes of the runs that survive, a block of lines for each method. */
 static bool fpu(const table_command *at)
 {
-    static const hard_case *const cases[] = {&fpu_50, &fpu_100, &fpu_200};
-    for (int i = 0; i < 3; i++) {
-        char file[64];
-        snprintf(file, sizeof file, "%s.dat", cases[i]->scene.name);
-        FILE *csv = table_open(at, file);
-        if (!csv || !fpu_case(at, cases[i], csv) || fclose(csv) != 0) return false;
+    const hard_case *c = &fpu_100;
+    const double w = *(const double *)c->ctx;
+    FILE *data = table_open(at, "fpu_100.dat");
+    tvi_system *system;
+    if (!data || hard_system(c, &system) != TVI_OK) return false;
+    table_progress("fpu", c->scene.name);
+    for (int i = 0; i < CHAINS; i++) {
+        fprintf(data, "\n\n\"%s %d\"\n", chains[i].name, chains[i].order);
+        for (int k = 0; k < RATIOS; k++) {
+            const hard_run run = hard_run_make(c, system, &chains[i], (long)ceil(c->scene.t_end * w / ratios[k]));
+            if (hard_run_survives(&run)) fprintf(data, "%g %g %g\n", ratios[k], run.energy_error, run.passes);
+        }
     }
-    return true;
+    tvi_system_free(system);
+    return fclose(data) == 0;
 }
 
 /* ---- The command ------------------------------------------------------------------------------------------------- */
@@ -271,8 +280,7 @@ static bool fpu(const table_command *at)
 static const struct {
     const char *name;
     bool (*make)(const table_command *at);
-} parts[] = {
-    {"linear", linear}, {"extremes", table_extremes}, {"guard", table_guard}, {"fpu", fpu}, {"survive", survive}};
+} parts[] = {{"linear", linear}, {"large", table_large}, {"guard", table_guard}, {"fpu", fpu}, {"survive", survive}};
 enum { PARTS = sizeof parts / sizeof *parts };
 
 static int usage(void)

@@ -17,8 +17,8 @@ void table_progress(const char *what, const char *which);
 const char *table_number(double x, const char *format, char text[32]);
 void table_method(const hard_method *m, char text[32]);
 
-/* extremes.md: steps of 1e-8, degree 40, states of 1e-150 and 1e150. large.md: steps that are far too large. */
-bool table_extremes(const table_command *at);
+/* large.md: one step that is far too large, against the solution. */
+bool table_large(const table_command *at);
 /* guard.md: which steps are refused, and which of them were right (ladder.h). */
 bool table_guard(const table_command *at);
 
