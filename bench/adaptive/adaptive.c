@@ -85,7 +85,6 @@ int main(int argc, char *argv[])
 {
     const experiment e = experiment_begin(argc, argv);
     write_table(&e);
-    adaptive_growth(&e);
     adaptive_tolerances(&e);
     FILE *errors = experiment_csv(&e, "errors", "line,revolution,error");
     for (const adaptive_line *l = adaptive_errors; l->of; l++) write_errors(errors, l);

@@ -40,9 +40,6 @@ void adaptive_end(adaptive_motion *motion);
 double adaptive_time_of(const adaptive_line *line, int repetitions);
 double adaptive_time_of_unit(void);
 
-/* growth.md: errors against the length of the run. */
-void adaptive_growth(const experiment *e);
-
 /* Writes tolerance.md: the error at the end of a run to a tolerance. */
 void adaptive_tolerances(const experiment *e);
 
