@@ -199,7 +199,7 @@ static bool measure_price(const files *f, const scene *s, double h)
 {
     tvi_system *system;
     if (scene_system(s, &system) != TVI_OK) return false;
-    for (int degree = 2; degree <= 10; degree += 4) {
+    for (int degree = 2; degree <= 10; degree += 8) {
         fprintf(f->price, "| %s | %d |", s->name, degree);
         for (int method = 1; method < METHODS; method++) write_price_cell(f, system, s, h, degree, method);
         fprintf(f->price, "\n");

@@ -1,5 +1,5 @@
-/* compiled.c - generated code beside the tape and beside what is written by hand. Writes DIR/compiled.md and
- * DIR/compiled_midpoint.md, for which it compiles some dozens of systems: the cache is DIR/generated.
+/* compiled.c - generated code beside the tape and beside what is written by hand. Writes DIR/compiled.md,
+ * for which it compiles some dozens of systems: the cache is DIR/generated.
  *
  *   compiled DIR */
 #include "adaptive/adaptive.h"
@@ -120,33 +120,6 @@ static void write_race(FILE *table, const experiment *e, const race *r)
             1e3 * theirs[1], ratio);
     close_both(&ours);
     experiment_progress("compiled: %s", r->title);
-}
-
-/* "midpoint" on the small scenes, at an error of the position of 1e-10: how many times faster than the tape. */
-static const scene *const small[] = {&scene_pendulum,       &scene_kepler,      &scene_henon_heiles_12,
-                                     &scene_henon_heiles_8, &scene_fpu,         &scene_double_pendulum,
-                                     &scene_magnetic,       &scene_nonseparable};
-
-static void write_small(const experiment *e)
-{
-    FILE *table = experiment_table(e, "compiled_midpoint",
-                                   "problem|method (h), error|tape, ms (time)|compiled, ms (time)|times faster (time)");
-    for (size_t i = 0; i < sizeof small / sizeof *small; i++) {
-        const race r = {.scene = small[i],
-                        .title = small[i]->title,
-                        .method = "midpoint",
-                        .order = 20,
-                        .error = position_error,
-                        .target = 1e-10};
-        both ours;
-        open_both(&ours, e, &r);
-        const double times = ours.seconds[0] / ours.seconds[1];
-        fprintf(table, "| %s | %s %d (%.4g), %.1e | %.3g | %.3g | %.2f |\n", r.title, r.method, r.order,
-                ours.of[0].setting, r.error(&ours.of[0]), 1e3 * ours.seconds[0], 1e3 * ours.seconds[1], times);
-        close_both(&ours);
-        experiment_progress("compiled: midpoint, %s", r.title);
-    }
-    experiment_close(table);
 }
 
 /* ---- Steps that adapt ------------------------------------------------------------------------------------------- */
@@ -326,6 +299,5 @@ int main(int argc, char *argv[])
     write_series(table, &e, &scene_kepler, "Kepler", 0.5);
     write_series(table, &e, &scene_solar, "6 bodies", 800);
     experiment_close(table);
-    write_small(&e);
     return EXIT_SUCCESS;
 }
