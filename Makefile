@@ -20,10 +20,10 @@
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps
 # make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
-# make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, six
+# make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, five
 #                 minutes
 # make instructions  tests/instructions.txt anew: what a step costs
-# make order-doubling   the tables and the picture of docs/order-doubling.md
+# make order-doubling   the table and the picture of docs/order-doubling.md
 # make stability  where methods break: the tables and pictures of docs/stability.md, four minutes
 # make guard      the steps that are refused: its table in docs/adaptive.md alone, a minute and a half
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
@@ -32,7 +32,7 @@
 #                 choose-docs, bench-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,
 #                 adaptive-docs, chaos-docs, order-doubling-docs, experiments-docs, maps-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: tables and picture of docs/chaos.md
-# make maps       order and chaos over planes of starts, by ensembles: the table and the pictures of
+# make maps       order and chaos over planes of starts, by ensembles: the pictures of
 #                 docs/ensembles.md, some minutes
 # make adaptive   fixed and rescaled steps on eccentric orbits and close encounters: the table and the picture of
 #                 docs/adaptive.md

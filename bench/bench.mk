@@ -33,7 +33,7 @@ suggest: need-library
 	@cat $(BUILD)/bench/choosing/suggest.md
 .PHONY: suggest
 
-# the tables and the picture of docs/order-doubling.md
+# the table and the picture of docs/order-doubling.md
 order-doubling: need-bench
 	@$(MAKE) --no-print-directory $(JOBS) $(BUILD)/bench/order_doubling/order_doubling
 	$(BUILD)/bench/order_doubling/order_doubling $(BUILD)/bench/order-doubling

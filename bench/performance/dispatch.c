@@ -1,4 +1,4 @@
-/* dispatch.c - a step of order 16 with each instruction set. Writes DIR/dispatch.md.
+/* dispatch.c - times a step of the default method with each instruction set. Writes DIR/dispatch.md.
  *
  *   dispatch DIR */
 #include "experiments/experiment.h"
@@ -35,52 +35,41 @@ static void write_row(FILE *table, const char *title, pinned of[ISAS])
     experiment_progress("dispatch: %s", title);
 }
 
-/* Where the method serves the scene. */
-static void write_scene(FILE *table, const scene *s, double h, const tvi_options *options, const char *method)
+static void write_scene(FILE *table, const scene *s, double h)
 {
-    char title[64];
+    const tvi_options options = tvi_options_default();
     pinned of[ISAS];
     for (isa i = 0; i < ISAS; i++) {
         isa_pin(i);
         of[i].system = experiment_system(s);
-        if (tvi_options_check(of[i].system, options, NULL) != TVI_OK) {
-            tvi_system_free(of[i].system);
-            return;
-        }
-        of[i].steps = stepping_open(of[i].system, options, s->q, s->p, h);
+        of[i].steps = stepping_open(of[i].system, &options, s->q, s->p, h);
     }
-    snprintf(title, sizeof title, "%s, %s", s->name, method);
-    write_row(table, title, of);
+    write_row(table, s->name, of);
 }
 
-static void write_bodies(FILE *table, int count, const tvi_options *options, const char *method)
+static void write_bodies(FILE *table, int count)
 {
+    const tvi_options options = tvi_options_default();
     char title[64];
-    big_system b[ISAS];
     pinned of[ISAS];
     for (isa i = 0; i < ISAS; i++) {
         isa_pin(i);
-        b[i] = bodies_make(count, 3);
-        of[i].system = b[i].system;
-        of[i].steps = stepping_open(b[i].system, options, b[i].q, b[i].p, b[i].h);
+        const big_system b = bodies_make(count, 3);
+        of[i].system = b.system;
+        of[i].steps = stepping_open(b.system, &options, b.q, b.p, b.h);
     }
-    snprintf(title, sizeof title, "%d bodies, %s", count, method);
+    snprintf(title, sizeof title, "%d bodies", count);
     write_row(table, title, of);
 }
 
 int main(int argc, char *argv[])
 {
-    static const char *const methods[] = {"midpoint", "galerkin"};
     const experiment e = experiment_begin(argc, argv);
     FILE *table = experiment_table(&e, "dispatch",
-                                   "scene, method|n|base, us (time)|avx2, us (time)|widest, us (time)|"
+                                   "scene|n|base, us (time)|avx2, us (time)|widest, us (time)|"
                                    "base / avx2 (time)|base / widest (time)");
-    for (int m = 0; m < 2; m++) {
-        tvi_options options;
-        if (tvi_options_named(methods[m], 16, &options) != TVI_OK) experiment_fail(methods[m], "no order 16");
-        for (int k = 0; k < PROBLEMS; k++) write_scene(table, problems[k].scene, problems[k].h, &options, methods[m]);
-        for (int k = 0; k < BODIES; k++) write_bodies(table, bodies[k], &options, methods[m]);
-    }
+    for (int k = 0; k < PROBLEMS; k++) write_scene(table, problems[k].scene, problems[k].h);
+    for (int k = 0; k < BODIES; k++) write_bodies(table, bodies[k]);
     experiment_close(table);
     return 0;
 }
