@@ -10,7 +10,6 @@
 /* With the automatic g a revolution is 5^(1/4) times as long. */
 #define S_90   ADAPTIVE_S_90
 #define S_99   ADAPTIVE_S_99
-#define S_999  ADAPTIVE_S_999
 #define ROOT_5 1.4953487812212205 /* 5^(1/4) */
 
 const adaptive_line adaptive_lines[] = {
@@ -26,11 +25,6 @@ const adaptive_line adaptive_lines[] = {
     {&hard_kepler_99, AUTOMATIC, .h = ROOT_5 * S_99 / 10},
     {&hard_kepler_99, POINCARE, .h = S_99 / 15},
     {&hard_kepler_99, TOLERANCE},
-    {&hard_kepler_999, FIXED, .h = ADAPTIVE_REVOLUTION / 6400},
-    {&hard_kepler_999, OWN, .h = S_999 / 15},
-    {&hard_kepler_999, AUTOMATIC, .h = ROOT_5 * S_999 / 15},
-    {&hard_kepler_999, POINCARE, .h = S_999 / 20},
-    {&hard_kepler_999, TOLERANCE},
     {&hard_pythagorean, FIXED, .h = 1e-3},
     {&hard_pythagorean, FIXED, .h = 1e-4},
     {&hard_pythagorean, OWN, .h = 0.9},
