@@ -87,9 +87,9 @@ SRC_LANES    := $(addprefix src/,galerkin/loops.c galerkin/lagrangian_loops.c ge
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian
-SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
+SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products generated_curve) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
                 $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
-EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products)
+EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products generated_curve)
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
@@ -181,14 +181,14 @@ EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h meth
                       $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h subsystems.h tail.h weigh.h) \
                       $(addprefix system/,system.h roundoff.h legendre.h) \
                       $(addprefix generating/,series.h taylor_sweep.h reach.h advance.h tangents.h lagrangian_orders.h nodes.h node_momenta.h seeds.h closure.h newton.h refine.h matrices.h \
-                          curve_stepper.h curve_step.h emitted_curve.h))
+                          curve_stepper.h curve_step.h))
 $(BUILD)/src/embedded_curve.c: ad/embed.awk $(EMBEDDED_CURVE) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_curve -f ad/embed.awk $(EMBEDDED_CURVE) >$@
-# and what solves its equations by products
-$(BUILD)/src/embedded_products.c: ad/embed.awk src/generating/products.h
+# what solves its equations by products, and the functions that are made of all this
+$(BUILD)/src/embedded_products.c $(BUILD)/src/embedded_generated_curve.c: $(BUILD)/src/embedded_%.c: ad/embed.awk src/generating/%.h
 	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_products -f ad/embed.awk src/generating/products.h >$@
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_$* -f ad/embed.awk src/generating/$*.h >$@
 $(EMBEDDED): %.o: %.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -c -o $@ $<
 # and is compiled as the library is: sums of one lane, which are not to be made vectors of once more, apart

@@ -8,6 +8,7 @@
 extern const char *const tvi_embedded_code[], *const tvi_embedded_galerkin[], *const tvi_embedded_curve[];
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
+extern const char *const tvi_embedded_products[], *const tvi_embedded_generated_curve[];
 
 static uint64_t hash_lines(uint64_t so_far, const char *const lines[])
 {
@@ -23,7 +24,9 @@ uint64_t tvi_compiled_library(void)
                                         tvi_embedded_galerkin_plain,
                                         tvi_embedded_galerkin_lagrangian,
                                         tvi_embedded_galerkin_hamiltonian,
-                                        tvi_embedded_curve};
+                                        tvi_embedded_curve,
+                                        tvi_embedded_products,
+                                        tvi_embedded_generated_curve};
     uint64_t hash = JET_HASH_OF_NOTHING;
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) hash = hash_lines(hash, texts[i]);
     return hash;
@@ -58,7 +61,7 @@ void tvi_compiled_text(jet_text *text, const tvi_system *stepped, const tvi_opti
     for (const char *const *line = tvi_embedded_code; *line; line++) jet_text_add(text, "%s", *line);
     for (int i = 0; i < TVI_CODE_TAPES; i++)
         if (wanted[i]->name) jet_emit_tape(text, tapes[i], wanted[i]);
-    if (uses.emit_loops) uses.emit_loops(text, stepped, resolved, "tvi_loops");
+    if (uses.emit_loops) uses.emit_loops(text, stepped, resolved);
     emit_code(text, wanted, stepped, resolved);
     if (uses.emit_loops) jet_text_add(text, "    .%s = &tvi_loops,\n", uses.member);
     jet_text_add(text, "};\n");

@@ -31,7 +31,7 @@ static void emit_lines(jet_text *text, const char *const *line)
     for (; *line; line++) jet_text_add(text, "%s", *line);
 }
 
-void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name)
+void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule)
 {
     const galerkin_nodes *nodes = &field->nodes;
     jet_text_add(text,
@@ -45,5 +45,5 @@ void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_pa
     emit_rule(text, rule);
     field->form->emit(text, field);
     emit_lines(text, field->form->text);
-    jet_text_add(text, "static const galerkin_code %s = {galerkin_steps};\n", name);
+    jet_text_add(text, "static const galerkin_code tvi_loops = {galerkin_steps};\n");
 }

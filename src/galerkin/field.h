@@ -64,7 +64,7 @@ static inline bool galerkin_is_second_order(const galerkin_field *field)
 
 /* Defines `static const galerkin_code NAME` of generated code that has the sweeps (emit.c), of a field that is
  * prepared, whose passes have this rule. */
-void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule, const char *name);
+void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_passes_rule *rule);
 /* Defines `static const int galerkin_what[]`, with a 0 behind it. */
 void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[]);
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];

@@ -322,7 +322,7 @@ static long run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_st
 
 /* ---- Generated code ---------------------------------------------------------------------------------------------- */
 
-static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name)
+static void emit_loops(jet_text *text, const tvi_system *system, const tvi_options *options)
 {
     tvi_arena arena = {0};
     (void)take(&arena, system, options);
@@ -331,7 +331,7 @@ static void emit_loops(jet_text *text, const tvi_system *system, const tvi_optio
     text->failed |= !w;
     if (!w) return;
     prepare(w);
-    tvi_galerkin_emit(text, &w->field, &w->rule, name);
+    tvi_galerkin_emit(text, &w->field, &w->rule);
     free(memory);
 }
 

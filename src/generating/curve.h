@@ -45,9 +45,9 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
                         tvi_jacobians jacobians);
 
 /* tvi_uses.emit_loops: tvi_curve_code (seeds.h), without Jacobians, with products and with matrices. */
-void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
-void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
-void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
+void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options);
+void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options);
+void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);
 
 /* The natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
 void tvi_curve_sizes(const tvi_curve *curve, double size[]);

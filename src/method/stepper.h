@@ -14,10 +14,10 @@ typedef struct {
 /* What steps run of the tapes of a system, for generated code to have it (compiled/). A name NULL: nothing of one. */
 typedef struct {
     jet_emission series, values, bend, second;
-    /* Defines NAME, to which `member` of the code points (compiled/code.h), after what is made of the tapes; NULL: no
-     * such thing. */
+    /* Defines tvi_loops, to which `member` of the code points (compiled/code.h), after the sweeps of the tapes; NULL:
+     * there is no such thing. */
     const char *member;
-    void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options, const char *name);
+    void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
 } tvi_uses;
 
 /* What a step made of the members: all that the stepper writes, but its own work. */

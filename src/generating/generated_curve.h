@@ -1,0 +1,189 @@
+/* generated_curve.h - defines the functions of tvi_curve_code for one system and degree. Generated code alone reads it
+ * (emit.c), after the sweeps of its tapes. Before it stand the sizes of series.h, CURVE_LANES directions of one block of
+ * tangents and the CURVE_REST that are left of blocks, the action's sizes CURVE_ACTION, and which functions there are:
+ * CURVE_HAS_MATRICES, CURVE_HAS_PRODUCTS, CURVE_HAS_SEED, CURVE_HAS_STEP, CURVE_HAS_REACH. */
+#ifndef TVI_SRC_GENERATING_GENERATED_CURVE_H
+#define TVI_SRC_GENERATING_GENERATED_CURVE_H
+
+#include "generating/advance.h"
+#include "generating/curve_step.h"
+#include "generating/lagrangian_orders.h"
+#include "generating/products.h"
+#include "generating/reach.h"
+#include "generating/seeds.h"
+#include "generating/tangents.h"
+
+/* Coefficients of the curve are so many orders above those of the field that give them. */
+enum { CURVE_RISE = CURVE_FORM == TVI_SEPARABLE ? 2 : 1 };
+
+/* ---- The series -------------------------------------------------------------------------------------------------- */
+
+static inline tvi_recurrence code_recurrence(const tvi_curve *curve, double *block, int lanes)
+{
+    const size_t order = (size_t)tvi_series.slots * (size_t)lanes;
+    return (tvi_recurrence){CURVE_N, order, CURVE_SLOT, block, curve->kappa, curve->tau};
+}
+
+/* Order k of the field, and what it gives of the curve. */
+static inline void code_expand_order(tvi_curve *curve, const tvi_recurrence *series, int k, tvi_status *status)
+{
+    if (CURVE_FORM == TVI_LAGRANGIAN) {
+        if (*status == TVI_OK) *status = orders_expand(curve, k);
+    } else if (k + CURVE_RISE <= CURVE_TOP) {
+        if (!tvi_series_series_of(series->x, k)) *status = TVI_EDOMAIN;
+        if (CURVE_FORM == TVI_SEPARABLE) tvi_advance_separable(series, k);
+        else tvi_advance_hamiltonian(series, k);
+    }
+}
+
+#define EXPAND(k) code_expand_order(curve, &series, k, &status);
+/* TVI_EDOMAIN, TVI_ESINGULAR; otherwise TVI_OK, finite or not. */
+static __attribute__((noinline)) tvi_status code_series(tvi_curve *curve)
+{
+    const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
+    tvi_status status = TVI_OK;
+    tvi_series_ORDERS(EXPAND) return status;
+}
+#undef EXPAND
+
+static inline tvi_status code_expand(tvi_curve *curve)
+{
+    const tvi_status status = code_series(curve);
+    return status != TVI_OK || curve_is_finite(curve) ? status : TVI_ENONFINITE;
+}
+
+/* ---- Its tangents ------------------------------------------------------------------------------------------------ */
+
+#if CURVE_HAS_MATRICES
+
+/* Order k of the tangents of a block of directions. */
+static inline void code_differentiate_order(tvi_curve *curve, const tvi_recurrence *tangents, const curve_block *block,
+                                            int k, tvi_status status)
+{
+    const int lanes = (int)block->lanes;
+    if (CURVE_FORM == TVI_LAGRANGIAN) {
+        if (status == TVI_OK) orders_differentiate(curve, block, k);
+    } else if (k + CURVE_RISE <= CURVE_TOP) {
+        (void)tvi_series_tangents_of(curve->x, tangents->x, k, lanes);
+        if (CURVE_FORM == TVI_SEPARABLE) tvi_tangents_separable(tangents, k, lanes);
+        else tvi_tangents_hamiltonian(tangents, k, lanes);
+    }
+}
+
+#if CURVE_HAS_STEP
+
+#define EXPAND_WITH_TANGENTS(k)                                                                                        \
+    code_expand_order(curve, &series, k, &status);                                                                     \
+    code_differentiate_order(curve, &tangents, &block, k, status);
+/* The whole series, each order with that of its tangents in all directions, which do not wait for each other. */
+static __attribute__((noinline)) tvi_status code_series_and_tangents(tvi_curve *curve)
+{
+    const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
+    const tvi_recurrence tangents = code_recurrence(curve, curve->dx, CURVE_LANES);
+    const curve_block block = {CURVE_LANES, tangents.stride, 0};
+    tvi_status status = TVI_OK;
+    curve_begin_block(curve, &block);
+    tvi_series_ORDERS(EXPAND_WITH_TANGENTS) curve_end_block(curve, &block);
+    return status;
+}
+#undef EXPAND_WITH_TANGENTS
+
+static inline void code_differentiate(tvi_curve *curve) { (void)code_series_and_tangents(curve); }
+
+#else
+
+#define DIFFERENTIATE(k) code_differentiate_order(curve, &tangents, &block, k, TVI_OK);
+/* The tangents of the curve last expanded in `lanes` directions, a constant, from `first` on. */
+static inline void code_differentiate_block(tvi_curve *curve, int lanes, int first)
+{
+    const tvi_recurrence tangents = code_recurrence(curve, curve->dx, lanes);
+    const curve_block block = {(size_t)lanes, tangents.stride, first};
+    curve_begin_block(curve, &block);
+    tvi_series_ORDERS(DIFFERENTIATE) curve_end_block(curve, &block);
+}
+#undef DIFFERENTIATE
+
+/* Blocks of all directions, in the order of them. */
+static inline void code_differentiate(tvi_curve *curve)
+{
+    int first = 0;
+    for (; first == 0 || first + CURVE_LANES <= 2 * CURVE_N; first += CURVE_LANES)
+        code_differentiate_block(curve, CURVE_LANES, 2 * CURVE_N > CURVE_LANES ? first : 0);
+    if (CURVE_REST > 0) code_differentiate_block(curve, CURVE_REST, first);
+}
+
+#endif
+#endif
+
+/* ---- Seeds and steps --------------------------------------------------------------------------------------------- */
+
+#if CURVE_HAS_SEED
+
+static const tvi_action code_action = CURVE_ACTION;
+
+static __attribute__((noinline)) tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_Q[],
+                                                      double seed_U[])
+{
+    tvi_action action = *given;
+    action.is_hamilton = code_action.is_hamilton;
+    action.truncated = code_action.truncated;
+    action.has_velocity_defect = code_action.has_velocity_defect;
+    action.has_momentum_defect = code_action.has_momentum_defect;
+    action.q_degree = code_action.q_degree;
+    action.p_degree = code_action.p_degree;
+    action.points = code_action.points;
+    action.orders = code_action.orders;
+    action.half = code_action.half;
+    return seeds_plainly(&action, curve, seed_Q, seed_U);
+}
+
+#endif
+#if CURVE_HAS_STEP
+
+static inline bool code_step(tvi_curve_work *work, double tau, const tvi_origin *origin, double dq[], double dp[],
+                             tvi_stats *stats)
+{
+    static const step_makers makers = {code_series, code_series_and_tangents, code_seed};
+    return step_quickly(work, &makers, tau, origin, dq, dp, stats);
+}
+
+#endif
+#if CURVE_HAS_PRODUCTS
+
+static const tvi_solver code_solver = {
+    .begin = products_begin, .close = products_close, .solve = products_solve, .correct = products_correct};
+
+#endif
+
+static const tvi_curve_code tvi_loops = {
+    .top = CURVE_TOP,
+    .expand = code_expand,
+    .sum = curve_sum,
+    .sizes = curve_sizes,
+    .measure = curve_measure,
+    .tail = curve_tail,
+#if CURVE_HAS_MATRICES
+    .differentiate = code_differentiate,
+    .sum_jacobian = curve_sum_jacobian,
+    .push = curve_push,
+    .pull = curve_pull,
+#endif
+#if CURVE_HAS_PRODUCTS
+    .solver = &code_solver,
+    .aim = products_aim,
+    .push = products_push,
+#endif
+#if CURVE_HAS_SEED
+    .seed = code_seed,
+#endif
+#if CURVE_HAS_STEP
+    .step = code_step,
+#endif
+#if CURVE_HAS_REACH
+    .reach = curve_reach,
+    .end_at = curve_end_at,
+    .change = curve_change,
+#endif
+};
+
+#endif
