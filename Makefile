@@ -83,7 +83,7 @@ ISAS         := $(if $(findstring x86_64,$(shell $(CC) -dumpmachine)),avx2 avx51
 FLAGS_avx2   := -mavx2 -mfma -ffp-contract=fast
 FLAGS_avx512 := $(FLAGS_avx2) -mavx512f -mavx512dq -mavx512vl -mprefer-vector-width=512
 ISA_SOURCES  := ad/sweep.c $(wildcard ad/rule*.c ad/sum*.c)
-SRC_LANES    := $(addprefix src/,galerkin/loops.c galerkin/lagrangian_loops.c generating/taylor_loops.c generating/curve_loops.c generating/seeds.c generating/products.c run/advance.c)
+SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/taylor_loops.c generating/curve_loops.c generating/seeds.c generating/products.c run/advance.c)
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian
@@ -165,10 +165,10 @@ $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_code -f ad/embed.awk src/compiled/code.h >$@
 # the steps of the Galerkin curve, for one system, and what they are made with by its form
 EMBEDDED_GALERKIN := include/tvi.h src/algebra/sizes.h src/method/origin.h $(addprefix src/algebra/,passes.h subsystems.h tail.h) \
-                     $(addprefix src/galerkin/,lagrangian_loops.h loops.h lanes.h one_member.h rounds.h kernel.h \
-                         lagrangian_loops.c blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
+                     $(addprefix src/galerkin/,loops.h lanes.h one_member.h rounds.h kernel.h \
+                         blocks.h lagrangian_passes.h hamiltonian_passes.h steps.h generated.h)
 # texts that others read
-EMBEDDED_TEXTS := src/algebra/judge.h $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_loops.h)
+EMBEDDED_TEXTS := src/algebra/judge.h $(addprefix src/galerkin/,kernel_nodes.h kernel_ends.h kernel_rounds.h kernel_matrices.h kernel_loops.h)
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@

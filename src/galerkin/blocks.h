@@ -35,13 +35,11 @@ static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, gal
     return galerkin_sweep_there(blocks, sweep, with_second);
 }
 
-/* A loop of these, by the table or, in generated code, inlined; those of lagrangian_loops.h, too. */
+/* A loop of these, by the table or, in generated code, inlined. */
 #ifdef JET_EMITTED
 #define GALERKIN_LOOP(loops, name, ...) ((void)(loops), NAME(name)(__VA_ARGS__))
-#define GALERKIN_ALGEBRA(of, name, ...) ((void)(of), name##_lanes(__VA_ARGS__, GALERKIN_LANES))
 #else
 #define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
-#define GALERKIN_ALGEBRA(of, name, ...) (of)->name(__VA_ARGS__)
 #endif
 
 /* The drives, which are impulses divided by h b, and unknowns that begin at 0. */

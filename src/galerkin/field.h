@@ -18,7 +18,6 @@ typedef struct {
     const tvi_system *system;
     const galerkin_form *form;
     const galerkin_loops *loops;
-    const lagrangian_loops *lagrangian;
     int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
     int rows;            /* of nodes.x that a pass begins with */

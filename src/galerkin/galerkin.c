@@ -39,14 +39,6 @@ static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
 #endif
 };
 
-static const lagrangian_loops *const lagrangian_of[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_lagrangian_loops_base,
-#ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_lagrangian_loops_avx2,
-    [jet_isa_avx512] = &tvi_lagrangian_loops_avx512,
-#endif
-};
-
 static const galerkin_form *form_of(const tvi_system *system)
 {
     return !system->second_values           ? &tvi_galerkin_form_plain
@@ -75,7 +67,6 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     field->points = points;
     const int lanes_needed = lanes_for(points);
     field->loops = loops_of[system->field_values->sweeps->isa][place_of(lanes_needed)];
-    field->lagrangian = lagrangian_of[system->field_values->sweeps->isa];
     field->form = form_of(system);
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;

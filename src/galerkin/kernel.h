@@ -81,6 +81,10 @@
 
 #include "galerkin/kernel_nodes.h"
 #include "galerkin/kernel_ends.h"
+#if !MEMBERS
+#include "galerkin/kernel_rounds.h"
+#include "galerkin/kernel_matrices.h"
+#endif
 #include "galerkin/kernel_loops.h"
 
 #undef COLUMN

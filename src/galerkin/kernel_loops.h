@@ -134,12 +134,6 @@ OWN double NAME(move_both)(const galerkin_nodes *nodes, const double *matrix, co
     return NAME(follow)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
 }
 
-OWN void NAME(go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives, const int slot[],
-                        bool is_new, double moved, double least, double *changes)
-{
-    go_round_lanes(nodes, rounds, drives, slot, is_new, moved, least, changes, LANES);
-}
-
 OWN void NAME(place)(const galerkin_places *p, const double *table, const double *impulses, double *out)
 {
     place_lanes(p, table, impulses, out, LANES);
@@ -164,6 +158,9 @@ static const galerkin_loops NAME(loops) = {
     .move_both = NAME(move_both),
     .go_round = NAME(go_round),
     .place = NAME(place),
+    .invert = NAME(invert),
+    .correct = NAME(correct),
+    .linearise = NAME(linearise),
 #endif
 };
 #endif

@@ -34,7 +34,7 @@ static void take(galerkin_field *field, tvi_arena *arena)
     const int n = system->n, unknowns = 2 * n;
     const size_t lanes = (size_t)field->nodes.lanes, half_size = (size_t)n * lanes;
     lagrangian *taken = field->own = tvi_arena_take(arena, sizeof *taken);
-    lagrangian w = {.passes = {.loops = field->loops, .algebra = field->lagrangian}};
+    lagrangian w = {.passes = {.loops = field->loops}};
     field->rows = 3 * n;
     field->nodes.x = tvi_arena_doubles(arena, 5 * half_size);
     tvi_galerkin_model_take(&w.model, arena, field);

@@ -14,7 +14,6 @@
 /* The rows of nodes->x, n each: Q, P, V, F, and L_v behind F. */
 typedef struct {
     const galerkin_loops *loops;
-    const lagrangian_loops *algebra;
     const galerkin_nodes *nodes;
     galerkin_nodes drives; /* V and F as unknowns, which begin at 0 */
     const double *matrix;  /* of a movement, and which row drives each unknown */
@@ -127,7 +126,7 @@ static inline lagrangian_passed lagrangian_invert(lagrangian_passes *w)
             if (term->column >= n) memcpy(element, w->blocks.second + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
     w->factors++;
-    if (GALERKIN_ALGEBRA(w->algebra, invert, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
+    if (GALERKIN_LOOP(w->loops, invert, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
     for (int k = model->end[n - 1]; k < model->end[2 * n - 1]; k++)
         if (!tvi_all_finite(lanes, w->blocks.second + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
     return LAGRANGIAN_SINGULAR;
@@ -139,8 +138,8 @@ static inline double lagrangian_iterate(lagrangian_passes *w)
     const galerkin_nodes *nodes = w->nodes;
     const int n = nodes->unknowns / 2, half = n * nodes->lanes;
     const double moved = lagrangian_move_momenta(w);
-    GALERKIN_ALGEBRA(w->algebra, correct, &w->mass, lagrangian_row(nodes, n), w->gradient + half,
-                     lagrangian_row(nodes, 4 * n), w->blocks.values + half, lagrangian_row(nodes, 2 * n));
+    GALERKIN_LOOP(w->loops, correct, &w->mass, lagrangian_row(nodes, n), w->gradient + half,
+                  lagrangian_row(nodes, 4 * n), w->blocks.values + half, lagrangian_row(nodes, 2 * n));
     return moved + lagrangian_move_positions(w);
 }
 
@@ -166,7 +165,7 @@ static inline void lagrangian_linearise(lagrangian_passes *w)
     double *moved = w->model.moved;
     for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->ways[i]) + w->rise[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
-    GALERKIN_ALGEBRA(w->algebra, linearise, &w->model, nodes->x + 3 * half);
+    GALERKIN_LOOP(w->loops, linearise, &w->model, nodes->x + 3 * half);
 }
 
 /* New second derivatives are taken where those at hand do not serve. */

@@ -201,16 +201,17 @@ enum { LANES = TVI_GALERKIN_MAX_LANES };
 static const int lane_counts[] = {1, 2, 4, 8, LANES};
 enum { LANE_COUNTS = sizeof lane_counts / sizeof *lane_counts };
 
-/* Those of the instruction sets that there are; NULL ends. */
-static const lagrangian_loops *loops_at(int i)
+/* The loops of an instruction set for lane_counts[count] lanes; NULL: there are no more sets. */
+static const galerkin_loops *loops_at(int i, int count)
 {
 #ifdef __x86_64__
-    if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &tvi_lagrangian_loops_avx2;
+    if (i == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"))
+        return tvi_galerkin_loops_avx2[count];
     if (i == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
         __builtin_cpu_supports("avx512vl"))
-        return &tvi_lagrangian_loops_avx512;
+        return tvi_galerkin_loops_avx512[count];
 #endif
-    return i == 0 ? &tvi_lagrangian_loops_base : NULL;
+    return i == 0 ? tvi_galerkin_loops_base[count] : NULL;
 }
 
 typedef struct {
@@ -238,7 +239,7 @@ static void put_lane(const lanes_inverse *f, int lane, const double A[])
 
 /* V = from + A^-1 ((P - p) - change), a matrix of its own in each lane: all with no need to exchange rows, or the last
  * of 16. */
-static void check_lanes(const lagrangian_loops *loops, lanes_inverse *f, bool are_plain)
+static void check_lanes(const galerkin_loops *loops, lanes_inverse *f, bool are_plain)
 {
     const int n = f->n, lanes = f->lanes;
     static const double none[MOST * LANES];
@@ -268,8 +269,8 @@ START_TEST(lanes_are_solved_alone)
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
     lanes_inverse f = lanes_inverse_in(&room, n, lanes);
-    const lagrangian_loops *loops;
-    for (int isa = 0; (loops = loops_at(isa)); isa++)
+    const galerkin_loops *loops;
+    for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
         for (int are_plain = 0; are_plain < 2; are_plain++) check_lanes(loops, &f, are_plain);
 }
 END_TEST
@@ -289,8 +290,8 @@ START_TEST(singular_lanes_are_seen)
     broken[n * n - 1] = NAN;
     endless[n * n - 1] = INFINITY;
     const double *const bad[] = {regular, rank_one, zero, broken, endless};
-    const lagrangian_loops *loops;
-    for (int isa = 0; (loops = loops_at(isa)); isa++)
+    const galerkin_loops *loops;
+    for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
         for (int kind = 0; kind < 5; kind++) {
             for (int lane = 0; lane < lanes; lane++) put_lane(&f, lane, lane == lanes / 2 ? bad[kind] : regular);
             const double least = loops->invert(&f);

@@ -1,0 +1,170 @@
+/* kernel_rounds.h - the part of kernel.h's text that makes the rounds of a pass which knows second derivatives
+ * (hamiltonian.c). Rounds are in single precision, which takes half the time: a pass leaves more than that of its
+ * movement, except for the last pass, whose movement is roundoff. Movements are relative to the sizes of the unknowns,
+ * so that nothing depends on units. The first round starts from how far the impulses are from those that made the
+ * unknowns, and so has the digits of a difference. */
+
+/* V in single precision, and the vectors of single numbers that sums take a row by. */
+#define SINGLE KERNEL_NAME(single, V)
+#if LANES % 8 == 0
+#define ROW_VECTOR single_jet_v8
+#elif LANES % 4 == 0
+#define ROW_VECTOR single_jet_v4
+#elif LANES % 2 == 0
+#define ROW_VECTOR single_jet_v2
+#else
+#define ROW_VECTOR single_jet_v1
+#endif
+#define SINGLE_AT(row, v) (*(SINGLE *)((row) + (size_t)(v)*NUMBERS_OF(V)))
+#define PART_AT(row, b)   (*(ROW_VECTOR *)((row) + (size_t)(b) * (sizeof(ROW_VECTOR) / sizeof(float))))
+enum { NAME(vectors) = LANES / NUMBERS_OF(V), NAME(parts) = LANES * (int)sizeof(float) / (int)sizeof(ROW_VECTOR) };
+
+/* ---- What drives the rows ---------------------------------------------------------------------------------------- */
+
+/* Packs the groups of so many rows from `first` on that end by `end`; returns the first row that is left. The scale of
+ * an unknown is a sign, which the movements of the rounds have in their unit. */
+JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_rounds *rounds, int first, int end, int group)
+{
+    const int count = rounds->count;
+    for (; first + group <= end; first += group) {
+        const int *place = rounds->place + first * count;
+        float *packed = rounds->packed + first * count * LANES;
+        for (int column = 0; column < count; column++, place += group, packed += group * LANES)
+            for (int v = 0; v < NAME(vectors); v++) {
+                const V by_column =
+                    (nodes->scale[rounds->unknown[column]] * rounds->size[column]) * BLOCK_OF(V, nodes->weight, v);
+                for (int i = 0; i < group; i++) {
+                    const V factor = rounds->per_size[first + i] * by_column;
+                    SINGLE_AT(packed + i * LANES, v) =
+                        KERNEL_NAME(NARROW, V)(factor * BLOCK_OF(V, rounds->second + place[i], v));
+                }
+            }
+    }
+    return first;
+}
+
+/* What drives a row by the movement of a column, from the second derivatives, group by group. */
+JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_rounds *rounds)
+{
+    int first = 0;
+    for (int which = 0; which < 2; which++) {
+        const int end = which == 0 ? rounds->moving : rounds->rows;
+        first = NAME(pack_groups)(nodes, rounds, first, end, LANES_ROWS);
+        first = NAME(pack_groups)(nodes, rounds, first, end, 2);
+        first = NAME(pack_groups)(nodes, rounds, first, end, 1);
+    }
+}
+
+/* out = the impulses of such groups by a change; returns the first row that is left. */
+JET_INLINE int NAME(drive_groups)(const lanes_rounds *rounds, const float *change, float *out, int first, int end,
+                                  int group)
+{
+    const int count = rounds->count;
+    for (; first + group <= end; first += group) {
+        const float *packed = rounds->packed + first * count * LANES;
+        ROW_VECTOR sum[LANES_ROWS][NAME(parts)];
+        for (int i = 0; i < group; i++)
+            for (int b = 0; b < NAME(parts); b++) sum[i][b] = (ROW_VECTOR){0};
+        for (int column = 0; column < count; column++)
+            for (int i = 0; i < group; i++, packed += LANES)
+                for (int b = 0; b < NAME(parts); b++)
+                    sum[i][b] += PART_AT(packed, b) * PART_AT(change + column * LANES, b);
+        for (int i = 0; i < group; i++)
+            for (int b = 0; b < NAME(parts); b++) PART_AT(out + (first + i) * LANES, b) = sum[i][b];
+    }
+    return first;
+}
+
+/* The impulses by a change, of all rows or of those that move. */
+JET_INLINE void NAME(drive_rows)(const lanes_rounds *rounds, const float *change, bool all, float *out)
+{
+    int first = 0;
+    for (int which = 0; which < (all ? 2 : 1); which++) {
+        const int end = which == 0 ? rounds->moving : rounds->rows;
+        first = NAME(drive_groups)(rounds, change, out, first, end, LANES_ROWS);
+        first = NAME(drive_groups)(rounds, change, out, first, end, 2);
+        first = NAME(drive_groups)(rounds, change, out, first, end, 1);
+    }
+}
+
+/* ---- What they move ---------------------------------------------------------------------------------------------- */
+
+/* The change by the impulses, and `total` += it; the sum of its squares. */
+JET_INLINE double NAME(change_by_impulses)(const lanes_rounds *rounds)
+{
+    enum { IS_ONE = NAME(parts) == 1 };
+    const float *impulse = rounds->impulse, *matrix = rounds->matrix;
+    float *change = rounds->change, *total = rounds->total;
+    ROW_VECTOR squares = {0}, column[LANES];
+    float parts[sizeof squares / sizeof(float)];
+    LEAVE_REGISTERS(impulse);
+    for (int j = 0; j < (IS_ONE ? LANES : 0); j++) column[j] = PART_AT(matrix + j * LANES, 0) + (ROW_VECTOR){0};
+    for (int i = 0; i < rounds->count; i++, impulse += LANES, change += LANES, total += LANES)
+        for (int b = 0; b < NAME(parts); b++) {
+            ROW_VECTOR sum[CHAINS] = {0};
+            for (int j = 0; j < LANES; j++)
+                sum[j % CHAINS] += (IS_ONE ? column[j] : PART_AT(matrix + j * LANES, b)) * impulse[j];
+            sum[0] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+            squares += sum[0] * sum[0];
+            PART_AT(change, b) = sum[0];
+            PART_AT(total, b) += sum[0];
+        }
+    PART_AT(parts, 0) = squares;
+    for (size_t half = sizeof parts / sizeof *parts / 2; half > 0; half /= 2)
+        for (size_t i = 0; i < half; i++) parts[i] += parts[i + half];
+    return (double)parts[0];
+}
+
+/* The impulses by the drives less those of the last movement, in the unit of the rounds. */
+JET_INLINE void NAME(begin_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives,
+                                   const int slot[])
+{
+    for (int i = 0; i < rounds->count; i++) {
+        const int u = rounds->unknown[i];
+        const double *drive = drives + slot[u] * LANES, *old = nodes->impulse + u * LANES;
+        const double factor = rounds->per_size[i] / ROUNDS_UNIT;
+        for (int v = 0; v < NAME(vectors); v++) {
+            const V impulse = BLOCK_OF(V, nodes->weight, v) * BLOCK_OF(V, drive, v);
+            SINGLE_AT(rounds->impulse + i * LANES, v) =
+                KERNEL_NAME(NARROW, V)(factor * (impulse - BLOCK_OF(V, old, v)));
+            SINGLE_AT(rounds->total + i * LANES, v) = (SINGLE){0};
+        }
+    }
+}
+
+/* The changes of the impulses that the rounds have found, in units of the unknowns. */
+JET_INLINE void NAME(end_rounds)(const lanes_rounds *rounds, double *changes)
+{
+    for (int i = 0; i < rounds->rows; i++)
+        for (int v = 0; v < NAME(vectors); v++)
+            BLOCK_AT(V, changes + rounds->unknown[i] * LANES, v) =
+                ROUNDS_UNIT * rounds->size[i] * KERNEL_NAME(WIDEN, V)(SINGLE_AT(rounds->all + i * LANES, v));
+}
+
+OWN void NAME(go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives, const int slot[],
+                        bool is_new, double moved, double least, double *changes)
+{
+    double before = INFINITY, earlier;
+    int count = 0;
+    if (is_new) NAME(pack)(nodes, rounds);
+    NAME(begin_rounds)(nodes, rounds, drives, slot);
+    const double first = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
+    const double left_out = ROUNDS_LEFT_OUT * first * (is_new ? first : moved) / (nodes->unknowns * LANES);
+    const double last = tvi_larger(left_out, least);
+    double now = first;
+    do {
+        earlier = before;
+        before = now;
+        NAME(drive_rows)(rounds, rounds->change, false, rounds->impulse);
+        now = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
+    } while (++count < MOST_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
+             (now < before || now < earlier));
+    NAME(drive_rows)(rounds, rounds->total, true, rounds->all);
+    if (now <= first) NAME(end_rounds)(rounds, changes);
+    else memset(changes, 0, (size_t)(nodes->unknowns * LANES) * sizeof *changes);
+}
+
+#undef SINGLE
+#undef SINGLE_AT
+#undef ROW_VECTOR
+#undef PART_AT
