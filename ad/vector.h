@@ -26,6 +26,17 @@ typedef double jet_v1;
 typedef long long jet_mask_of_jet_v8 __attribute__((vector_size(64), aligned(8), may_alias));
 typedef long long jet_mask_of_jet_v4 __attribute__((vector_size(32), aligned(8), may_alias));
 typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8), may_alias));
+/* The widest of these that the instruction set has as one. */
+#ifdef JET_WIDE
+typedef jet_v8 jet_widest;
+typedef jet_mask_of_jet_v8 jet_mask_of_jet_widest;
+#elif defined(__AVX__)
+typedef jet_v4 jet_widest;
+typedef jet_mask_of_jet_v4 jet_mask_of_jet_widest;
+#else
+typedef jet_v2 jet_widest;
+typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
+#endif
 #define JET_MASK(V) jet_mask_of_##V
 #define JET_CHOOSE(V, mask, yes, no)                                                                                   \
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))

@@ -6,9 +6,9 @@
 #define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
 #if MEMBERS
 #define NAME(f)    KERNEL_NAME(f, members)
-#define V          widest
+#define V          jet_widest
 #define ONE_VECTOR 0
-#define COLUMN     widest
+#define COLUMN     jet_widest
 /* The vectors of a row, one of them, what they have of a table of the nodes, and the number of node j for all of them;
  * a number of each member. */
 #define VECTORS                 (s.points)
@@ -21,7 +21,7 @@
 #define MEMBER_AT(array, u)     (*(V *)((array) + (size_t)(u) * (size_t)s.width + here))
 #define MAGNITUDE(x)            JET_ABS(V, x)
 #define IF_ABOVE(a, b, yes, no) JET_CHOOSE(V, (a) > (b), yes, no)
-#define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(widest) *)(nodes->is_moving + here), now, was)
+#define KEPT(now, was)          JET_CHOOSE(V, *(const JET_MASK(jet_widest) *)(nodes->is_moving + here), now, was)
 /* The call for each vector of members; usual sizes are constants. */
 #define EACH_VECTOR_OF(P, L, W, call)                                                                                  \
     do {                                                                                                               \

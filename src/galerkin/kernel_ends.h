@@ -80,7 +80,7 @@ JET_INLINE void NAME(integrate_all)(const galerkin_nodes *of, const galerkin_wei
 #if MEMBERS
 #define JUDGED(name)       members_##name
 #define REAL               V
-#define TRUTH              JET_MASK(widest)
+#define TRUTH              JET_MASK(jet_widest)
 #define ABOVE(a, b)        ((a) > (b))
 #define AT_MOST(a, b)      ((a) <= (b))
 #define SAME(a, b)         ((a) == (b))

@@ -91,7 +91,7 @@ OWN int NAME(judge)(galerkin_verdicts *of, const tvi_passes_rule *by, int width,
     const tvi_passes_rule rule = *by;
     long long left = 0;
     for (int m = 0; m < width; m += NUMBERS_OF(V)) {
-        const JET_MASK(widest) moves = *(const JET_MASK(widest) *)(of->is_moving + m);
+        const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(of->is_moving + m);
         const V moved = *(const V *)(of->moved + m), infinite = INFINITY - (V){0}, slowest = *(V *)(of->slowest + m);
         members_passes passes = {.count = count - 1,
                                  .size = *(V *)(of->size + m),
@@ -101,8 +101,9 @@ OWN int NAME(judge)(galerkin_verdicts *of, const tvi_passes_rule *by, int width,
                                  .shown = *(V *)(of->shown + m),
                                  .slack = 1 - (V){0},
                                  .roundoff = {0}};
-        JET_MASK(widest) is_stuck;
-        const JET_MASK(widest) may_end = members_judge(&passes, &rule, moved, &is_stuck), is_finite = moved < infinite;
+        JET_MASK(jet_widest) is_stuck;
+        const JET_MASK(jet_widest) may_end = members_judge(&passes, &rule, moved, &is_stuck),
+                                   is_finite = moved < infinite;
         *(V *)(of->size + m) = passes.size;
         *(V *)(of->before + m) = passes.before;
         *(V *)(of->part + m) = passes.part;
@@ -110,8 +111,8 @@ OWN int NAME(judge)(galerkin_verdicts *of, const tvi_passes_rule *by, int width,
         *(V *)(of->slowest + m) = JET_CHOOSE(V, moves, passes.slowest, slowest);
         if (count == 1) *(V *)(of->first + m) = moved;
         *(V *)(of->count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(of->count + m));
-        *(JET_MASK(widest) *)(of->has_ended + m) |= moves & is_finite & may_end;
-        *(JET_MASK(widest) *)(of->is_moving + m) = moves & is_finite & ~(may_end | is_stuck);
+        *(JET_MASK(jet_widest) *)(of->has_ended + m) |= moves & is_finite & may_end;
+        *(JET_MASK(jet_widest) *)(of->is_moving + m) = moves & is_finite & ~(may_end | is_stuck);
     }
     for (int m = 0; m < width; m++) left -= of->is_moving[m];
     return (int)left;

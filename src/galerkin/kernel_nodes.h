@@ -174,7 +174,7 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int
     const double *last = ROW(by->last, u);
     const double *before = ROW(by->before, u);
     const double *of_before = by->from_two + s.lanes * s.lanes;
-    const JET_MASK(widest) is_rough = *(const JET_MASK(widest) *)(by->is_rough + here);
+    const JET_MASK(jet_widest) is_rough = *(const JET_MASK(jet_widest) *)(by->is_rough + here);
     const V none = {0};
     for (int j = 0; j < s.points; j++)
         sum[j % NAME(chains)] = FUSED(V, JET_CHOOSE(V, is_rough, none, OF_NODE(of_before + j * s.lanes, v)),

@@ -26,9 +26,9 @@
 #include "fused.h"
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 #ifdef JET_WIDE
-#define jet_fma_widest jet_fma_jet_v8
+#define jet_fma_jet_widest jet_fma_jet_v8
 #elif defined(__AVX__)
-#define jet_fma_widest jet_fma_jet_v4
+#define jet_fma_jet_widest jet_fma_jet_v4
 #endif
 #endif
 
@@ -42,19 +42,9 @@
 #define POINTS_OF(nodes) ((nodes)->points)
 #endif
 
-/* All lanes at once: BODY(V, blocks), with the widest vectors of which there are as many as make all lanes. */
+/* All lanes at once: BODY(V, blocks), with the jet_widest vectors of which there are as many as make all lanes. */
 enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };
-#ifdef JET_WIDE
-typedef jet_v8 widest;
-typedef jet_mask_of_jet_v8 jet_mask_of_widest;
-#elif defined(__AVX__)
-typedef jet_v4 widest;
-typedef jet_mask_of_jet_v4 jet_mask_of_widest;
-#else
-typedef jet_v2 widest;
-typedef jet_mask_of_jet_v2 jet_mask_of_widest;
-#endif
-enum { WIDEST = sizeof(widest) / sizeof(double) };
+enum { WIDEST = sizeof(jet_widest) / sizeof(double) };
 #define ALL_LANES(lanes, BODY)                                                                                         \
     if (WIDEST >= 8 && lanes % 8 == 0) BODY(jet_v8, (lanes / 8))                                                       \
     else if (WIDEST >= 4 && lanes % 4 == 0) BODY(jet_v4, (lanes / 4))                                                  \

@@ -233,8 +233,8 @@ typedef struct galerkin_loops {
                      bool is_new, double moved, double least, double *changes);
     void (*place)(const galerkin_places *places, const double *table, const double *impulses, double *out);
 
-    /* Of a Lagrangian: inverts the matrix of each lane. Returns the smallest pivot, relative to rows and columns of size
-     * 1, or 1 where all pivots are as large as what stood on the diagonal, or nearly; 0 where there is a NaN. */
+    /* Of a Lagrangian: inverts the matrix of each lane. Returns the smallest pivot, relative to rows and columns of
+     * size 1, or 1 where all pivots are as large as what stood on the diagonal, or nearly; 0 where there is a NaN. */
     double (*invert)(lanes_inverse *of);
     /* V = from + A^-1 ((P - p) - change), [n][lanes] each. */
     void (*correct)(const lanes_inverse *of, const double *P, const double *p, const double *change, const double *from,

@@ -6,35 +6,43 @@
 
 #include <math.h>
 
-/* Row r of an array, at the block. */
-#define ROW(V, x, r)    (*(V *)((x) + (size_t)(r) * (size_t)width + here))
-#define OF_ROW(V, x, r) (*(const V *)((x) + (size_t)(r) * (size_t)width + here))
-#define LARGER(V, a, b) JET_CHOOSE(V, (a) > (b), a, b)
-#define NOTHING(V, x)   (x)
+typedef jet_widest vector;
+enum { WIDEST = sizeof(vector) / sizeof(double) };
+
+/* Row r of an array at members `here` to here + WIDEST - 1, which all functions over vectors pass through. */
+#define AT_ROW(x, r)       (*(vector *)((x) + (size_t)(r) * (size_t)width + here))
+#define OF_ROW(x, r)       (*(const vector *)((x) + (size_t)(r) * (size_t)width + here))
+#define EACH_VECTOR(width) for (int here = 0; here < (width); here += WIDEST)
+
+JET_INLINE vector larger(vector a, vector b) { return JET_CHOOSE(jet_widest, a > b, a, b); }
+JET_INLINE vector size_of(vector x) { return JET_ABS(jet_widest, x); }
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
-/* The vectors of a row stand `part` apart: sums that do not wait for each other, and ask for each weight once. */
-#define COMBINE(V, OF)                                                                                                 \
-    {                                                                                                                  \
-        V sum[PARTS] = {{0}};                                                                                          \
-        for (int r = w.rows; r-- > 0;) {                                                                               \
-            const double weight = w.weight[(size_t)o * w.per_out + (size_t)r * w.per_row];                             \
-            const double *row = x + (size_t)r * stride + here;                                                         \
-            if (weight == 0) continue;                                                                                 \
-            for (int k = 0; k < parts; k++) sum[k] += weight * OF(V, *(const V *)(row + k * part));                    \
-        }                                                                                                              \
-        for (int k = 0; k < parts; k++) *(V *)(out + (size_t)o * out_stride + here + k * part) = sum[k];               \
-    }
-
 enum { PARTS = 4 };
+
+/* Sum o at `here`. The vectors of a row stand `part` apart: `parts` sums that do not wait for each other, and ask for
+ * each weight once. */
+JET_INLINE void combine_at(const tvi_weights *w, size_t stride, int parts, int part, bool sizes, const double *x, int o,
+                           double *out)
+{
+    vector sum[PARTS] = {{0}};
+    for (int r = w->rows; r-- > 0;) {
+        const double weight = w->weight[(size_t)o * w->per_out + (size_t)r * w->per_row], *row = x + (size_t)r * stride;
+        if (weight == 0) continue;
+        for (int k = 0; k < parts; k++) {
+            const vector term = *(const vector *)(row + k * part);
+            sum[k] += weight * (sizes ? size_of(term) : term);
+        }
+    }
+    for (int k = 0; k < parts; k++) *(vector *)(out + k * part) = sum[k];
+}
 
 JET_INLINE void combine_parts(tvi_weights w, size_t stride, int parts, int part, bool sizes, const double *x,
                               size_t out_stride, double *out)
 {
     for (int o = 0; o < w.outs; o++)
-        if (sizes) JET_EIGHTS(part, COMBINE, JET_ABS)
-        else JET_EIGHTS(part, COMBINE, NOTHING)
+        EACH_VECTOR(part) combine_at(&w, stride, parts, part, sizes, x + here, o, out + (size_t)o * out_stride + here);
 }
 
 JET_INLINE void combine_all(const tvi_weights *weights, size_t stride, int width, bool sizes, const double *x,
@@ -57,88 +65,76 @@ static void combine_sizes(const tvi_weights *weights, size_t stride, int width, 
     combine_all(weights, stride, width, true, x, out_stride, out);
 }
 
-#define PULL(V, S)                                                                                                     \
-    {                                                                                                                  \
-        V sum = {0}, odd = {0};                                                                                        \
-        int r = rows;                                                                                                  \
-        for (; r > 1; r -= 2) {                                                                                        \
-            sum += OF_ROW(V, seed, r - 1) * OF_ROW(V, J, d * rows + r - 1);                                            \
-            odd += OF_ROW(V, seed, r - 2) * OF_ROW(V, J, d * rows + r - 2);                                            \
-        }                                                                                                              \
-        if (r > 0) sum += OF_ROW(V, seed, 0) * OF_ROW(V, J, d * rows);                                                 \
-        ROW(V, out, d)                                                                                                 \
-        = sum + odd;                                                                                                   \
-    }
-
+/* In two chains, which do not wait for each other. */
 static void pull(int rows, int directions, int width, const double *seed, const double *J, double *out)
 {
-    for (int d = 0; d < directions; d++) JET_EIGHTS(width, PULL, )
+    for (int d = 0; d < directions; d++) EACH_VECTOR(width)
+        {
+            vector sum = {0}, odd = {0};
+            int r = rows;
+            for (; r > 1; r -= 2) {
+                sum += OF_ROW(seed, r - 1) * OF_ROW(J, d * rows + r - 1);
+                odd += OF_ROW(seed, r - 2) * OF_ROW(J, d * rows + r - 2);
+            }
+            if (r > 0) sum += OF_ROW(seed, 0) * OF_ROW(J, d * rows);
+            AT_ROW(out, d) = sum + odd;
+        }
 }
-
-#define PUSH(V, S)                                                                                                     \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        for (int d = 0; d < directions; d++) sum += OF_ROW(V, J, d * rows + r) * OF_ROW(V, dz, d);                     \
-        ROW(V, out, r)                                                                                                 \
-        = sum;                                                                                                         \
-    }
 
 static void push(int rows, int directions, int width, const double *J, const double *dz, double *out)
 {
-    for (int r = 0; r < rows; r++) JET_EIGHTS(width, PUSH, )
+    for (int r = 0; r < rows; r++) EACH_VECTOR(width)
+        {
+            vector sum = {0};
+            for (int d = 0; d < directions; d++) sum += OF_ROW(J, d * rows + r) * OF_ROW(dz, d);
+            AT_ROW(out, r) = sum;
+        }
 }
 
 /* ---- Equations --------------------------------------------------------------------------------------------------- */
 
 /* 1 / pivot stands in the diagonal. */
-#define FACTOR(V, S)                                                                                                   \
-    for (int j = 0; j < size; j++) {                                                                                   \
-        const V pivot = OF_ROW(V, A, j * size + j), inverse = 1.0 / pivot, distance = JET_ABS(V, pivot);               \
-        const V nearest = OF_ROW(V, least, 0);                                                                         \
-        ROW(V, least, 0)                                                                                               \
-        = JET_CHOOSE(V, distance >= nearest, nearest, distance);                                                       \
-        ROW(V, A, j *size + j)                                                                                         \
-        = inverse;                                                                                                     \
-        for (int i = j + 1; i < size; i++) {                                                                           \
-            const V factor = OF_ROW(V, A, i * size + j) * inverse;                                                     \
-            ROW(V, A, i *size + j)                                                                                     \
-            = factor;                                                                                                  \
-            for (int k = j + 1; k < size; k++) ROW(V, A, i *size + k)                                                  \
-            -= factor * OF_ROW(V, A, j * size + k);                                                                    \
-        }                                                                                                              \
+static void factor(int size, int width, double *A, double *least)
+{
+    EACH_VECTOR(width)
+    for (int j = 0; j < size; j++) {
+        const vector inverse = 1.0 / OF_ROW(A, j * size + j), distance = size_of(OF_ROW(A, j * size + j));
+        const vector nearest = OF_ROW(least, 0);
+        AT_ROW(least, 0) = JET_CHOOSE(jet_widest, distance >= nearest, nearest, distance);
+        AT_ROW(A, j * size + j) = inverse;
+        for (int i = j + 1; i < size; i++) {
+            const vector part = OF_ROW(A, i * size + j) * inverse;
+            AT_ROW(A, i * size + j) = part;
+            for (int k = j + 1; k < size; k++) AT_ROW(A, i * size + k) -= part * OF_ROW(A, j * size + k);
+        }
     }
+}
 
-static void factor(int size, int width, double *A, double *least) { JET_EIGHTS(width, FACTOR, ) }
-
-#define SOLVE(V, S)                                                                                                    \
-    {                                                                                                                  \
-        for (int i = 0; i < size; i++)                                                                                 \
-            for (int j = 0; j < i; j++) ROW(V, x, i)                                                                   \
-        -= OF_ROW(V, lu, i * size + j) * OF_ROW(V, x, j);                                                              \
-        for (int i = size; i-- > 0;) {                                                                                 \
-            for (int j = i + 1; j < size; j++) ROW(V, x, i)                                                            \
-            -= OF_ROW(V, lu, i * size + j) * OF_ROW(V, x, j);                                                          \
-            ROW(V, x, i)                                                                                               \
-            *= OF_ROW(V, lu, i * size + i);                                                                            \
-        }                                                                                                              \
+static void solve(int size, int width, const double *lu, double *x)
+{
+    EACH_VECTOR(width)
+    {
+        for (int i = 0; i < size; i++)
+            for (int j = 0; j < i; j++) AT_ROW(x, i) -= OF_ROW(lu, i * size + j) * OF_ROW(x, j);
+        for (int i = size; i-- > 0;) {
+            for (int j = i + 1; j < size; j++) AT_ROW(x, i) -= OF_ROW(lu, i * size + j) * OF_ROW(x, j);
+            AT_ROW(x, i) *= OF_ROW(lu, i * size + i);
+        }
     }
+}
 
-static void solve(int size, int width, const double *lu, double *x) { JET_EIGHTS(width, SOLVE, ) }
-
-#define SOLVE_TRANSPOSED(V, S)                                                                                         \
-    {                                                                                                                  \
-        for (int i = 0; i < size; i++) {                                                                               \
-            for (int j = 0; j < i; j++) ROW(V, x, i)                                                                   \
-            -= OF_ROW(V, lu, j * size + i) * OF_ROW(V, x, j);                                                          \
-            ROW(V, x, i)                                                                                               \
-            *= OF_ROW(V, lu, i * size + i);                                                                            \
-        }                                                                                                              \
-        for (int i = size; i-- > 0;)                                                                                   \
-            for (int j = i + 1; j < size; j++) ROW(V, x, i)                                                            \
-        -= OF_ROW(V, lu, j * size + i) * OF_ROW(V, x, j);                                                              \
+static void solve_transposed(int size, int width, const double *lu, double *x)
+{
+    EACH_VECTOR(width)
+    {
+        for (int i = 0; i < size; i++) {
+            for (int j = 0; j < i; j++) AT_ROW(x, i) -= OF_ROW(lu, j * size + i) * OF_ROW(x, j);
+            AT_ROW(x, i) *= OF_ROW(lu, i * size + i);
+        }
+        for (int i = size; i-- > 0;)
+            for (int j = i + 1; j < size; j++) AT_ROW(x, i) -= OF_ROW(lu, j * size + i) * OF_ROW(x, j);
     }
-
-static void solve_transposed(int size, int width, const double *lu, double *x) { JET_EIGHTS(width, SOLVE_TRANSPOSED, ) }
+}
 
 /* ---- Corrections ------------------------------------------------------------------------------------------------- */
 
@@ -175,52 +171,44 @@ static void residual(const tvi_curve_members *of, const double *restrict Q0, con
         }
 }
 
-#define FILL_SCALE(V, S)                                                                                               \
-    for (int first = 0; first < 2 * of->n; first += of->n) {                                                           \
-        V largest = {0}, nothing = {0};                                                                                \
-        for (const int *i = member; i < end; i++) largest = LARGER(V, OF_ROW(V, of->scale, first + *i), largest);      \
-        const V most = JET_CHOOSE(V, largest > nothing, largest, nothing + 1.0);                                       \
-        for (const int *at = member; at < end; at++) {                                                                 \
-            const int i = first + *at;                                                                                 \
-            const V size = OF_ROW(V, of->scale, i), least = TVI_LEAST_SHARE * most;                                    \
-            ROW(V, of->scale, i)                                                                                       \
-            = JET_CHOOSE(V, size == nothing, most, LARGER(V, least, size));                                            \
-        }                                                                                                              \
+/* The unknowns of a group, which begins at `first`, in a subsystem with these components. */
+JET_INLINE void fill_scale_at(double *scale, int first, const int *member, const int *end, int width, int here)
+{
+    vector largest = {0}, nothing = {0};
+    for (const int *i = member; i < end; i++) largest = larger(OF_ROW(scale, first + *i), largest);
+    const vector most = JET_CHOOSE(jet_widest, largest > nothing, largest, nothing + 1.0);
+    for (const int *i = member; i < end; i++) {
+        const vector size = OF_ROW(scale, first + *i), filled = larger(TVI_LEAST_SHARE * most, size);
+        AT_ROW(scale, first + *i) = JET_CHOOSE(jet_widest, size == nothing, most, filled);
     }
+}
 
 static void fill_scale(const tvi_curve_members *of)
 {
     const int width = of->width, *member = of->parts->member;
     for (int k = 0; k < of->parts->count; k++) {
         const int *const end = of->parts->member + of->parts->end[k];
-        JET_EIGHTS(width, FILL_SCALE, )
+        for (int first = 0; first < 2 * of->n; first += of->n)
+            EACH_VECTOR(width) fill_scale_at(of->scale, first, member, end, width, here);
         member = end;
     }
 }
 
-/* What is no number makes the sizes none: x - x is 0 of all others. */
-#define MEASURE(V, S)                                                                                                  \
-    {                                                                                                                  \
-        V relative = OF_ROW(V, of->relative, 0), of_group = OF_ROW(V, of->of_group, 0), nothing = {0};                 \
-        for (int first = 0; first < 2 * of->n; first += of->n) {                                                       \
-            V largest = {0}, most = {0};                                                                               \
-            for (const int *at = member; at < end; at++) {                                                             \
-                const int i = first + *at;                                                                             \
-                const V x = OF_ROW(V, of->correction, i), size = JET_ABS(V, x), scale = OF_ROW(V, of->scale, i);       \
-                const V part = size / scale;                                                                           \
-                nothing += x - x;                                                                                      \
-                relative = LARGER(V, part, relative);                                                                  \
-                largest = LARGER(V, size, largest);                                                                    \
-                most = LARGER(V, scale, most);                                                                         \
-            }                                                                                                          \
-            const V share = largest / most;                                                                            \
-            of_group = LARGER(V, share, of_group);                                                                     \
-        }                                                                                                              \
-        ROW(V, of->relative, 0)                                                                                        \
-        = relative + nothing;                                                                                          \
-        ROW(V, of->of_group, 0)                                                                                        \
-        = of_group + nothing;                                                                                          \
+/* The same of the sizes of corrections. What is no number makes them none: x - x is 0 of all others. */
+JET_INLINE void measure_at(const tvi_curve_members *of, int first, const int *member, const int *end, int width,
+                           int here)
+{
+    vector relative = OF_ROW(of->relative, 0), largest = {0}, most = {0}, nothing = {0};
+    for (const int *i = member; i < end; i++) {
+        const vector x = OF_ROW(of->correction, first + *i), scale = OF_ROW(of->scale, first + *i);
+        nothing += x - x;
+        relative = larger(size_of(x) / scale, relative);
+        largest = larger(size_of(x), largest);
+        most = larger(scale, most);
     }
+    AT_ROW(of->relative, 0) = relative + nothing;
+    AT_ROW(of->of_group, 0) = larger(largest / most, OF_ROW(of->of_group, 0)) + nothing;
+}
 
 static void measure(const tvi_curve_members *of)
 {
@@ -228,23 +216,21 @@ static void measure(const tvi_curve_members *of)
     for (int m = 0; m < width; m++) of->relative[m] = of->of_group[m] = 0;
     for (int k = 0; k < of->parts->count; k++) {
         const int *const end = of->parts->member + of->parts->end[k];
-        JET_EIGHTS(width, MEASURE, )
+        for (int first = 0; first < 2 * of->n; first += of->n)
+            EACH_VECTOR(width) measure_at(of, first, member, end, width, here);
         member = end;
     }
 }
 
-#define MOVE(V, S)                                                                                                     \
-    for (int i = 0; i < 2 * of->n; i++) {                                                                              \
-        const JET_MASK(V) mask = *(const JET_MASK(V) *)(is_moving + here);                                             \
-        const V z = OF_ROW(V, of->z, i), moved = z + OF_ROW(V, of->correction, i);                                     \
-        ROW(V, of->z, i)                                                                                               \
-        = JET_CHOOSE(V, mask, moved, z);                                                                               \
-    }
-
 static void move(const tvi_curve_members *of, const long long *is_moving)
 {
     const int width = of->width;
-    JET_EIGHTS(width, MOVE, )
+    for (int i = 0; i < 2 * of->n; i++) EACH_VECTOR(width)
+        {
+            const vector z = OF_ROW(of->z, i), moved = z + OF_ROW(of->correction, i);
+            const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(is_moving + here);
+            AT_ROW(of->z, i) = JET_CHOOSE(jet_widest, moves, moved, z);
+        }
 }
 
 static void end(const tvi_curve_members *of, const double *curve, const double *change, double *restrict dq,

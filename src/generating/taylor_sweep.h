@@ -21,53 +21,47 @@ typedef struct {
     double *rise, *size, *slope, *bend;
 } tvi_taylor_sums;
 
-/* Row k, into the sums of one of two chains, which do not wait for each other. */
-#define SIZE_OF_jet_v1(x) fabs(x)
-#define SIZE_OF_jet_v2(x) JET_ABS(jet_v2, x)
-#define SIZE_OF_jet_v4(x) JET_ABS(jet_v4, x)
-#define SIZE_OF_jet_v8(x) JET_ABS(jet_v8, x)
-#define SWEEP_ROW(V, k, c)                                                                                             \
-    {                                                                                                                  \
-        V *const row = (V *)(x + (size_t)(k)*rows->stride + here);                                                     \
-        const V now = *row * power[k], size_of = SIZE_OF_##V(now), term = weight * size_of;                            \
-        *row = now;                                                                                                    \
-        rise[c] += now;                                                                                                \
-        size[c] = JET_FUSED(V, weight + none, size_of, size[c]);                                                       \
-        if (has_slope) slope[c] = JET_FUSED(V, weight + none, now, slope[c]);                                          \
-        weight -= 1;                                                                                                   \
-        if (has_slope) bend[c] = JET_FUSED(V, weight + none, term, bend[c]);                                           \
-    }
-#define SWEEP(V, WITH_SLOPE)                                                                                           \
-    {                                                                                                                  \
-        const bool has_slope = WITH_SLOPE;                                                                             \
-        const V none = {0};                                                                                            \
-        V rise[2] = {none, none}, size[2] = {none, none}, slope[2] = {none, none}, bend[2] = {none, none};             \
-        double weight = rows->degree;                                                                                  \
-        int k = rows->degree;                                                                                          \
-        for (; k > rows->least; k -= 2) {                                                                              \
-            SWEEP_ROW(V, k, 0)                                                                                         \
-            SWEEP_ROW(V, k - 1, 1)                                                                                     \
-        }                                                                                                              \
-        if (k == rows->least) SWEEP_ROW(V, k, 0)                                                                       \
-        if (has_slope) {                                                                                               \
-            V *const row = (V *)(x + rows->stride + here);                                                             \
-            const V now = *row * power[1], size_of = SIZE_OF_##V(now);                                                 \
-            *row = now;                                                                                                \
-            *(V *)(sums->rise + here) = rise[0] + rise[1] + now;                                                       \
-            *(V *)(sums->size + here) = size[0] + size[1] + size_of;                                                   \
-            *(V *)(sums->slope + here) = slope[0] + slope[1];                                                          \
-            *(V *)(sums->bend + here) = bend[0] + bend[1] + size_of;                                                   \
-        } else {                                                                                                       \
-            *(V *)(sums->rise + here) = rise[0] + rise[1];                                                             \
-            *(V *)(sums->size + here) = size[0] + size[1];                                                             \
-        }                                                                                                              \
-    }
+#ifdef JET_WIDE
+#define V        jet_v8
+#define SIZE(x)  JET_ABS(jet_v8, x)
+#define SWEPT(f) taylor_eight_##f
+#include "generating/taylor_rows.h"
+#endif
+#ifdef __AVX__
+#define V        jet_v4
+#define SIZE(x)  JET_ABS(jet_v4, x)
+#define SWEPT(f) taylor_four_##f
+#include "generating/taylor_rows.h"
+#endif
+#define V        jet_v2
+#define SIZE(x)  JET_ABS(jet_v2, x)
+#define SWEPT(f) taylor_two_##f
+#include "generating/taylor_rows.h"
+#define V        jet_v1
+#define SIZE(x)  fabs(x)
+#define SWEPT(f) taylor_one_##f
+#include "generating/taylor_rows.h"
 
-/* x_k *= power[k], and their sums, the small terms first. */
+/* x_k *= power[k], and their sums, the small terms first; has_slope is a constant. */
+JET_INLINE void taylor_sweep_by(const tvi_taylor_rows *rows, const double *power, double *x,
+                                const tvi_taylor_sums *sums, bool has_slope)
+{
+    const int components = rows->components;
+    int here = 0;
+#ifdef JET_WIDE
+    for (; here + 8 <= components; here += 8) taylor_eight_rows(rows, power, x, sums, has_slope, here);
+#endif
+#ifdef __AVX__
+    for (; here + 4 <= components; here += 4) taylor_four_rows(rows, power, x, sums, has_slope, here);
+#endif
+    for (; here + 2 <= components; here += 2) taylor_two_rows(rows, power, x, sums, has_slope, here);
+    for (; here < components; here++) taylor_one_rows(rows, power, x, sums, has_slope, here);
+}
+
 JET_INLINE void taylor_sweep(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums)
 {
-    if (rows->has_slope) JET_BLOCKS(rows->components, SWEEP, true);
-    else JET_BLOCKS(rows->components, SWEEP, false);
+    if (rows->has_slope) taylor_sweep_by(rows, power, x, sums, true);
+    else taylor_sweep_by(rows, power, x, sums, false);
 }
 
 #endif

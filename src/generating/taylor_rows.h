@@ -1,0 +1,48 @@
+/* taylor_rows.h - scales the rows of a Taylor curve and sums them, for one vector of components: the text of
+ * taylor_sweep.h, which reads it for each length of vectors V. SIZE(x) is |x| and SWEPT(f) the name of what it defines;
+ * all three end here. */
+
+/* The sums of one of two chains of orders, which do not wait for each other. */
+typedef struct {
+    V rise, size, slope, bend;
+} SWEPT(chain);
+
+/* Adds row k of weight k. */
+JET_INLINE void SWEPT(add)(SWEPT(chain) * chain, V *row, double power, double weight, bool has_slope)
+{
+    const V none = {0}, now = *row * power, size = SIZE(now);
+    *row = now;
+    chain->rise += now;
+    chain->size = JET_FUSED(V, weight + none, size, chain->size);
+    if (has_slope) chain->slope = JET_FUSED(V, weight + none, now, chain->slope);
+    if (has_slope) chain->bend = JET_FUSED(V, weight - 1 + none, weight * size, chain->bend);
+}
+
+JET_INLINE void SWEPT(rows)(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums,
+                            bool has_slope, int here)
+{
+    const V none = {0};
+    SWEPT(chain) a = {none, none, none, none}, b = a;
+    int k = rows->degree;
+    for (; k > rows->least; k -= 2) {
+        SWEPT(add)(&a, (V *)(x + (size_t)k * rows->stride + here), power[k], k, has_slope);
+        SWEPT(add)(&b, (V *)(x + (size_t)(k - 1) * rows->stride + here), power[k - 1], k - 1, has_slope);
+    }
+    if (k == rows->least) SWEPT(add)(&a, (V *)(x + (size_t)k * rows->stride + here), power[k], k, has_slope);
+    V rise = a.rise + b.rise, size = a.size + b.size;
+    if (has_slope) {
+        V *const row = (V *)(x + rows->stride + here);
+        const V now = *row * power[1], size_of_now = SIZE(now);
+        *row = now;
+        rise += now;
+        size += size_of_now;
+        *(V *)(sums->slope + here) = a.slope + b.slope;
+        *(V *)(sums->bend + here) = a.bend + b.bend + size_of_now;
+    }
+    *(V *)(sums->rise + here) = rise;
+    *(V *)(sums->size + here) = size;
+}
+
+#undef V
+#undef SIZE
+#undef SWEPT
