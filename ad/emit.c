@@ -238,9 +238,9 @@ static void emit_values_at(const emission *e, int lanes)
 {
     const char *name = e->wanted->name;
     const bool fits = lanes <= MOST_REGISTER;
-    if (e->stand_alone && !fits) jet_text_add(e->text, "JET_EMITTED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
+    if (e->stand_alone && !fits) jet_text_add(e->text, "JET_GENERATED_VALUES_IN_REGISTERS(%s, %d)\n", name, lanes);
     else
-        jet_text_add(e->text, "JET_EMITTED_VALUES(%s, %d, %s)\n", name, lanes,
+        jet_text_add(e->text, "JET_GENERATED_VALUES(%s, %d, %s)\n", name, lanes,
                      e->operations <= (fits ? INLINED_IN_REGISTER : INLINED_MOST) ? "ALWAYS" : "NEVER");
 }
 
@@ -256,8 +256,8 @@ static void emit_inner(const emission *e)
         if (!is_register && !(lanes > wanted && *lanes == lanes[-1])) emit_values_at(e, *lanes);
     }
     if (wanted[0] == 1)
-        jet_text_add(e->text, "JET_EMITTED_SERIES(%s)\nJET_EMITTED_TANGENTS(%s)\nJET_EMITTED_ADJOINTS(%s)\n", name,
-                     name, name);
+        jet_text_add(e->text, "JET_GENERATED_SERIES(%s)\nJET_GENERATED_TANGENTS(%s)\nJET_GENERATED_ADJOINTS(%s)\n",
+                     name, name, name);
 }
 
 static void emit_values(const emission *e)
@@ -344,7 +344,7 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
     if (wanted->has_series) jet_text_add(text, ".series = %s_series, ", name);
     if (wanted->directions[0] > 0) jet_text_add(text, ".tangents = %s_tangents, ", name);
     if (wanted->has_adjoints) jet_text_add(text, ".adjoints = %s_adjoints, ", name);
-    jet_text_add(text, ".isa = JET_EMITTED_ISA};\n");
+    jet_text_add(text, ".isa = JET_GENERATED_ISA};\n");
     jet_tape_free_split(&split);
 }
 

@@ -109,18 +109,18 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
 
 /* The instruction set that the code is compiled for. */
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__)
-#define JET_EMITTED_ISA jet_isa_avx512
+#define JET_GENERATED_ISA jet_isa_avx512
 #elif defined(__AVX2__) && defined(__FMA__)
-#define JET_EMITTED_ISA jet_isa_avx2
+#define JET_GENERATED_ISA jet_isa_avx2
 #else
-#define JET_EMITTED_ISA jet_isa_base
+#define JET_GENERATED_ISA jet_isa_base
 #endif
 
 /* The sweeps of tape.h, to be inlined with constants. Lanes are one from the beginning: what is inlined, compilers work
  * on before, for itself. Large functions of many lanes are inlined NEVER. */
 #define ALWAYS JET_INLINE
 #define NEVER  static __attribute__((noinline))
-#define JET_EMITTED_VALUES(T, LANES, INLINED)                                                                          \
+#define JET_GENERATED_VALUES(T, LANES, INLINED)                                                                        \
     INLINED bool T##_values_##LANES(double *x)                                                                         \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
@@ -164,7 +164,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
 #define IN_REGISTERS(T)                                                                                                \
     for (int here = 0; here < lanes; here += 2) IN_A_REGISTER(jet_v2, T)
 #endif
-#define JET_EMITTED_VALUES_IN_REGISTERS(T, LANES)                                                                      \
+#define JET_GENERATED_VALUES_IN_REGISTERS(T, LANES)                                                                    \
     NEVER bool T##_values_##LANES(double *x)                                                                           \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
@@ -176,7 +176,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
 /* No other tapes than those of values alone have scattered operands. */
 #define NONE(T, i, squares, terms)
 
-#define JET_EMITTED_SERIES(T)                                                                                          \
+#define JET_GENERATED_SERIES(T)                                                                                        \
     JET_INLINE bool T##_series_of(double *x, int k)                                                                    \
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
@@ -185,14 +185,14 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
                  SERIES_LINEAR, SERIES_EIGHT) return true;                                                             \
     }
 
-#define JET_EMITTED_TANGENTS(T)                                                                                        \
+#define JET_GENERATED_TANGENTS(T)                                                                                      \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
         T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, NONE, TANGENTS_TWINS, TANGENTS_CUBES,              \
                  TANGENTS_BASES, TANGENTS_LINEAR, TANGENTS_EIGHT) return true;                                         \
     }
 
-#define JET_EMITTED_TANGENTS_IN_LANES(T, LANES)                                                                        \
+#define JET_GENERATED_TANGENTS_IN_LANES(T, LANES)                                                                      \
     NEVER void T##_tangents_in_lanes_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
@@ -200,7 +200,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
                  IN_LANES_BASES, IN_LANES_LINEAR, IN_LANES_EIGHT);                                                     \
     }
 
-#define JET_EMITTED_ADJOINTS(T)                                                                                        \
+#define JET_GENERATED_ADJOINTS(T)                                                                                      \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \

@@ -20,10 +20,13 @@ JET_INLINE jet_v4 jet_fma_jet_v4(jet_v4 a, jet_v4 b, jet_v4 c)
     return (jet_v4)_mm256_fmadd_pd((__m256d)a, (__m256d)b, (__m256d)c);
 }
 #ifdef JET_WIDE
+#define jet_fma_jet_widest jet_fma_jet_v8
 JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
 {
     return (jet_v8)_mm512_fmadd_pd((__m512d)a, (__m512d)b, (__m512d)c);
 }
+#elif defined(__AVX__)
+#define jet_fma_jet_widest jet_fma_jet_v4
 #endif
 #endif
 

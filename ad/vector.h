@@ -118,11 +118,15 @@ JET_INLINE bool jet_in_a_row(int count, const int place[])
     return is_row;
 }
 
-/* Before a loop over lanes. gcc unrolls it before it could make vectors of it, where it knows how many they are. */
+/* Before a loop over lanes: gcc unrolls it before it could make vectors of it, where it knows how many they are. And
+ * before loops that generated code unrolls whole, so that unknowns stay in registers; elsewhere n is a variable, and 16
+ * copies of a loop within 16 copies of another would only take the compiler many seconds. */
 #ifdef JET_EMITTED
 #define JET_IN_VECTORS _Pragma("GCC unroll 1")
+#define JET_UNROLLED   _Pragma("GCC unroll 16")
 #else
 #define JET_IN_VECTORS
+#define JET_UNROLLED
 #endif
 
 /* Order j of a series, and of a tangent, at the block. */

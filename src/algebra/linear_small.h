@@ -224,14 +224,6 @@ static const double LINEAR_LEAST_PIVOT = 0x1p-10;
 /* The same of an inverse, which rounds more than a factor does. */
 static const double LINEAR_LEAST_INVERTED = 1.0 / 16;
 
-/* Generated code unrolls whole loops, so that the unknowns stay in registers. Elsewhere n is a variable, and 16 copies
- * of a loop within 16 copies of another would only take the compiler many seconds. */
-#ifdef JET_EMITTED
-#define LINEAR_UNROLLED _Pragma("GCC unroll 16")
-#else
-#define LINEAR_UNROLLED
-#endif
-
 #define LINEAR_ELIMINATE(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
 
 /* A pivot, by what stood in its place. */
@@ -249,21 +241,21 @@ JET_INLINE bool linear_plain_factor(int n, int in_units, tvi_factor *factor)
     const size_t stride = (size_t)n;
     bool is_plain = true;
     double before[LINEAR_SMALL] = {0};
-    LINEAR_UNROLLED
+    JET_UNROLLED
     for (int j = 0; j < n; j++) before[j] = factor->lu[j * n + j];
-    LINEAR_UNROLLED
+    JET_UNROLLED
     for (int j = 0; j < n; j++) {
         const double *row = factor->lu + j * n, pivot = row[j], inverse = 1 / pivot;
         is_plain &= linear_is_plain(pivot, before[j], LINEAR_LEAST_PIVOT);
         if (j < in_units) is_plain &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
         factor->row_scale[j] = inverse;
-        LINEAR_UNROLLED
+        JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
             double *other = factor->lu + i * n;
             const double part = other[j] * inverse;
             factor->matrix[i * n + j] = part;
             if (n >= 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
-            LINEAR_UNROLLED
+            JET_UNROLLED
             for (int k = j + 1; n < 4 && k < n; k++) other[k] -= part * row[k];
         }
     }
@@ -274,12 +266,12 @@ JET_INLINE bool linear_plain_factor(int n, int in_units, tvi_factor *factor)
 JET_INLINE void linear_plain_solve(int n, const tvi_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
-    LINEAR_UNROLLED
-    for (int i = 0; i < n; i++) LINEAR_UNROLLED
+    JET_UNROLLED
+    for (int i = 0; i < n; i++) JET_UNROLLED
     for (int j = 0; j < i; j++) x[i] -= l[i * n + j] * x[j];
-    LINEAR_UNROLLED
+    JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) {
-        LINEAR_UNROLLED
+        JET_UNROLLED
         for (int j = n - 1; j > i; j--) x[i] -= u[i * n + j] * x[j];
         x[i] *= factor->row_scale[i];
     }
@@ -289,14 +281,14 @@ JET_INLINE void linear_plain_solve(int n, const tvi_factor *factor, double x[])
 JET_INLINE void linear_plain_solve_transposed(int n, const tvi_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
-    LINEAR_UNROLLED
+    JET_UNROLLED
     for (int i = 0; i < n; i++) {
-        LINEAR_UNROLLED
+        JET_UNROLLED
         for (int j = 0; j < i; j++) x[i] -= u[j * n + i] * x[j];
         x[i] *= factor->row_scale[i];
     }
-    LINEAR_UNROLLED
-    for (int i = n - 1; i >= 0; i--) LINEAR_UNROLLED
+    JET_UNROLLED
+    for (int i = n - 1; i >= 0; i--) JET_UNROLLED
     for (int j = n - 1; j > i; j--) x[i] -= l[j * n + i] * x[j];
 }
 
@@ -306,16 +298,16 @@ JET_INLINE bool linear_plain_invert(int n, double a[])
     const size_t stride = (size_t)n;
     bool is_plain = true;
     double before[LINEAR_SMALL] = {0};
-    LINEAR_UNROLLED
+    JET_UNROLLED
     for (int j = 0; j < n; j++) before[j] = a[j * n + j];
-    LINEAR_UNROLLED
+    JET_UNROLLED
     for (int j = 0; j < n; j++) {
         double *row = a + j * n;
         const double pivot = row[j], inverse = 1 / pivot;
         is_plain &= linear_is_plain(pivot, before[j], LINEAR_LEAST_INVERTED);
         row[j] = 1;
         for (int k = 0; k < n; k++) row[k] *= inverse;
-        LINEAR_UNROLLED
+        JET_UNROLLED
         for (int i = 0; i < n; i++) {
             double *other = a + i * n;
             const double part = other[j];
@@ -327,6 +319,6 @@ JET_INLINE bool linear_plain_invert(int n, double a[])
     return is_plain;
 }
 
-#undef LINEAR_UNROLLED
+#undef JET_UNROLLED
 
 #endif

@@ -38,7 +38,7 @@ static void emit_code(jet_text *text, const jet_emission *const tapes[], const t
     jet_text_add(text,
                  "static const tvi_code tvi_generated_code = {\n    .library = UINT64_C(%" PRIu64
                  "),\n    .system = UINT64_C(%" PRIu64 "),\n    .options = UINT64_C(%" PRIu64
-                 "),\n    .isa = JET_EMITTED_ISA,\n    .sweeps = {",
+                 "),\n    .isa = JET_GENERATED_ISA,\n    .sweeps = {",
                  tvi_compiled_library(), tvi_system_fingerprint(stepped), tvi_options_fingerprint(resolved));
     for (int i = 0; i < TVI_CODE_TAPES; i++) {
         if (tapes[i]->name) jet_text_add(text, "&%s_sweeps, ", tapes[i]->name);

@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_GALERKIN_BLOCKS_H
 #define TVI_SRC_GALERKIN_BLOCKS_H
 
+#include "galerkin/in_library.h"
 #include "galerkin/loops.h"
 
 #include <stdbool.h>
@@ -34,13 +35,6 @@ static inline const double *galerkin_sweep_at(const galerkin_blocks *blocks, gal
     memcpy(blocks->values + half, last, (size_t)half * sizeof *last);
     return galerkin_sweep_there(blocks, sweep, with_second);
 }
-
-/* A loop of these, by the table or, in generated code, inlined. */
-#ifdef JET_EMITTED
-#define GALERKIN_LOOP(loops, name, ...) ((void)(loops), NAME(name)(__VA_ARGS__))
-#else
-#define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
-#endif
 
 /* The drives, which are impulses divided by h b, and unknowns that begin at 0. */
 static inline void galerkin_predict_drives(const galerkin_loops *loops, const galerkin_nodes *drives,

@@ -3,6 +3,7 @@
 #ifndef TVI_SRC_GALERKIN_LANES_H
 #define TVI_SRC_GALERKIN_LANES_H
 
+#include "galerkin/in_library.h"
 #include "galerkin/loops.h"
 #include "vector.h"
 
@@ -17,30 +18,6 @@
 
 #define KERNEL_JOIN(f, suffix) f##_##suffix
 #define KERNEL_NAME(f, suffix) KERNEL_JOIN(f, suffix)
-
-/* a b + c: of members, and of nodes, rounded alike. In generated code the compiler fuses what it can: the header of all
- * vector instructions would take longer than the rest. */
-#ifdef JET_EMITTED
-#define FUSED(V, a, b, c) ((a) * (b) + (c))
-#else
-#include "fused.h"
-#define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
-#ifdef JET_WIDE
-#define jet_fma_jet_widest jet_fma_jet_v8
-#elif defined(__AVX__)
-#define jet_fma_jet_widest jet_fma_jet_v4
-#endif
-#endif
-
-/* What the compiler knows of one number of lanes spares it the registers of the others: functions of their own.
- * Generated code has one number of lanes, and knows the nodes. */
-#ifdef JET_EMITTED
-#define OWN              JET_INLINE
-#define POINTS_OF(nodes) ((void)(nodes), GALERKIN_POINTS)
-#else
-#define OWN              static __attribute__((noinline))
-#define POINTS_OF(nodes) ((nodes)->points)
-#endif
 
 /* All lanes at once: BODY(V, blocks), with the jet_widest vectors of which there are as many as make all lanes. */
 enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };

@@ -9,23 +9,29 @@
 #define MEMBERS 0
 #define LANES   1
 #include "galerkin/kernel.h"
+#include "galerkin/kernel_table.h"
 #undef LANES
 #define LANES 2
 #include "galerkin/kernel.h"
+#include "galerkin/kernel_table.h"
 #undef LANES
 #define LANES 4
 #include "galerkin/kernel.h"
+#include "galerkin/kernel_table.h"
 #undef LANES
 #define LANES 8
 #include "galerkin/kernel.h"
+#include "galerkin/kernel_table.h"
 #undef LANES
 #define LANES 12
 #include "galerkin/kernel.h"
+#include "galerkin/kernel_table.h"
 #undef LANES
 #undef MEMBERS
 #define MEMBERS 1
 #define LANES   TVI_GALERKIN_MAX_LANES
 #include "galerkin/kernel.h"
+#include "galerkin/kernel_table.h"
 
 const galerkin_loops *const JET_FOR_ISA(tvi_galerkin_loops)[GALERKIN_LOOPS] = {&loops_1, &loops_2, &loops_4, &loops_8,
                                                                                &loops_12};

@@ -75,7 +75,7 @@ static void emit_field(jet_text *text, const tvi_system *system, const tvi_actio
     if (has_velocities)
         jet_text_add(
             text,
-            "JET_EMITTED_TANGENTS_IN_LANES(tvi_series, %d)\n"
+            "JET_GENERATED_TANGENTS_IN_LANES(tvi_series, %d)\n"
             "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), tvi_series_tangents_in_lanes_%d(x, dx))\n",
             points, points);
     else jet_text_add(text, "#define SEEDS_TANGENTS(tape, x, dx, lanes) ((void)(tape), (void)(x), (void)(dx))\n");

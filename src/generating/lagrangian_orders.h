@@ -9,14 +9,6 @@
 #include "generating/advance.h"
 #include "generating/tangents.h"
 
-#ifdef JET_EMITTED
-#define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->x, k)
-#define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->x, dx, k, lanes)
-#else
-#define ORDERS_SERIES(curve, k)              jet_sweep_series((curve)->system->field_series, (curve)->x, k, 1)
-#define ORDERS_TANGENTS(curve, dx, k, lanes) jet_sweep_tangents((curve)->system->field_series, (curve)->x, dx, k, lanes)
-#endif
-
 /* Generated code knows which slots follow the velocity (emit.c). */
 #ifdef CURVE_FOLLOWS
 #define ORDERS_UNROLLED _Pragma("GCC unroll 32")

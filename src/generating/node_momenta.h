@@ -8,12 +8,7 @@
 
 /* The roundoff of the corrections, by that of the H_p that was last evaluated (action.c); generated code leaves those
  * that are stuck to the library. */
-#ifdef JET_EMITTED
-#define MOMENTA_ROUNDOFF(action, curve) 0
-#else
 double tvi_action_momenta_roundoff(tvi_action *action, tvi_curve *curve);
-#define MOMENTA_ROUNDOFF tvi_action_momenta_roundoff
-#endif
 
 enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_MOST_HALF };
 /* Corrections that no longer shrink are roundoff: below this part of the largest momentum, or below this many units of

@@ -8,11 +8,6 @@
 #include "system/roundoff.h"
 #include "vector.h"
 
-#ifndef JET_EMITTED
-#define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
-#define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_in_lanes(tape, x, dx, 0, lanes)
-#endif
-
 /* What the orders are at the nodes, [top + 1][points]. Where nodes mirror each other, the even and the odd orders at
  * the first half of them, [orders / 2][half]: at the other half these are the same but for a sign. Sums over the nodes
  * have their tables the other way round, [points][top + 1] and [half][seeds_width(orders / 2)]. */

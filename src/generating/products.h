@@ -8,17 +8,6 @@
 #include "generating/closure.h"
 #include "generating/newton.h"
 
-#ifdef JET_EMITTED
-#define PRODUCTS_TANGENTS          tvi_series_tangents
-#define PRODUCTS_ADJOINTS          tvi_series_adjoints
-#define PRODUCTS_CLEAR(curve, bar) tvi_series_clear(bar)
-#else
-#define PRODUCTS_TANGENTS jet_sweep_tangents
-#define PRODUCTS_ADJOINTS jet_sweep_adjoints
-#define PRODUCTS_CLEAR(curve, bar)                                                                                     \
-    memset((bar) + (curve)->n, 0, (tvi_curve_slots(curve) - (size_t)(curve)->n) * sizeof *(bar))
-#endif
-
 /* ---- Products with the Jacobians --------------------------------------------------------------------------------- */
 
 #define PRODUCTS_AIM(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, kappa, 0) * JET_GATHER(V, force, slot + here);

@@ -144,12 +144,6 @@ static inline double curve_reach(const tvi_curve *curve, double log_tolerance)
 
 /* ---- The end of the step ----------------------------------------------------------------------------------------- */
 
-#ifdef JET_EMITTED
-#define REACH_SWEEP(curve, ...) taylor_sweep(__VA_ARGS__)
-#else
-#define REACH_SWEEP(curve, ...) tvi_taylor_loops_of((curve)->system)->sweep(__VA_ARGS__)
-#endif
-
 /* The rows of x, scaled, and their sums, to this degree; x_k above it are scaled too. */
 static inline void reach_sweep_rows(const tvi_curve *curve, int components, int degree, const double power[], double *x,
                                     double *rise, double *size)

@@ -7,39 +7,8 @@
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "algebra/weigh.h"
+#include "generating/in_library.h"
 #include "system/system.h"
-
-/* out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride]: by the vectors of the tape. CURVE_ONE_SET: the
- * file is compiled for those instructions. */
-#if defined(JET_EMITTED) || defined(CURVE_ONE_SET)
-#define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
-#else
-#define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
-#endif
-/* The same of rows that stand so far apart: in the library, which copies them, as far as they are wide. */
-#ifdef JET_EMITTED
-#define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
-    ((void)(tape), jet_combine_apart(count, c, of_c, width, apart, table, out))
-#else
-#define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
-    ((void)(apart), CURVE_COMBINE(tape, count, c, of_c, width, table, out))
-#endif
-
-/* A function of curve.h. */
-#ifdef JET_EMITTED
-#define CURVE_CALL(function, ...) curve_##function(__VA_ARGS__)
-#else
-#define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
-#endif
-
-/* Factors of n rows, which generated code has where they are few. */
-#ifdef JET_EMITTED
-#define CURVE_FACTOR(factor)   linear_small_compute(CURVE_N, factor)
-#define CURVE_SOLVE(factor, x) linear_solve_scaled(CURVE_N, factor, false, linear_small_apply, x)
-#else
-#define CURVE_FACTOR tvi_factor_compute
-#define CURVE_SOLVE  tvi_factor_solve
-#endif
 
 /* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
  * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is.
@@ -84,11 +53,6 @@ static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
 /* Constants of generated code, which has them before this text; CURVE_SLOT: the slots of the field. */
-#ifdef JET_EMITTED
-#define CURVE_SIZE(constant, otherwise) (constant)
-#else
-#define CURVE_SIZE(constant, otherwise) (otherwise)
-#endif
 
 static inline int curve_n(const tvi_curve *curve)
 {

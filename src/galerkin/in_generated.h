@@ -1,0 +1,15 @@
+/* in_generated.h - says how the texts of a Galerkin step call one another in generated code (emit.c), which has this
+ * file in the place of in_library.h. There is one number of lanes, sizes are constants, and what is called is
+ * inlined. */
+#ifndef TVI_SRC_GALERKIN_IN_GENERATED_H
+#define TVI_SRC_GALERKIN_IN_GENERATED_H
+
+/* The compiler fuses what it can: the header of all vector instructions would take longer than the rest. */
+#define FUSED(V, a, b, c) ((a) * (b) + (c))
+
+#define OWN              JET_INLINE
+#define POINTS_OF(nodes) ((void)(nodes), GALERKIN_POINTS)
+
+#define GALERKIN_LOOP(loops, name, ...) ((void)(loops), NAME(name)(__VA_ARGS__))
+
+#endif

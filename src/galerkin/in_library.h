@@ -1,0 +1,18 @@
+/* in_library.h - says how the texts of a Galerkin step call one another where the library compiles them for any system.
+ * Generated code has in_generated.h in the place of this file. */
+#ifndef TVI_SRC_GALERKIN_IN_LIBRARY_H
+#define TVI_SRC_GALERKIN_IN_LIBRARY_H
+
+#include "fused.h"
+
+/* a b + c: of members, and of nodes, rounded alike. */
+#define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
+
+/* What the compiler knows of one number of lanes spares it the registers of the others: functions of their own. */
+#define OWN              static __attribute__((noinline))
+#define POINTS_OF(nodes) ((nodes)->points)
+
+/* A loop of loops.h. */
+#define GALERKIN_LOOP(loops, name, ...) (loops)->name(__VA_ARGS__)
+
+#endif

@@ -1,0 +1,29 @@
+/* in_generated.h - says how the texts of a curve find their sizes and call one another in generated code (emit.c),
+ * which has this file in the place of in_library.h. Sizes are constants, and what is called is inlined. Before it stand
+ * the sizes CURVE_N and so on, and SEEDS_VALUES and SEEDS_TANGENTS. */
+#ifndef TVI_SRC_GENERATING_IN_GENERATED_H
+#define TVI_SRC_GENERATING_IN_GENERATED_H
+
+#define CURVE_SIZE(constant, otherwise) (constant)
+#define CURVE_CALL(function, ...)       curve_##function(__VA_ARGS__)
+
+#define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
+#define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
+    ((void)(tape), jet_combine_apart(count, c, of_c, width, apart, table, out))
+
+#define CURVE_FACTOR(factor)   linear_small_compute(CURVE_N, factor)
+#define CURVE_SOLVE(factor, x) linear_solve_scaled(CURVE_N, factor, false, linear_small_apply, x)
+
+#define ORDERS_SERIES(curve, k)              tvi_series_series_of((curve)->x, k)
+#define ORDERS_TANGENTS(curve, dx, k, lanes) (void)tvi_series_tangents_of((curve)->x, dx, k, lanes)
+
+#define PRODUCTS_TANGENTS          tvi_series_tangents
+#define PRODUCTS_ADJOINTS          tvi_series_adjoints
+#define PRODUCTS_CLEAR(curve, bar) tvi_series_clear(bar)
+
+/* The library measures the roundoff of passes that are stuck. */
+#define MOMENTA_ROUNDOFF(action, curve) 0
+
+#define REACH_SWEEP(curve, ...) taylor_sweep(__VA_ARGS__)
+
+#endif
