@@ -23,6 +23,7 @@
 # make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, five
 #                 minutes
 # make instructions  tests/instructions.txt anew: what a step costs
+# make abi        tests/abi.txt anew, what linked programs rely on: refused where they would break
 # make order-doubling   the table and the picture of docs/order-doubling.md
 # make stability  where methods break: the tables and pictures of docs/stability.md, four minutes
 # make guard      the steps that are refused: its table in docs/adaptive.md alone, a minute and a half
@@ -48,7 +49,7 @@ SAY      = $(if $(V),,@$(if $(IS_QUIET),,echo '$(1)'; ))
 PREFIX  ?= /usr/local
 DESTDIR ?=
 VERSION := $(shell sed -n 's/^.define TVI_VERSION "\([^"]*\)".*/\1/p' include/tvi.h)
-SOVERSION := 0
+SOVERSION := 1
 
 # No -ffast-math: the roundoff of a step is part of the design. No contraction of multiply-adds, so that gcc and clang
 # round alike. No errno from the mathematical functions, so that square roots are one instruction.

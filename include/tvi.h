@@ -10,6 +10,8 @@
  *      time.
  *   5. The library prints nothing (but tvi_progress), never exits and has no global state but the text of
  *      tvi_last_error, one a thread. A step allocates nothing.
+ *   6. Programs that build with 0.x build with every later 0.x.y. Programs that are linked with libtvi.so.N run with
+ *      every later libtvi.so.N, as structures keep their members, and only those with a member `size` grow.
  * The mathematics and its notation are in docs/method.md.
  */
 #ifndef TVI_H
@@ -33,7 +35,7 @@
 extern "C" {
 #endif
 
-#define TVI_VERSION "0.1.0" /* of this header */
+#define TVI_VERSION "0.2.0" /* of this header */
 /* The version of the library, static: that of the header that it was built with. */
 const char *tvi_version(void);
 /* The text of a status: static, never NULL. */

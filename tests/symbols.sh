@@ -1,11 +1,10 @@
 #!/bin/sh
-# symbols.sh LIBRARY.so LIBRARY.a HEADER...
-# The shared library exports what the headers declare and nothing else; the objects hold no data that can be written to,
+# symbols.sh LIBRARY.so LIBRARY.a ABI
+# The shared library exports the functions of the file ABI (abi.sh) and nothing else; the objects hold no data that can be written to,
 # and refer to nothing that prints, exits, or allocates where the tests would not see it. Four may: progress.o prints to
 # stderr, refusal.o writes the text of tvi_last_error, one a thread, text.o generated code, and files.o files.
 set -u
-shared=$1 static=$2
-shift 2
+shared=$1 static=$2 abi=$3
 failed=0
 complain() {
     echo "$*"
@@ -13,20 +12,10 @@ complain() {
 }
 
 exported=$(nm -D --defined-only "$shared" | awk '{ print $3 }')
-for name in $exported; do
-    case $name in
-    tvi_* | jet_*) grep -qw "$name" "$@" || complain "$name is exported and not declared" ;;
-    *) complain "$name is exported" ;;
-    esac
-done
-
-# declarations stand at the beginning of a line; what is a typedef or a comment is none
-declared=$(grep -hE '^(TVI_NODISCARD |const )?[a-z_]+ \**(tvi|jet)_[a-z_0-9]+\(' "$@" |
-    sed -E 's/^[^(]*[ *]((tvi|jet)_[a-z_0-9]+)\(.*/\1/')
-[ -n "$declared" ] || complain "no declarations found in $*"
-for name in $declared; do
-    echo "$exported" | grep -qx "$name" || complain "$name is declared and not exported"
-done
+declared=$(sed -nE '/^typedef/! s/^[^(]*[ *]((tvi|jet)_[a-z_0-9]+)\(.*/\1/p' "$abi")
+[ -n "$declared" ] || complain "no declarations found in $abi"
+differ=$(printf '%s\n' "$exported" "$declared" | sort | uniq -u)
+[ -z "$differ" ] || complain "exported and not declared, or declared and not exported: $differ"
 
 # data that only the loader writes to, to relocate it, is read-only afterwards
 writable=$(size -A "$static" | awk '/ \(ex / { member = $1 }

@@ -291,9 +291,15 @@ check-examples: ; $(REPORT) "the examples, as their README says" $(DO)
 do-examples: all
 	MAKE='$(MAKE)' STRICT='$(STRICT)' tests/examples.sh $(abspath $(BUILD))/check/examples
 
-check-symbols: ; $(REPORT) "symbols: exports, no globals that change, nothing that prints" $(DO)
+# what programs that were linked before rely on; `make abi` writes the file anew where they keep running
+ABI = CC='$(CC)' tests/abi.sh $(1) $(BUILD)/check/abi $(BUILD)/libtvi.so tests/abi.txt include/*.h
+check-symbols: ; $(REPORT) "symbols: the ABI, no globals that change, nothing that prints" $(DO)
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
-	tests/symbols.sh $^ include/*.h
+	$(call ABI,compare)
+	tests/symbols.sh $^ tests/abi.txt
+abi: $(BUILD)/libtvi.so
+	$(call ABI,renew)
+.PHONY: abi
 
 # a program that links the static library may use every other name for its own
 check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_" $(DO)

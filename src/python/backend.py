@@ -11,10 +11,11 @@ HERE = Path(__file__).parent
 
 
 def _project():
-    """The lines of pyproject.toml that a wheel repeats; Python has a reader of such files from 3.11 on."""
+    """The lines of pyproject.toml that a wheel repeats, which Python can read from 3.11 on, and the version."""
     text = (HERE / "pyproject.toml").read_text()
     value = {name: re.search(rf'^{name} = "(.*)"$', text, re.M).group(1)
-             for name in ("name", "version", "description", "requires-python")}
+             for name in ("name", "description", "requires-python")}
+    value["version"] = re.search(r'^__version__ = "(.*)"$', (HERE / "tvi/_library.py").read_text(), re.M).group(1)
     needed = re.findall(r'"([^"]+)"', re.search(r"^dependencies = \[(.*)\]$", text, re.M).group(1))
     return value, needed
 

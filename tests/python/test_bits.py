@@ -10,6 +10,7 @@ import numpy as np
 import tvi
 from problems import CC, LIBRARY, ROOT, kepler
 from tvi import _runs
+from tvi._library import NAME
 
 TIMES = [0, 0.3, 10, 10.01, 10.02, 499.9]
 
@@ -20,8 +21,8 @@ def in_c():
         program = str(Path(folder) / "runs")
         subprocess.run([*CC, "-std=c11", f"-I{ROOT}/include", "-o", program, f"{ROOT}/tests/python/runs.c",
                         str(LIBRARY), "-lm", f"-Wl,-rpath,{LIBRARY.parent}"], check=True)
-        # The program is linked with the name libtvi.so.0, which the folder of the build does not have.
-        (Path(folder) / "libtvi.so.0").symlink_to(LIBRARY)
+        # The program is linked with the soname, which the folder of the build does not have.
+        (Path(folder) / NAME).symlink_to(LIBRARY)
         printed = subprocess.run([program], check=True, capture_output=True, text=True,
                                  env={**__import__("os").environ, "LD_LIBRARY_PATH": folder}).stdout
     lines = {}

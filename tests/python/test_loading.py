@@ -9,6 +9,7 @@ import zipfile
 from pathlib import Path
 
 from problems import CC, LIBRARY, ROOT, python
+from tvi._library import NAME, __version__
 
 WHICH = "import tvi; print(open('/proc/self/maps').read().count(%r) > 0)"
 
@@ -37,14 +38,14 @@ class Loading(unittest.TestCase):
 
     def test_beside(self):
         environment = self.package()
-        shutil.copy(LIBRARY, self.folder / "tvi/libtvi.so.0")
+        shutil.copy(LIBRARY, self.folder / "tvi" / NAME)
         self.assertEqual(python(WHICH % str(self.folder), **environment), "True\n")
         self.assertEqual(python(WHICH % str(self.folder), **{**environment, "TVI_LIBRARY": str(LIBRARY)}), "False\n")
 
     def test_by_the_loader(self):
         environment = self.package()
         (self.folder / "lib").mkdir()
-        shutil.copy(LIBRARY, self.folder / "lib/libtvi.so.0")
+        shutil.copy(LIBRARY, self.folder / "lib" / NAME)
         found = python(WHICH % str(self.folder / "lib"), LD_LIBRARY_PATH=str(self.folder / "lib"), **environment)
         self.assertEqual(found, "True\n")
 
@@ -61,6 +62,7 @@ class Loading(unittest.TestCase):
         self.assertEqual(names, files | {"tvi/py.typed"})
         self.assertEqual(sorted(listed), sorted(zipfile.ZipFile(self.folder / printed).namelist()))
         self.assertIn("Requires-Dist: numpy", metadata)
+        self.assertIn(f"Version: {__version__}\n", metadata)
         self.assertEqual(python(WHICH % str(LIBRARY), PYTHONPATH=str(self.folder / printed)), "True\n")
 
     def test_none(self):

@@ -11,8 +11,8 @@ import cffi
 
 from ._declarations import FUNCTIONS, STRUCTURES
 
-__version__ = "0.1.0"
-NAME = "libtvi.so.0"
+__version__ = "0.2.0"
+NAME = "libtvi.so.1"
 
 ffi = cffi.FFI()
 ffi.cdef(STRUCTURES + FUNCTIONS)
