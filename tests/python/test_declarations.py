@@ -91,12 +91,14 @@ class Declarations(unittest.TestCase):
                           for word in quadratures.split(",")], list(_WORDS["quadrature"]))
 
     def test_version(self):
-        """That of tvi.h is the one; the module repeats it."""
+        """That of tvi.h is the one; the first heading of the changes, and how to cite, repeat it as the module does."""
         version = re.search(r'^#define TVI_VERSION "(.*)"', (ROOT / "include/tvi.h").read_text(), re.M).group(1)
         self.assertEqual(_library.__version__, version)
         self.assertEqual(ffi.string(_library.lib.tvi_version()).decode(), version)
+        self.assertEqual(re.search(r"^## (\S+)", (ROOT / "docs/changes.md").read_text(), re.M).group(1), f"[{version}]")
+        self.assertIn(f"\nversion: {version}\n", (ROOT / "docs/CITATION.cff").read_text())
         dynamic = subprocess.run(["readelf", "-d", str(LIBRARY)], capture_output=True, text=True).stdout
-        self.assertIn(f"soname: [{_library.NAME}]", dynamic)
+        self.assertIn(f"[{_library.NAME}]\n", dynamic)
 
 
 if __name__ == "__main__":
