@@ -1,5 +1,6 @@
 # make help       these lines
-# make            build/libtvi.a and build/libtvi.so, by all cores; make -j1 for one; V=1 prints the commands
+# make            build/libtvi.a and build/libtvi.so, by all cores; make -j1 for one; V=1 prints the commands. As root it
+#                 installs what it lacks from Debian; DEPS=0 forbids that, as does DESTDIR
 # make libs       what a program with build/libtvi.a is linked with, before it is installed
 # make check      the tests (installs what they need from Debian, as root), five minutes of two cores
 # make check-long what takes longer, a quarter of an hour: sanitizers, valgrind, coverage, narrower instruction sets,
@@ -120,10 +121,14 @@ PYTHON      = $(eval PYTHON := $(shell for python in $(PYTHONS); do "$$python" -
 
 # ---- What is needed from Debian: `package:test`, installed where the test fails ---------------------------------------
 
+# Root's make installs it. DEPS=0 forbids that, as does DESTDIR, which packagers have: what is missing is then named.
+DEPS        ?= $(if $(DESTDIR),0,1)
+MAY_INSTALL := [ "$(DEPS)" != 0 ] && [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null
+
 PACKAGES_LIBRARY := 'pkg-config:command -v pkg-config' 'liblapack-dev:pkg-config --exists lapack' \
                     'libblas-dev:pkg-config --exists blas'
 # whose absence costs time alone: who may not install it goes on without
-SLEEF_PACKAGE    := $(if $(filter-out 0,$(SLEEF)),'libsleef-dev:pkg-config --exists sleef || [ "$$(id -u)" != 0 ]')
+SLEEF_PACKAGE    := $(if $(filter-out 0,$(SLEEF)),'libsleef-dev:pkg-config --exists sleef || ! { $(MAY_INSTALL); }')
 PACKAGES_CHECK   := 'check:pkg-config --exists check' 'valgrind:command -v valgrind' 'clang:command -v clang' \
                     'clang-format:command -v clang-format' 'g++:command -v g++' 'cmake:command -v cmake' 'mandoc:command -v mandoc' \
                     'libeigen3-dev:test -e /usr/include/eigen3/Eigen/Core' 'libopenmpi-dev:command -v mpicc' 'openmpi-bin:command -v mpirun' \
@@ -133,8 +138,7 @@ PACKAGES_BENCH   := 'gnuplot-nox:command -v gnuplot'
 define need
 	@missing=; for need in $(1); do sh -c "$${need#*:}" >/dev/null 2>&1 || missing="$$missing $${need%%:*}"; done; \
 	[ -z "$$missing" ] && exit 0; \
-	if [ "$$(id -u)" != 0 ] || ! command -v apt-get >/dev/null; then \
-	    echo "Missing:$$missing. Type:  sudo apt-get install -y$$missing" >&2; exit 1; fi; \
+	$(MAY_INSTALL) || { echo "Missing:$$missing. Type:  sudo apt-get install -y$$missing" >&2; exit 1; }; \
 	echo "Installing from Debian:$$missing"; \
 	apt-get update -qq && DEBIAN_FRONTEND=noninteractive apt-get install -y -qq $$missing >/dev/null
 endef

@@ -1,7 +1,8 @@
 #!/bin/sh
 # install.sh STAGE VERSION
 # Installs below STAGE/usr, and in the manner of a package below STAGE/package, which is then moved; builds the programs of
-# tests/consumer in C and in C++ with what is installed, by pkg-config and by CMake, shared and static; uninstalls.
+# tests/consumer in C and in C++ with what is installed, by pkg-config and by CMake, shared and static; uninstalls. Asks
+# Debian for packages only where it may.
 # CC, CXX, MAKE, PYTHON, BUILD and STRICT come from the environment.
 set -eu
 stage=$1 version=$2
@@ -106,8 +107,30 @@ pages() {
     cd - >/dev/null
 }
 
+# Root's make asks apt-get for what it lacks, and no make does where a packager says DEPS=0 or has DESTDIR: it names it.
+# SLEEF, without which all works, is then not missed.
+packages() {
+    fake=$stage/fake
+    mkdir "$fake"
+    echo 'exit 1' >"$fake/pkg-config"
+    echo 'echo 0' >"$fake/id"
+    echo "echo \"\$@\" >>'$fake/asked'" >"$fake/apt-get"
+    chmod +x "$fake"/*
+    lacking="env -u MAKEFLAGS -u DEPS -u DESTDIR PATH=$fake:$PATH $MAKE -s PREFIX=$stage/none"
+    $lacking need-library
+    grep -q 'install .*liblapack-dev.*libsleef-dev' "$fake/asked" || fail "root's make asks for no packages"
+    rm "$fake/asked"
+    for way in 'DEPS=0 need-library' 'DEPS=0 install' "DESTDIR=$stage/none install" 'DEPS=0 need-bench'; do
+        ! $lacking $way 2>"$fake/missing" || fail "make $way goes on without what it needs"
+        grep '^Missing: .*libblas-dev' "$fake/missing" || fail "make $way does not say what is missing"
+        ! grep libsleef-dev "$fake/missing" || fail "make $way misses SLEEF"
+        [ ! -e "$fake/asked" ] || fail "make $way asks for packages"
+    done
+}
+
 rm -rf "$stage"
 mkdir -p "$stage/usr/lib"
+packages
 echo foreign >"$stage/usr/lib/foreign"
 install install PREFIX="$stage/usr" DESTDIR=
 by_pkg_config "$stage/usr" env PKG_CONFIG_PATH="$stage/usr/lib/pkgconfig" pkg-config
