@@ -17,6 +17,7 @@
 # make blas-threads     the same bits for any number of threads of OpenBLAS
 # make install    headers, libraries, manual pages, documents, tvi.pc and tvi-config.cmake below PREFIX
 #                 (LIBDIR, DESTDIR); make uninstall takes them away
+# make dist       build/tvi-VERSION.tar.gz, of what was committed last: it builds without git
 # make compare    the baselines of bench/baselines only: CSV in build/bench/baselines; SCENE=kepler for one
 # make choose     the tables of docs/choosing.md: the fastest method for each scene and error, five minutes
 # make tails      its table of tvi_stats.tail: right and wrong steps

@@ -10,7 +10,7 @@ FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 FIRST   := generating library compiled
 CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
            headers readme formatting tables symbols names floors)
-LONG    := $(patsubst %,check-%,sanitizers arm coverage isas thorough valgrind gallery warnings-clang threads)
+LONG    := $(patsubst %,check-%,sanitizers arm coverage isas thorough valgrind gallery warnings-clang dist threads)
 ALL     := $(patsubst %,check-%,generated equilibria optimized)
 .PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
         $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)
@@ -259,6 +259,11 @@ do-headers: tests/library/header.cpp tests/library/wrapper.cpp $(BUILD)/libtvi.a
 check-install: ; $(REPORT) "installed: shared and static, by pkg-config and CMake, in C and C++; manual; uninstall" $(DO)
 do-install: all
 	CC='$(CC)' CXX='$(CXX)' MAKE='$(MAKE)' PYTHON='$(PYTHON)' STRICT='$(STRICT)' tests/install.sh $(abspath $(BUILD))/check/stage $(VERSION)
+
+# what make dist makes, which takes another build
+check-dist: ; $(REPORT) "the tarball: built, tested and installed without git" $(DO)
+do-dist:
+	CC='$(CC)' MAKE='$(MAKE)' tests/dist.sh $(abspath $(BUILD))/check/dist $(abspath $(BUILD))/tvi-$(VERSION).tar.gz
 
 # the program of the README, by its own command, and with events: 1010 passages, and the steps that there are without; the
 # fragments of pages

@@ -1,5 +1,5 @@
-# install.mk - make install and make uninstall below $(DESTDIR)$(PREFIX), manual pages, the module of Python. Included by
-# the Makefile.
+# install.mk - make install and make uninstall below $(DESTDIR)$(PREFIX), manual pages, the module of Python, make dist.
+# Included by the Makefile.
 
 LIBDIR     ?= $(PREFIX)/lib
 LIB         = $(LIBDIR:$(PREFIX)/%=%)
@@ -52,6 +52,13 @@ remove-installed:
 	for folder in $(CMAKE) $(if $(PYTHONDIR),$(MODULE)) $(PAGE_DIRS) $(SHARE); do [ ! -d $(ROOT)/$$folder ] || \
 	    rmdir --ignore-fail-on-non-empty $(ROOT)/$$folder; done
 .PHONY: remove-installed
+
+# the tarball of a release: what was committed last, with nothing of when or where it was made
+dist:
+	@[ -e .git ] || { echo 'make dist needs the checkout of git' >&2; exit 1; }
+	@mkdir -p $(BUILD)
+	git archive --prefix=tvi-$(VERSION)/ -o $(BUILD)/tvi-$(VERSION).tar.gz HEAD
+.PHONY: dist
 
 # tvi(3), of tvi.h and the headers beside it, and jet(3), and a page for each function that refers to one of them
 man: $(MAN)/tvi.3 $(MAN)/jet.3 ; @:
