@@ -84,7 +84,7 @@ class Declarations(unittest.TestCase):
                   "expansion": "TVI_AT_START, TVI_AT_MIDPOINT, TVI_AT_END, TVI_AT_BOTH_ENDS, TVI_AT_NODES",
                   "nodes": "TVI_NODES_ON_CURVE, TVI_NODES_TRUNCATED"}
         for option, enumeration in wanted.items():
-            self.assertIn(enumeration, header)
+            self.assertIn(f"{{ {enumeration} }} tvi_{option};", header)
             self.assertEqual(len(_WORDS[option]), enumeration.count(",") + 1)
         quadratures = re.search(r"typedef enum \{([^}]*)\} tvi_quadrature", header).group(1)
         self.assertEqual([word.strip().lower().replace("tvi_", "").replace("quadrature_", "").replace("_", "-")
