@@ -97,12 +97,22 @@ static bool is_true_above(char *path, directory_fn *of)
 
 static bool make(const char *path) { return mkdir(path, 0700) == 0 || errno == EEXIST || access(path, X_OK) == 0; }
 
-/* Where everyone may write, everyone may put another directory in the place of one that is there, but where the sticky
- * bit says no. */
+/* Who owns a directory, or may write to it, may put another one in the place of one that it has. The sticky bit keeps
+ * a group and all others from that, and not the owner, who is the user, or root. */
 static bool keeps_what_it_has(const char *path)
 {
     struct stat s;
-    return stat(path, &s) == 0 && (!(s.st_mode & S_IWOTH) || (s.st_mode & S_ISVTX));
+    if (stat(path, &s) != 0 || (s.st_uid != geteuid() && s.st_uid != 0)) return false;
+    return !(s.st_mode & (S_IWGRP | S_IWOTH)) || (s.st_mode & S_ISVTX);
+}
+
+/* All directories above this one, also above the working directory and where links lead. */
+static bool is_kept(const char *path)
+{
+    char *real = realpath(path, NULL);
+    const bool is_true = real && keeps_what_it_has("/") && is_true_above(real, keeps_what_it_has);
+    free(real);
+    return is_true;
 }
 
 bool tvi_directory_make(const char *path)
@@ -112,12 +122,19 @@ bool tvi_directory_make(const char *path)
     char *copy = malloc(size);
     if (!copy) return false;
     memcpy(copy, path, size);
-    const bool is_made = is_true_above(copy, make) && make(copy) && is_true_above(copy, keeps_what_it_has);
+    const bool is_made = is_true_above(copy, make) && make(copy);
     free(copy);
-    return is_made && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) && is_own(&s);
+    return is_made && is_kept(path) && lstat(path, &s) == 0 && S_ISDIR(s.st_mode) && is_own(&s);
 }
 
-bool tvi_directory_own(char *path) { return is_true_above(path, keeps_what_it_has) && mkdtemp(path) != NULL; }
+bool tvi_directory_own(char *path)
+{
+    char *const name = strrchr(path, '/');
+    *name = 0;
+    const bool is_safe = is_kept(path) && keeps_what_it_has(path);
+    *name = '/';
+    return is_safe && mkdtemp(path) != NULL;
+}
 
 void tvi_directory_remove(const char *path, const char *const file[])
 {

@@ -17,7 +17,8 @@ bool tvi_file_claim(const char *path);
 /* Makes the directory where there is none, and those above it. Whether it belongs to the user, no other may write to
  * it, and none may put another one in its place. */
 bool tvi_directory_make(const char *path);
-/* A new directory for one process alone, from a path that ends with XXXXXX, in whose place none may put another. */
+/* A new directory for one process alone, from a path that ends with /NAME-XXXXXX, in whose place none may put another.
+ */
 bool tvi_directory_own(char *path);
 /* With the files in it that are named: NULL ends them. */
 void tvi_directory_remove(const char *path, const char *const file[]);

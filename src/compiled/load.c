@@ -58,17 +58,24 @@ static void add_below(jet_text *path, const char *directory, const char *below)
     jet_text_add(path, "%s%s%s", *directory == '/' ? "" : "./", directory, below);
 }
 
+/* A directory of the environment; NULL: there is none, or where it is depends on where the program was started. */
+static const char *directory_named(const char *variable)
+{
+    const char *path = tvi_environment(variable);
+    return path && *path == '/' ? path : NULL;
+}
+
 static void find_directory(request *r, const char *cache)
 {
-    const char *home = tvi_environment("HOME"), *user = tvi_environment("XDG_CACHE_HOME");
+    const char *home = directory_named("HOME"), *user = directory_named("XDG_CACHE_HOME");
     r->keeps = !cache || *cache;
     if (cache && *cache) add_below(&r->directory, cache, "");
     else if (!r->keeps || (!home && !user)) {
         const char *temporary = tvi_environment("TMPDIR");
         r->keeps = false;
         add_below(&r->directory, temporary ? temporary : "/tmp", "");
-    } else if (user && *user == '/') add_below(&r->directory, user, "/tvi");
-    else add_below(&r->directory, home ? home : "/", "/.cache/tvi");
+    } else if (user) add_below(&r->directory, user, "/tvi");
+    else add_below(&r->directory, home, "/.cache/tvi");
 }
 
 static void hash(tvi_key *key, const void *data, size_t size)
@@ -252,7 +259,7 @@ static tvi_status make_and_open(tvi_compiled **out, const request *r, const jet_
     jet_text_add(&w.directory, "%s/make-XXXXXX", r->directory.data);
     if (w.directory.failed) return TVI_ENOMEM;
     if (!tvi_directory_own(w.directory.data)) {
-        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or anyone may exchange it", r->directory.data);
+        status = jet_refuse(TVI_ECOMPILE, "nothing can be written to %s, or others may exchange it", r->directory.data);
         free(w.directory.data);
         return status;
     }

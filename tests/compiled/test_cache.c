@@ -137,14 +137,23 @@ START_TEST(the_cache_is_where_the_user_keeps_caches)
 }
 END_TEST
 
+/* Nor below the working directory, or the root's. */
+static const struct {
+    const char *cache, *home;
+} unkept[] = {{"", "/nowhere"}, {NULL, NULL}, {NULL, ""}, {NULL, "relative"}};
 START_TEST(nothing_is_kept_without_a_cache)
 {
-    const char *temporary = directory_make();
-    const tvi_compiler how = {AGAIN, QUICK_FLAGS, ""};
-    setenv("TMPDIR", temporary, 1);
-    ck_assert_int_eq(try(&scene_kepler, &how), TVI_OK);
-    ck_assert_int_eq(directory_count(temporary, ""), 0);
-    directory_remove(temporary);
+    const char *top = directory_make();
+    const bool was_there = access("/.cache/tvi", F_OK) == 0;
+    ck_assert_int_eq(chdir(top), 0);
+    unsetenv("HOME");
+    if (unkept[_i].home) setenv("HOME", unkept[_i].home, 1);
+    setenv("XDG_CACHE_HOME", "relative", 1);
+    setenv("TMPDIR", top, 1);
+    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){"cc", QUICK_FLAGS, unkept[_i].cache}), TVI_OK);
+    ck_assert_int_eq(directory_count(top, ""), 0);
+    ck_assert_int_eq(access("/.cache/tvi", F_OK) == 0, was_there);
+    directory_remove(top);
 }
 END_TEST
 
@@ -174,7 +183,7 @@ START_TEST(odd_names)
 }
 END_TEST
 
-enum { WRITABLE_BY_OTHERS, EXCHANGEABLE, OF_ANOTHER, A_LINK, A_FILE, BELOW_A_FILE, NOT_TO_BE_MADE, READ_ONLY, PLACES };
+enum { WRITABLE_BY_OTHERS, OF_ANOTHER, A_LINK, A_FILE, BELOW_A_FILE, NOT_TO_BE_MADE, READ_ONLY, PLACES };
 
 START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
 {
@@ -184,7 +193,6 @@ START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
     snprintf(other, sizeof other, "%s/other", top);
     ck_assert_int_eq(mkdir(_i == A_LINK ? other : path, 0700), 0);
     if (_i == WRITABLE_BY_OTHERS) ck_assert_int_eq(chmod(path, 0770), 0);
-    if (_i == EXCHANGEABLE) ck_assert_int_eq(chmod(top, 0777), 0);
     if (_i == OF_ANOTHER && chown(path, 12345, 12345) != 0)
         snprintf(path, sizeof path, "/usr"); /* only root gives away */
     if (_i == A_LINK) ck_assert_int_eq(symlink(other, path), 0);
@@ -201,16 +209,36 @@ START_TEST(a_directory_that_is_not_the_users_own_to_write_to_is_refused)
 }
 END_TEST
 
-/* Nor where all may write, but with the sticky bit, as /tmp is. */
-START_TEST(temporary_files_that_others_may_exchange_are_refused)
+/* The directory above: who owns it, root alone can choose. */
+static const struct {
+    mode_t mode;
+    uid_t owner; /* 0: whoever runs the test */
+    tvi_status status;
+} above[] = {
+    {0755, 0, TVI_OK},       {01777, 0, TVI_OK},      {01775, 0, TVI_OK},          {0777, 0, TVI_ECOMPILE},
+    {0775, 0, TVI_ECOMPILE}, {0757, 0, TVI_ECOMPILE}, {0755, 12345, TVI_ECOMPILE}, {01777, 12345, TVI_ECOMPILE},
+};
+/* A cache in it, or temporary files; by its own name, through a link, or from within. */
+enum { AS_CACHE, AS_TEMPORARY, THROUGH_A_LINK, FROM_WITHIN, USES, ABOVE = sizeof above / sizeof *above };
+START_TEST(what_others_may_exchange_is_refused)
 {
-    const bool is_sticky = _i;
-    const char *temporary = directory_make();
-    ck_assert_int_eq(chmod(temporary, is_sticky ? 01777 : 0777), 0);
-    setenv("TMPDIR", temporary, 1);
-    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){AGAIN, QUICK_FLAGS, ""}), is_sticky ? TVI_OK : TVI_ECOMPILE);
-    ck_assert_int_eq(directory_count(temporary, ""), 0);
-    directory_remove(temporary);
+    const int use = _i % USES, row = _i / USES;
+    if (above[row].owner != 0 && geteuid() != 0) return;
+    const char *top = directory_make();
+    char directory[128], cache[160], link[128];
+    snprintf(directory, sizeof directory, "%s/above", top);
+    snprintf(cache, sizeof cache, "%s/cache", directory);
+    snprintf(link, sizeof link, "%s/link", top);
+    ck_assert(mkdir(directory, 0700) == 0 && mkdir(cache, 0700) == 0 && symlink(directory, link) == 0);
+    if (above[row].owner != 0) ck_assert_int_eq(chown(directory, above[row].owner, 0), 0);
+    ck_assert_int_eq(chmod(directory, above[row].mode), 0);
+    if (use == FROM_WITHIN) ck_assert_int_eq(chdir(directory), 0);
+    setenv("TMPDIR", directory, 1);
+    const char *const caches[USES] = {cache, "", strcat(link, "/cache"), "cache"},
+                      *cc = use == FROM_WITHIN ? "cc" : AGAIN;
+    ck_assert_int_eq(try(&scene_kepler, &(tvi_compiler){cc, QUICK_FLAGS, caches[use]}), above[row].status);
+    ck_assert_int_eq(directory_count(directory, ""), 1);
+    directory_remove(top);
 }
 END_TEST
 
@@ -358,9 +386,9 @@ Suite *suite_cache(void)
     tcase_add_test(tcase, files_are_the_programs_own);
     tcase_add_loop_test(tcase, umasks, 0, 3);
     tcase_add_loop_test(tcase, odd_names, 0, sizeof names / sizeof *names);
-    tcase_add_loop_test(tcase, temporary_files_that_others_may_exchange_are_refused, 0, 2);
+    tcase_add_loop_test(tcase, what_others_may_exchange_is_refused, 0, ABOVE * USES);
     tcase_add_test(tcase, the_cache_is_where_the_user_keeps_caches);
-    tcase_add_test(tcase, nothing_is_kept_without_a_cache);
+    tcase_add_loop_test(tcase, nothing_is_kept_without_a_cache, 0, sizeof unkept / sizeof *unkept);
     tcase_add_loop_test(tcase, a_directory_that_is_not_the_users_own_to_write_to_is_refused, 0, PLACES);
     tcase_add_loop_test(tcase, a_file_that_cannot_be_written_is_refused, 0, 2);
     tcase_add_test(tcase, the_second_time_nothing_is_compiled);
