@@ -1,8 +1,6 @@
 /* emit.c - see emit.h. */
 #include "emit.h"
 #include "emit_adjoints.h"
-#include "emit_cubes.h"
-#include "emit_eights.h"
 #include "rule.h"
 #include "split.h"
 
@@ -106,14 +104,9 @@ static void emit_line(const emission *e, const jet_run *run)
 {
     const char *name = e->wanted->name;
     const int index = (int)(run - e->tape->run);
-    const jet_cubes cubes = jet_are_cubes(e->tape, run);
     if (run->op == OP_LINEAR) jet_text_add(e->text, " \\\n    LINEAR(%s, %d, %d)", name, index, run->terms);
     else if (run->is_scattered)
         jet_text_add(e->text, " \\\n    SCATTERED(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
-    else if (cubes != JET_NO_CUBES)
-        jet_text_add(e->text, " \\\n    CUBES(%s, %d, %d)", name, index, cubes == JET_SQUARES_FIRST);
-    else if (!e->wanted->has_inner_tangents && jet_are_bases(e->tape, run))
-        jet_text_add(e->text, " \\\n    BASES(%s, %d)", name, index);
     else if (rule_name[run->op]) jet_text_add(e->text, " \\\n    RULE(%s, %d, %s)", name, index, rule_name[run->op]);
     else jet_text_add(e->text, " \\\n    PRODUCTS(%s, %d, %d, %d)", name, index, run->op == OP_SQUARES, run->terms);
 }
@@ -123,14 +116,13 @@ static bool begins_angles(const jet_tape *tape, const jet_run *run)
     return run >= tape->run && run->op == OP_SIN && run->together > 1;
 }
 
-/* One product each, no cube, of neighbours, of which none is the other's result, with the same factor. */
+/* One product each of neighbours, of which none is the other's result, with the same factor. */
 static bool are_twins(const jet_tape *tape, const jet_run *run, const jet_run *next)
 {
     const int a = tape->term_slot[run->term], b = tape->term_slot[next->term];
-    const bool are_products = run->op == OP_PRODUCTS && next->op == OP_PRODUCTS &&
-                              jet_are_cubes(tape, run) == JET_NO_CUBES && jet_are_cubes(tape, next) == JET_NO_CUBES;
-    return are_products && run->count * run->terms == 1 && next->count * next->terms == 1 && abs(a - b) == 1 &&
-           b != run->z && tape->term_second[run->term] == tape->term_second[next->term] &&
+    return run->op == OP_PRODUCTS && next->op == OP_PRODUCTS && run->count * run->terms == 1 &&
+           next->count * next->terms == 1 && abs(a - b) == 1 && b != run->z &&
+           tape->term_second[run->term] == tape->term_second[next->term] &&
            tape->term_coefficient[run->term] == tape->term_coefficient[next->term];
 }
 
@@ -141,45 +133,11 @@ static bool begins_twins(const jet_tape *tape, const jet_run *run)
            !begins_twins(tape, run - 1);
 }
 
-/* How many of the sums from this run on are made at once, which gains where there is one lane. */
-static int find_eight(const emission *e, const jet_run *run, jet_eight *sums)
-{
-    return e->wanted->lanes[0] == 1 ? jet_find_eight(e->tape, run, sums) : 0;
-}
-
-/* NAME_eight_i, of the sums from run i on. */
-static void emit_eights(const emission *e)
-{
-    jet_eight sums;
-    for (const jet_run *run = e->tape->run; run < e->tape->run + e->tape->runs; run++) {
-        if (!find_eight(e, run, &sums)) continue;
-        jet_text_add(e->text, "#ifdef JET_EIGHT_AT\nJET_INLINE void %s_eight_%d(double *x)\n{\n", e->wanted->name,
-                     (int)(run - e->tape->run));
-        jet_emit_eight(e->text, &sums, "x", false);
-        jet_text_add(e->text, "}\n#endif\n");
-    }
-}
-
-static bool is_of_eight(const emission *e, const jet_run *run)
-{
-    jet_eight sums;
-    for (int i = 1; i < JET_EIGHT && run - i >= e->tape->run; i++)
-        if (find_eight(e, run - i, &sums) > i) return true;
-    return false;
-}
-
-/* The first of two with the same angles, or of twins, stands for both, and the first of eight sums for all. */
+/* The first of two with the same angles, or of twins, stands for both. */
 static void emit_lines(const emission *e, const jet_run *run)
 {
-    jet_eight sums;
-    if (begins_angles(e->tape, run - 1) || begins_twins(e->tape, run - 1) || is_of_eight(e, run)) return;
-    const int count = find_eight(e, run, &sums);
-    if (count > 0) {
-        jet_text_add(e->text, " \\\n    EIGHT(%s, %d, %d, %d)", e->wanted->name, (int)(run - e->tape->run), count,
-                     run->terms);
-        return;
-    }
     const int index = (int)(run - e->tape->run);
+    if (begins_angles(e->tape, run - 1) || begins_twins(e->tape, run - 1)) return;
     const char *both = begins_angles(e->tape, run) ? "ANGLES" : begins_twins(e->tape, run) ? "TWINS" : NULL;
     if (both) jet_text_add(e->text, " \\\n    %s(%s, %d, %d)", both, e->wanted->name, index, index + 1);
     else emit_line(e, run);
@@ -198,12 +156,9 @@ static void emit_line_back(const emission *e, const jet_run *run)
 static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
-    emit_eights(e);
-    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, CUBES, BASES, LINEAR, EIGHT)",
-                 e->wanted->name);
+    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, LINEAR)", e->wanted->name);
     for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
-    jet_text_add(e->text,
-                 "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, CUBES, BASES, LINEAR, SUMS)",
+    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, LINEAR, SUMS)",
                  e->wanted->name);
     for (const jet_run *run = end; run-- > begin && e->wanted->has_adjoints;) emit_line_back(e, run);
     jet_text_add(e->text, "\n");

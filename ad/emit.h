@@ -19,7 +19,6 @@ typedef struct {
     int beside;                    /* vectors of tangents that others have beside each order */
     bool has_series, has_adjoints; /* of one lane */
     bool is_force;                 /* values may be made with the factors of pairs moved (split.h) */
-    bool has_inner_tangents;       /* those of all slots are read, and not of inputs and outputs alone */
 } jet_emission;
 
 /* *merged = the code's sweeps, and for those that it has not the tape's own; returns it. */

@@ -1,6 +1,5 @@
 /* emit_adjoints.c - see emit_adjoints.h. */
 #include "emit_adjoints.h"
-#include "emit_eights.h"
 #include "split.h"
 
 #include <stdlib.h>
@@ -81,15 +80,13 @@ static void mark_fresh(const adjoints *a, jet_run *run)
             touch(a, row_of(a->tape, run, operand), run->count, run->fresh >> operand & 1);
 }
 
-/* By the vectors that others read and write: those of eight begin at multiples of eight. */
 static void emit_clear(const adjoints *a, const char *name)
 {
     const int slots = a->tape->slots;
     jet_text_add(a->text, "JET_INLINE void %s_clear(double *bar)\n{\n", name);
     for (int slot = a->tape->inputs; slot < slots; slot++) {
         int count = 0;
-        const int most = slot % JET_EIGHT > 0 ? JET_EIGHT - slot % JET_EIGHT : slots;
-        while (slot + count < slots && !a->written[slot + count] && count < most) count++;
+        while (slot + count < slots && !a->written[slot + count]) count++;
         if (count == 0) continue;
         jet_text_add(a->text, "    jet_clear(bar + %d, %d);\n", slot, count);
         slot += count - 1;
@@ -99,12 +96,20 @@ static void emit_clear(const adjoints *a, const char *name)
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
+/* Whether the sum reads this slot or a later one. */
+static bool reads_from(const jet_tape *tape, const jet_run *run, int slot)
+{
+    for (int term = run->term; term < run->term + run->terms; term++)
+        if (tape->term_slot[term] >= slot) return true;
+    return false;
+}
+
 const jet_run *jet_first_sum(const jet_tape *tape, const jet_run *run)
 {
     const jet_run *first = run;
     while (first > tape->run && jet_is_sum(first - 1)) first--;
     for (const jet_run *next = first; next <= run; next++)
-        if (jet_reads_from(tape, next, first->z)) first = next;
+        if (reads_from(tape, next, first->z)) first = next;
     return first;
 }
 
@@ -116,8 +121,9 @@ const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first)
 }
 
 /* What the sums hand on to a slot. */
-static void emit_handed_on(const adjoints *a, const jet_run *first, const jet_run *end, int slot, bool is_fresh)
+static void emit_handed_on(const adjoints *a, const jet_run *first, const jet_run *end, int slot)
 {
+    const bool is_fresh = is_untouched(a, slot, 1);
     const jet_tape *tape = a->tape;
     bool has_any = false;
     for (const jet_run *run = first; run < end; run++)
@@ -133,27 +139,10 @@ static void emit_handed_on(const adjoints *a, const jet_run *first, const jet_ru
     if (has_any) touch(a, slot, 1, is_fresh);
 }
 
-/* The same to eight slots in a row, or to one; how many they are. */
-static int emit_handed_on_by_eight(const adjoints *a, const jet_run *first, const jet_run *end, int slot)
-{
-    jet_eight sums;
-    if (!jet_find_eight_back(a->tape, first, end, slot, &sums)) {
-        emit_handed_on(a, first, end, slot, is_untouched(a, slot, 1));
-        return 1;
-    }
-    const bool is_fresh = is_untouched(a, slot, JET_EIGHT);
-    jet_text_add(a->text, "#ifdef JET_EIGHT_AT\n");
-    jet_emit_eight(a->text, &sums, "bar", !is_fresh);
-    jet_text_add(a->text, "#else\n");
-    for (int i = 0; i < JET_EIGHT; i++) emit_handed_on(a, first, end, slot + i, is_fresh);
-    jet_text_add(a->text, "#endif\n");
-    return JET_EIGHT;
-}
-
 static void emit_sums_back(const adjoints *a, const jet_run *first, const jet_run *end, const char *name)
 {
     jet_text_add(a->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", name, (int)(first - a->tape->run));
-    for (int slot = 0; slot < first->z;) slot += emit_handed_on_by_eight(a, first, end, slot);
+    for (int slot = 0; slot < first->z; slot++) emit_handed_on(a, first, end, slot);
     jet_text_add(a->text, "}\n");
 }
 

@@ -6,6 +6,9 @@
 #include "tape.h"
 #include "text.h"
 
+/* Of a tape whose sums stand alone. */
+static inline bool jet_is_sum(const jet_run *run) { return run->op == OP_LINEAR && run->count == 1; }
+
 /* The first of the sums in a row, of which none reads another, that the sum `run` is one of; and where they end. */
 const jet_run *jet_first_sum(const jet_tape *tape, const jet_run *run);
 const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first);

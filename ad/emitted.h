@@ -1,10 +1,9 @@
 /* emitted.h - the sweeps of generated code (emit.h), which is the only one to read this, after the text of the rules: T
  * is the tape's name, T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name),
  * PRODUCTS(T, i, squares, terms), SCATTERED(T, i, squares, terms), of values alone, LINEAR(T, i, terms),
- * ANGLES(T, i, next), sines and the cosines of the same angles, TWINS(T, i, next), products of neighbours with the same
- * factor, CUBES(T, i, first), products of something with its square, which may be the first factor, or BASES(T, i),
- * squares that nothing else reads, and T_RUNS_BACK in the other order, of tapes that have adjoints, with SUMS(T, i) for
- * sums in a row from run i on, whose adjoints are T_sums_back_i. */
+ * ANGLES(T, i, next), sines and the cosines of the same angles, or TWINS(T, i, next), products of neighbours with the
+ * same factor, and T_RUNS_BACK in the other order, of tapes that have adjoints, with SUMS(T, i) for sums in a row from
+ * run i on, whose adjoints are T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
@@ -38,45 +37,23 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 #define VALUES_PRODUCTS(T, i, squares, terms)  values_of(&T, &T##_run[i], x, lanes, squares, terms);
 #define VALUES_SCATTERED(T, i, squares, terms) scattered_values_of(&T, &T##_run[i], x, lanes, squares, terms);
 #define VALUES_TWINS(T, i, next)               VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
-#define VALUES_CUBES(T, i, first)              VALUES_PRODUCTS(T, i, false, 1)
-#define VALUES_BASES(T, i)                     VALUES_PRODUCTS(T, i, true, 1)
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     linear_order_of(&T, &T##_run[i], x, lanes, terms);                                                                 \
     add_numbers(&T, &T##_run[i], x, lanes);
 
 #define ORDER_LINEAR(T, i, x, terms) linear_order_of(&T, &T##_run[i], x + k * T.slots * lanes, lanes, terms);
 
-/* Up to eight sums in a row from run i on, of one lane by exchanges between whole vectors (emit_eights.h). */
-#ifdef JET_EIGHT_AT
-#define ORDER_EIGHT(T, i, count, x, terms)                                                                             \
-    if (lanes == 1) T##_eight_##i(x);                                                                                  \
-    else ORDER_ONE_BY_ONE(T, i, count, x, terms)
-#else
-#define ORDER_EIGHT ORDER_ONE_BY_ONE
-#endif
-#define ORDER_ONE_BY_ONE(T, i, count, x, terms)                                                                        \
-    _Pragma("GCC unroll 8") for (int next = i; next < (i) + count; next++)                                             \
-        linear_order_of(&T, &T##_run[next], x, lanes, terms);
-
-#define VALUES_EIGHT(T, i, count, terms)   ORDER_EIGHT(T, i, count, x, terms)
-#define SERIES_EIGHT(T, i, count, terms)   ORDER_EIGHT(T, i, count, (x + k * T.slots * lanes), terms)
-#define TANGENTS_EIGHT(T, i, count, terms) ORDER_EIGHT(T, i, count, (dx + k * T.slots * lanes), terms)
-
 #define SERIES_RULE(T, i, name)               name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
 #define SERIES_ANGLES(T, i, next)             SERIES_RULE(T, i, sin) SERIES_RULE(T, next, cos)
 #define SERIES_PRODUCTS(T, i, squares, terms) series_of(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
 #define SERIES_TWINS(T, i, next)              twin_series_of(&T, &T##_run[i], &T##_run[next], x, k);
-#define SERIES_CUBES(T, i, first)             SERIES_PRODUCTS(T, i, false, 1)
-#define SERIES_BASES(T, i)                    SERIES_PRODUCTS(T, i, true, 1)
 #define SERIES_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, x, terms)
 
 #define TANGENTS_RULE(T, i, name)   name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
 #define TANGENTS_ANGLES(T, i, next) TANGENTS_RULE(T, i, sin) TANGENTS_RULE(T, next, cos)
 #define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
     tangents_of(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
-#define TANGENTS_TWINS(T, i, next)  TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
-#define TANGENTS_CUBES(T, i, first) cube_tangents_of(&T, &T##_run[i], x, dx, k, (size_t)lanes, first);
-#define TANGENTS_BASES(T, i)
+#define TANGENTS_TWINS(T, i, next)   TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
 /* Of order 0, of one direction along each lane of x. */
@@ -88,18 +65,13 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 #define IN_LANES_ANGLES(T, i, next) IN_LANES_RULE(T, i, sin) IN_LANES_RULE(T, next, cos)
 #define IN_LANES_PRODUCTS(T, i, squares, terms)                                                                        \
     tangents_of(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
-#define IN_LANES_TWINS(T, i, next)         IN_LANES_PRODUCTS(T, i, false, 1) IN_LANES_PRODUCTS(T, next, false, 1)
-#define IN_LANES_CUBES(T, i, first)        IN_LANES_PRODUCTS(T, i, false, 1)
-#define IN_LANES_BASES(T, i)               IN_LANES_PRODUCTS(T, i, true, 1)
-#define IN_LANES_LINEAR(T, i, terms)       linear_order_of(&T, &T##_run[i], dx, lanes, terms);
-#define IN_LANES_EIGHT(T, i, count, terms) ORDER_EIGHT(T, i, count, dx, terms)
+#define IN_LANES_TWINS(T, i, next)   IN_LANES_PRODUCTS(T, i, false, 1) IN_LANES_PRODUCTS(T, next, false, 1)
+#define IN_LANES_LINEAR(T, i, terms) linear_order_of(&T, &T##_run[i], dx, lanes, terms);
 
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
 #define ADJOINTS_TWINS(T, i, next)              ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)
-#define ADJOINTS_CUBES(T, i, first)             ADJOINTS_PRODUCTS(T, i, false, 1)
-#define ADJOINTS_BASES(T, i)                    ADJOINTS_PRODUCTS(T, i, true, 1)
 #define ADJOINTS_LINEAR(T, i, terms)            adjoints_of_one(&T, &T##_run[i], bar + k * T.slots, terms);
 #define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
 
@@ -127,8 +99,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
         bool inside = true;                                                                                            \
         double least[JET_WATCHED];                                                                                     \
         JET_IN_VECTORS for (int w = 0; w < JET_WATCHED; w++) least[w] = 1;                                             \
-        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_TWINS, VALUES_CUBES,            \
-                 VALUES_BASES, VALUES_LINEAR, VALUES_EIGHT);                                                           \
+        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_TWINS, VALUES_LINEAR);          \
         if (T##_is_watched) inside &= is_positive(jet_watched_lanes(lanes), least);                                    \
         return inside;                                                                                                 \
     }
@@ -181,31 +152,29 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
         if (k == 0) return T##_values_1(x);                                                                            \
-        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, NONE, SERIES_TWINS, SERIES_CUBES, SERIES_BASES,          \
-                 SERIES_LINEAR, SERIES_EIGHT) return true;                                                             \
+        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, NONE, SERIES_TWINS, SERIES_LINEAR) return true;          \
     }
 
 #define JET_GENERATED_TANGENTS(T)                                                                                      \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, NONE, TANGENTS_TWINS, TANGENTS_CUBES,              \
-                 TANGENTS_BASES, TANGENTS_LINEAR, TANGENTS_EIGHT) return true;                                         \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, NONE, TANGENTS_TWINS,                              \
+                 TANGENTS_LINEAR) return true;                                                                         \
     }
 
 #define JET_GENERATED_TANGENTS_IN_LANES(T, LANES)                                                                      \
     NEVER void T##_tangents_in_lanes_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
-        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, NONE, IN_LANES_TWINS, IN_LANES_CUBES,              \
-                 IN_LANES_BASES, IN_LANES_LINEAR, IN_LANES_EIGHT);                                                     \
+        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, NONE, IN_LANES_TWINS, IN_LANES_LINEAR);            \
     }
 
 #define JET_GENERATED_ADJOINTS(T)                                                                                      \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, NONE, ADJOINTS_TWINS, ADJOINTS_CUBES,         \
-                      ADJOINTS_BASES, ADJOINTS_LINEAR, ADJOINTS_SUMS)                                                  \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, NONE, ADJOINTS_TWINS, ADJOINTS_LINEAR,        \
+                      ADJOINTS_SUMS)                                                                                   \
     }
 
 #endif

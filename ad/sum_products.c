@@ -225,26 +225,6 @@ JET_INLINE void tangents_of(const jet_tape *tape, const jet_run *run, const doub
     }
 }
 
-#ifdef JET_EMITTED
-/* Of z = c b a, b a square of a multiple of a: dz_k = 3 c sum_{j=0}^{k} b_{k-j} da_j. */
-#define CUBES_TANGENT(V, S)                                                                                            \
-    {                                                                                                                  \
-        V sum = {0};                                                                                                   \
-        JET_SUM(V, sum, 0, k, S(V, b + i, k - j) * JET_D_OF(V, da + i * lanes, j));                                    \
-        JET_D_AT(V, dz, k) = 3 * p.c[0] * sum;                                                                         \
-    }
-
-JET_INLINE void cube_tangents_of(const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k,
-                                 size_t lanes, bool is_square_first)
-{
-    const size_t lanes_of_x = 1, stride = (size_t)tape->slots, dstride = stride * lanes;
-    const products p = terms_of(tape, run, x, lanes_of_x, 1), d = terms_of(tape, run, dx, lanes, 1);
-    const double *b = is_square_first ? p.a[0] : p.b[0], *da = is_square_first ? d.b[0] : d.a[0];
-    double *dz = dx + (size_t)run->z * lanes;
-    TANGENT_OF(CUBES_TANGENT)
-}
-#endif
-
 TABLE(tangents_one, tangents_of,
       (const jet_tape *tape, const jet_run *run, const double *x, double *dx, int k, int lanes), tape, run, x, dx, k, 1,
       (size_t)lanes)

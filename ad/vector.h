@@ -42,26 +42,11 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
 #define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
 
-/* Eight numbers of a and b, of which b's have the places 8 to 15; and four, 4 to 7. */
-#ifdef __clang__
-#define JET_SHUFFLE(V, a, b, ...) ((V)__builtin_shufflevector(a, b, __VA_ARGS__))
-#else
-#define JET_SHUFFLE(V, a, b, ...) ((V)__builtin_shuffle(a, b, (JET_MASK(V)){__VA_ARGS__}))
-#endif
-#define JET_SHUFFLE_8(a, b, ...) JET_SHUFFLE(jet_v8, a, b, __VA_ARGS__)
-#define JET_SHUFFLE_4(a, b, ...) JET_SHUFFLE(jet_v4, a, b, __VA_ARGS__)
-
 /* The two numbers of x in turn. */
 #ifdef __clang__
 #define JET_TURNED(x) ((jet_v2)__builtin_shufflevector(x, x, 1, 0))
 #else
 #define JET_TURNED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
-#endif
-
-/* Of a block of slots; of two of them. Where eight numbers are one vector. */
-#ifdef JET_WIDE
-#define JET_EIGHT_AT(x, slot) (*(jet_v8 *)((x) + (slot)))
-#define JET_TWO_AT(x, slot)   ((jet_v8){(x)[slot], (x)[(slot) + 1]})
 #endif
 
 /* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */

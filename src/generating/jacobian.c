@@ -68,11 +68,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
-    tvi_uses used = {.series = {.name = "tvi_series",
-                                .lanes = {1},
-                                .top = top,
-                                .has_series = !is_whole,
-                                .has_inner_tangents = system->form == TVI_LAGRANGIAN},
+    tvi_uses used = {.series = {.name = "tvi_series", .lanes = {1}, .top = top, .has_series = !is_whole},
                      .member = "curve",
                      .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;

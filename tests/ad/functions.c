@@ -158,8 +158,8 @@ static void record_inverse_roots(double c, const jet x[], jet z[])
         for (int i = 0; i < 3; i++) *z++ = jet_pow(x[i], power);
 }
 
-/* Cubes of neighbours and of multiples, whose squares nothing else needs, and one whose square something does; and an
- * output that another one reads. */
+/* Cubes of neighbours, whose squares nothing else needs, and one whose square something does; and an output that
+ * another one reads. */
 static void record_cubes(double c, const jet x[], jet z[])
 {
     (void)c;

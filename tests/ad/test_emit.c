@@ -1,6 +1,6 @@
 /* test_emit.c - generated code gives what the tape gives: every operation, every sweep, with orders unrolled and
- * in loops, bit for bit where nothing is fused; but adjoints of sums, which are added in another order, and tangents of
- * cubes, which are made of fewer products. All functions are one shared library, made once. */
+ * in loops, bit for bit where nothing is fused; but adjoints of sums, which are added in another order. All functions
+ * are one shared library, made once. */
 #include "emit.h"
 #include "library.h"
 #include "record.h"
@@ -66,8 +66,6 @@ static void make_library(void)
     jet_text text = {0};
     setenv("TVI_ISA", "base", 1);
     write_all(&text);
-    ck_assert_ptr_nonnull(strstr(text.data, " CUBES(S"));
-    ck_assert_ptr_nonnull(strstr(text.data, " BASES(S"));
     code = library_make(&text, "-O1 -DJET_UPWARDS -ffp-contract=off");
 }
 
@@ -133,13 +131,7 @@ START_TEST(code_is_the_tape)
         if (!is_tested(i)) continue;
         run(f, NULL, &tape);
         run(f, &all()[i], &own);
-        const bool has_cubes = strcmp(f->name, "cubes") == 0;
-        const size_t same = has_cubes ? offsetof(results, tangent) : offsetof(results, adjoints);
-        ck_assert_msg(memcmp(&tape, &own, same) == 0, "%s", f->name);
-        for (int k = 0; k < OUTPUTS_MAX * SHORT * DIRECTIONS && has_cubes; k++)
-            ck_assert_double_eq_tol(own.tangents[k], tape.tangents[k], 1e-14 * (1 + fabs(tape.tangents[k])));
-        for (int k = 0; k < OUTPUTS_MAX * SHORT && has_cubes; k++)
-            ck_assert_double_eq_tol(own.tangent[k], tape.tangent[k], 1e-14 * (1 + fabs(tape.tangent[k])));
+        ck_assert_msg(memcmp(&tape, &own, offsetof(results, adjoints)) == 0, "%s", f->name);
         for (int k = 0; k < f->inputs; k++)
             check_series(f->name, DEGREE, own.adjoints + k * SHORT, tape.adjoints + k * SHORT, 1e-14);
     }

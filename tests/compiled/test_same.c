@@ -34,11 +34,11 @@ static const struct {
     {&kepler, "galerkin", 2, QUICK},
     {&pendulum, "galerkin", 4, QUICK},
     {&henon_heiles, "galerkin", 6, WIDE},
-    {&chain, "galerkin", 6, QUICK},  /* a force that knows the time */
-    {&fpu, "galerkin", 16, QUICK},   /* cubes */
+    {&chain, "galerkin", 6, QUICK}, /* a force that knows the time */
+    {&fpu, "galerkin", 16, QUICK},
     {&ring, "galerkin", 20, WIDE},   /* elementary functions, quotients */
     {&solar, "galerkin", 16, QUICK}, /* too many unknowns for registers, equal operations in runs */
-    {&solar, "galerkin", 2, QUICK},  /* eight sums at once */
+    {&solar, "galerkin", 2, QUICK},
     {&double_pendulum, "galerkin", 6, USUAL},
     {&double_pendulum, "galerkin", 16, QUICK},
     {&magnetic, "galerkin", 20, QUICK},
