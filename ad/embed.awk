@@ -1,7 +1,20 @@
 # embed.awk NAME=name FILE...: the text of C files as a C array of lines, for code that is generated from a tape
-# (emit.h). Comments and includes of the library's own files are left out, but for texts that are read once for each of
-# several kinds of numbers, which have no guard; functions become inline, and the macros of a .c file end with it, as they
-# do where each is compiled alone.
+# (emit.h). The text is what the library itself is compiled from, so that each algorithm stands in one place. For that:
+#
+#   * Files come in the order in which they need each other. Includes of the library's own files are left out, but for
+#     texts that are read once for each of several kinds of numbers, which have no guard: these are put in their place.
+#   * JET_EMITTED is defined in generated code, and nowhere else.
+#   * A function's head begins in the first column and its body with a line that is a brace alone. It becomes
+#     JET_INLINE: it begins with static and a type of small letters, or is one of jet_ and tvi_ that gives void, bool,
+#     double or int. Others that are static, or begin with a macro (OWN, NEVER), stay as they are. Any other would be
+#     defined for the whole program, once in each generated file: that is an error.
+#   * Macros of a .c file end with it, as they do where each is compiled alone; those of a .h file are for all behind it.
+#   * Comments are left out. They stand in no string and end in their file: else it is an error.
+#   * All warnings of gcc and clang are on where tests/compiled/test_alone.c reads the whole with each method.
+function fail(what) {
+    print FILENAME ":" FNR ": " what > "/dev/stderr"
+    failed = 1
+}
 function close_file(    i) {
     for (i = 1; i <= macros; i++) put("#undef " macro[i])
     macros = 0
@@ -41,7 +54,11 @@ function put_file(path,    line) {
     while ((getline line < path) > 0) put_line(line)
     close(path)
 }
-FNR == 1 { close_file(); in_comment = 0 }
+FNR == 1 {
+    close_file()
+    if (in_comment) fail("a comment of the file before does not end")
+    in_comment = 0
+}
 { put_line($0) }
 function put_line(whole,    line, path, word) {
     line = without_comments(whole)
@@ -55,8 +72,11 @@ function put_line(whole,    line, path, word) {
         return
     }
     if (line == "" || line ~ /^# ?pragma GCC (system_header|visibility)/) return
+    if (whole ~ /^[^\/]*"[^"]*(\/\*|\*\/)[^"]*"/) fail("a comment in a string")
+    if (whole == "{" && head != "" && head !~ /^(JET_INLINE|static) /) fail("a function for the whole program: " head)
     if (line ~ "^static (inline )?" type "[a-z_0-9#]+\\(") sub(/^static (inline )?/, "JET_INLINE ", line)
     else if (whole ~ "^(void|bool|double|int) \\**(jet|tvi)_[a-z_0-9]+\\(") line = "JET_INLINE " line
+    if (whole ~ /^[a-zA-Z]/) head = whole ~ /^[a-z][^=;]*\(/ ? line : ""
     if (FILENAME ~ /\.c$/ && line ~ /^# ?define /) {
         split(line, word, /[ (]/)
         macro[++macros] = word[line ~ /^# d/ ? 3 : 2]
@@ -65,6 +85,8 @@ function put_line(whole,    line, path, word) {
 }
 END {
     close_file()
+    if (in_comment) fail("a comment does not end")
+    if (failed) exit 1
     print "    0,"
     print "};"
 }

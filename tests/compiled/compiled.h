@@ -14,6 +14,7 @@ Suite *suite_rows(void);
 Suite *suite_cache(void);
 Suite *suite_owners(void);
 Suite *suite_ahead(void);
+Suite *suite_alone(void);
 Suite *suite_names(void);
 
 enum { COORDINATES_MOST = 18 };

@@ -122,6 +122,7 @@ int directory_count(const char *path, const char *ending)
     return count;
 }
 
-static Suite *(*const suites[])(void) = {suite_same, suite_rows, suite_cache, suite_owners, suite_ahead, suite_names};
+static Suite *(*const suites[])(void) = {suite_same,  suite_rows,  suite_cache, suite_owners,
+                                         suite_ahead, suite_alone, suite_names};
 
 int main(void) { return RUN_SUITES(suites); }
