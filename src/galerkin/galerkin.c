@@ -208,12 +208,14 @@ typedef struct {
     tvi_stats *stats, counted; /* counted: of the steps that were made */
 } in_library;
 
+/* The roundoff of passes that no longer shrink is measured where their movement may be roundoff, or where the nodes are
+ * near the start: far away, loud movements that go to and fro are those of a step that is too large. */
 JET_INLINE tvi_status pass(void *of, const galerkin_nodes *nodes, double *moved, double *roundoff)
 {
     const in_library *step = of;
     galerkin_field *field = &step->w->field;
     (void)nodes;
-    if (roundoff && tvi_galerkin_is_near(field, step->origin))
+    if (roundoff && (*moved <= step->w->rule.noise || tvi_galerkin_is_near(field, step->origin)))
         return tvi_galerkin_measure(field, &step->w->probe, moved, roundoff, step->stats);
     return tvi_galerkin_pass(field, moved, step->stats);
 }

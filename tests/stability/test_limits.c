@@ -108,6 +108,26 @@ START_TEST(narrow_intervals_are_found)
 }
 END_TEST
 
+/* The passes of a Galerkin curve with 8 nodes contract as long as h w < 11. They end at any phase, also where the last
+ * bits go to and fro and the nodes are farther from the start than the start is from 0. */
+START_TEST(galerkin_passes_end)
+{
+    static const limit_row row = {"galerkin", 16, {0}, 0};
+    enum { PHASES = 20 };
+    tvi_system *system;
+    tvi_integrator *integrator = oscillator_integrator(&row, &system);
+    for (double z = 3; z < 7; z += 0.02)
+        for (int k = 0; k < PHASES; k++) {
+            double t = 0, q = cos(0.3 * k), p = sin(0.3 * k);
+            tvi_integrator_reset(integrator);
+            ck_assert_msg(tvi_step(integrator, z, &t, &q, &p) == TVI_OK, "h w = %g, phase %g: %s", z, 0.3 * k,
+                          tvi_last_error());
+        }
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+}
+END_TEST
+
 /* Below its limit SVHd's corrector contracts by 0.48 at h w = 1.96, which takes more than fifty passes. */
 START_TEST(slow_contraction_arrives)
 {
@@ -130,6 +150,7 @@ Suite *suite_limits(void)
     tcase_add_loop_test(tcase, limits_are_known, 0, LIMITS);
     tcase_add_test(tcase, growth_is_known);
     tcase_add_test(tcase, narrow_intervals_are_found);
+    tcase_add_test(tcase, galerkin_passes_end);
     tcase_add_test(tcase, slow_contraction_arrives);
     suite_add_tcase(suite, tcase);
     return suite;
