@@ -1,12 +1,17 @@
 /* tvi_bodies.h - bodies that attract each other, and orbits of two of them: potential, time scale, masses, orbital
  * elements (docs/bodies.md). tvi.h does not include it. All of it is inline, allocates nothing and may be called by
- * several threads. Names that begin with tvi_own_ are not for users. tvi_last_error has no text for tvi_orbit_*. */
+ * several threads; for other languages the library exports the same functions. Names that begin with tvi_own_ are not
+ * for users. tvi_last_error has no text for tvi_orbit_*. */
 #ifndef TVI_BODIES_H
 #define TVI_BODIES_H
 
 #include "tvi.h"
 
 #include <math.h>
+
+#ifndef TVI_INLINE
+#define TVI_INLINE static inline
+#endif
 
 /* ---- Bodies that attract each other ------------------------------------------------------------------------------ */
 
@@ -71,7 +76,7 @@ static inline jet tvi_own_sum(const tvi_bodies *b, double k, int masses, const j
 
 /* This is a tvi_potential_fn, whose ctx is a tvi_bodies: V = -sum_{i<j} G m_i m_j / r_ij, and each pair with the oblate
  * body adds G m_i m_j J2 radius^2 (3 z^2 / r^2 - 1) / (2 r^3), z along the pole. */
-static inline jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
+TVI_INLINE jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
 {
     const tvi_bodies *b = (const tvi_bodies *)ctx;
     (void)t;
@@ -80,7 +85,7 @@ static inline jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
 
 /* This is a tvi_rescale_fn, the g for tvi_system_rescaled (docs/adaptive.md), whose ctx is a tvi_bodies:
  *   g = (sum_{i<j} ((G (m_i + m_j))^(1/3) / r_ij)^k)^(-3/(2k)), of a single pair (r^3 / (G (m_i + m_j)))^(1/2). */
-static inline jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
+TVI_INLINE jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_bodies *b = (const tvi_bodies *)ctx;
     double most = 0, sum = 0;
@@ -92,7 +97,7 @@ static inline jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ct
 }
 
 /* Records the potential of a mass of 1 at x[axes] that moves nobody. The bodies are at[n], numbers or jets of t. */
-static inline jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])
+TVI_INLINE jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[])
 {
     jet V = jet_const(0);
     for (int i = 0; i < b->bodies; i++)
@@ -101,7 +106,7 @@ static inline jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const je
 }
 
 /* Records the g of this motion, which is that of tvi_bodies_scale; a sharpness of 0 stands for 3. */
-static inline jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], const jet x[])
+TVI_INLINE jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], const jet x[])
 {
     const double k = b->sharpness > 0 ? b->sharpness : 3;
     jet sum = jet_const(0);
@@ -112,13 +117,13 @@ static inline jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], co
 }
 
 /* Sets mass[n] to the masses of the coordinates. */
-static inline void tvi_bodies_masses(const tvi_bodies *b, double mass[])
+TVI_INLINE void tvi_bodies_masses(const tvi_bodies *b, double mass[])
 {
     for (int i = 0; i < b->bodies * b->axes; i++) mass[i] = tvi_own_mass(b, i / b->axes);
 }
 
 /* Makes the system of tvi_bodies_potential, and returns what tvi_system_potential returns. */
-TVI_NODISCARD static inline tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b)
+TVI_NODISCARD TVI_INLINE tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b)
 {
     double mass[TVI_MAX_DIMENSION];
     const bool fits = b && b->mass && b->axes >= 1 && b->axes <= 3 && b->bodies <= TVI_MAX_DIMENSION / b->axes;
@@ -127,19 +132,19 @@ TVI_NODISCARD static inline tvi_status tvi_bodies_system(tvi_system **out, const
 }
 
 /* Sets p = M v, [n] each; they may be the same array. */
-static inline void tvi_bodies_momenta(const tvi_bodies *b, const double v[], double p[])
+TVI_INLINE void tvi_bodies_momenta(const tvi_bodies *b, const double v[], double p[])
 {
     for (int i = 0; i < b->bodies * b->axes; i++) p[i] = tvi_own_mass(b, i / b->axes) * v[i];
 }
 
 /* Sets v = M^-1 p. */
-static inline void tvi_bodies_velocities(const tvi_bodies *b, const double p[], double v[])
+TVI_INLINE void tvi_bodies_velocities(const tvi_bodies *b, const double p[], double v[])
 {
     for (int i = 0; i < b->bodies * b->axes; i++) v[i] = p[i] / tvi_own_mass(b, i / b->axes);
 }
 
 /* Finds the centre of mass, x[axes], and its velocity, v[axes]. */
-static inline void tvi_bodies_centre(const tvi_bodies *b, const double q[], const double p[], double x[], double v[])
+TVI_INLINE void tvi_bodies_centre(const tvi_bodies *b, const double q[], const double p[], double x[], double v[])
 {
     double mass = 0;
     for (int i = 0; i < b->bodies; i++) mass += tvi_own_mass(b, i);
@@ -151,7 +156,7 @@ static inline void tvi_bodies_centre(const tvi_bodies *b, const double q[], cons
 }
 
 /* Moves q[n] and p[n] to the frame in which both are 0. */
-static inline void tvi_bodies_to_centre(const tvi_bodies *b, double q[], double p[])
+TVI_INLINE void tvi_bodies_to_centre(const tvi_bodies *b, double q[], double p[])
 {
     double x[3], v[3];
     tvi_bodies_centre(b, q, p, x, v);
@@ -160,7 +165,7 @@ static inline void tvi_bodies_to_centre(const tvi_bodies *b, double q[], double 
 }
 
 /* Finds L = sum q_i x p_i about the origin. Axes that the bodies do not have count as 0. */
-static inline void tvi_bodies_angular_momentum(const tvi_bodies *b, const double q[], const double p[], double L[3])
+TVI_INLINE void tvi_bodies_angular_momentum(const tvi_bodies *b, const double q[], const double p[], double L[3])
 {
     L[0] = L[1] = L[2] = 0;
     for (int i = 0; i < b->bodies; i++)
@@ -231,7 +236,7 @@ static inline double tvi_own_cross(double a, double b, double c, double d)
 /* Finds the place and the velocity of a body relative to another, mu = G (m_1 + m_2). One of q and a may be 0.
  *   TVI_EINVAL      mu <= 0, e < 0, i outside [0, pi], no q = a (1 - e) > 0; a, q and e that disagree
  *   TVI_ENONFINITE  an element but a, or what it leads to, is not finite */
-TVI_NODISCARD static inline tvi_status tvi_orbit_state(const tvi_orbit *orbit, double mu, double x[3], double v[3])
+TVI_NODISCARD TVI_INLINE tvi_status tvi_orbit_state(const tvi_orbit *orbit, double mu, double x[3], double v[3])
 {
     const double pi = acos(-1), q = orbit->q == 0 ? orbit->a * (1 - orbit->e) : orbit->q;
     const double alpha = orbit->a == 0 ? (1 - orbit->e) / q : 1 / orbit->a;
@@ -261,7 +266,7 @@ TVI_NODISCARD static inline tvi_status tvi_orbit_state(const tvi_orbit *orbit, d
  *   TVI_EINVAL      mu <= 0
  *   TVI_EDOMAIN     x and v on one line through the centre: no pericentre
  *   TVI_ENONFINITE  a number, or an element, is not finite */
-TVI_NODISCARD static inline tvi_status tvi_orbit_of(double mu, const double x[3], const double v[3], tvi_orbit *orbit)
+TVI_NODISCARD TVI_INLINE tvi_status tvi_orbit_of(double mu, const double x[3], const double v[3], tvi_orbit *orbit)
 {
     const double L[] = {tvi_own_cross(x[1], v[2], x[2], v[1]), tvi_own_cross(x[2], v[0], x[0], v[2]),
                         tvi_own_cross(x[0], v[1], x[1], v[0])};

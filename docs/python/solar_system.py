@@ -11,16 +11,11 @@ found = (re.search(rf"\b{name}(\[\w+\])? = ([^;]*);", text).group(2) for name in
 G, mass, place, speed = (np.array(eval(numbers.translate(str.maketrans("{}", "[]")))) for numbers in found)
 
 
-def V(q):
-    r = q.reshape(6, 3)
-    return -sum(G * mass[i] * mass[j] / np.sqrt(np.sum((r[i] - r[j])**2)) for i in range(6) for j in range(i))
-
-
 def pluto(q, p):  # r . v of Pluto as the Sun sees it
     return (q[15:] - q[:3]) @ (p[15:] / mass[5] - p[:3] / mass[0])
 
 
-system = tvi.potential(18, V, mass=np.repeat(mass, 3))
+system = tvi.gravity.Bodies(mass, G=G).system()
 days = 500 * 365.25
 run = tvi.solve(system, (0, days), q0=place, v0=speed, h=500, t_eval=np.linspace(0, days, 2001),
                 events=tvi.event(pluto, direction=1))

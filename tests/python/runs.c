@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <tvi.h>
+#include <tvi_bodies.h>
 
 enum { MEMBERS = 37 };
 
@@ -119,6 +120,42 @@ static void run_ensemble(tvi_system *system)
     tvi_ensemble_free(ensemble);
 }
 
+/* From orbital elements, with all that bodies have, by steps that adapt; then what the functions of states say. */
+static void run_bodies(void)
+{
+    static const double mass[] = {3, 0.5, 0, 2e-3};
+    tvi_bodies bodies = {.bodies = 4, .axes = 3, .mass = mass, .G = 2, .softening = 0.01, .sharpness = 2};
+    tvi_system *system, *rescaled;
+    tvi_integrator *it;
+    double t = 0, q[12] = {0}, v[12] = {0}, p[12], x[3], L[3];
+    bodies.J2 = 1e-3, bodies.radius = 0.5, bodies.pole[1] = 0.2, bodies.pole[2] = 1;
+    for (int k = 1; k < 4; k++) {
+        const tvi_orbit orbit = {.a = 2 * k, .e = 0.25 * k, .i = 0.5, .node = 1, .pericentre = 2, .time = k};
+        check(tvi_orbit_state(&orbit, 2 * (mass[0] + mass[k]), q + 3 * k, v + 3 * k));
+    }
+    tvi_bodies_momenta(&bodies, v, p);
+    tvi_bodies_to_centre(&bodies, q, p);
+    check(tvi_bodies_system(&system, &bodies));
+    check(tvi_system_rescaled(&rescaled, system, tvi_bodies_scale, &bodies));
+    check(tvi_integrator_create(&it, rescaled, NULL));
+    check(tvi_integrate(it, 0.1, 200, &t, q, p, NULL, NULL));
+    printf("bodies");
+    print(&t, 1), print(q, 12), print(p, 12);
+    tvi_bodies_angular_momentum(&bodies, q, p, L);
+    tvi_bodies_velocities(&bodies, p, v);
+    print(L, 3), print(v, 12);
+    tvi_bodies_centre(&bodies, q, p, x, L);
+    print(x, 3), print(L, 3);
+    tvi_orbit found;
+    check(tvi_orbit_of(6, q + 6, v + 6, &found));
+    print(&found.a, 1), print(&found.q, 1), print(&found.e, 1), print(&found.i, 1), print(&found.node, 1);
+    print(&found.pericentre, 1), print(&found.time, 1), print(&found.f, 1), print(&found.M, 1);
+    printf("\n");
+    tvi_integrator_free(it);
+    tvi_system_free(rescaled);
+    tvi_system_free(system);
+}
+
 int main(void)
 {
     tvi_system *system, *other;
@@ -169,6 +206,7 @@ int main(void)
     run("parameter", other, NULL, (tvi_run_plan){.h = 0.1, .steps = 200}, 2.25);
     tvi_system_free(other);
     run_lagrangian();
+    run_bodies();
     tvi_event_free(event);
     tvi_system_free(system);
 }

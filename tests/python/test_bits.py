@@ -9,7 +9,7 @@ import numpy as np
 
 import tvi
 from problems import CC, LIBRARY, ROOT, kepler
-from tvi import _runs
+from tvi import _runs, gravity
 from tvi._library import NAME
 
 TIMES = [0, 0.3, 10, 10.01, 10.02, 499.9]
@@ -86,7 +86,22 @@ def runs():
     orbits = tvi.Ensemble(system, [[1 + m / 64, 0] for m in range(37)], [0, 0.8], threads=2)
     orbits.integrate(0.25, 2000)
     lines["ensemble"] = [*orbits.q.T.ravel(), *orbits.p.T.ravel()]
+    lines["bodies"] = run_bodies()
     return lines
+
+
+def run_bodies():
+    """What run_bodies() of runs.c prints."""
+    mass, k = np.array([3, 0.5, 0, 2e-3]), np.arange(1, 4)
+    bodies = gravity.Bodies(mass, G=2, softening=0.01, J2=1e-3, radius=0.5, pole=[0, 0.2, 1], sharpness=2)
+    orbit = gravity.Orbit(a=2 * k, e=0.25 * k, i=0.5, node=1, pericentre=2, time=k)
+    q, v = (np.concatenate([np.zeros(3), x.ravel()]) for x in orbit.state(2 * (mass[0] + mass[1:])))
+    it = tvi.Integrator(bodies.system().rescaled(bodies.scale), *bodies.to_centre(q, bodies.momenta(v)))
+    it.integrate(0.1, 200)
+    v = bodies.velocities(it.p)
+    centre = np.concatenate(bodies.centre(it.q, it.p))
+    found = gravity.Orbit.of(6, it.q[6:9], v[6:9])
+    return [it.t, *it.q, *it.p, *bodies.angular_momentum(it.q, it.p), *v, *centre, *found]
 
 
 class Bits(unittest.TestCase):

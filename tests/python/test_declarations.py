@@ -8,12 +8,12 @@ from problems import CC, LIBRARY, ROOT
 from tvi import _declarations, _library
 from tvi._library import ffi
 
-STRUCTURES = ("jet", "tvi_options", "tvi_compiler", "tvi_stats", "tvi_run_plan")
+STRUCTURES = ("jet", "tvi_options", "tvi_compiler", "tvi_stats", "tvi_run_plan", "tvi_bodies", "tvi_orbit")
 
 # Functions that the module has no need of: tvi_run makes these runs, and Python has its own way for the others.
 NOT_NEEDED = set("""tvi_integrate tvi_integrate_to tvi_integrate_at tvi_integrate_events tvi_integrate_tolerance
     tvi_integrate_tolerance_events tvi_ensemble_integrate tvi_progress tvi_options_default tvi_suggest_step
-    tvi_system_dimension jet_sum jet_dot""".split())
+    tvi_system_dimension tvi_bodies_system jet_sum jet_dot""".split())
 
 
 def compile_c(text, *arguments):
@@ -26,7 +26,7 @@ class Declarations(unittest.TestCase):
         """The compiler refuses declarations of one function that differ; a typedef may be made twice."""
         callbacks = re.findall(r"^typedef \w+ \w+_(?:fn|observer)\([^;]*;", _declarations.STRUCTURES, re.M)
         self.assertGreaterEqual(len(callbacks), 9)
-        text = '#include "tvi.h"\n' + "\n".join(callbacks) + _declarations.FUNCTIONS
+        text = '#include "tvi_bodies.h"\n' + "\n".join(callbacks) + _declarations.FUNCTIONS
         checked = compile_c(text, "-fsyntax-only")
         self.assertEqual(checked.returncode, 0, checked.stderr)
         wrong = text.replace("tvi_step(tvi_integrator *integrator, double", "tvi_step(tvi_integrator *integrator, int")
@@ -35,7 +35,7 @@ class Declarations(unittest.TestCase):
 
     def test_structures(self):
         """Sizes, and the places and sizes of members, as the compiler has them."""
-        lines = ['#include "tvi.h"', "#include <stddef.h>"]
+        lines = ['#include "tvi_bodies.h"', "#include <stddef.h>"]
         count = 0
         for name in STRUCTURES:
             kind = ffi.typeof(name)

@@ -1,5 +1,5 @@
-"""The programs of docs/python.md run one after the other and print what stands below them; the examples of docstrings
-do, too, and every public name has one."""
+"""The programs of docs/python.md and docs/bodies.md run one after the other and print what stands below them; the
+examples of docstrings do, too, and every public name has one."""
 
 import contextlib
 import doctest
@@ -22,9 +22,9 @@ PAGE = (ROOT / "docs/python.md").read_text()
 
 
 class Page(unittest.TestCase):
-    def test_programs(self):
-        blocks = re.findall(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", PAGE, re.S)
-        self.assertGreater(len(blocks), 7)
+    def run_programs(self, page, least):
+        blocks = re.findall(r"```python\n(.*?)```(?:\n\n```text\n(.*?)```)?", page, re.S)
+        self.assertGreaterEqual(len(blocks), least)
         matplotlib.use("Agg")
         names, kept = {}, os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
@@ -33,11 +33,15 @@ class Page(unittest.TestCase):
                 for program, wanted in blocks:
                     printed = io.StringIO()
                     with contextlib.redirect_stdout(printed):
-                        exec(compile(program, "docs/python.md", "exec"), names)
+                        exec(compile(program, "a page", "exec"), names)
                     self.assertEqual(printed.getvalue(), wanted, program)
-                self.assertGreater(os.path.getsize("kepler.png"), 10000)
+                return {name: os.path.getsize(name) for name in os.listdir()}
             finally:
                 os.chdir(kept)
+
+    def test_programs(self):
+        self.assertGreater(self.run_programs(PAGE, 8)["kepler.png"], 10000)
+        self.run_programs((ROOT / "docs/bodies.md").read_text(), 1)
 
     def test_readme(self):
         program = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
@@ -91,7 +95,8 @@ class Page(unittest.TestCase):
             if inspect.isfunction(thing):
                 self.assertIn(">>>", thing.__doc__, name)
                 self.assertEqual(thing.__annotations__.keys() >= {"return"}, True, name)
-        for kind in (tvi.Integrator, tvi.Ensemble, tvi.System, tvi.Method, tvi.Result):
+        for kind in (tvi.Integrator, tvi.Ensemble, tvi.System, tvi.Method, tvi.Result, tvi.gravity.Bodies,
+                     tvi.gravity.Orbit):
             for name, member in vars(kind).items():
                 if not name.startswith("_") and inspect.isfunction(member):
                     self.assertTrue(member.__doc__, f"{kind.__name__}.{name}")

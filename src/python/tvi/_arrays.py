@@ -32,7 +32,7 @@ def number(name: str, value: Any) -> float:
     return array.item()
 
 
-def _floats(name: str, value: Any) -> np.ndarray:
+def _floats(name: str, value: Any, may_be_infinite: bool = False) -> np.ndarray:
     array = np.asarray(value)
     if array.dtype.kind not in "fiub":
         try:  # Python's integers of any size, fractions, decimals, but no text and no complex number
@@ -42,7 +42,7 @@ def _floats(name: str, value: Any) -> np.ndarray:
         except (TypeError, ValueError, OverflowError):
             raise TypeError(f"{name} has real numbers, not {array.dtype}") from None
     array = np.array(array, dtype=np.float64, order="C")
-    if not np.isfinite(array).all():
+    if (np.isnan(array) if may_be_infinite else ~np.isfinite(array)).any():
         raise ValueError(f"{name} has a value that is not finite")
     return array
 

@@ -56,6 +56,16 @@ typedef struct {
     size_t size;
 } tvi_run_plan;
 
+typedef struct {
+    int bodies, axes;
+    const double *mass;
+    double G, softening, J2, radius, pole[3];
+    int oblate;
+    double sharpness;
+} tvi_bodies;
+
+typedef struct { double a, q, e, i, node, pericentre, time, f, M; } tvi_orbit;
+
 typedef void tvi_force_fn(const jet q[], jet t, jet force[], void *ctx);
 typedef jet tvi_potential_fn(const jet q[], jet t, void *ctx);
 typedef jet tvi_lagrangian_fn(const jet q[], const jet v[], jet t, void *ctx);
@@ -145,4 +155,19 @@ tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t 
 tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[], tvi_status status[]);
 """
 
-FUNCTIONS = JETS + SYSTEMS + METHODS + INTEGRATORS + ENSEMBLES
+BODIES = """
+jet tvi_bodies_potential(const jet q[], jet t, void *ctx);
+jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx);
+jet tvi_bodies_field(const tvi_bodies *b, const jet at[], const jet x[]);
+jet tvi_bodies_field_scale(const tvi_bodies *b, const jet at[], const jet x[]);
+void tvi_bodies_masses(const tvi_bodies *b, double mass[]);
+void tvi_bodies_momenta(const tvi_bodies *b, const double v[], double p[]);
+void tvi_bodies_velocities(const tvi_bodies *b, const double p[], double v[]);
+void tvi_bodies_centre(const tvi_bodies *b, const double q[], const double p[], double x[], double v[]);
+void tvi_bodies_to_centre(const tvi_bodies *b, double q[], double p[]);
+void tvi_bodies_angular_momentum(const tvi_bodies *b, const double q[], const double p[], double L[3]);
+tvi_status tvi_orbit_state(const tvi_orbit *orbit, double mu, double x[3], double v[3]);
+tvi_status tvi_orbit_of(double mu, const double x[3], const double v[3], tvi_orbit *orbit);
+"""
+
+FUNCTIONS = JETS + SYSTEMS + METHODS + INTEGRATORS + ENSEMBLES + BODIES

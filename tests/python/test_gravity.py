@@ -1,0 +1,186 @@
+"""tvi.gravity: the same bits as tvi_bodies.h in C (test_bits.py), numpy's shapes, and what is refused."""
+
+import math
+import pickle
+import unittest
+
+import numpy as np
+
+import tvi
+from problems import same_bits
+from tvi import gravity
+
+RANDOM = np.random.default_rng(5)
+MASS = np.array([3, 0.5, 0, 2e-3])
+
+
+def with_field(q, t):
+    """A planet in the field of two suns that go round each other."""
+    x, y = np.cos(t) / 2, np.sin(t) / 2
+    return gravity.Bodies([0.5, 0.5], axes=2).field([x, y, -x, -y], q)
+
+
+class Potentials(unittest.TestCase):
+    def test_values(self):
+        """As written with numpy, in 1 to 3 axes."""
+        for axes in (1, 2, 3):
+            bodies = gravity.Bodies(MASS, axes, G=2.5, softening=0.1)
+            r = RANDOM.normal(size=(4, axes))
+            d = np.sqrt(((r[:, None] - r[None])**2).sum(axis=-1) + 0.01)
+            own = np.where(MASS > 0, MASS, 1e-30 * 3)
+            V = sum(-2.5 * own[i] * own[j] / d[i, j] for i in range(4) for j in range(i))
+            S = sum((2.5 * (own[i] + own[j]))**(1 / 3) / d[i, j] for i in range(4) for j in range(i) if i != 2 != j)
+            self.assertAlmostEqual(bodies.potential(r.ravel()) / V, 1, delta=1e-14)
+            self.assertAlmostEqual(bodies.system().energy(0, r.ravel(), 0 * r.ravel()) / V, 1, delta=1e-14)
+            self.assertAlmostEqual(bodies.scale(r.ravel()) / S**-1.5, 1, delta=1e-14)
+            x = RANDOM.normal(size=axes)
+            to = np.sqrt(((r - x)**2).sum(axis=1) + 0.01)
+            self.assertAlmostEqual(bodies.field(r.ravel(), x) / -(2.5 * MASS / to).sum(), 1, delta=1e-14)
+            self.assertAlmostEqual(bodies.field_scale(r.ravel(), x) / (2.5 * MASS / to**3).sum()**-0.5, 1, delta=1e-14)
+
+    def test_an_oblate_body(self):
+        """The second one of three: two pairs have a term more."""
+        q, mass, pole = RANDOM.normal(size=(3, 3)), np.array([2, 3, 4]), np.array([2, -3, 6])
+        wanted = 0.0
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            d = q[j] - q[i]
+            r, z = np.linalg.norm(d), pole @ d / 7
+            J2 = 0.01 * (1 in (i, j))
+            wanted -= mass[i] * mass[j] / r * (1 - J2 * 0.16 * (3 * z**2 / r**2 - 1) / (2 * r**2))
+        bodies = gravity.Bodies(mass, J2=0.01, radius=0.4, pole=pole, oblate=1)
+        self.assertAlmostEqual(bodies.potential(q.ravel()) / wanted, 1, delta=1e-14)
+        upright = gravity.Bodies(mass, J2=0.01, radius=0.4, oblate=1).potential(q.ravel())
+        self.assertGreater(abs(upright / wanted - 1), 1e-6)
+
+    def test_steps_that_adapt(self):
+        """Of an eccentric pair, and of a particle between suns that move by functions of time."""
+        pair = gravity.Bodies([1, 0.5], axes=2)
+        system = pair.system()
+        q, p = pair.to_centre([0, 0, 1.99, 0], pair.momenta([0, 0, 0, math.sqrt(1.5 * (2 / 1.99 - 1))]))
+        run = tvi.solve(system.rescaled(pair.scale), (0, 50), q, p, h=0.5)
+        self.assertLess(np.ptp(run.energy), 1e-12)
+        self.assertGreater(np.max(np.diff(run.t)) / np.min(np.diff(run.t)), 50)
+        x, v = pair.centre(run.q, run.p)
+        self.assertEqual(x.shape, (len(run.t), 2))
+        self.assertLess(max(abs(x).max(), abs(v).max()), 1e-13)
+        self.assertLess(np.ptp(pair.angular_momentum(run.q, run.p)[:, 2]), 1e-14)
+        system = tvi.potential(2, with_field)
+        self.assertAlmostEqual(system.energy(0, [2, 0], [0, 0]), -0.5 / 1.5 - 0.5 / 2.5, delta=1e-15)
+        self.assertAlmostEqual(system.energy(math.pi / 2, [2, 0], [0, 0]), -1 / math.hypot(2, 0.5), delta=1e-15)
+
+    def test_copies(self):
+        """Of bodies and of their systems, by pickle, in which all is kept."""
+        bodies = gravity.Bodies(MASS, G=2, softening=0.3, J2=0.1, radius=0.2, pole=[0, 1, 1], oblate=1, sharpness=2)
+        q = RANDOM.normal(size=12)
+        other = pickle.loads(pickle.dumps(bodies))
+        self.assertEqual((bodies.potential(q), bodies.scale(q)), (other.potential(q), other.scale(q)))
+        orbit = tvi.Integrator(bodies.system().rescaled(bodies.scale), q, bodies.momenta(np.ones(12)))
+        again = pickle.loads(pickle.dumps(orbit))
+        for it in (orbit, again):
+            it.integrate(0.01, 20)
+        self.assertTrue(same_bits(orbit.q, again.q))
+        for name, value in (("mass", 1), ("n", 1), ("axes", 1)):
+            with self.assertRaises(AttributeError):
+                setattr(bodies, name, value)
+        with self.assertRaises(ValueError):
+            bodies.mass[0] = 1
+
+    def test_refused(self):
+        bodies = gravity.Bodies([1, 2], axes=1)
+        for kind, call in ((TypeError, lambda: bodies.potential([0, "a"])), (ValueError, lambda: bodies.potential([0])),
+                           (ValueError, lambda: bodies.potential([0, math.nan])),
+                           (ValueError, lambda: gravity.Bodies([1], axes=4)), (ValueError, lambda: gravity.Bodies([])),
+                           (ValueError, lambda: gravity.Bodies([1] * 5001, axes=2)),
+                           (ValueError, lambda: gravity.Bodies([1], oblate=1)),
+                           (ValueError, lambda: gravity.Bodies([1], pole=[1, 2])),
+                           (TypeError, lambda: gravity.Bodies(["a"])), (ValueError, lambda: gravity.Bodies(1)),
+                           (ValueError, lambda: bodies.momenta([1, 2, 3])), (ValueError, lambda: bodies.momenta(1)),
+                           (ValueError, lambda: bodies.centre([1, 2], [[1, 2]]))):
+            self.assertRaises(kind, call)
+        for call, status in ((lambda: bodies.potential([1, 1]), "EDOMAIN"),
+                             (gravity.Bodies([-1, 2]).system, "EINVAL"), (gravity.Bodies([0, 0]).system, "EINVAL")):
+            with self.assertRaises(tvi.Error) as refused:
+                call()
+            self.assertEqual(refused.exception.status, status)
+        kept = []
+        tvi.potential(2, lambda q: kept.extend(q) or bodies.potential(q))
+        self.assertRaisesRegex(ValueError, "was kept", bodies.potential, kept)
+        with self.assertRaisesRegex(ValueError, "jets of two functions"):
+            tvi.potential(2, lambda q: tvi.potential(2, lambda x: bodies.potential([q[0], x[1]])) and q[0])
+
+
+class States(unittest.TestCase):
+    def test_shapes(self):
+        """Of any number of states, each as numpy has it."""
+        for axes in (1, 2, 3):
+            bodies, n = gravity.Bodies(MASS, axes), 4 * axes
+            own = np.where(MASS > 0, MASS, 1e-30 * 3)
+            self.assertTrue(same_bits(bodies.coordinate_masses, np.repeat(own, axes)))
+            for shape in ((), (5,), (2, 3), (0,)):
+                q, v = RANDOM.normal(size=(2, *shape, n))
+                p = bodies.momenta(v)
+                self.assertTrue(same_bits(p, np.repeat(own, axes) * v) and p.shape == (*shape, n))
+                self.assertTrue(np.allclose(bodies.velocities(p), v, rtol=1e-15, atol=0))
+                x, u = bodies.centre(q, p)
+                r, s = q.reshape(*shape, 4, axes), p.reshape(*shape, 4, axes)
+                self.assertEqual((x.shape, u.shape), ((*shape, axes),) * 2)
+                self.assertTrue(np.allclose(x, (own[:, None] * r).sum(axis=-2) / own.sum(), atol=1e-15))
+                self.assertTrue(np.allclose(u, s.sum(axis=-2) / own.sum(), atol=1e-15))
+                kept = q.copy()
+                moved = bodies.to_centre(q, p)
+                self.assertTrue(same_bits(q, kept))
+                self.assertLess(max([0, *abs(np.ravel(bodies.centre(*moved)))]), 2e-15)
+                L = np.zeros((*shape, 3))
+                for k in range(4):
+                    wide = [np.concatenate([y[..., k, :], np.zeros((*shape, 3 - axes))], axis=-1) for y in (r, s)]
+                    L += np.cross(*wide)
+                self.assertTrue(np.allclose(bodies.angular_momentum(q, p), L, atol=1e-14))
+                self.assertEqual(bodies.angular_momentum(q, p).shape, (*shape, 3))
+
+
+class Orbits(unittest.TestCase):
+    def test_there_and_back(self):
+        """Elements of every conic, in arrays that go together."""
+        e, i, mu = np.array([0, 0.5, 1, 1.5, 9])[:, None], np.linspace(0, math.pi, 4), np.array([1.5, 1, 2, 3])
+        orbit = gravity.Orbit(q=0.7, e=e, i=i, node=0.3, pericentre=-0.2, time=-2.5)
+        x, v = orbit.state(mu)
+        self.assertEqual(x.shape, (5, 4, 3))
+        found = gravity.Orbit.of(mu, x, v)
+        for name in ("q", "e", "i"):
+            self.assertLess(abs(getattr(found, name) - getattr(orbit, name)).max(), 1e-13, name)
+        turn = 2 * math.pi * np.sqrt(1.4**3 / mu)
+        self.assertLess(abs(found.time[1] - np.round(-2.5 / turn) * -turn + 2.5).max(), 1e-13)
+        self.assertLess(abs(found.time[2:] + 2.5).max(), 1e-13)
+        again = found.state(mu)
+        self.assertLess(max(abs(again[0] - x).max(), abs(again[1] - v).max()), 1e-13)
+        energy = (v**2).sum(axis=-1) / 2 - mu / np.linalg.norm(x, axis=-1)
+        self.assertLess(abs(energy - mu * (e - 1) / (2 * 0.7)).max(), 1e-13)
+        one = gravity.Orbit(a=2, e=0.5).state(1)
+        self.assertTrue(np.allclose(one, [[1, 0, 0], [0, math.sqrt(1.5), 0]], rtol=1e-15, atol=0))
+        self.assertIsInstance(gravity.Orbit.of(1, *one).e, float)
+        parabola = gravity.Orbit(a=math.inf, q=1, e=1).state(2.0)
+        self.assertTrue(np.allclose(parabola, [[1, 0, 0], [0, 2, 0]], rtol=1e-15, atol=0))
+        self.assertEqual(gravity.Orbit(a=1, e=np.zeros((0, 2))).state(1)[0].shape, (0, 2, 3))
+
+    def test_refused(self):
+        for kind, status, text, call in (
+                (tvi.Error, "EINVAL", r"orbit\[1\]: it needs", lambda: gravity.Orbit(a=1, e=[0.5, 2]).state(1)),
+                (tvi.Error, "EINVAL", "orbit: it needs", lambda: gravity.Orbit(a=1, q=0.6, e=0.5).state(1)),
+                (tvi.Error, "EINVAL", "it needs mu > 0", lambda: gravity.Orbit(a=1).state(0)),
+                (tvi.Error, "ENONFINITE", "orbit: .* not finite",
+                 lambda: gravity.Orbit(q=1e-300, e=1, time=1e300).state(1e300)),
+                (tvi.Error, "EDOMAIN", r"state\[0\]\[1\]: x and v",
+                 lambda: gravity.Orbit.of(1, [1, 0, 0], [[[0, 1, 0], [1, 0, 0]]])),
+                (tvi.Error, "EINVAL", "mu is not", lambda: gravity.Orbit.of(-1, [1, 0, 0], [0, 1, 0])),
+                (ValueError, None, "q has .* not finite", lambda: gravity.Orbit(q=math.inf).state(1)),
+                (ValueError, None, "a has .* not finite", lambda: gravity.Orbit(a=math.nan).state(1)),
+                (ValueError, None, r"not \(..., 3\)", lambda: gravity.Orbit.of(1, [1, 0], [0, 1])),
+                (ValueError, None, "", lambda: gravity.Orbit(q=[1, 2], e=[1, 2, 3]).state(1)),
+                (TypeError, None, "real numbers", lambda: gravity.Orbit(q="1").state(1))):
+            with self.assertRaisesRegex(kind, text) as refused:
+                call()
+            self.assertEqual(getattr(refused.exception, "status", None), status)
+
+
+if __name__ == "__main__":
+    unittest.main()
