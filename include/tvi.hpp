@@ -46,14 +46,14 @@ inline void check(tvi_status status)
     if (status != TVI_OK) throw error(status, tvi_last_error());
 }
 
-/* The bytes that `save` makes of it. */
-template <class Saved> std::vector<char> bytes_of(tvi_status (*save)(const Saved *, void *, std::size_t *), Saved *it)
+/* The bytes that save(buffer, &size) makes. */
+template <class Bytes, class Save> Bytes bytes_of(Save save)
 {
-    std::size_t bytes = 0;
-    check(save(it, nullptr, &bytes));
-    std::vector<char> state(bytes);
-    check(save(it, state.data(), &bytes));
-    return state;
+    std::size_t size = 0;
+    check(save(nullptr, &size));
+    Bytes bytes(size, '\0');
+    check(save(&bytes[0], &size));
+    return bytes;
 }
 
 /* The numbers of a vector of n. */
@@ -553,16 +553,33 @@ class integrator
         return detail::ended(status);
     }
 
-    std::vector<char> save() const { return detail::bytes_of(tvi_state_save, get()); }
+    std::vector<char> save() const
+    {
+        return detail::bytes_of<std::vector<char>>(
+            [&](char *to, std::size_t *size) { return tvi_state_save(get(), to, size); });
+    }
     void load(const std::vector<char> &state) { detail::check(tvi_state_load(get(), state.data(), state.size())); }
     template <class Q, class P> void last(double &t, Q &q, P &p) const
     {
         detail::check(tvi_state_last(get(), &t, of("q", q), of("p", p)));
     }
+    template <class Q, class P> std::string to_text(double t, const Q &q, const P &p) const
+    {
+        const double *const q_of = of("q", q), *const p_of = of("p", p);
+        return detail::bytes_of<std::string>(
+            [&](char *to, std::size_t *size) { return tvi_state_to_text(get(), t, q_of, p_of, to, size); });
+    }
+    template <class Q, class P> void from_text(const std::string &text, double &t, Q &q, P &p)
+    {
+        detail::check(tvi_state_from_text(get(), text.data(), text.size(), &t, of("q", q), of("p", p)));
+    }
 
   private:
     std::size_t size() const { return static_cast<std::size_t>(system_.dimension()); }
-    template <class Vector> double *of(const char *name, Vector &x) const { return detail::data_of(name, size(), x); }
+    template <class Vector> auto of(const char *name, Vector &x) const -> decltype(x.data())
+    {
+        return detail::data_of(name, size(), x);
+    }
     template <class Observer, class Run> bool run_seen(Observer &observer, Run steps)
     {
         detail::guarded<Observer> g(observer);
@@ -683,12 +700,29 @@ class ensemble
         return go(all.in(plan), t, q, p, status, all);
     }
 
-    std::vector<char> save() const { return detail::bytes_of(tvi_ensemble_save, get()); }
+    std::vector<char> save() const
+    {
+        return detail::bytes_of<std::vector<char>>(
+            [&](char *to, std::size_t *size) { return tvi_ensemble_save(get(), to, size); });
+    }
     void load(const std::vector<char> &state) { detail::check(tvi_ensemble_load(get(), state.data(), state.size())); }
     template <class T, class Q, class P> void last(T &t, Q &q, P &p, std::vector<tvi_status> &status) const
     {
         status.resize(static_cast<std::size_t>(members_));
         detail::check(tvi_ensemble_last(get(), of("t", 1, t), of("q", n(), q), of("p", n(), p), status.data()));
+    }
+    template <class T, class Q, class P>
+    std::string member_to_text(int member, const T &t, const Q &q, const P &p) const
+    {
+        const double *const t_of = of("t", 1, t), *const q_of = of("q", n(), q), *const p_of = of("p", n(), p);
+        return detail::bytes_of<std::string>([&](char *to, std::size_t *size) {
+            return tvi_ensemble_member_to_text(get(), member, t_of, q_of, p_of, to, size);
+        });
+    }
+    template <class T, class Q, class P> void member_from_text(int member, const std::string &text, T &t, Q &q, P &p)
+    {
+        detail::check(tvi_ensemble_member_from_text(get(), member, text.data(), text.size(), of("t", 1, t),
+                                                    of("q", n(), q), of("p", n(), p)));
     }
 
   private:

@@ -10,6 +10,8 @@ Suite *suite_bits(void);
 Suite *suite_runs(void);
 Suite *suite_failing(void);
 Suite *suite_states(void);
+Suite *suite_texts(void);
+void add_text_format(Suite *suite); /* a case of it */
 Suite *suite_refused(void);
 Suite *suite_lanes(void);
 Suite *suite_walks(void);

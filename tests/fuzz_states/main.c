@@ -1,9 +1,10 @@
-/* main.c - loads saved states that were changed and given a right checksum, into integrators and ensembles, and runs
- * from those that are accepted: nothing is read outside of the bytes, whatever stands in them. `fuzz_states SEED COUNT`
- * tries others; make check-sanitizers tries a million. */
+/* main.c - loads saved states that were changed and given a right checksum, into integrators and ensembles, likewise
+ * states as text, and runs from those that are accepted: nothing is read outside of the bytes, whatever stands in them.
+ * `fuzz_states SEED COUNT` tries others; make check-sanitizers tries a million. */
 #include "problems/problems.h"
 #include "problems/random.h"
 #include "run/saved.h"
+#include "tape.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -99,6 +100,39 @@ static void forge(uint64_t *bits, unsigned char *bytes, size_t first, size_t siz
     tvi_saved_seal(bytes, size);
 }
 
+/* The same of a text, of `size` characters: some of its words are others, and so are some characters. Returns the new
+ * size, of at most LONGEST_TEXT. */
+enum { LONGEST_TEXT = 4000 };
+static size_t forge_text(uint64_t *bits, const char *text, char forged[LONGEST_TEXT])
+{
+    static const char *const others[] = {"0x1p+1023", "-0x1.fffffffffffffp+1023",
+                                         "0x0p+0",    "0x0.0000000000001p-1022",
+                                         "0x1p+1024", "0x1.p+0",
+                                         "0x1p+",     "nan",
+                                         "-inf",      "1.5",
+                                         "0x2p+0",    "e",
+                                         "q",         "end",
+                                         "tvi",       "3",
+                                         "-1",        "0x1.00000000000000000000000000000000000p+0"};
+    uint64_t hash = JET_HASH_OF_NOTHING, changes = 1 + below(bits, 3);
+    size_t size = 0;
+    for (const char *at = text; *at;) {
+        const size_t length = strcspn(at, " \n");
+        const bool is_changed = changes > 0 && below(bits, 20) == 0, is_end = strncmp(at, "end ", 4) == 0;
+        const char *const word = is_changed ? others[below(bits, sizeof others / sizeof *others)] : at;
+        const size_t count = is_changed ? strlen(word) : length;
+        changes -= is_changed;
+        memcpy(forged + size, word, count);
+        if (!is_changed && changes > 0 && below(bits, 60) == 0) forged[size] = (char)below(bits, 256);
+        hash = jet_hash(jet_hash(hash, forged + size, count), " ", 1);
+        size += count;
+        forged[size++] = at[length];
+        at += length + 1;
+        if (is_end) break;
+    }
+    return size + (size_t)sprintf(forged + size, "%016llx\n", (unsigned long long)hash);
+}
+
 /* ---- Trials ------------------------------------------------------------------------------------------------------ */
 
 /* How many states were loaded, and how many refused. */
@@ -141,8 +175,28 @@ static void run_integrator(tvi_integrator *it)
     }
 }
 
+/* In one of four it is cut short, too. */
+static void try_texts(uint64_t *bits, tvi_integrator *it, long count, counts *sum)
+{
+    double t, q[N], p[N];
+    char text[LONGEST_TEXT] = "", forged[LONGEST_TEXT];
+    size_t size = sizeof text - 1;
+    insist(tvi_state_last(it, &t, q, p) == TVI_OK, tvi_last_error());
+    insist(tvi_state_to_text(it, t, q, p, text, &size) == TVI_OK, tvi_last_error());
+    for (long k = 0; k < count; k++) {
+        size = forge_text(bits, text, forged);
+        if (below(bits, 4) == 0) size = (size_t)below(bits, size);
+        char *copy = copy_of(forged, size + 1); /* which the last character is no part of */
+        const tvi_status status = tvi_state_from_text(it, copy, size, &t, q, p);
+        insist(status < TVI_STATUS_COUNT && is_finite(q, N) && is_finite(p, N), "a text is read as no state");
+        if (status == TVI_OK) run_integrator(it);
+        *(status == TVI_OK ? &sum->loaded : &sum->refused) += 1;
+        free(copy);
+    }
+}
+
 static void try_integrator(uint64_t *bits, const tvi_system *system, const tvi_options *options, long count,
-                           counts *sum)
+                           counts *sum, counts *texts)
 {
     tvi_integrator *it;
     double t, q[N], p[N];
@@ -166,6 +220,7 @@ static void try_integrator(uint64_t *bits, const tvi_system *system, const tvi_o
     }
     insist(tvi_state_load(it, whole, size) == TVI_OK, tvi_last_error());
     free(whole);
+    try_texts(bits, it, count, texts);
     tvi_integrator_free(it);
 }
 
@@ -208,7 +263,7 @@ static void try_ensemble(uint64_t *bits, const tvi_system *system, const tvi_opt
 }
 
 /* Nine in ten are states of integrators, whose bytes are fewer. */
-static counts try_all(uint64_t seed, long count)
+static counts try_all(uint64_t seed, long count, counts *texts)
 {
     const long each = count / (SYSTEMS * METHODS) + 1;
     counts sum = {0, 0};
@@ -220,7 +275,7 @@ static counts try_all(uint64_t seed, long count)
             insist(systems[s](&system) == TVI_OK, tvi_last_error());
             if (tvi_options_named(methods[k].name, methods[k].order, &options) == TVI_OK) {
                 alarm(LONGEST * (unsigned)(1 + each / 2000)); /* a hang ends the test */
-                try_integrator(&bits, system, &options, each - each / 10, &sum);
+                try_integrator(&bits, system, &options, each - each / 10, &sum, texts);
                 try_ensemble(&bits, system, &options, each / 10, &sum);
             }
             tvi_system_free(system);
@@ -232,7 +287,10 @@ int main(int argc, char *argv[])
 {
     const uint64_t seed = argc > 1 ? strtoull(argv[1], NULL, 10) : 1;
     const long count = argc > 2 ? strtol(argv[2], NULL, 10) : STATES;
-    const counts sum = try_all(seed, count);
+    counts texts = {0, 0};
+    const counts sum = try_all(seed, count, &texts);
     printf("%ld forged states: %ld loaded, %ld refused\n", sum.loaded + sum.refused, sum.loaded, sum.refused);
-    return sum.loaded < count / 20 || sum.refused < count / 20; /* else it tried nothing */
+    printf("%ld forged texts: %ld read, %ld refused\n", texts.loaded + texts.refused, texts.loaded, texts.refused);
+    return sum.loaded < count / 20 || sum.refused < count / 20 || texts.loaded < count / 20 ||
+           texts.refused < count / 20; /* else it tried nothing */
 }

@@ -145,6 +145,18 @@ static tvi_status run_to_end(const void *argument, bool *cleared)
     return status;
 }
 
+static tvi_status move_as_text(const void *argument, bool *cleared)
+{
+    const run_arguments *of = argument;
+    char text[2000];
+    size_t size = sizeof text;
+    double t = 42, q[N], p[N];
+    tvi_status status = tvi_state_to_text(of->integrator, 0, some_q, some_p, text, &size);
+    if (status == TVI_OK) status = tvi_state_from_text(of->integrator, text, size, &t, q, p);
+    *cleared = t == 42;
+    return status;
+}
+
 /* The number of allocations that were made to fail before all went well, or a little more: without TVI_TESTS=all one of
  * LATER is, after the first FIRST of them. */
 static long fail_each(maker *make, const void *argument, allocation_failure how)
@@ -186,6 +198,7 @@ START_TEST(events_without_memory)
     system = create_everything(RESCALED, true);
     ck_assert_int_eq(tvi_integrator_create(&of.integrator, system, NULL), TVI_OK);
     ck_assert_int_eq(fail_each(run_to_end, &of, how), 3);
+    ck_assert_int_eq(fail_each(move_as_text, &of, how), 3);
     tvi_integrator_free(of.integrator);
     tvi_system_free(system);
 }

@@ -172,6 +172,11 @@ static void runs()
     fresh.load(orbit.save());
     fresh.last(t_fresh, q_fresh, p_fresh);
     expect("saved", t_fresh == t && q_fresh == q && p_fresh == p);
+    const std::string text = orbit.to_text(t, q, p);
+    t_fresh = 0, q_fresh[0] = 0;
+    fresh.from_text(text, t_fresh, q_fresh, p_fresh);
+    expect("as text", t_fresh == t && q_fresh == q && p_fresh == p && fresh.to_text(t, q, p) == text);
+    expect("no text", throws([&] { fresh.from_text(text.substr(0, 40), t, q, p); }, TVI_EINVAL, "cut short"));
     tvi::integrator taylor(orbit.system(), tvi::options("taylor", 12));
     expect("tolerance", taylor.integrate_tolerance(1e-10, t + 1, t, q, p));
     expect("with events", !taylor.integrate_tolerance_events(1e-10, t + 10, events, t, q, p,
@@ -282,6 +287,8 @@ static void ensembles()
     fresh.load(crowd.save());
     fresh.last(t_fresh, q_fresh, p_fresh, status);
     expect("saved", t_fresh == t && q_fresh == q && p_fresh == p);
+    fresh.member_from_text(1, crowd.member_to_text(2, t, q, p), t_fresh, q_fresh, p_fresh);
+    expect("as text", q_fresh[1] == q[2] && q_fresh[2] == q[2] && q_fresh[0] == q[0] && p_fresh[4] == p[5]);
     int seen[MEMBERS] = {0};
     const auto count = [&](int member, int, double, const double *, const double *) { seen[member]++; };
     expect("at times", crowd.integrate_at(0.25, {2, 2.5}, t, q, p, status, count) && seen[0] == 2 && seen[2] == 2);

@@ -250,6 +250,22 @@ class Refusals(unittest.TestCase):
         it.load(np.frombuffer(state, dtype=float))  # as many bytes in fewer elements
         self.assertEqual((it.t, len(state) % 8), (0.5, 0))
 
+    def test_texts(self):
+        it, orbits = tvi.Integrator(kepler(), [1, 0], [0, 1]), tvi.Ensemble(kepler(), [[1, 0]] * 3)
+        text = it.to_text()
+        for bad in ("", "x", text[:-20], text + "0", text.replace("0x1p", "0x2p"), text + "\0", "\u00e4" + text):
+            self.refused(tvi.Error, "text", it.from_text, bad)
+            self.refused(tvi.Error, "text", orbits.member_from_text, 1, bad)
+        for bad in (b"text", None, 5):
+            self.refused(TypeError, "a string", it.from_text, bad)
+            self.refused(TypeError, "a string", orbits.member_from_text, 1, bad)
+        self.refused(tvi.Error, "another dimension", tvi.Integrator(spring(), [1]).from_text, text)
+        self.refused(ValueError, "member = 3", orbits.member_to_text, 3)
+        self.refused(ValueError, "member = -1", orbits.member_from_text, -1, text)
+        self.assertEqual((it.to_text(), orbits.q.tolist()), (text, [[1, 0]] * 3))
+        it.q[0] = np.nan
+        self.refused(tvi.Error, "not finite", it.to_text)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -244,6 +244,24 @@ class Many(unittest.TestCase):
         one.integrate(0.1, 100), other.integrate(0.1, 100)
         self.assertTrue(same_bits(one.q, other.q))
 
+    def test_texts(self):
+        """Values of parameters travel, too, by their names."""
+        system = tvi.potential(1, lambda q, k, c: (k * q[0]**2 + c[0] * q[0]**4 + c[1] * q[0]**6) / 2, k=1.0,
+                               c=[0, 0.5])
+        one, other = tvi.Integrator(system, [1], k=2.0, c=[0.25, 0]), tvi.Integrator(system, [0])
+        orbits = tvi.Ensemble(system, [[1], [2]])
+        one.integrate(0.1, 7)
+        other.from_text(one.to_text())
+        orbits.member_from_text(1, one.to_text())
+        self.assertEqual((other.parameters["k"], other.parameters["c"].tolist()), (2.0, [0.25, 0]))
+        self.assertEqual((other.t, other.energy()), (one.t, one.energy()))
+        self.assertEqual((orbits.t.tolist(), orbits.energy()[1]), ([0, one.t], one.energy()))
+        self.assertEqual(orbits.member_to_text(1), one.to_text())
+        for it in (one, other, orbits):
+            it.integrate(0.1, 20)
+        self.assertLess(max(abs(other.q - one.q), abs(orbits.q[1] - one.q)), 1e-14)
+        self.assertGreater(abs(orbits.q[0] - one.q), 1e-3)
+
     def test_tangents(self):
         """The tangent map of the spring is its rotation, for an integrator and for members, and at events."""
         rotation = [[math.cos(1), math.sin(1)], [-math.sin(1), math.cos(1)]]

@@ -6,6 +6,8 @@ import threading
 from contextlib import contextmanager
 from typing import Any, Callable, Iterator, NamedTuple
 
+import numpy as np
+
 from ._library import Handle, check, ffi
 from ._methods import Method, method_of
 from ._systems import System
@@ -86,9 +88,22 @@ class Busy:
                 self._is_running = False
 
 
-def saved(save: Callable, owner: Any) -> bytes:
+def saved(save: Callable, *of: Any) -> bytes:
     size = ffi.new("size_t *")
-    check(save(owner, ffi.NULL, size))
+    check(save(*of, ffi.NULL, size))
     buffer = ffi.new("char[]", size[0])
-    check(save(owner, buffer, size))
+    check(save(*of, buffer, size))
     return ffi.buffer(buffer, size[0])[:]
+
+
+def encoded(text: Any) -> bytes:
+    """The characters of a state as text."""
+    if not isinstance(text, str):
+        raise TypeError(f"text is a string, not {type(text).__name__}")
+    return text.encode()
+
+
+def values_in(text: str) -> np.ndarray:
+    """The values of parameters in a state as text that the library has read."""
+    words = text.split()
+    return np.array([float.fromhex(x) for name, x in zip(words, words[1:]) if name == "value"])

@@ -7,7 +7,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from ._alike import Busy, Made, Stats, saved, stats_of
+from ._alike import Busy, Made, Stats, encoded, saved, stats_of, values_in
 from ._arrays import Array, Doubles, integer, pointer, spread
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, STATUSES, check, ffi, lib, make
@@ -277,6 +277,30 @@ class Ensemble(Made):
             buffer = ffi.from_buffer(state)
             check(lib.tvi_ensemble_load(self._handle.pointer, buffer, ffi.sizeof(buffer)))
             lib.tvi_ensemble_last(self._handle.pointer, *self._state())
+
+    def member_to_text(self, member: int) -> str:
+        """The state of one member as Integrator.to_text; either reads it.
+
+        >>> import tvi
+        >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
+        >>> springs, one = tvi.Ensemble(spring, [[1], [2]]), tvi.Integrator(spring, [0])
+        >>> one.from_text(springs.member_to_text(1))
+        >>> springs.member_from_text(0, one.to_text())
+        >>> springs.q.tolist()
+        [[2.0], [2.0]]
+        """
+        member = integer("member", member, 0, self.members - 1)
+        with self._busy.asked():
+            return saved(lib.tvi_ensemble_member_to_text, self._handle.pointer, member, *self._state()[:3]).decode()
+
+    def member_from_text(self, member: int, text: str) -> None:
+        """One member goes on from the text, as Integrator.from_text, and its status is "OK"."""
+        member, characters = integer("member", member, 0, self.members - 1), encoded(text)
+        with self._busy.running():
+            check(lib.tvi_ensemble_member_from_text(self._handle.pointer, member, characters, len(characters),
+                                                    *self._state()[:3]))
+            self._values[:, member] = values_in(text)
+            self._codes[member] = 0
 
     def __reduce__(self) -> tuple:
         state = (self.save(), self.t.copy(), self.q.copy(), self.p.copy(),

@@ -6,7 +6,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from ._alike import Busy, Made, Stats, saved, stats_of
+from ._alike import Busy, Made, Stats, encoded, saved, stats_of, values_in
 from ._arrays import Array, Doubles, number, numbers, pointer
 from ._events import Recorded, events_of
 from ._library import Guard, Handle, Interrupted, check, ffi, lib, make
@@ -296,6 +296,42 @@ class Integrator(Made):
             buffer = ffi.from_buffer(state)
             check(lib.tvi_state_load(self._handle.pointer, buffer, ffi.sizeof(buffer)))
             lib.tvi_state_last(self._handle.pointer, self._t.pointer, self._q.pointer, self._p.pointer)
+
+    def to_text(self) -> str:
+        """Its state as text that every version, machine, instruction set and method reads (tvi_state_to_text): t, q and
+        p with their low-order parts, and the values of parameters.
+
+        >>> import tvi
+        >>> print(tvi.Integrator(tvi.potential(1, lambda q: q[0]**2 / 2), [1]).to_text(), end="")
+        tvi state 1
+        n 1
+        parameters 0
+        t 0x0p+0 0x0p+0
+        q 0x1p+0 0x0p+0
+        p 0x0p+0 0x0p+0
+        end 25af110be3e24f10
+        """
+        with self._busy.asked():
+            state = self.t, self._q.pointer, self._p.pointer
+            return saved(lib.tvi_state_to_text, self._handle.pointer, *state).decode()
+
+    def from_text(self, text: str) -> None:
+        """Goes on, to roundoff, from what to_text() returned, perhaps of another method. Raises tvi.Error (EINVAL) for
+        a text that is damaged, or of another n or number of parameters, with the state as it was.
+
+        >>> import tvi
+        >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
+        >>> one, other = tvi.Integrator(spring, [1], method="taylor", order=12), tvi.Integrator(spring, [0])
+        >>> one.step(0.1)
+        >>> other.from_text(one.to_text())
+        >>> other.t, bool(other.q == one.q), other.to_text() == one.to_text()
+        (0.1, True, True)
+        """
+        characters = encoded(text)
+        with self._busy.running():
+            check(lib.tvi_state_from_text(self._handle.pointer, characters, len(characters), self._t.pointer,
+                                          self._q.pointer, self._p.pointer))
+            self._parameters.update(self.system.named(values_in(text)))
 
     def __reduce__(self) -> tuple:
         state = (self.save(), self.t, self.q.copy(), self.p.copy(), None if self._tangent is None

@@ -72,6 +72,14 @@ class System:
         assert len(values) == self._count
         return values
 
+    def named(self, values: np.ndarray) -> dict[str, Any]:
+        """The values [count] of its parameters by name, as values() lists them."""
+        found, first = {}, 0
+        for name, value in self.parameters.items():
+            part = values[first:first + np.size(value)].reshape(np.shape(value))
+            found[name], first = part.copy() if part.ndim else float(part), first + part.size
+        return found
+
     def recorded_with(self, given: dict[str, Any]) -> "System":
         """The same system, recorded anew with these values of its parameters."""
         self.values(given)

@@ -1,0 +1,198 @@
+/* travel.c - gives the state of an integrator, or of a member of an ensemble, as text (state_text.h), and goes on from
+ * one. The low-order parts of the state and the e of a rescaled system travel with it; the history of the steps does
+ * not. */
+#include "run/ensemble.h"
+#include "run/saved.h"
+#include "run/state_text.h"
+#include "system/refuse.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- One member -------------------------------------------------------------------------------------------------- */
+
+/* The index in arrays of q or p of number k of t, q[n], p[n], e. */
+static size_t index_of(const tvi_integrator *it, int member, int k)
+{
+    const int n = it->system->n, row = k == 0 ? n : k <= n ? k - 1 : k - n - 1;
+    return (size_t)row * (size_t)it->width + (size_t)member;
+}
+
+/* Fills in the given state, with the low-order parts where it is the member's own. */
+static void fill_in(tvi_state_text *x, const tvi_integrator *it, int member, const tvi_given_state *given)
+{
+    const int n = x->n;
+    const tvi_run_state *now = &it->now;
+    for (int i = 0; i < n; i++) {
+        x->state[2 * (1 + i)] = given->q[(size_t)i * given->stride];
+        x->state[2 * (1 + n + i)] = given->p[(size_t)i * given->stride];
+    }
+    x->state[0] = given->t;
+    if (!it->continues[member] || !tvi_member_has(it, member, given)) return;
+    x->has_e = tvi_is_rescaled(it);
+    for (int k = 0; k <= 2 * n + x->has_e; k++) {
+        const size_t at = index_of(it, member, k);
+        x->state[2 * k] = k <= n ? now->q[at] : now->p[at];
+        x->state[2 * k + 1] = k <= n ? now->q_low[at] : now->p_low[at];
+    }
+}
+
+/* Writes it as tvi_state_save writes bytes. */
+static tvi_status write_text(const tvi_state_text *x, char *text, size_t *size)
+{
+    const size_t needed = tvi_state_text_write(x, NULL);
+    if (!tvi_numbers_are_finite(x->state, 4 * ((size_t)x->n + 1) * sizeof *x->state))
+        return jet_refuse(TVI_ENONFINITE, "the state is not finite");
+    if (text && *size < needed) return jet_refuse(TVI_EINVAL, "the buffer has %zu bytes, the text %zu", *size, needed);
+    *size = needed;
+    if (text) (void)tvi_state_text_write(x, text);
+    return TVI_OK;
+}
+
+static tvi_status read_text(tvi_state_text *x, const tvi_system *system, const char *text, size_t size)
+{
+    if (!tvi_state_text_open(x, system->n, tvi_system_parameters(system))) return jet_refuse_memory(TVI_ENOMEM);
+    const char *const fault = tvi_state_text_read(x, text, size);
+    if (!fault) return TVI_OK;
+    free(x->value);
+    return jet_refuse(TVI_EINVAL, "%s", fault);
+}
+
+/* Makes it the state of the member, whose parameters are those of the text already. One without low-order parts is that
+ * of a user, perhaps on an event, and begins a run as such. */
+static tvi_status adopt(tvi_integrator *it, int member, const tvi_state_text *x)
+{
+    const int n = x->n;
+    const tvi_run_state *now = &it->now;
+    const tvi_given_state given = {x->state + 2, x->state + 2 * (1 + n), 2, x->state[0]};
+    it->continues[member] = false;
+    const tvi_status status = tvi_member_begin(it, member, &given);
+    if (status != TVI_OK) return status;
+    for (int k = 0; k <= 2 * n + (x->has_e && tvi_is_rescaled(it)); k++) {
+        const size_t at = index_of(it, member, k);
+        const double low = x->state[2 * k + 1];
+        *(k <= n ? &now->q[at] : &now->p[at]) = x->state[2 * k];
+        *(k <= n ? &now->q_low[at] : &now->p_low[at]) = low;
+        if (k <= 2 * n && low != 0) it->continues[member] = true;
+    }
+    return TVI_OK;
+}
+
+/* ---- Of an integrator -------------------------------------------------------------------------------------------- */
+
+tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[], const double p[], char *text,
+                             size_t *size)
+{
+    if (!it || !q || !p || !size)
+        return tvi_refuse_null(4, (const void *const[]){it, q, p, size},
+                               (const char *const[]){"integrator", "q", "p", "size"});
+    tvi_state_text x;
+    const int parameters = tvi_system_parameters(it->system);
+    if (!tvi_state_text_open(&x, it->system->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
+    memcpy(x.value, it->parameters, (size_t)parameters * sizeof *x.value);
+    fill_in(&x, it, 0, &(tvi_given_state){q, p, 1, t});
+    const tvi_status status = write_text(&x, text, size);
+    free(x.value);
+    return status;
+}
+
+/* own: room for the history. Where it fails all is as it was. */
+static tvi_status adopt_alone(tvi_integrator *it, const tvi_state_text *x, char *own)
+{
+    const size_t bytes = (size_t)x->parameters * sizeof *x->value;
+    double *const values = (double *)(own + it->remembered);
+    tvi_arena_copy(own, it->history, it->remembered);
+    memcpy(values, it->parameters, bytes);
+    memcpy(it->parameters, x->value, bytes);
+    tvi_integrator_apply_parameters(it);
+    const tvi_status status = adopt(it, 0, x);
+    if (status == TVI_OK) {
+        it->has_dense = false;
+        it->stop->is_set = false;
+        return TVI_OK;
+    }
+    tvi_arena_copy(it->history, own, it->remembered);
+    memcpy(it->parameters, values, bytes);
+    tvi_integrator_apply_parameters(it);
+    return status;
+}
+
+tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size, double *t, double q[], double p[])
+{
+    if (!it || !text || !t || !q || !p)
+        return tvi_refuse_null(5, (const void *const[]){it, text, t, q, p},
+                               (const char *const[]){"integrator", "text", "t", "q", "p"});
+    tvi_state_text x;
+    tvi_status status = read_text(&x, it->system, text, size);
+    if (status != TVI_OK) return status;
+    char *own = malloc(it->remembered + (size_t)x.parameters * sizeof *x.value + 1);
+    status = own ? adopt_alone(it, &x, own) : jet_refuse_memory(TVI_ENOMEM);
+    if (status == TVI_OK) tvi_state_now(it, t, q, p);
+    free(own);
+    free(x.value);
+    return status;
+}
+
+/* ---- Of a member of an ensemble ---------------------------------------------------------------------------------- */
+
+static tvi_status check_member(const tvi_ensemble *e, int member, const void *const pointer[4], const char *last)
+{
+    const void *const all[] = {e, pointer[0], pointer[1], pointer[2], pointer[3]};
+    for (int i = 0; i < 5; i++)
+        if (!all[i]) return tvi_refuse_null(5, all, (const char *const[]){"ensemble", "t", "q", "p", last});
+    if (member < 0 || member >= e->members)
+        return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, e->members - 1);
+    return TVI_OK;
+}
+
+tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *e, int member, const double t[], const double q[],
+                                       const double p[], char *text, size_t *size)
+{
+    const tvi_status status = check_member(e, member, (const void *const[]){t, q, p, size}, "size");
+    if (status != TVI_OK) return status;
+    tvi_state_text x;
+    const int parameters = tvi_system_parameters(e->system);
+    const size_t members = (size_t)e->members;
+    if (!tvi_state_text_open(&x, e->n, parameters)) return jet_refuse_memory(TVI_ENOMEM);
+    for (int i = 0; i < parameters; i++) x.value[i] = e->parameters[(size_t)i * members + (size_t)member];
+    tvi_worker_load(e->worker, e, member / e->width);
+    const tvi_given_state given = {q + member, p + member, members, t[member]};
+    fill_in(&x, e->worker->batch, member % e->width, &given);
+    const tvi_status written = write_text(&x, text, size);
+    free(x.value);
+    return written;
+}
+
+/* The values of the member's parameters and those of the text change places. */
+static void exchange_parameters(tvi_ensemble *e, int member, const tvi_state_text *x)
+{
+    for (int i = 0; i < x->parameters; i++) {
+        double *own = &e->parameters[(size_t)i * (size_t)e->members + (size_t)member];
+        const double kept = *own;
+        *own = x->value[i], x->value[i] = kept;
+    }
+}
+
+tvi_status tvi_ensemble_member_from_text(tvi_ensemble *e, int member, const char *text, size_t size, double t[],
+                                         double q[], double p[])
+{
+    tvi_status status = check_member(e, member, (const void *const[]){t, q, p, text}, "text");
+    tvi_state_text x;
+    if (status == TVI_OK) status = read_text(&x, e->system, text, size);
+    if (status != TVI_OK) return status;
+    const int batch = member / e->width, m = member % e->width;
+    tvi_worker *w = e->worker;
+    exchange_parameters(e, member, &x);
+    tvi_worker_load(w, e, batch);
+    status = adopt(w->batch, m, &x);
+    if (status == TVI_OK) {
+        tvi_worker_store(w, e, batch);
+        memset(e->stops + (size_t)member * tvi_stop_bytes(e->n), 0, tvi_stop_bytes(e->n));
+        e->failed[member] = TVI_OK;
+        tvi_member_give(w->batch, m, &t[member], q + member, p + member, (size_t)e->members);
+    } else {
+        exchange_parameters(e, member, &x);
+    }
+    free(x.value);
+    return status;
+}
