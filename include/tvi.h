@@ -45,6 +45,18 @@ const char *tvi_status_string(tvi_status status);
  * function is called. "" where nothing was refused yet; never NULL. The text is for people, and may change. */
 const char *tvi_last_error(void);
 
+/* TVI_OR_EXIT(call) is for programs that end where anything is refused, such as the examples: there it prints the file,
+ * the line, the status and tvi_last_error to stderr, and exits. TVI_OK and TVI_ESTOPPED go on. It wants <stdio.h> and
+ * <stdlib.h>. */
+
+#define TVI_OR_EXIT(call)                                                                                              \
+    do {                                                                                                               \
+        const tvi_status tvi_own_status = (call);                                                                      \
+        if (tvi_own_status == TVI_OK || tvi_own_status == TVI_ESTOPPED) break;                                         \
+        fprintf(stderr, "%s:%d: %s: %s\n", __FILE__, __LINE__, tvi_status_string(tvi_own_status), tvi_last_error());   \
+        exit(EXIT_FAILURE);                                                                                            \
+    } while (0)
+
 /* ---- Systems: the user's function, recorded ---------------------------------------------------------------------- */
 
 typedef struct tvi_system tvi_system;

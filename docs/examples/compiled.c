@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Henon and Heiles. */
 static jet potential(const jet q[], jet t, void *ctx)
@@ -19,9 +20,8 @@ static double run(const tvi_system *system, const tvi_options *options, double e
 {
     double t = 0, q[] = {0.1, 0.2}, p[] = {0.3, 0.1}, change = 0;
     tvi_integrator *integrator;
-    tvi_status status = tvi_integrator_create(&integrator, system, options);
-    if (status == TVI_OK) status = tvi_integrate(integrator, 0.5, 4000, &t, q, p, NULL, NULL);
-    if (status != TVI_OK) fprintf(stderr, "%s\n", tvi_last_error());
+    TVI_OR_EXIT(tvi_integrator_create(&integrator, system, options));
+    TVI_OR_EXIT(tvi_integrate(integrator, 0.5, 4000, &t, q, p, NULL, NULL));
     for (int i = 0; i < 2; i++) change = fmax(change, fabs(q[i] - end[i]));
     end[0] = q[0], end[1] = q[1];
     tvi_integrator_free(integrator);
@@ -34,7 +34,7 @@ int main(void)
     tvi_options options = tvi_options_default();
     tvi_compiled *code = NULL;
     tvi_system *system;
-    if (tvi_system_potential(&system, 2, NULL, potential, NULL) != TVI_OK) return 1;
+    TVI_OR_EXIT(tvi_system_potential(&system, 2, NULL, potential, NULL));
     run(system, &options, end);
     if (tvi_compile(&code, system, &options, NULL) != TVI_OK) /* interpreted, then */
         fprintf(stderr, "%s\n", tvi_last_error());

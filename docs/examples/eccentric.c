@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static jet potential(const jet q[], jet t, void *ctx)
 {
@@ -22,18 +23,15 @@ int main(void)
 {
     const double e = 0.99, turn = 2 * acos(-1), start[] = {1 - e, sqrt((1 + e) / (1 - e))};
     double t = 0, q[] = {start[0], 0}, p[] = {0, start[1]};
-    tvi_system *system, *rescaled = NULL;
-    tvi_integrator *integrator = NULL;
-    tvi_status status = tvi_system_potential(&system, 2, NULL, potential, NULL);
-    if (status == TVI_OK) status = tvi_system_rescaled(&rescaled, system, scale, NULL);
-    if (status == TVI_OK) status = tvi_integrator_create(&integrator, rescaled, NULL);
-    if (status == TVI_OK) status = tvi_integrate_to(integrator, 1.15, 100 * turn, &t, q, p, NULL, NULL);
-    if (status == TVI_OK)
-        printf("after %.0f revolutions in %ld steps: q = (%.6f, %.6f), angular momentum %.6f\n", t / turn,
-               tvi_integrator_stats(integrator)->steps, q[0], q[1], q[0] * p[1] - q[1] * p[0]);
-    else printf("stopped: %s\n", tvi_last_error());
+    tvi_system *system, *rescaled;
+    tvi_integrator *integrator;
+    TVI_OR_EXIT(tvi_system_potential(&system, 2, NULL, potential, NULL));
+    TVI_OR_EXIT(tvi_system_rescaled(&rescaled, system, scale, NULL));
+    TVI_OR_EXIT(tvi_integrator_create(&integrator, rescaled, NULL));
+    TVI_OR_EXIT(tvi_integrate_to(integrator, 1.15, 100 * turn, &t, q, p, NULL, NULL));
+    printf("after %.0f revolutions in %ld steps: q = (%.6f, %.6f), angular momentum %.6f\n", t / turn,
+           tvi_integrator_stats(integrator)->steps, q[0], q[1], q[0] * p[1] - q[1] * p[0]);
     tvi_integrator_free(integrator);
     tvi_system_free(rescaled);
     tvi_system_free(system);
-    return status != TVI_OK;
 }

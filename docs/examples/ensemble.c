@@ -3,6 +3,7 @@
 #include "ensemble.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 /* The largest |x| that each orbit comes to: an observer, after each step. */
 static int look(long step, int members, const double t[], const double q[], const double p[], const tvi_status status[],
@@ -19,14 +20,13 @@ int main(void)
     double t[ORBITS], q[N * ORBITS], p[N * ORBITS], reach[ORBITS] = {0}, mean = 0, worst = 0;
     tvi_status status[ORBITS];
     tvi_system *system;
-    tvi_ensemble *ensemble = NULL;
+    tvi_ensemble *ensemble;
     int failed = 0;
-    tvi_status result = tvi_system_potential(&system, N, NULL, potential, NULL);
-    if (result == TVI_OK) result = tvi_ensemble_create(&ensemble, system, NULL, ORBITS, 0); /* 0: all cores */
+    TVI_OR_EXIT(tvi_system_potential(&system, N, NULL, potential, NULL));
+    TVI_OR_EXIT(tvi_ensemble_create(&ensemble, system, NULL, ORBITS, 0)); /* 0: all cores */
     start(0, ORBITS, t, q, p);
-    if (result == TVI_OK) result = tvi_ensemble_integrate(ensemble, 0.25, 400, t, q, p, status, look, reach);
-    if (result != TVI_OK) fprintf(stderr, "%s\n", tvi_last_error());
-    for (int m = 0; m < ORBITS && result == TVI_OK; m++) {
+    TVI_OR_EXIT(tvi_ensemble_integrate(ensemble, 0.25, 400, t, q, p, status, look, reach));
+    for (int m = 0; m < ORBITS; m++) {
         failed += status[m] != TVI_OK; /* such a member stays where it was, and the others go on */
         mean += reach[m] / ORBITS;
         worst = fmax(worst, energy_error(system, ORBITS, m, q, p));
@@ -34,5 +34,5 @@ int main(void)
     printf("%d orbits, %d failed: mean reach %.12f, largest energy error %.0e\n", ORBITS, failed, mean, worst);
     tvi_ensemble_free(ensemble);
     tvi_system_free(system);
-    return result != TVI_OK || failed != 0;
+    return failed != 0;
 }

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 static const double OMEGA = 2.0 / 3;
 
@@ -22,20 +23,18 @@ static void drive(const jet q[], const jet v[], jet t, jet force[], void *ctx)
 
 int main(void)
 {
-    tvi_system *pendulum, *driven = NULL;
-    tvi_integrator *integrator = NULL;
-    tvi_status status = tvi_system_potential(&pendulum, 1, NULL, potential, NULL);
-    if (status == TVI_OK) status = tvi_system_driven(&driven, pendulum, drive, NULL);
-    if (status == TVI_OK) status = tvi_integrator_create(&integrator, driven, NULL);
+    tvi_system *pendulum, *driven;
+    tvi_integrator *integrator;
+    TVI_OR_EXIT(tvi_system_potential(&pendulum, 1, NULL, potential, NULL));
+    TVI_OR_EXIT(tvi_system_driven(&driven, pendulum, drive, NULL));
+    TVI_OR_EXIT(tvi_integrator_create(&integrator, driven, NULL));
     const double period = 2 * acos(-1) / OMEGA, starts[] = {0.1, 2};
-    for (int i = 0; i < 2 && status == TVI_OK; i++) {
+    for (int i = 0; i < 2; i++) {
         double t = 0, q = starts[i], p = 0;
-        status = tvi_integrate(integrator, period / 40, 40 * 40, &t, &q, &p, NULL, NULL);
-        if (status == TVI_OK) printf("from %.1f, after 40 periods: q = %.9f, p = %.9f\n", starts[i], q, p);
+        TVI_OR_EXIT(tvi_integrate(integrator, period / 40, 40 * 40, &t, &q, &p, NULL, NULL));
+        printf("from %.1f, after 40 periods: q = %.9f, p = %.9f\n", starts[i], q, p);
     }
-    if (status != TVI_OK) fprintf(stderr, "%s\n", tvi_last_error());
     tvi_integrator_free(integrator);
     tvi_system_free(driven);
     tvi_system_free(pendulum);
-    return status != TVI_OK;
 }

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* V = -1/r; the force is derived from it. */
 static jet potential(const jet q[], jet t, void *ctx)
@@ -23,10 +24,10 @@ static int watch(long step, double t, const double q[], const double p[], void *
     errors *worst = ctx;
     double H;
     (void)step;
-    if (tvi_energy(worst->system, t, q, p, &H) != TVI_OK) return 1; /* stops */
+    TVI_OR_EXIT(tvi_energy(worst->system, t, q, p, &H));
     worst->energy = fmax(worst->energy, fabs(H - worst->H0));
     worst->momentum = fmax(worst->momentum, fabs(q[0] * p[1] - q[1] * p[0] - worst->L0));
-    return 0;
+    return 0; /* goes on */
 }
 
 int main(void)
@@ -34,17 +35,13 @@ int main(void)
     double t = 0, q[] = {1, 0}, p[] = {0, 0.8}; /* the apocentre; eccentricity 0.36 */
     errors worst = {.L0 = 0.8};
     tvi_system *system;
-    tvi_integrator *integrator = NULL;
-    tvi_status status = tvi_system_potential(&system, 2, NULL, potential, NULL);
+    tvi_integrator *integrator;
+    TVI_OR_EXIT(tvi_system_potential(&system, 2, NULL, potential, NULL));
     worst.system = system;
-    if (status == TVI_OK) status = tvi_energy(system, t, q, p, &worst.H0);
-    if (status == TVI_OK) status = tvi_integrator_create(&integrator, system, NULL);
-    if (status == TVI_OK) status = tvi_integrate(integrator, 0.25, 16000, &t, q, p, watch, &worst);
-    if (status == TVI_OK)
-        printf("t = %g: H = %.12f, kept to %.0e; angular momentum to %.0e\n", t, worst.H0, worst.energy,
-               worst.momentum);
-    else fprintf(stderr, "%s\n", tvi_last_error());
+    TVI_OR_EXIT(tvi_energy(system, t, q, p, &worst.H0));
+    TVI_OR_EXIT(tvi_integrator_create(&integrator, system, NULL));
+    TVI_OR_EXIT(tvi_integrate(integrator, 0.25, 16000, &t, q, p, watch, &worst));
+    printf("t = %g: H = %.12f, kept to %.0e; angular momentum to %.0e\n", t, worst.H0, worst.energy, worst.momentum);
     tvi_integrator_free(integrator);
     tvi_system_free(system);
-    return status != TVI_OK;
 }

@@ -3,6 +3,7 @@
 #include <tvi_bodies.h>
 
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Rises through 0 when the second body has gone round. */
 static jet height(const jet q[], const jet p[], jet t, void *ctx)
@@ -12,35 +13,30 @@ static jet height(const jet q[], const jet p[], jet t, void *ctx)
 }
 
 /* At distance 1 about the common centre: angular velocity sqrt(1 + m). */
-static tvi_status period(double m, const tvi_event *event, double *t)
+static double period(double m, const tvi_event *event)
 {
     const double mass[] = {1, m}, whole = 1 + m, w = sqrt(whole), v[] = {0, -m / whole * w, 0, w / whole};
     const tvi_bodies bodies = {.bodies = 2, .axes = 2, .mass = mass}; /* read while the system is made */
-    double q[] = {-m / whole, 0, 1 / whole, 0}, p[4];
+    double t = 0, q[] = {-m / whole, 0, 1 / whole, 0}, p[4];
     tvi_system *system;
-    tvi_integrator *integrator = NULL;
-    tvi_status status = tvi_bodies_system(&system, &bodies);
+    tvi_integrator *integrator;
+    TVI_OR_EXIT(tvi_bodies_system(&system, &bodies));
     tvi_bodies_momenta(&bodies, v, p); /* p = M v */
-    *t = 0;
-    if (status == TVI_OK) status = tvi_integrator_create(&integrator, system, NULL);
-    if (status == TVI_OK) status = tvi_integrate_events(integrator, 0.3, 100, &event, 1, t, q, p, NULL, NULL, NULL);
+    TVI_OR_EXIT(tvi_integrator_create(&integrator, system, NULL));
+    TVI_OR_EXIT(tvi_integrate_events(integrator, 0.3, 100, &event, 1, &t, q, p, NULL, NULL, NULL));
     tvi_integrator_free(integrator);
     tvi_system_free(system);
-    return status == TVI_ESTOPPED ? TVI_OK : status;
+    return t;
 }
 
 int main(void)
 {
     static const double masses[] = {1, 0.1, 0.01, 0.001, 0};
-    double t;
     tvi_event *event;
-    tvi_status status = tvi_event_create(&event, 4, TVI_RISING, true, height, NULL);
-    for (int i = 0; i < 5 && status == TVI_OK; i++) {
-        status = period(masses[i], event, &t);
-        const double wanted = 2 * acos(-1) / sqrt(1 + masses[i]);
-        if (status == TVI_OK) printf("m = %.3f: period %.12f, error %.0e\n", masses[i], t, fabs(t - wanted));
+    TVI_OR_EXIT(tvi_event_create(&event, 4, TVI_RISING, true, height, NULL));
+    for (int i = 0; i < 5; i++) {
+        const double t = period(masses[i], event), wanted = 2 * acos(-1) / sqrt(1 + masses[i]);
+        printf("m = %.3f: period %.12f, error %.0e\n", masses[i], t, fabs(t - wanted));
     }
-    if (status != TVI_OK) fprintf(stderr, "%s\n", tvi_last_error());
     tvi_event_free(event);
-    return status != TVI_OK;
 }

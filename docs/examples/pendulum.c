@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* F = dp/dt = -g sin q */
 static void force(const jet q[], jet t, jet F[], void *ctx)
@@ -24,26 +25,19 @@ int main(void)
 {
     double gravity = 9.8, t = 0, q[] = {1}, p[] = {0};
     tvi_system *system;
-    tvi_integrator *integrator = NULL;
-    tvi_event *event = NULL;
-    tvi_status status =
-        tvi_system_force(&system, 1, NULL, force, &gravity);
-    if (status == TVI_OK)
-        status = tvi_integrator_create(&integrator, system, NULL);
-    if (status == TVI_OK)
-        status = tvi_event_create(&event, 1, TVI_FALLING, true, angle,
-                                  NULL);
+    tvi_integrator *integrator;
+    tvi_event *event;
+    TVI_OR_EXIT(tvi_system_force(&system, 1, NULL, force, &gravity));
+    TVI_OR_EXIT(tvi_integrator_create(&integrator, system, NULL));
+    TVI_OR_EXIT(tvi_event_create(&event, 1, TVI_FALLING, true, angle,
+                                 NULL));
     const tvi_event *const events[] = {event};
-    if (status == TVI_OK)
-        status = tvi_integrate_events(integrator, 0.05, 100, events, 1,
-                                      &t, q, p, NULL, NULL, NULL);
+    TVI_OR_EXIT(tvi_integrate_events(integrator, 0.05, 100, events, 1,
+                                     &t, q, p, NULL, NULL, NULL));
     /* from rest to the lowest point is a quarter of a swing */
-    if (status == TVI_ESTOPPED)
-        printf("period %.12f s; of a small swing %.3f s\n", 4 * t,
-               2 * acos(-1) / sqrt(gravity));
-    else fprintf(stderr, "%s\n", tvi_last_error());
+    printf("period %.12f s; of a small swing %.3f s\n", 4 * t,
+           2 * acos(-1) / sqrt(gravity));
     tvi_event_free(event);
     tvi_integrator_free(integrator);
     tvi_system_free(system);
-    return status != TVI_ESTOPPED;
 }

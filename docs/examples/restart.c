@@ -3,8 +3,11 @@
 #include <tvi.h>
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <stdlib.h>
 
 enum { BYTES = 1 << 16 }; /* tvi_state_save with a buffer of NULL asks how many */
+static char bytes[BYTES];
 static const char file_name[] = "kepler.state";
 
 static jet potential(const jet q[], jet t, void *ctx)
@@ -13,47 +16,38 @@ static jet potential(const jet q[], jet t, void *ctx)
     return jet_neg(jet_pow(jet_dot(q, q, 2), -0.5));
 }
 
-static tvi_status save(const tvi_integrator *integrator)
+/* Reads or writes the bytes, and returns how many. */
+static size_t transfer(const char *mode, size_t size)
 {
-    static char bytes[BYTES];
-    size_t size = sizeof bytes;
-    const tvi_status status = tvi_state_save(integrator, bytes, &size);
-    FILE *file = status == TVI_OK ? fopen(file_name, "wb") : NULL;
-    const size_t written = file ? fwrite(bytes, 1, size, file) : 0;
-    return file && fclose(file) == 0 && written == size ? status : TVI_EINVAL;
-}
-
-/* Into a new integrator, as another process would; t, q and p are what the last step returned. */
-static tvi_status load(tvi_integrator *integrator, double *t, double q[], double p[])
-{
-    static char bytes[BYTES];
-    int n = 0;
-    FILE *file = fopen(file_name, "rb");
-    if (!file) return TVI_EINVAL;
-    const size_t size = fread(bytes, 1, sizeof bytes, file);
-    (void)fclose(file);
-    tvi_status status = tvi_state_peek(bytes, size, &n, t, q, p);
-    if (status == TVI_OK) printf("the file has t = %g, n = %d\n", *t, n);
-    return status == TVI_OK ? tvi_state_load(integrator, bytes, size) : status;
+    FILE *file = fopen(file_name, mode);
+    const size_t count = !file ? 0 : *mode == 'r' ? fread(bytes, 1, size, file) : fwrite(bytes, 1, size, file);
+    if (file && fclose(file) == 0 && count > 0) return count;
+    perror(file_name);
+    exit(EXIT_FAILURE);
 }
 
 int main(void)
 {
     double t = 0, q[] = {1, 0}, p[] = {0, 0.8}, t_whole = 0, q_whole[] = {1, 0}, p_whole[] = {0, 0.8};
+    size_t size = sizeof bytes;
+    int n;
     tvi_system *system;
-    tvi_integrator *first = NULL, *second = NULL, *whole = NULL;
-    tvi_status status = tvi_system_potential(&system, 2, NULL, potential, NULL);
-    if (status == TVI_OK) status = tvi_integrator_create(&first, system, NULL);
-    if (status == TVI_OK) status = tvi_integrator_create(&second, system, NULL);
-    if (status == TVI_OK) status = tvi_integrator_create(&whole, system, NULL);
-    if (status == TVI_OK) status = tvi_integrate(whole, 0.25, 8000, &t_whole, q_whole, p_whole, NULL, NULL);
-    if (status == TVI_OK) status = tvi_integrate(first, 0.25, 4000, &t, q, p, NULL, NULL);
-    if (status == TVI_OK) status = save(first);
-    if (status == TVI_OK) status = load(second, &t, q, p);
-    if (status == TVI_OK) status = tvi_integrate(second, 0.25, 4000, &t, q, p, NULL, NULL);
-    if (status != TVI_OK) fprintf(stderr, "%s\n", tvi_last_error());
-    else printf("t = %g: %s bits\n", t, q[0] == q_whole[0] && p[1] == p_whole[1] ? "the same" : "other");
+    tvi_integrator *first, *second, *whole;
+    TVI_OR_EXIT(tvi_system_potential(&system, 2, NULL, potential, NULL));
+    TVI_OR_EXIT(tvi_integrator_create(&first, system, NULL));
+    TVI_OR_EXIT(tvi_integrator_create(&second, system, NULL));
+    TVI_OR_EXIT(tvi_integrator_create(&whole, system, NULL));
+    TVI_OR_EXIT(tvi_integrate(whole, 0.25, 8000, &t_whole, q_whole, p_whole, NULL, NULL));
+    TVI_OR_EXIT(tvi_integrate(first, 0.25, 4000, &t, q, p, NULL, NULL));
+    TVI_OR_EXIT(tvi_state_save(first, bytes, &size));
+    transfer("wb", size);
+    /* into a new integrator, as another process would; t, q and p are what the last step returned */
+    size = transfer("rb", sizeof bytes);
+    TVI_OR_EXIT(tvi_state_peek(bytes, size, &n, &t, q, p));
+    printf("the file has t = %g, n = %d\n", t, n);
+    TVI_OR_EXIT(tvi_state_load(second, bytes, size));
+    TVI_OR_EXIT(tvi_integrate(second, 0.25, 4000, &t, q, p, NULL, NULL));
+    printf("t = %g: %s bits\n", t, q[0] == q_whole[0] && p[1] == p_whole[1] ? "the same" : "other");
     tvi_integrator_free(first), tvi_integrator_free(second), tvi_integrator_free(whole);
     tvi_system_free(system);
-    return status != TVI_OK;
 }

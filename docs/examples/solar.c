@@ -5,6 +5,7 @@
 #include <tvi_bodies.h>
 
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Rises through 0 at Pluto's perihelion: r . v, of Pluto from the Sun. */
 static jet radial(const jet q[], const jet p[], jet t, void *ctx)
@@ -31,14 +32,14 @@ int main(void)
     tvi_system *system;
     tvi_integrator *integrator;
     tvi_event *event;
-    if (tvi_bodies_system(&system, &bodies) || tvi_integrator_create(&integrator, system, NULL) ||
-        tvi_event_create(&event, N, TVI_RISING, false, radial, NULL) || tvi_energy(system, t, q, p, &H0))
-        return 1;
+    TVI_OR_EXIT(tvi_bodies_system(&system, &bodies));
+    TVI_OR_EXIT(tvi_integrator_create(&integrator, system, NULL));
+    TVI_OR_EXIT(tvi_event_create(&event, N, TVI_RISING, false, radial, NULL));
+    TVI_OR_EXIT(tvi_energy(system, t, q, p, &H0));
     tvi_progress_bar bar = {.steps = 400};
     const tvi_event *const events[] = {event};
-    if (tvi_integrate_events(integrator, 500, bar.steps, events, 1, &t, q, p, tvi_progress, perihelion, &bar) ||
-        tvi_energy(system, t, q, p, &H))
-        return 1;
+    TVI_OR_EXIT(tvi_integrate_events(integrator, 500, bar.steps, events, 1, &t, q, p, tvi_progress, perihelion, &bar));
+    TVI_OR_EXIT(tvi_energy(system, t, q, p, &H));
     printf("%.0f days: energy error %.0e\n", t, fabs(H / H0 - 1));
     tvi_event_free(event);
     tvi_integrator_free(integrator);

@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* Vortices of circulation 1 at (q_i, p_i): H = -sum_{i<j} log(|x_i - x_j|^2) / (4 pi), Kirchhoff's equations. */
 enum { N = 3 };
@@ -26,27 +27,22 @@ int main(void)
     double t = 0, q[N] = {1, -0.5, -0.5}, p[N] = {0, 0.75, -0.75};
     double H0 = 0, H = 0;
     tvi_system *system;
-    tvi_integrator *it = NULL;
-    tvi_status status =
-        tvi_system_hamiltonian(&system, N, hamiltonian, NULL);
-    if (status == TVI_OK) status = tvi_energy(system, t, q, p, &H0);
-    if (status == TVI_OK)
-        status = tvi_integrator_create(&it, system, NULL);
-    if (status == TVI_OK)
-        status = tvi_integrate(it, 0.5, 2000, &t, q, p, NULL, NULL);
-    if (status == TVI_OK) status = tvi_energy(system, t, q, p, &H);
-    if (status == TVI_OK) {
-        /* the centre is kept, and the spread about it */
-        double x = 0, y = 0, spread = 0;
-        for (int i = 0; i < N; i++) {
-            x += q[i], y += p[i];
-            spread += q[i] * q[i] + p[i] * p[i];
-        }
-        printf("t = %g: centre (%.1f, %.1f), spread %.12f, "
-               "energy error %.0e\n",
-               t, fabs(x), fabs(y), spread, fabs(H - H0));
-    } else fprintf(stderr, "%s\n", tvi_last_error());
+    tvi_integrator *it;
+    TVI_OR_EXIT(
+        tvi_system_hamiltonian(&system, N, hamiltonian, NULL));
+    TVI_OR_EXIT(tvi_energy(system, t, q, p, &H0));
+    TVI_OR_EXIT(tvi_integrator_create(&it, system, NULL));
+    TVI_OR_EXIT(tvi_integrate(it, 0.5, 2000, &t, q, p, NULL, NULL));
+    TVI_OR_EXIT(tvi_energy(system, t, q, p, &H));
+    /* the centre is kept, and the spread about it */
+    double x = 0, y = 0, spread = 0;
+    for (int i = 0; i < N; i++) {
+        x += q[i], y += p[i];
+        spread += q[i] * q[i] + p[i] * p[i];
+    }
+    printf("t = %g: centre (%.1f, %.1f), spread %.12f, "
+           "energy error %.0e\n",
+           t, fabs(x), fabs(y), spread, fabs(H - H0));
     tvi_integrator_free(it);
     tvi_system_free(system);
-    return status != TVI_OK;
 }

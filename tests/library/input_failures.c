@@ -1,9 +1,13 @@
-/* input_failures.c - a step that fails leaves no trace in what follows. */
+/* input_failures.c - a step that fails leaves no trace in what follows, and TVI_OR_EXIT says why and ends a program. */
 #include "input.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 enum { BEFORE_MOST = 20, AFTER = 20, LONG_RUN = BEFORE_MOST + AFTER };
 
@@ -70,9 +74,41 @@ START_TEST(failures_leave_no_trace)
 }
 END_TEST
 
+/* In a process of its own, whose stderr is read here. */
+START_TEST(or_exit)
+{
+    char said[200] = "";
+    int ends[2], status;
+    tvi_system *system;
+    ck_assert_int_eq(pipe(ends), 0);
+    const int child = fork();
+    if (child == 0) {
+        dup2(ends[1], STDERR_FILENO);
+        TVI_OR_EXIT(TVI_OK);
+        TVI_OR_EXIT(TVI_ESTOPPED);
+        fprintf(stderr, "went on, ");
+        TVI_OR_EXIT(tvi_system_potential(&system, -7, NULL, NULL, NULL));
+        fprintf(stderr, "to here");
+        _exit(0);
+    }
+    (void)close(ends[1]);
+    for (size_t size = 0; size < sizeof said - 1;) {
+        const ssize_t count = read(ends[0], said + size, sizeof said - 1 - size);
+        if (count <= 0) break;
+        size += (size_t)count;
+    }
+    ck_assert_int_eq(waitpid(child, &status, 0), child);
+    ck_assert(WIFEXITED(status) && WEXITSTATUS(status) == EXIT_FAILURE);
+    ck_assert_ptr_nonnull(strstr(said, "went on, " __FILE__));
+    ck_assert_ptr_nonnull(strstr(said, ": invalid argument: n = -7 is not"));
+    (void)close(ends[0]);
+}
+END_TEST
+
 TCase *tcase_failed_steps(void)
 {
     TCase *tcase = tcase_create("after a failure");
+    tcase_add_test(tcase, or_exit);
     tcase_add_loop_test(tcase, failures_leave_no_trace, 0, problem_count * method_count);
     return tcase;
 }
