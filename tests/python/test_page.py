@@ -1,4 +1,4 @@
-"""The programs of docs/python.md and docs/bodies.md run one after the other and print what stands below them; the
+"""The programs of docs/python.md, bodies.md and chaos.md run one after the other and print what stands below them; the
 examples of docstrings do, too, and every public name has one."""
 
 import contextlib
@@ -41,7 +41,8 @@ class Page(unittest.TestCase):
 
     def test_programs(self):
         self.assertGreater(self.run_programs(PAGE, 8)["kepler.png"], 10000)
-        self.run_programs((ROOT / "docs/bodies.md").read_text(), 1)
+        for page in ("bodies", "chaos"):
+            self.run_programs((ROOT / f"docs/{page}.md").read_text(), 1)
 
     def test_readme(self):
         program = re.search(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.S).group(1)
