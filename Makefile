@@ -24,6 +24,8 @@
 # make suggest    its table of tvi_suggest_step: what runs with the suggested steps reach
 # make performance   the tables and the picture of docs/performance.md, those of compiled.md and ensembles.md, five
 #                 minutes
+# make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
+#                 missing: the table of docs/performance.md and the picture of README.md, some minutes
 # make instructions  tests/instructions.txt anew: what a step costs
 # make abi        tests/abi.txt anew, what linked programs rely on: refused where they would break
 # make order-doubling   the table and the picture of docs/order-doubling.md
@@ -32,7 +34,7 @@
 # make longrun    the table and the picture of docs/roundoff.md, twenty minutes of two cores; MINUTES=n for less
 # make verify     the tables of the documents made anew and compared, times excepted
 # make docs-tables   all tables and pictures of the documents anew, an hour; those of one target: make performance-docs,
-#                 choose-docs, bench-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,
+#                 choose-docs, bench-docs, peers-docs, tails-docs, suggest-docs, stability-docs, guard-docs, longrun-docs,
 #                 adaptive-docs, chaos-docs, order-doubling-docs, experiments-docs, maps-docs
 # make chaos      Lyapunov exponents and MEGNO of Henon-Heiles by the tangent map: tables and picture of docs/chaos.md
 # make maps       order and chaos over planes of starts, by ensembles: the pictures of
@@ -238,6 +240,7 @@ include bench/performance/performance.mk
 include bench/longrun/longrun.mk
 include bench/adaptive/adaptive.mk
 include bench/maps/maps.mk
+include bench/peers/peers.mk
 
 # ---- The tests ---------------------------------------------------------------------------------------------------------
 

@@ -7,7 +7,8 @@
 # and is the file BUILD/PATH. A picture follows its line,
 #     <!-- picture: PATH : make TARGET -->
 #     ![text](FILE)
-# where FILE, below the document's folder, is a copy of BUILD/PATH.
+# where FILE, below the document's folder, is a copy of BUILD/PATH. WITHOUT=TARGET in the environment leaves those of one
+# target out of all.
 #   verify    makes each target once and compares: cells word by word, numbers within a factor of 2 once they are 1e-12 or
 #             more, other words exactly. Columns whose heads end in "(time)" or "(chaotic)" are not compared, nor tables of times only, nor pictures.
 #   replace   makes every target, those of times too, and puts the files into the documents.
@@ -21,13 +22,14 @@ failed=0
 
 # ---- What there is: document, line, path, target, "times", "all", or the file of a picture -------------------------------
 
-awk -v OFS='\t' -v wanted="$wanted" '
+awk -v OFS='\t' -v wanted="$wanted" -v without="${WITHOUT:-}" '
+    function is_wanted(target) { return wanted == target || wanted == "all" && target != without }
     function bad(what) { print FILENAME ":" FNR ": " what > "/dev/stderr"; failed = 1 }
     FNR == 1 && open { print document ": a table without <!-- end -->" > "/dev/stderr"; failed = 1; open = 0 }
     /^<!-- table:/ {
         if (open) bad("a table within a table")
         if ($0 !~ /^<!-- table: [^ ]+ : make [^ ]+( \(times only\))? -->$/) { bad("not a line of a table: " $0); next }
-        if (wanted == "all" || wanted == $6) print FILENAME, FNR, $3, $6, ($7 == "(times" ? "times" : "all")
+        if (is_wanted($6)) print FILENAME, FNR, $3, $6, ($7 == "(times" ? "times" : "all")
         open = 1; document = FILENAME
     }
     /^<!-- end -->$/ { open = 0 }
@@ -36,7 +38,7 @@ awk -v OFS='\t' -v wanted="$wanted" '
         folder = FILENAME
         if (!sub(/\/[^\/]*$/, "", folder)) folder = "."
         sub(/^!\[.*\]\(/, ""); sub(/\)$/, "")
-        if (wanted == "all" || wanted == made_by) print FILENAME, FNR, picture, made_by, folder "/" $0
+        if (is_wanted(made_by)) print FILENAME, FNR, picture, made_by, folder "/" $0
         picture = ""
     }
     /^<!-- picture:/ {
@@ -105,10 +107,11 @@ compare() {
 # ---- Replace ----------------------------------------------------------------------------------------------------------
 
 replace() {
-    awk -v build="$build" -v wanted="$wanted" '
+    awk -v build="$build" -v wanted="$wanted" -v without="${WITHOUT:-}" '
+        function is_wanted(target) { return wanted == target || wanted == "all" && target != without }
         /^<!-- end -->$/ { inside = 0 }
         !inside { print }
-        /^<!-- table:/ && (wanted == "all" || wanted == $6) { inside = 1; while ((getline line < (build "/" $3)) > 0) print line }
+        /^<!-- table:/ && is_wanted($6) { inside = 1; while ((getline line < (build "/" $3)) > 0) print line }
     ' "$1" >"$work/new" && cat "$work/new" >"$1"
 }
 

@@ -75,6 +75,7 @@ echo drawn >"$work/made/toy.png" && picture '![Toy](new.png)'
 rm -f "$work/new.png" && tables replace toy && cmp "$work/made/toy.png" "$work/new.png" || failed=1
 document "$work/changed" && sed -i 's/make toy/make another/' "$work/toy.md" && picture '![Toy](new.png)'
 cp "$work/toy.md" "$work/before" && tables replace toy && cmp "$work/before" "$work/toy.md" || failed=1
+(export WITHOUT=another && tables replace) && cmp "$work/before" "$work/toy.md" || failed=1
 tables replace none && failed=1
 picture 'no picture'
 expect 1 'a picture without its line'

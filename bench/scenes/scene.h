@@ -23,6 +23,7 @@ typedef struct {
 extern const scene scene_pendulum, scene_kepler, scene_henon_heiles_12, scene_henon_heiles_8, scene_fpu, scene_solar;
 
 /* What a potential does not state: a mass that is no constant diagonal, velocities in the force, no mass at all. */
+extern const scene scene_planets; /* of bench/peers */
 extern const scene scene_double_pendulum, scene_magnetic, scene_nonseparable, scene_vortices, scene_degenerate;
 
 extern const scene *const scenes[]; /* those with a potential, for the order sweeps: the cheapest first; NULL ends */
