@@ -53,7 +53,7 @@ function add_enumerators(body, count, name, i)
 # Later declarators of a line have the type of the first one without its stars.
 function add_members(struct, body, lines, line, count, part, i, k, name, type, own, tail)
 {
-    print "    printf(\"" struct " %zu" (is_inline || body ~ / size *;/ ? " or more" : "") "\\n\", sizeof(" struct "));"
+    print "    printf(\"" struct " %zu" (body ~ / size *;/ ? " or more" : "") "\\n\", sizeof(" struct "));"
     lines = split(body, line, ";")
     for (i = 1; i <= lines; i++) {
         count = split(line[i], part, ",")
@@ -75,7 +75,7 @@ function add_members(struct, body, lines, line, count, part, i, k, name, type, o
 }
 
 BEGIN { print "#include \"all.h\"\n#include <stddef.h>\n#include <stdio.h>\n\nint main(void)\n{" }
-/^# [0-9]/ { ours = $3 ~ /\/(tvi|jet)[a-z_]*\.h"$/; is_inline = $3 ~ /tvi_bodies\.h"$/; next }
+/^# [0-9]/ { ours = $3 ~ /\/(tvi|jet)[a-z_]*\.h"$/; next }
 /^#/ || !ours { next }
 {
     for (i = 1; i <= length; i++) {
@@ -83,7 +83,11 @@ BEGIN { print "#include \"all.h\"\n#include <stddef.h>\n#include <stdio.h>\n\nin
         depth += (c == "{") - (c == "}")
         if (c != ";" || depth) statement = statement c
         else { add(statement); statement = "" }
-        if (c == "}" && !depth && statement ~ /\) *{/) statement = "" # the body of an inline function
+        if (c == "}" && !depth && statement ~ /\) *{/) { # the body of an inline function
+            sub(/ *{.*/, "", statement)
+            add(statement)
+            statement = ""
+        }
     }
     statement = statement " "
 }

@@ -3,12 +3,13 @@
 # Compares what programs that were linked before rely on, the soname and the declarations that abi.awk reads in the
 # headers, with the file ABI; or writes that file anew, but not where a program that has this soname would break: where a
 # line is lost that does not end in "or more". CC comes from the environment; FOLDER is for what is made on the way.
+# Functions that are TVI_INLINE in a header are exported, too.
 set -eu
 way=$1 folder=$2 library=$3 abi=$4
 shift 4
 mkdir -p "$folder"
 for header; do echo "#include \"$(cd "$(dirname "$header")" && pwd)/${header##*/}\""; done >"$folder/all.h"
-$CC -E "$folder/all.h" | awk -f "$(dirname "$0")/abi.awk" >"$folder/abi.c"
+$CC -E -DTVI_INLINE= "$folder/all.h" | awk -f "$(dirname "$0")/abi.awk" >"$folder/abi.c"
 $CC -std=c11 -Wall -Werror -o "$folder/abi" "$folder/abi.c"
 {
     LC_ALL=C objdump -p "$library" | awk '$1 == "SONAME" { print $2 }'
