@@ -26,6 +26,7 @@
 #                 minutes
 # make peers REBOUND=DIR HEYOKA=DIR   error against time beside REBOUND and heyoka, which you have built; either may be
 #                 missing: the table of docs/performance.md and the picture of README.md, some minutes
+# make devices    what each device for speed gives (docs/adding.md), half an hour; PLAIN=1: a library without any
 # make instructions  tests/instructions.txt anew: what a step costs
 # make abi        tests/abi.txt anew, what linked programs rely on: refused where they would break
 # make order-doubling   the table and the picture of docs/order-doubling.md
@@ -73,6 +74,9 @@ QUAD     := -std=gnu11 -O2 -Wall -Wextra $(if $(WERROR),-Werror) -Iinclude -Iad 
 SLEEF     ?= 1
 HAS_SLEEF := $(if $(filter-out 0,$(SLEEF)),$(shell pkg-config --exists sleef 2>/dev/null && echo sleef))
 BASE      += $(if $(HAS_SLEEF),-DJET_SLEEF)
+
+# what is done for speed alone (ad/devices.h) left out: PLAIN=1
+BASE      += $(if $(PLAIN),-DTVI_PLAIN) $(if $(DEVICES),-DTVI_DEVICES)
 
 # threads for the members of an ensemble (src/run/spread.c), where the compiler has OpenMP; OPENMP=0: one thread
 OPENMP     ?= 1
@@ -163,10 +167,11 @@ $(BUILD)/ad/%.o: ad/%.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
-EMBEDDED_RULES := $(addprefix ad/,vector.h roots.h graph.h tape.h rule.h sums.h elementary.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
+EMBEDDED_RULES := $(addprefix ad/,devices.h compiler.h vector.h roots.h graph.h tape.h rule.h sums.h elementary.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
+FIRST_RULES    := $(addprefix ad/,devices.h compiler.h vector.h)
 $(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
 	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=jet_embedded_rules -f ad/embed.awk ad/vector.h include/jet.h $(filter-out ad/vector.h,$(EMBEDDED_RULES)) >$@
+	$(call SAY,AWK $@)awk -v NAME=jet_embedded_rules -f ad/embed.awk $(FIRST_RULES) include/jet.h $(filter-out $(FIRST_RULES),$(EMBEDDED_RULES)) >$@
 # what defines generated code
 $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)

@@ -1,4 +1,5 @@
 /* derive.c - from graph to graph: the gradient of a recorded scalar, by reverse accumulation. */
+#include "devices.h"
 #include "graph.h"
 #include "rule.h"
 
@@ -52,7 +53,7 @@ static jet adjoint_of(adjoints *bar, int index)
     int place = count;
     /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): room was made when the value was added */
     for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--place] = bar->all[i].value;
-    const jet sum = jet_gather(bar->summing, count);
+    const jet sum = JET_HAS(GATHER) ? jet_gather(bar->summing, count) : jet_sum(bar->summing, count);
     bar->failed |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM; /* also where no input needs it */
     return sum;
 }

@@ -81,7 +81,7 @@ enum { JET_NATIVE = 2 };
 enum { JET_NATIVE = 2 };
 #define JET_SLEEF_OF(name) Sleef_##name##d2_u10
 #endif
-typedef double jet_native __attribute__((vector_size(JET_NATIVE * sizeof(double))));
+typedef double jet_native JET_REGISTER(double, JET_NATIVE);
 
 /* A function, or two of one argument: of a vector and of a number. c is the exponent of pow. */
 typedef void jet_of_vector(double c, jet_native x, jet_native out[2]);
@@ -146,7 +146,7 @@ JET_INLINE void jet_near(jet_of_vector *f, jet_range near, double c, int width, 
 
 /* jet_all_name, whose numbers are all near, most of the time. */
 #define JET_ALL_OF(name, near, far, c, parameters, w)                                                                  \
-    static __attribute__((noinline, unused)) void jet_mixed_##name parameters                                          \
+    JET_APART void jet_mixed_##name parameters                                                                         \
     {                                                                                                                  \
         jet_mixed(jet_vector_##name, jet_number_##name, near, far, c, width, a, z, w);                                 \
     }                                                                                                                  \

@@ -1,5 +1,6 @@
 /* emit.c - see emit.h. */
 #include "emit.h"
+#include "devices.h"
 #include "emit_adjoints.h"
 #include "rule.h"
 #include "split.h"
@@ -24,10 +25,7 @@ const char *const *jet_emit_lines(void) { return jet_embedded_rules; }
 
 void jet_emit_rules(jet_text *text)
 {
-    static const char *const quiet[] = {"unused-function", "unused-const-variable", "missing-braces",
-                                        "missing-field-initializers"};
-    for (size_t i = 0; i < sizeof quiet / sizeof *quiet; i++)
-        jet_text_add(text, "#pragma GCC diagnostic ignored \"-W%s\"\n", quiet[i]);
+    jet_text_add(text, "#define JET_WITHOUT %d\n", JET_WITHOUT & JET_DEVICES_OF_TEXT);
     jet_text_add(text, "#define JET_EMITTED\n#include <math.h>\n#include <stdbool.h>\n#include <stddef.h>\n"
                        "#include <stdint.h>\n");
     for (const char *const *line = jet_embedded_rules; *line; line++) jet_text_add(text, "%s", *line);
@@ -129,7 +127,7 @@ static bool are_twins(const jet_tape *tape, const jet_run *run, const jet_run *n
 /* Of several in a row each two are one line. */
 static bool begins_twins(const jet_tape *tape, const jet_run *run)
 {
-    return run >= tape->run && run + 1 < tape->run + tape->runs && are_twins(tape, run, run + 1) &&
+    return JET_HAS(TWINS) && run >= tape->run && run + 1 < tape->run + tape->runs && are_twins(tape, run, run + 1) &&
            !begins_twins(tape, run - 1);
 }
 
@@ -273,17 +271,17 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
 {
     const char *name = wanted->name;
     const int operations = tape->slots - tape->inputs - tape->constants;
-    const bool stand_alone = operations <= ALONE_MOST && is_of_registers(wanted);
-    const jet_split which = stand_alone && wanted->is_force ? JET_SPLIT_PAIRS
-                            : stand_alone                   ? JET_SPLIT_ALL
-                            : operations <= APART_MOST      ? JET_SPLIT_SUMS
-                                                            : JET_SPLIT_NONE;
+    const bool stand_alone = JET_HAS(SPLIT) && operations <= ALONE_MOST && is_of_registers(wanted);
+    const jet_split which = stand_alone && wanted->is_force              ? JET_SPLIT_PAIRS
+                            : stand_alone                                ? JET_SPLIT_ALL
+                            : JET_HAS(SPLIT) && operations <= APART_MOST ? JET_SPLIT_SUMS
+                                                                         : JET_SPLIT_NONE;
     jet_tape split;
     if (!jet_tape_split(&split, tape, which)) {
         text->failed = true;
         return;
     }
-    const bool unrolled = operations * (1 + wanted->beside) * (wanted->top + 1) <= UNROLLED_MOST;
+    const bool unrolled = JET_HAS(UNROLL) && operations * (1 + wanted->beside) * (wanted->top + 1) <= UNROLLED_MOST;
     const emission e = {text, &split, wanted, operations, unrolled, stand_alone};
     if (wanted->has_adjoints) jet_emit_adjoints(text, &split, name);
     emit_constants(&e);

@@ -1,4 +1,5 @@
 /* emit_adjoints.c - see emit_adjoints.h. */
+#include "devices.h"
 #include "emit_adjoints.h"
 #include "split.h"
 
@@ -69,7 +70,7 @@ static void mark_fresh(const adjoints *a, jet_run *run)
     const int operands = run->terms > 0 ? 2 * run->terms : 1;
     for (int operand = 0; operand < operands; operand++) {
         const int row = row_of(a->tape, run, operand);
-        bool is_fresh = row >= 0 && is_untouched(a, row, run->count);
+        bool is_fresh = JET_HAS(FRESH) && row >= 0 && is_untouched(a, row, run->count);
         for (int other = 0; other < operands; other++)
             is_fresh = is_fresh && (other == operand || row_of(a->tape, run, other) < 0 ||
                                     abs(row_of(a->tape, run, other) - row) >= run->count);
@@ -123,7 +124,7 @@ const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first)
 /* What the sums hand on to a slot. */
 static void emit_handed_on(const adjoints *a, const jet_run *first, const jet_run *end, int slot)
 {
-    const bool is_fresh = is_untouched(a, slot, 1);
+    const bool is_fresh = JET_HAS(FRESH) && is_untouched(a, slot, 1);
     const jet_tape *tape = a->tape;
     bool has_any = false;
     for (const jet_run *run = first; run < end; run++)

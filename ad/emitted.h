@@ -91,7 +91,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
 /* The sweeps of tape.h, to be inlined with constants. Lanes are one from the beginning: what is inlined, compilers work
  * on before, for itself. Large functions of many lanes are inlined NEVER. */
 #define ALWAYS JET_INLINE
-#define NEVER  static __attribute__((noinline))
+#define NEVER  JET_APART
 #define JET_GENERATED_VALUES(T, LANES, INLINED)                                                                        \
     INLINED bool T##_values_##LANES(double *x)                                                                         \
     {                                                                                                                  \
@@ -113,12 +113,12 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
     {                                                                                                                  \
         enum { width = sizeof(V) / sizeof(double) };                                                                   \
         _Alignas(64) double y[T##_slots * width];                                                                      \
-        _Pragma("GCC unroll 256") for (int i = 0; i < T.inputs + T.constants; i++)                                     \
+        JET_UNROLL(256) for (int i = 0; i < T.inputs + T.constants; i++)                                               \
         {                                                                                                              \
             *(V *)(y + i * width) = *(const V *)(x + i * lanes + here);                                                \
         }                                                                                                              \
         inside &= VALUES_OF(T, y, width);                                                                              \
-        _Pragma("GCC unroll 256") for (int i = 1; i <= T##_outputs; i++)                                               \
+        JET_UNROLL(256) for (int i = 1; i <= T##_outputs; i++)                                                         \
         {                                                                                                              \
             *(V *)(x + T##_output[i] * lanes + here) = *(const V *)(y + T##_output[i] * width);                        \
         }                                                                                                              \

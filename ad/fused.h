@@ -10,7 +10,7 @@
 #include <immintrin.h>
 #define JET_FMA(V, a, b, c)    JET_FMA_OF(V, a, b, c)
 #define JET_FMA_OF(V, a, b, c) jet_fma_##V(a, b, c)
-JET_INLINE jet_v1 jet_fma_jet_v1(jet_v1 a, jet_v1 b, jet_v1 c) { return __builtin_fma(a, b, c); }
+JET_INLINE jet_v1 jet_fma_jet_v1(jet_v1 a, jet_v1 b, jet_v1 c) { return JET_FMA_OF_NUMBERS(a, b, c); }
 JET_INLINE jet_v2 jet_fma_jet_v2(jet_v2 a, jet_v2 b, jet_v2 c)
 {
     return (jet_v2)_mm_fmadd_pd((__m128d)a, (__m128d)b, (__m128d)c);

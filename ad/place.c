@@ -1,4 +1,5 @@
 /* place.c - drops what no output needs, orders the rest by levels, and gives equal operations adjacent slots. */
+#include "devices.h"
 #include "place.h"
 
 #include <stdlib.h>
@@ -49,7 +50,7 @@ static bool is_product(const struct jet_node *z) { return z->op == OP_MUL || z->
 static jet_op operation(const lowering *low, const struct jet_node *z)
 {
     if (is_product(z)) return z->op == OP_SQR ? OP_SQUARES : OP_PRODUCTS;
-    if (z->op != OP_LINEAR || z->number != 0 || z->count > JET_TERMS_MAX) return z->op;
+    if (!JET_HAS(TERMS) || z->op != OP_LINEAR || z->number != 0 || z->count > JET_TERMS_MAX) return z->op;
     jet_op op = OP_SQUARES;
     for (int term = 0; term < z->count; term++) {
         const struct jet_node *product = z->terms[term].node;
@@ -232,8 +233,8 @@ static void gather_operands(lowering *low, place *group[], int count)
 {
     int turns = 0;
     const bool in_turns = is_contiguous_in_turns(low, group, count, &turns);
-    const bool is_scattered =
-        low->kind == JET_TAPE_VALUES && is_sum_of_products(group[0]->op) && (!in_turns || count < SHORT * turns);
+    const bool is_scattered = JET_HAS(SCATTERED) && low->kind == JET_TAPE_VALUES && is_sum_of_products(group[0]->op) &&
+                              (!in_turns || count < SHORT * turns);
     for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
     if (in_turns || is_scattered) return;
     if (!is_contiguous(low, group, count, 0, 0) && !is_contiguous(low, group, count, 0, 1))

@@ -3,16 +3,11 @@
 #ifndef TVI_AD_REFUSAL_H
 #define TVI_AD_REFUSAL_H
 
+#include "compiler.h"
 #include "tape.h"
 
-#if defined(__GNUC__)
-#define JET_FORMAT(at, arguments) __attribute__((format(printf, at, arguments), cold))
-#else
-#define JET_FORMAT(at, arguments)
-#endif
-
 /* Sets the text, of which the old one may be a part, and returns the status. */
-tvi_status jet_refuse(tvi_status status, const char *format, ...) JET_FORMAT(2, 3);
+tvi_status jet_refuse(tvi_status status, const char *format, ...) JET_FORMAT(2, 3) JET_COLD;
 /* TVI_ENOMEM has no other text than that of its name. Returns the status. */
 tvi_status jet_refuse_memory(tvi_status status);
 /* "" before the first refusal. */

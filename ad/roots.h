@@ -3,9 +3,10 @@
 #ifndef TVI_AD_ROOTS_H
 #define TVI_AD_ROOTS_H
 
+#include "devices.h"
 #include "vector.h"
 
-#if defined(__AVX512VL__) || defined(JET_WIDE)
+#if !(JET_WITHOUT & JET_DEVICE_ROOTS) && (defined(__AVX512VL__) || defined(JET_WIDE))
 #include <immintrin.h>
 #define HAS_ROOTS
 #ifdef JET_WIDE

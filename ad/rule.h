@@ -105,7 +105,7 @@ JET_RULE_LIST(JET_DECLARE_RULE)
 /* Whether the operation has a value at positive numbers alone. */
 static inline bool jet_needs_positive(const jet_run *run)
 {
-    return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->c != __builtin_floor(run->c));
+    return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->c != JET_FLOOR(run->c));
 }
 
 /* The members of a run and their lanes stand side by side, as if all were members of one lane. */

@@ -207,7 +207,7 @@ JET_INLINE bool other_power(double c, int width, const double *a, double *restri
 }
 
 /* Where the compiler does not know which, apart, so that gravity does not pay for the registers of all the others. */
-static __attribute__((noinline)) bool any_power(double c, int width, const double *a, double *restrict z)
+JET_APART bool any_power(double c, int width, const double *a, double *restrict z)
 {
     return other_power(c, width, a, z);
 }

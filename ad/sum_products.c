@@ -1,5 +1,6 @@
 /* sum_products.c - z = sum_t c_t a_t b_t, and z = sum_t c_t a_t^2, whose convolutions are symmetric: half the products.
  * All terms pass while a block of z is in a register. */
+#include "devices.h"
 #include "sums.h"
 
 /* name[squares][terms](parameters): one for each number of terms of each operation. */
@@ -124,7 +125,7 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* Whether a sum of two squares is one of neighbours with the same coefficient, which are one vector. */
 JET_INLINE bool are_neighbours(const products *p, int count, int terms)
 {
-    return terms == 2 && count == 1 && p->a[1] == p->a[0] + 1 && p->c[0] == p->c[1];
+    return JET_HAS(TWINS) && terms == 2 && count == 1 && p->a[1] == p->a[0] + 1 && p->c[0] == p->c[1];
 }
 
 JET_INLINE void squares_of_neighbours(products p, double *z, size_t stride, int k)

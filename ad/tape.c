@@ -1,8 +1,13 @@
 /* tape.c - graph -> tape: equal operations side by side become one run. */
+#include "devices.h"
 #include "pad.h"
 #include "place.h"
 
 #include <stdlib.h>
+
+#ifdef TVI_DEVICES
+int jet_without;
+#endif
 
 static void add_term(jet_tape *tape, double coefficient, int slot, int second)
 {
@@ -145,6 +150,7 @@ static int count_together(const jet_run *run, const jet_run *end)
 {
     int count = 1;
     const jet_run *next = run + 1;
+    if (!JET_HAS(TOGETHER)) return 1;
     if (next < end && run->op == OP_SIN && next->op == OP_COS && next->a == run->a && next->count == run->count)
         return 2;
     if (run->op != OP_POW || run->c < -3.5) return 1;
@@ -165,7 +171,7 @@ static bool lower(lowering *low, jet_tape *tape, int inputs, int outputs, const 
     tape->slots = low->slots;
     tape->outputs = outputs;
     for (int i = 0; i < outputs; i++) tape->output[i] = slot_of(low, output[i].node);
-    if (low->kind == JET_TAPE_SERIES && !jet_tape_pad(tape)) return false;
+    if (JET_HAS(PAD) && low->kind == JET_TAPE_SERIES && !jet_tape_pad(tape)) return false;
     const jet_run *const end = tape->run + tape->runs;
     for (jet_run *run = tape->run; run < end; run++) run->together = count_together(run, end);
     return true;

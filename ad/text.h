@@ -2,6 +2,8 @@
 #ifndef TVI_AD_TEXT_H
 #define TVI_AD_TEXT_H
 
+#include "compiler.h"
+
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stddef.h>
@@ -12,7 +14,7 @@ typedef struct {
     bool failed; /* without memory: what follows is lost */
 } jet_text;
 
-__attribute__((format(printf, 2, 3))) void jet_text_add(jet_text *text, const char *format, ...);
-__attribute__((format(printf, 2, 0))) void jet_text_add_list(jet_text *text, const char *format, va_list values);
+void jet_text_add(jet_text *text, const char *format, ...) JET_FORMAT(2, 3);
+void jet_text_add_list(jet_text *text, const char *format, va_list values) JET_FORMAT(2, 0);
 
 #endif

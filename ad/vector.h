@@ -6,26 +6,26 @@
 #ifndef TVI_AD_VECTOR_H
 #define TVI_AD_VECTOR_H
 
+#include "compiler.h"
+
 #include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
-
-#define JET_INLINE static inline __attribute__((always_inline))
 
 /* Eight numbers are one vector. */
 #ifdef __AVX512F__
 #define JET_WIDE
 #endif
 
-typedef double jet_v8 __attribute__((vector_size(64), aligned(8), may_alias));
-typedef double jet_v4 __attribute__((vector_size(32), aligned(8), may_alias));
-typedef double jet_v2 __attribute__((vector_size(16), aligned(8), may_alias));
+typedef double jet_v8 JET_VECTOR(double, 8);
+typedef double jet_v4 JET_VECTOR(double, 4);
+typedef double jet_v2 JET_VECTOR(double, 2);
 typedef double jet_v1;
 
 /* Masks of lanes, whose bits are all set or none, as comparisons give them; and what is chosen by one. */
-typedef long long jet_mask_of_jet_v8 __attribute__((vector_size(64), aligned(8), may_alias));
-typedef long long jet_mask_of_jet_v4 __attribute__((vector_size(32), aligned(8), may_alias));
-typedef long long jet_mask_of_jet_v2 __attribute__((vector_size(16), aligned(8), may_alias));
+typedef long long jet_mask_of_jet_v8 JET_VECTOR(long long, 8);
+typedef long long jet_mask_of_jet_v4 JET_VECTOR(long long, 4);
+typedef long long jet_mask_of_jet_v2 JET_VECTOR(long long, 2);
 /* The widest of these that the instruction set has as one. */
 #ifdef JET_WIDE
 typedef jet_v8 jet_widest;
@@ -41,13 +41,6 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
 #define JET_CHOOSE(V, mask, yes, no)                                                                                   \
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
 #define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
-
-/* The two numbers of x in turn. */
-#ifdef __clang__
-#define JET_TURNED(x) ((jet_v2)__builtin_shufflevector(x, x, 1, 0))
-#else
-#define JET_TURNED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
-#endif
 
 /* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \
@@ -81,7 +74,7 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
 #define JET_EIGHTS(width, BODY, S)                                                                                     \
     for (int here = 0; here < (width); here += 8) BODY(jet_v8, S)
 #elif defined(__AVX__)
-#define JET_EIGHTS(width, BODY, S) _Pragma("GCC unroll 4") for (int here = 0; here < (width); here += 4) BODY(jet_v4, S)
+#define JET_EIGHTS(width, BODY, S) JET_UNROLL(4) for (int here = 0; here < (width); here += 4) BODY(jet_v4, S)
 #else
 #define JET_EIGHTS(width, BODY, S)                                                                                     \
     for (int here = 0; here < (width); here += 2) BODY(jet_v2, S)
@@ -103,17 +96,6 @@ JET_INLINE bool jet_in_a_row(int count, const int place[])
     return is_row;
 }
 
-/* Before a loop over lanes: gcc unrolls it before it could make vectors of it, where it knows how many they are. And
- * before loops that generated code unrolls whole, so that unknowns stay in registers; elsewhere n is a variable, and 16
- * copies of a loop within 16 copies of another would only take the compiler many seconds. */
-#ifdef JET_EMITTED
-#define JET_IN_VECTORS _Pragma("GCC unroll 1")
-#define JET_UNROLLED   _Pragma("GCC unroll 16")
-#else
-#define JET_IN_VECTORS
-#define JET_UNROLLED
-#endif
-
 /* Order j of a series, and of a tangent, at the block. */
 #define JET_AT(V, x, j)   (*(V *)((x) + stride * (size_t)(j) + here))
 #define JET_OF(V, x, j)   (*(const V *)((x) + stride * (size_t)(j) + here))
@@ -121,13 +103,6 @@ JET_INLINE bool jet_in_a_row(int count, const int place[])
 #define JET_D_OF(V, x, j) (*(const V *)((x) + dstride * (size_t)(j) + here))
 /* Order j of the series that goes with all lanes of a tangent. */
 #define JET_ONE_OF(V, x, j) ((x)[stride * (size_t)(j)])
-
-/* Whether the compiler knows an order. JET_UPWARDS is for tests: it never does. */
-#ifdef JET_UPWARDS
-#define JET_KNOWS(order) false
-#else
-#define JET_KNOWS(order) __builtin_constant_p(order)
-#endif
 
 /* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. Where the compiler
  * knows the orders, from the middle outwards: the factors of a recurrence that are known last are those of the ends,

@@ -10,7 +10,7 @@ FOLDERS := $(patsubst tests/%/main.c,%,$(wildcard tests/*/main.c))
 FIRST   := generating library compiled
 CHECKS  := $(patsubst %,check-%,$(FIRST) $(filter-out $(FIRST),$(FOLDERS)) generated-few examples python install instructions \
            headers readme formatting tables symbols names floors)
-LONG    := $(patsubst %,check-%,sanitizers arm coverage isas thorough valgrind gallery warnings-clang dist threads)
+LONG    := $(patsubst %,check-%,sanitizers arm coverage isas plain thorough valgrind gallery warnings-clang dist threads)
 ALL     := $(patsubst %,check-%,generated equilibria optimized)
 .PHONY: check check-long check-all run-check run-check-long run-check-all test-programs $(CHECKS) $(CHECKS:check-%=do-%) \
         $(LONG) $(LONG:check-%=do-%) $(ALL) $(ALL:check-%=do-%)
@@ -75,8 +75,16 @@ $(BUILD)/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--
 GENERATED := $(patsubst %,$(BUILD)/check/%-generated,generating rescaled fuzz)
 $(GENERATED): WRAP = -Wl,--wrap=tvi_integrator_create,--wrap=tvi_integrator_free
 
+# with the library that has no devices for speed (check-plain)
+PLAIN_FOLDERS := ad library generating ensemble
+define plain_program
+$(BUILD)/plain/check/$(1): $(call objects_of,$(wildcard tests/$(1)/*.c)) $(BUILD)/check/helpers.a $(BUILD)/plain/libtvi.a
+endef
+$(foreach folder,$(PLAIN_FOLDERS),$(eval $(call plain_program,$(folder))))
+$(BUILD)/plain/check/library: WRAP = -Wl,--wrap=malloc,--wrap=calloc,--wrap=realloc,--wrap=aligned_alloc,--wrap=free
+
 test-programs: $(PROGRAMS) $(GENERATED) $(BUILD)/bench/steps/steps
-$(PROGRAMS) $(GENERATED):
+$(PROGRAMS) $(GENERATED) $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%):
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -o $@ $^ $(CHECK_LIBS)
 
@@ -98,13 +106,24 @@ do-isas: $(addprefix $(BUILD)/check/,ad library events generating ensemble)
 	    tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/check/generating || \
 	    exit 1; done
 
+# The library without what it does for speed alone (ad/devices.h), of which results differ by roundoff. The programs of
+# the tests are the same ones; how fast it is tells nothing.
+check-plain: ; $(REPORT) "the library without devices for speed" $(DO)
+do-plain:
+	$(MAKE) -s --no-print-directory BUILD=$(BUILD)/plain PLAIN=1 CFLAGS=-O1 $(BUILD)/plain/libtvi.a
+	$(MAKE) -s --no-print-directory $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%)
+	export TVI_TESTS=plain; \
+	for folder in ad ensemble; do tests/suites.sh '' $(BUILD)/plain/check/$$folder || exit 1; done & \
+	tests/suites.sh '' $(BUILD)/plain/check/library && \
+	tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/plain/check/generating && wait $$!
+
 # generated code: every scene with every method beside the memory of all kinds of steps, then the suites of orders,
 # geometry, tangents, states and random programs; some minutes of the compiler, few where the cache below
 # $(BUILD)/check/generated has it already
 check-generated: ; $(REPORT) "generated code: every scene with every method, and the suites of other programs" $(DO)
 do-generated: export TVI_COMPILED = all
 do-generated: $(addprefix $(BUILD)/check/,compiled library) $(GENERATED)
-	tests/suites.sh same,rows,ahead $< & same=$$!; \
+	tests/suites.sh same,rows,ahead,alone $< & same=$$!; \
 	tests/suites.sh faults/generated $(BUILD)/check/library; memory=$$?; wait $$same && exit $$memory
 	tests/generated.sh $(BUILD)
 

@@ -18,6 +18,13 @@ performance: need-bench
 
 .PHONY: performance
 
+# in a library whose devices are chosen as it runs
+devices: need-bench
+	@$(MAKE) --no-print-directory -s $(JOBS) BUILD=$(BUILD)/devices DEVICES=1 $(BUILD)/devices/bench/performance/devices
+	@mkdir -p $(PERFORMANCE_DIR) && OPENBLAS_NUM_THREADS=1 $(BUILD)/devices/bench/performance/devices $(PERFORMANCE_DIR)
+	@cat $(PERFORMANCE_DIR)/devices.md
+.PHONY: devices
+
 # the recurrences by hand, compiled as the library is
 BY_HAND = $(PERFORMANCE_DIR)/by_hand.o $(ISAS:%=$(PERFORMANCE_DIR)/by_hand.%.o)
 $(BY_HAND): BASE += -Ibench -Ibench/scenes -Ibench/baselines
@@ -29,5 +36,5 @@ $(PERFORMANCE_DIR)/compiled: $(BUILD)/bench/adaptive/solution.o
 # matrices where the library takes products, and the reverse
 $(PERFORMANCE_DIR)/cost: LDFLAGS += -Wl,--wrap=tvi_curve_jacobians_for
 
-$(PERFORMANCE_PROGRAMS): $(PERFORMANCE_DIR)/%: $(PERFORMANCE_DIR)/%.o $(PERFORMANCE_SHARED) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
+$(PERFORMANCE_PROGRAMS) $(PERFORMANCE_DIR)/devices: $(PERFORMANCE_DIR)/%: $(PERFORMANCE_DIR)/%.o $(PERFORMANCE_SHARED) $(SWEEP_OBJECTS) $(BUILD)/libtvi.a
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) -o $@ $^ $(BASELINE_LIBS) $(LIBS)

@@ -3,6 +3,8 @@
 #ifndef TVI_SRC_ARENA_H
 #define TVI_SRC_ARENA_H
 
+#include "compiler.h"
+
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
@@ -32,7 +34,7 @@ enum { ARENA_ALIGNMENT = 64, ARENA_MARKED_ALIGNMENT = 16 };
 #ifdef ARENA_HAS_GAPS
 #include <sanitizer/asan_interface.h>
 enum { ARENA_GAP = ARENA_ALIGNMENT };
-#define ARENA_UNCHECKED __attribute__((no_sanitize_address))
+#define ARENA_UNCHECKED JET_UNCHECKED
 #else
 enum { ARENA_GAP = 0 };
 #define ASAN_POISON_MEMORY_REGION(address, bytes) ((void)(address), (void)(bytes))

@@ -2,29 +2,13 @@
 #ifndef TVI_SRC_SIZES_H
 #define TVI_SRC_SIZES_H
 
+#include "compiler.h"
+
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
-
-/* Of each number that a loop sets, where it is one of a few that were just stored in parts: a vector of them would wait
- * for that. Generated code with vectors of eight has not stored them in parts. */
-#if defined(JET_EMITTED) && defined(JET_WIDE)
-#define TVI_ONE_BY_ONE(count, number) ((void)(count), (void)(number))
-#else
-#define TVI_ONE_BY_ONE(count, number)                                                                                  \
-    do {                                                                                                               \
-        if ((count) < 8) __asm__("" : "+m"(number));                                                                   \
-    } while (0)
-#endif
-
-/* A number in a register of its own, and no part of a vector. */
-#ifdef __SSE2__
-#define TVI_ALONE(number) __asm__("" : "+x"(number))
-#else
-#define TVI_ALONE(number) __asm__("" : "+m"(number))
-#endif
 
 static inline uint64_t tvi_bits(double x)
 {

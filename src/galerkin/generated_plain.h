@@ -11,16 +11,16 @@ enum { GALERKIN_WIDTH = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 #define TAKE(V, blocks) BLOCK_AT(V, y, 0) = BLOCK_OF(V, x, 0);
 JET_INLINE void galerkin_take_rows(double *y, const double *x)
 {
-    _Pragma("GCC unroll 256") for (int i = 0; i < GALERKIN_KEPT; i++, y += GALERKIN_WIDTH, x += GALERKIN_LANES)
-        ALL_LANES(GALERKIN_WIDTH, TAKE)
+    JET_UNROLL(256)
+    for (int i = 0; i < GALERKIN_KEPT; i++, y += GALERKIN_WIDTH, x += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, TAKE)
 }
 
 #define GIVE(V, blocks)                                                                                                \
     BLOCK_AT(V, impulse, 0) = BLOCK_OF(V, weight, 0) * BLOCK_OF(V, y + galerkin_slot[u] * GALERKIN_WIDTH, 0);
 JET_INLINE void galerkin_give_impulses(double *impulse, const double *weight, const double *y)
 {
-    _Pragma("GCC unroll 256") for (int u = 0; u < GALERKIN_UNKNOWNS; u++, impulse += GALERKIN_LANES)
-        ALL_LANES(GALERKIN_WIDTH, GIVE)
+    JET_UNROLL(256)
+    for (int u = 0; u < GALERKIN_UNKNOWNS; u++, impulse += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, GIVE)
 }
 
 /* Sets the impulses; false outside the field's domain. */

@@ -9,7 +9,7 @@
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 
 /* What the compiler knows of one number of lanes spares it the registers of the others: functions of their own. */
-#define OWN              static __attribute__((noinline))
+#define OWN              JET_APART
 #define POINTS_OF(nodes) ((nodes)->points)
 
 /* A loop of loops.h. */

@@ -203,7 +203,7 @@ OWN void NAME(correct)(const lanes_inverse *f, const double *P, const double *p,
 /* What is small is added up first. Unrolled where the model is of constants; then the sums are, too. */
 OWN void NAME(linearise)(const lanes_model *m, double *out)
 {
-    _Pragma("GCC unroll 8") for (int i = 0; i < 2 * m->n; i++) EACH_VECTOR_OF_LANES(v)
+    JET_UNROLL(8) for (int i = 0; i < 2 * m->n; i++) EACH_VECTOR_OF_LANES(v)
     {
         V sum = {0};
         for (int k = i > 0 ? m->end[i - 1] : 0; k < m->end[i]; k++)

@@ -28,9 +28,6 @@ enum { WIDEST = sizeof(jet_widest) / sizeof(double) };
     else if (lanes % 2 == 0) BODY(jet_v2, (lanes / 2))                                                                 \
     else BODY(jet_v1, lanes)
 
-/* A product with a number in memory is one operation, with one of a register's numbers two: what it was is unknown. */
-#define LEAVE_REGISTERS(array) __asm__("" : "+r"(array))
-
 /* Sums that do not wait for each other. */
 enum { CHAINS = 4 };
 

@@ -11,7 +11,7 @@
 JET_INLINE double product_and(double a, double b, double c)
 {
 #ifdef __FMA__
-    return __builtin_fma(a, b, c);
+    return JET_FMA_OF_NUMBERS(a, b, c);
 #else
     const double split = 0x1p27 + 1, product = a * b, big_a = split * a, big_b = split * b;
     const double high_a = big_a - (big_a - a), high_b = big_b - (big_b - b), low_a = a - high_a, low_b = b - high_b;

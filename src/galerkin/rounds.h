@@ -15,19 +15,19 @@ enum { MOST_ROUNDS = 32 };
 /* What stood on the diagonal is no smaller a part of the pivot of a plain matrix than this (kernel_matrices.h). */
 #define LANES_LEAST_PLAIN (1.0 / 16)
 
-typedef float single_jet_v8 __attribute__((vector_size(32), aligned(4), may_alias));
-typedef float single_jet_v4 __attribute__((vector_size(16), aligned(4), may_alias));
-typedef float single_jet_v2 __attribute__((vector_size(8), aligned(4), may_alias));
+typedef float single_jet_v8 JET_VECTOR(float, 8);
+typedef float single_jet_v4 JET_VECTOR(float, 4);
+typedef float single_jet_v2 JET_VECTOR(float, 2);
 typedef float single_jet_v1;
 
 /* From the one precision to the other. */
-#define NARROW_jet_v8(x) __builtin_convertvector(x, single_jet_v8)
-#define NARROW_jet_v4(x) __builtin_convertvector(x, single_jet_v4)
-#define NARROW_jet_v2(x) __builtin_convertvector(x, single_jet_v2)
+#define NARROW_jet_v8(x) JET_CONVERT(single_jet_v8, x)
+#define NARROW_jet_v4(x) JET_CONVERT(single_jet_v4, x)
+#define NARROW_jet_v2(x) JET_CONVERT(single_jet_v2, x)
 #define NARROW_jet_v1(x) ((float)(x))
-#define WIDEN_jet_v8(x)  __builtin_convertvector(x, jet_v8)
-#define WIDEN_jet_v4(x)  __builtin_convertvector(x, jet_v4)
-#define WIDEN_jet_v2(x)  __builtin_convertvector(x, jet_v2)
+#define WIDEN_jet_v8(x)  JET_CONVERT(jet_v8, x)
+#define WIDEN_jet_v4(x)  JET_CONVERT(jet_v4, x)
+#define WIDEN_jet_v2(x)  JET_CONVERT(jet_v2, x)
 #define WIDEN_jet_v1(x)  ((double)(x))
 
 #endif

@@ -19,7 +19,7 @@ typedef struct {
 #ifdef __FMA__
 #define TVI_QUOTIENT(V, out, x, divisor)                                                                               \
     {                                                                                                                  \
-        const double by = 1 / (divisor), by_low = __builtin_fma(-by, divisor, 1) * by;                                 \
+        const double by = 1 / (divisor), by_low = JET_FMA_OF_NUMBERS(-by, divisor, 1) * by;                            \
         const V zero = {0}, dividend = x;                                                                              \
         out = JET_FMA(V, dividend, by + zero, dividend * by_low);                                                      \
     }

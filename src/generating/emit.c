@@ -41,14 +41,6 @@ static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_optio
                  lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
 }
 
-/* The compiler's flags leave alone what stands side by side outside of loops, since most code has vectors of its own;
- * the components and the nodes of a step have none. */
-static void emit_slp(jet_text *text)
-{
-    jet_text_add(text, "#if defined(__GNUC__) && !defined(__clang__)\n"
-                       "#pragma GCC optimize(\"tree-slp-vectorize\")\n#endif\n");
-}
-
 /* CURVE_FOLLOWS(slot): whether the slot depends on the velocity, the second input of a Lagrangian. */
 static void emit_followers(jet_text *text, const tvi_system *system)
 {
@@ -102,7 +94,7 @@ static void emit(jet_text *text, const tvi_system *system, const tvi_options *op
     const tvi_action action = tvi_action_of(system, options);
     const bool has_seed = expanded->close && options->passes != TVI_PREDICT_ONLY && seeds_are_plain(&action);
     const bool has_step = has_seed && lanes > 0 && expanded->close == tvi_close_mean && 2 * system->n <= LINEAR_SMALL;
-    if (has_step) emit_slp(text);
+    if (has_step) jet_text_add(text, "JET_SIDE_BY_SIDE\n");
     emit_sizes(text, system, options, lanes);
     emit_output(text, system->field_series, "code_output", "CURVE_SLOT");
     if (system->form == TVI_LAGRANGIAN) emit_followers(text, system);

@@ -38,7 +38,7 @@ static inline void code_expand_order(tvi_curve *curve, const tvi_recurrence *ser
 
 #define EXPAND(k) code_expand_order(curve, &series, k, &status);
 /* TVI_EDOMAIN, TVI_ESINGULAR; otherwise TVI_OK, finite or not. */
-static __attribute__((noinline)) tvi_status code_series(tvi_curve *curve)
+JET_APART tvi_status code_series(tvi_curve *curve)
 {
     const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
     tvi_status status = TVI_OK;
@@ -76,7 +76,7 @@ static inline void code_differentiate_order(tvi_curve *curve, const tvi_recurren
     code_expand_order(curve, &series, k, &status);                                                                     \
     code_differentiate_order(curve, &tangents, &block, k, status);
 /* The whole series, each order with that of its tangents in all directions, which do not wait for each other. */
-static __attribute__((noinline)) tvi_status code_series_and_tangents(tvi_curve *curve)
+JET_APART tvi_status code_series_and_tangents(tvi_curve *curve)
 {
     const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
     const tvi_recurrence tangents = code_recurrence(curve, curve->dx, CURVE_LANES);
@@ -121,7 +121,7 @@ static inline void code_differentiate(tvi_curve *curve)
 
 static const tvi_action code_action = CURVE_ACTION;
 
-static __attribute__((noinline)) tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_Q[],
+JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_Q[],
                                                       double seed_U[])
 {
     tvi_action action = *given;

@@ -11,7 +11,7 @@
 
 /* Generated code knows which slots follow the velocity (emit.c). */
 #ifdef CURVE_FOLLOWS
-#define ORDERS_UNROLLED _Pragma("GCC unroll 32")
+#define ORDERS_UNROLLED JET_UNROLL(32)
 #else
 #define ORDERS_UNROLLED
 #define CURVE_FOLLOWS(slot) true

@@ -41,7 +41,7 @@ static inline double reach_size(const tvi_curve *curve, bool of_momentum, int k)
     double size = 0;
     for (int i = 0; i < curve_n(curve); i++)
         size = tvi_larger(fabs(of_momentum ? tvi_curve_U(curve, k, i) : tvi_curve_Q(curve, k)[i]), size);
-    TVI_ALONE(size);
+    JET_ALONE(size);
     return size;
 }
 
@@ -91,7 +91,7 @@ static inline double reach_of_term(const tvi_curve *curve, const reach_term firs
     for (int i = 0; i < REACH_SIZED_BY; i++) {
         const int apart = x.k - first[i].k;
         double reach = apart > 0 ? (log_part + first[i].log - x.log) * curve->per[apart] : -INFINITY;
-        TVI_ALONE(reach);
+        JET_ALONE(reach);
         farthest = tvi_larger(reach, farthest);
     }
     return farthest > -INFINITY ? farthest : INFINITY;
@@ -104,7 +104,7 @@ static inline double reach_of(const tvi_curve *curve, const reach_ends *ends, in
     for (int i = 0; i < REACH_LAST; i++) {
         const reach_term x = ends->last[i];
         double reach = x.k > 1 ? reach_of_term(curve, ends->first, x, log_part * x.k * curve->per[degree]) : INFINITY;
-        TVI_ALONE(reach);
+        JET_ALONE(reach);
         least = tvi_smaller(reach, least);
     }
     return least;

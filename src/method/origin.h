@@ -82,7 +82,7 @@ static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, do
         const double sum = tvi_add_compensated(x[i], &low[i], d[i], d_low[i]);
         any |= tvi_bits_of_infinite(sum);
         x[i] = sum;
-        TVI_ONE_BY_ONE(count, x[i]);
+        JET_SINGLY(count, x[i]);
     }
     return any;
 }

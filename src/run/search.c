@@ -185,7 +185,7 @@ static bool may_dip_at_end(const double g[], int stride)
 }
 
 /* What comparisons of a jet_v2 give. */
-typedef long long long_v2 __attribute__((vector_size(16)));
+typedef long long long_v2 JET_VECTOR(long long, 2);
 
 /* Whether g has no root: finite, of one sign, without a least value. In pairs of samples and without branches, since
  * most steps end here. */

@@ -4,6 +4,7 @@
 #include "problems/statistics.h"
 #include "record.h"
 #include "suites.h"
+#include "problems/thorough.h"
 
 #include <dlfcn.h>
 #include <float.h>
@@ -99,6 +100,7 @@ static void end(int i)
  * The control is the exact force rounded to 0. Its errors have one sign, and their ratio is above 90. */
 START_TEST(gravity_is_rounded_well)
 {
+    if (is_plain()) return;
     enum { ROUNDS = 2000 };
     const double most = codes[_i].most;
     double a[MOST_LANES], z[MOST_LANES], worst = 0;

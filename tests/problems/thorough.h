@@ -7,11 +7,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Whether the environment has TVI_TESTS=all. */
-static inline bool is_thorough(void)
+/* Whether the environment has this for TVI_TESTS. */
+static inline bool tests_are(const char *wanted)
 {
     const char *how = getenv("TVI_TESTS");
-    return how && strcmp(how, "all") == 0;
+    return how && strcmp(how, wanted) == 0;
 }
+
+static inline bool is_thorough(void) { return tests_are("all"); }
+
+/* Whether the library has no devices for speed (make check-plain), and there is nothing to test of them. */
+static inline bool is_plain(void) { return tests_are("plain"); }
 
 #endif
