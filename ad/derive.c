@@ -1,5 +1,4 @@
 /* derive.c - from graph to graph: the gradient of a recorded scalar, by reverse accumulation. */
-#include "devices.h"
 #include "graph.h"
 #include "rule.h"
 
@@ -53,9 +52,23 @@ static jet adjoint_of(adjoints *bar, int index)
     int place = count;
     /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): room was made when the value was added */
     for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--place] = bar->all[i].value;
-    const jet sum = JET_HAS(GATHER) ? jet_gather(bar->summing, count) : jet_sum(bar->summing, count);
+    const jet sum = jet_sum(bar->summing, count);
     bar->failed |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM; /* also where no input needs it */
     return sum;
+}
+
+/* Takes a constant factor out of the jet, so that factors meet in sums instead of being multiplied in one by one. */
+static double take_factor(jet *x)
+{
+    double factor = 1;
+    if (!x->node) {
+        factor = x->number;
+        *x = jet_const(1);
+    } else if (x->node->op == OP_LINEAR && x->node->count == 1 && x->node->number == 0) {
+        factor = x->node->terms[0].coefficient;
+        *x = jet_of_node(x->node->terms[0].node);
+    }
+    return factor;
 }
 
 static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
@@ -63,7 +76,7 @@ static void pull_to_operands(adjoints *bar, struct jet_node *z, jet zbar)
     for (int i = 0; i < z->count; i++) contribute(bar, z->terms[i].node, jet_mul(z->terms[i].coefficient, zbar));
     const jet_rule *rule = jet_rules[z->op];
     if (!rule) return;
-    const double factor = jet_take_factor(&zbar); /* the rules are linear in z-bar */
+    const double factor = take_factor(&zbar); /* the rules are linear in z-bar */
     contribute(bar, z->a, jet_mul(factor, rule->pull(z, zbar, 0)));
     if (z->b) contribute(bar, z->b, jet_mul(factor, rule->pull(z, zbar, 1)));
 }

@@ -6,17 +6,16 @@
 #ifndef TVI_AD_DEVICES_H
 #define TVI_AD_DEVICES_H
 
-#define JET_DEVICE_PAD       1  /* runs as long as whole vectors: tape_pad.c, asked for in tape.c */
-#define JET_DEVICE_TOGETHER  2  /* sine and cosine, and powers of one operand: rule_power.c, asked for in tape.c */
-#define JET_DEVICE_TERMS     4  /* sums of products as one operation: place.c */
-#define JET_DEVICE_SCATTERED 8  /* products read operands where they are: place.c */
-#define JET_DEVICE_GATHER    16 /* sums in a derivative have their common terms once: gather.c, asked for in derive.c */
-#define JET_DEVICE_ROOTS     32 /* a^(-3/2) from an estimate, with AVX-512: roots.h */
-#define JET_DEVICE_SPLIT     64 /* generated code has operations alone: tape_split.c, asked for in emit.c */
-#define JET_DEVICE_TWINS     128  /* and two neighbours in one vector: sum_products.c, asked for in emit.c */
-#define JET_DEVICE_UNROLL    256  /* and orders of a series as constants: emit.c */
-#define JET_DEVICE_FRESH     512  /* and no 0 added to: emit_adjoints.c */
-#define JET_DEVICE_BARRIERS  1024 /* for the compiler, which does not know what waits for stores: compiler.h */
+#define JET_DEVICE_PAD       1   /* runs as long as whole vectors: tape_pad.c, asked for in tape.c */
+#define JET_DEVICE_TOGETHER  2   /* sine and cosine, and powers of one operand: rule_power.c, asked for in tape.c */
+#define JET_DEVICE_TERMS     4   /* sums of products as one operation: place.c */
+#define JET_DEVICE_SCATTERED 8   /* products read operands where they are: place.c */
+#define JET_DEVICE_ROOTS     16  /* a^(-3/2) from an estimate, with AVX-512: roots.h */
+#define JET_DEVICE_SPLIT     32  /* generated code has operations alone: tape_split.c, asked for in emit.c */
+#define JET_DEVICE_TWINS     64  /* and two neighbours in one vector: sum_products.c, asked for in emit.c */
+#define JET_DEVICE_UNROLL    128 /* and orders of a series as constants: emit.c */
+#define JET_DEVICE_FRESH     256 /* and no 0 added to: emit_adjoints.c */
+#define JET_DEVICE_BARRIERS  512 /* for the compiler, which does not know what waits for stores: compiler.h */
 
 /* Generated code is told in its first line (emit.c) of those that its text itself has. */
 #define JET_DEVICES_OF_TEXT (JET_DEVICE_ROOTS | JET_DEVICE_TWINS | JET_DEVICE_BARRIERS)

@@ -133,12 +133,6 @@ jet jet_record_op(jet_op op, jet a, jet b);
 
 /* sum_i coefficient[i] x[i]; equal nodes are collected, numbers folded. */
 jet jet_linear(int count, const double coefficient[], const jet x[]);
-/* Takes a constant factor out of the jet, so that factors meet in sums instead of being multiplied in one by one. */
-double jet_take_factor(jet *x);
-/* The sum of x; sums among x that have an operation in common, with each other or with the rest, are taken
- * apart, so that it enters once. */
-jet jet_gather(const jet x[], int count);
-
 /* gradient[i] = d output / d input_i, i < inputs, recorded into the same open graph (reverse accumulation).
  * Poison where the output is not a jet of the graph. false without memory. */
 bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
