@@ -121,8 +121,7 @@ static inline void code_differentiate(tvi_curve *curve)
 
 static const tvi_action code_action = CURVE_ACTION;
 
-JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_Q[],
-                                                      double seed_U[])
+JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     tvi_action action = *given;
     action.is_hamilton = code_action.is_hamilton;
