@@ -78,7 +78,7 @@ BASE      += $(if $(HAS_SLEEF),-DJET_SLEEF)
 # what is done for speed alone (ad/devices.h) left out: PLAIN=1
 BASE      += $(if $(PLAIN),-DTVI_PLAIN) $(if $(DEVICES),-DTVI_DEVICES)
 
-# threads for the members of an ensemble (src/run/spread.c), where the compiler has OpenMP; OPENMP=0: one thread
+# threads for the members of an ensemble (src/run/parallel_for.c), where the compiler has OpenMP; OPENMP=0: one thread
 OPENMP     ?= 1
 OPENMP_LIB := $(if $(filter-out 0,$(OPENMP)),$(shell o=$$(mktemp) && \
                   printf 'void f(void);\nint main(void) {\n#pragma omp parallel\nf();\n}\nvoid f(void) { }\n' | \
@@ -185,10 +185,10 @@ EMBEDDED_TEXTS := src/algebra/judge.h src/generating/taylor_rows.h $(addprefix s
 $(BUILD)/src/embedded_galerkin.c: ad/embed.awk $(EMBEDDED_GALERKIN) $(EMBEDDED_TEXTS)
 	@mkdir -p $(@D)
 	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin -f ad/embed.awk $(EMBEDDED_GALERKIN) >$@
-SECOND_FORM := src/galerkin/generated_second.h
-$(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.c: ad/embed.awk src/galerkin/generated_%.h $(SECOND_FORM)
+HESSIAN_FORM := src/galerkin/generated_hessian.h
+$(GALERKIN_FORMS:%=$(BUILD)/src/embedded_%.c): $(BUILD)/src/embedded_galerkin_%.c: ad/embed.awk src/galerkin/generated_%.h $(HESSIAN_FORM)
 	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin_$* -f ad/embed.awk $(if $(filter plain,$*),,$(SECOND_FORM)) src/galerkin/generated_$*.h >$@
+	$(call SAY,AWK $@)awk -v NAME=tvi_embedded_galerkin_$* -f ad/embed.awk $(if $(filter plain,$*),,$(HESSIAN_FORM)) src/galerkin/generated_$*.h >$@
 # a curve, and the action of it
 EMBEDDED_CURVE := include/tvi.h ad/fused.h $(addprefix src/,algebra/sizes.h method/origin.h method/closing.h \
                       $(addprefix algebra/,arena.h block.h linear.h linear_small.h passes.h subsystems.h tail.h weigh.h) \

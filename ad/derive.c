@@ -1,4 +1,4 @@
-/* derive.c - from graph to graph: the gradient of a recorded scalar, by reverse accumulation. */
+/* derive.c - Records the gradient of a scalar into the same graph, by reverse accumulation. */
 #include "graph.h"
 #include "rule.h"
 
@@ -7,13 +7,13 @@
 /* The contributions to the adjoints of all nodes, a list for each. */
 typedef struct {
     jet value;
-    int next; /* of the same node, -1 ends */
+    int next; /* index of the node's next contribution; -1: none */
 } contribution;
 
 typedef struct {
     contribution *all;
     int count, capacity;
-    int *last;    /* [nodes] the newest contribution of each, -1: none */
+    int *last;    /* [nodes] the newest contribution of each; -1: none */
     jet *summing; /* scratch for one node's list */
     int summing_capacity;
     bool failed;
@@ -35,7 +35,7 @@ static void contribute(adjoints *bar, const struct jet_node *node, jet value)
     bar->last[node->index] = bar->count++;
 }
 
-/* z-bar: the sum of its contributions. */
+/* Sums the contributions to the adjoint z-bar of a node. */
 static jet adjoint_of(adjoints *bar, int index)
 {
     int count = 0;
@@ -49,11 +49,11 @@ static jet adjoint_of(adjoints *bar, int index)
         bar->summing = summing;
         bar->summing_capacity = count;
     }
-    int place = count;
-    /* NOLINTNEXTLINE(clang-analyzer-core.NullDereference): room was made when the value was added */
-    for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--place] = bar->all[i].value;
+    int free_place = count;
+    /* room was made when the value was added. NOLINTNEXTLINE(clang-analyzer-core.NullDereference) */
+    for (int i = bar->last[index]; i >= 0; i = bar->all[i].next) bar->summing[--free_place] = bar->all[i].value;
     const jet sum = jet_sum(bar->summing, count);
-    bar->failed |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM; /* also where no input needs it */
+    bar->failed |= sum.node && !sum.node->graph && sum.node->index == TVI_ENOMEM; /* also if no input needs it */
     return sum;
 }
 
@@ -85,7 +85,7 @@ bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[])
 {
     for (int i = 0; i < inputs; i++) gradient[i] = jet_const(0);
     if (!output.node) return true;
-    if (output.node->graph != graph) { /* poison, or of another recording: so is its gradient */
+    if (output.node->graph != graph) { /* the output is poison, or of another recording: so is its gradient */
         for (int i = 0; i < inputs; i++) gradient[i] = output.node->graph ? jet_unset() : output;
         return true;
     }

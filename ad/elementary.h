@@ -1,11 +1,11 @@
-/* elementary.h - elementary functions of many numbers, z[i] = f(a[i]), i < width: jet_all_sin(width, a, z) and so on.
- * z does not overlap a.
+/* elementary.h - Computes elementary functions of many numbers, z[i] = f(a[i]), i < width: jet_all_sin(width, a, z) and
+ * so on. The rules call it. z must not overlap a.
  *
- * With JET_SLEEF they are SLEEF's (N. Shibata and F. Petrogalli, IEEE Transactions on Parallel and Distributed Systems
- * 31, 2020), a vector at a time and within 1 ulp; without, and for numbers that SLEEF's do not serve, the mathematical
- * library's, one by one. What a number gives depends on nothing beside it: each instruction set has vectors of one
- * width, which a rest fills up, and numbers for which SLEEF would compute all of a vector in another way have a vector
- * of their own. */
+ * With JET_SLEEF the functions are SLEEF's (N. Shibata and F. Petrogalli, IEEE Transactions on Parallel and Distributed
+ * Systems 31, 2020), a vector at a time and within 1 ulp. Without it, and for numbers that SLEEF's do not serve, they
+ * are those of the mathematical library, one by one. The result for a number never depends on its neighbours. Each
+ * instruction set has vectors of one width, and the last numbers fill up a vector. Numbers for which SLEEF would
+ * compute all of a vector in another way get a vector of their own. */
 #ifndef TVI_AD_ELEMENTARY_H
 #define TVI_AD_ELEMENTARY_H
 
@@ -16,7 +16,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* Where |a| is. No number is in the last range. */
+/* A range of |a|. No number is in the range jet_nowhere. */
 typedef struct {
     double least, most;
 } jet_range;
@@ -24,7 +24,8 @@ static const jet_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far_angles = 
                        jet_sines = {0, 1}, jet_numbers = {0, DBL_MAX}, jet_normal_numbers = {DBL_MIN, DBL_MAX},
                        jet_nowhere = {1, 0};
 
-/* name, and where SLEEF's serves: near 0, and beyond, where it reduces angles in another way. */
+/* Lists the functions: the name, the range near 0 where SLEEF's function serves, and the range beyond, in which SLEEF
+ * reduces angles in another way. */
 #define JET_ELEMENTARY_LIST(ROW)                                                                                       \
     ROW(sin, jet_angles, jet_far_angles)                                                                               \
     ROW(cos, jet_angles, jet_far_angles)                                                                               \
@@ -38,7 +39,7 @@ static const jet_range jet_angles = {0, 0x1.dffffffffffffp+3}, jet_far_angles = 
     ROW(acos, jet_sines, jet_nowhere)                                                                                  \
     ROW(atan, jet_numbers, jet_nowhere)
 
-/* By the mathematical library. */
+/* Calls the function of the mathematical library. */
 #define JET_ONE_BY_ONE(name, near, far)                                                                                \
     JET_INLINE void jet_all_##name(int width, const double *a, double *restrict z)                                     \
     {                                                                                                                  \
@@ -53,14 +54,14 @@ JET_ONE_BY_ONE(erf, , )
 
 JET_ELEMENTARY_LIST(JET_ONE_BY_ONE)
 
-/* z = sin a, w = cos a. */
+/* z = sin a, w = cos a */
 JET_INLINE void jet_all_sincos(int width, const double *a, double *restrict z, double *restrict w)
 {
     jet_all_sin(width, a, z);
     jet_all_cos(width, a, w);
 }
 
-/* z = a^c. */
+/* z = a^c */
 JET_INLINE void jet_all_pow(double c, int width, const double *a, double *restrict z)
 {
     for (int i = 0; i < width; i++) z[i] = pow(a[i], c);
@@ -83,7 +84,7 @@ enum { JET_NATIVE = 2 };
 #endif
 typedef double jet_native JET_REGISTER(double, JET_NATIVE);
 
-/* A function, or two of one argument: of a vector and of a number. c is the exponent of pow. */
+/* A function, or two functions of one argument: of a vector, and of a number. c is the exponent of pow. */
 typedef void jet_of_vector(double c, jet_native x, jet_native out[2]);
 typedef void jet_of_number(double c, double x, double *z, double *w);
 
@@ -106,7 +107,7 @@ JET_INLINE void jet_block(jet_of_vector *f, double c, const double *a, double *z
     if (w) memcpy(w, &out[1], sizeof x);
 }
 
-/* Those of at most a block that are in the range; 1 in the place of the others. */
+/* Computes the numbers of a block of at most JET_NATIVE that are in the range; 1 takes the place of the others. */
 JET_INLINE void jet_part(jet_of_vector *f, double c, jet_range range, int count, const double *a, double *z, double *w)
 {
     double x[JET_NATIVE], of_z[JET_NATIVE], of_w[JET_NATIVE];
@@ -124,7 +125,7 @@ JET_INLINE void jet_part(jet_of_vector *f, double c, jet_range range, int count,
     }
 }
 
-/* Of all kinds. */
+/* Computes numbers in all ranges. */
 JET_INLINE void jet_mixed(jet_of_vector *f, jet_of_number *one, jet_range near, jet_range far, double c, int width,
                           const double *a, double *z, double *w)
 {
@@ -144,7 +145,7 @@ JET_INLINE void jet_near(jet_of_vector *f, jet_range near, double c, int width, 
     if (here < width) jet_part(f, c, near, width - here, a + here, z + here, w ? w + here : NULL);
 }
 
-/* jet_all_name, whose numbers are all near, most of the time. */
+/* Defines jet_all_name for numbers that are all near 0, most of the time. */
 #define JET_ALL_OF(name, near, far, c, parameters, w)                                                                  \
     JET_APART void jet_mixed_##name parameters                                                                         \
     {                                                                                                                  \
@@ -171,7 +172,7 @@ JET_INLINE void jet_near(jet_of_vector *f, jet_range near, double c, int width, 
     }
 JET_ELEMENTARY_LIST(JET_ALL)
 
-/* z = sin a, w = cos a. */
+/* z = sin a, w = cos a */
 typedef struct {
     jet_native sine, cosine;
 } jet_sine_and_cosine;
@@ -196,7 +197,7 @@ JET_ALL_OF(sincos, jet_angles, jet_far_angles, 0, (int width, const double *a, d
     else jet_mixed_sincos(width, a, z, w);
 }
 
-/* z = a^c, by SLEEF's where a and z are far from the ends of all numbers. */
+/* z = a^c, by SLEEF's pow if a and z are far from the limits of the exponent */
 extern jet_native JET_SLEEF_OF(pow)(jet_native, jet_native);
 JET_INLINE void jet_vector_pow(double c, jet_native x, jet_native out[2])
 {

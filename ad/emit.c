@@ -1,4 +1,4 @@
-/* emit.c - see emit.h. */
+/* emit.c - Writes a tape's sweeps as C text (emit.h). */
 #include "emit.h"
 #include "devices.h"
 #include "emit_adjoints.h"
@@ -7,16 +7,16 @@
 
 #include <stdlib.h>
 
-/* Tapes of so many operations have their sums apart, or, of whole vectors, all operations, and their orders unrolled if
- * there are so many times the orders of them, and of the tangents beside each: what more would gain takes seconds to
- * compile. */
+/* Limits of what is compiled in a second. Tapes with up to APART_MOST operations have their sums apart, and tapes of
+ * whole vectors with up to ALONE_MOST operations have all operations apart. Orders are unrolled if operations times
+ * orders, and times the tangents beside each order, are at most UNROLLED_MOST. */
 enum { APART_MOST = 256, ALONE_MOST = 768, UNROLLED_MOST = 900 };
 
-/* Of so many operations values are inlined at any number of lanes, of so many at those of one register: else they are a
- * function of their own. */
+/* Values of up to INLINED_MOST operations are inlined at any number of lanes, and of up to INLINED_IN_REGISTER at the
+ * lanes of one register. Larger ones are a function of their own. */
 enum { INLINED_MOST = 64, INLINED_IN_REGISTER = 256 };
 
-/* Lanes of one vector, of those that all instruction sets have a vector to divide; the fewest, and the most. */
+/* REGISTER lanes are one vector, of a size that all instruction sets can divide; then the fewest and the most lanes. */
 enum { REGISTER = 4, LEAST_REGISTER = 2, MOST_REGISTER = 8 };
 
 extern const char *const jet_embedded_rules[];
@@ -59,8 +59,8 @@ typedef struct {
     const jet_tape *tape;
     const jet_emission *wanted;
     int operations;
-    bool unrolled;    /* orders */
-    bool stand_alone; /* operations */
+    bool unrolled;    /* the orders are unrolled */
+    bool stand_alone; /* the operations stand alone */
 } emission;
 
 static bool has_several_roots(const jet_tape *tape)
@@ -70,13 +70,13 @@ static bool has_several_roots(const jet_tape *tape)
     return roots > 1;
 }
 
-/* Arrays begin with a 0, so that none is empty. */
+/* Writes the arrays of constants. They begin with a 0, so that none is empty. */
 static void emit_constants(const emission *e)
 {
     const jet_tape *tape = e->tape;
     const char *name = e->wanted->name;
     emit_ints(e->text, name, "slot", tape->terms, tape->term_slot);
-    emit_ints(e->text, name, "second", tape->terms, tape->term_second);
+    emit_ints(e->text, name, "operand_b", tape->terms, tape->term_operand_b);
     emit_ints(e->text, name, "output", tape->outputs, tape->output);
     emit_doubles(e->text, name, "coefficient", tape->terms, tape->term_coefficient);
     emit_doubles(e->text, name, "base", tape->rows, tape->base);
@@ -87,7 +87,7 @@ static void emit_constants(const emission *e)
     jet_text_add(
         e->text,
         "static const jet_tape %s = {.inputs = %d, .constants = %d, .slots = %d, .run = (jet_run *)%s_run,\n"
-        "    .base = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1, .term_second = (int *)%s_second + "
+        "    .base = (double *)%s_base + 1, .term_slot = (int *)%s_slot + 1, .term_operand_b = (int *)%s_operand_b + "
         "1, .term_coefficient = (double *)%s_coefficient + 1};\n",
         name, tape->inputs, tape->constants, tape->slots, name, name, name, name, name);
 }
@@ -97,7 +97,7 @@ static void emit_constants(const emission *e)
 #define RULE_NAME(op, name) [op] = #name,
 static const char *const rule_name[OP_COUNT] = {JET_RULE_LIST(RULE_NAME)};
 
-/* A line of emitted.h's list. */
+/* Writes a line of the list in emitted.h. */
 static void emit_line(const emission *e, const jet_run *run)
 {
     const char *name = e->wanted->name;
@@ -114,29 +114,30 @@ static bool begins_angles(const jet_tape *tape, const jet_run *run)
     return run >= tape->run && run->op == OP_SIN && run->together > 1;
 }
 
-/* One product each of neighbours, of which none is the other's result, with the same factor. */
-static bool are_twins(const jet_tape *tape, const jet_run *run, const jet_run *next)
+/* Tells whether two runs are single products with the same second factor and adjacent first factors, neither of which
+ * is the other's result. */
+static bool are_paired(const jet_tape *tape, const jet_run *run, const jet_run *next)
 {
     const int a = tape->term_slot[run->term], b = tape->term_slot[next->term];
     return run->op == OP_PRODUCTS && next->op == OP_PRODUCTS && run->count * run->terms == 1 &&
            next->count * next->terms == 1 && abs(a - b) == 1 && b != run->z &&
-           tape->term_second[run->term] == tape->term_second[next->term] &&
+           tape->term_operand_b[run->term] == tape->term_operand_b[next->term] &&
            tape->term_coefficient[run->term] == tape->term_coefficient[next->term];
 }
 
-/* Of several in a row each two are one line. */
-static bool begins_twins(const jet_tape *tape, const jet_run *run)
+/* Tells whether two paired products begin here. In a longer series, every two make a pair. */
+static bool begins_paired(const jet_tape *tape, const jet_run *run)
 {
-    return JET_HAS(TWINS) && run >= tape->run && run + 1 < tape->run + tape->runs && are_twins(tape, run, run + 1) &&
-           !begins_twins(tape, run - 1);
+    return JET_HAS(TWINS) && run >= tape->run && run + 1 < tape->run + tape->runs && are_paired(tape, run, run + 1) &&
+           !begins_paired(tape, run - 1);
 }
 
-/* The first of two with the same angles, or of twins, stands for both. */
+/* Writes the line of a run. The first of two runs with the same angles, or of paired products, stands for both. */
 static void emit_lines(const emission *e, const jet_run *run)
 {
     const int index = (int)(run - e->tape->run);
-    if (begins_angles(e->tape, run - 1) || begins_twins(e->tape, run - 1)) return;
-    const char *both = begins_angles(e->tape, run) ? "ANGLES" : begins_twins(e->tape, run) ? "TWINS" : NULL;
+    if (begins_angles(e->tape, run - 1) || begins_paired(e->tape, run - 1)) return;
+    const char *both = begins_angles(e->tape, run) ? "ANGLES" : begins_paired(e->tape, run) ? "PAIRED" : NULL;
     if (both) jet_text_add(e->text, " \\\n    %s(%s, %d, %d)", both, e->wanted->name, index, index + 1);
     else emit_line(e, run);
 }
@@ -154,9 +155,9 @@ static void emit_line_back(const emission *e, const jet_run *run)
 static void emit_lists(const emission *e)
 {
     const jet_run *const begin = e->tape->run, *const end = begin + e->tape->runs;
-    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, LINEAR)", e->wanted->name);
+    jet_text_add(e->text, "#define %s_RUNS(RULE, ANGLES, PRODUCTS, SCATTERED, PAIRED, LINEAR)", e->wanted->name);
     for (const jet_run *run = begin; run < end; run++) emit_lines(e, run);
-    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, TWINS, LINEAR, SUMS)",
+    jet_text_add(e->text, "\n#define %s_RUNS_BACK(RULE, ANGLES, PRODUCTS, SCATTERED, PAIRED, LINEAR, SUMS)",
                  e->wanted->name);
     for (const jet_run *run = end; run-- > begin && e->wanted->has_adjoints;) emit_line_back(e, run);
     jet_text_add(e->text, "\n");
@@ -164,7 +165,8 @@ static void emit_lists(const emission *e)
 
 /* ---- What callers of the sweeps find (tape.h) -------------------------------------------------------------------- */
 
-/* Returns what the sweep of order k does, with k a constant where orders are unrolled; what stands behind k. */
+/* Writes a function that returns the sweep of order k. k is a constant in each case if orders are unrolled; `behind`
+ * follows k. */
 static void emit_orders(const emission *e, const char *sweep, const char *blocks, const char *behind)
 {
     const char *name = e->wanted->name;
@@ -175,7 +177,7 @@ static void emit_orders(const emission *e, const char *sweep, const char *blocks
     jet_text_add(e->text, "    return %s_%s(%s, k%s);\n}\n", name, sweep, blocks, behind);
 }
 
-/* NAME_ORDERS(ORDER): all orders, each a constant where they are unrolled. */
+/* Writes NAME_ORDERS(ORDER), which calls ORDER for all orders, with constants if they are unrolled. */
 static void emit_all_orders(const emission *e)
 {
     const char *name = e->wanted->name;
@@ -186,7 +188,7 @@ static void emit_all_orders(const emission *e)
     jet_text_add(e->text, "\n");
 }
 
-/* NAME_values_LANES. */
+/* Writes NAME_values_LANES. */
 static void emit_values_at(const emission *e, int lanes)
 {
     const char *name = e->wanted->name;
@@ -197,8 +199,8 @@ static void emit_values_at(const emission *e, int lanes)
                      e->operations <= (fits ? INLINED_IN_REGISTER : INLINED_MOST) ? "ALWAYS" : "NEVER");
 }
 
-/* What others inline, or call where that is large; those of one register whatever is wanted, which costs nothing where
- * nobody has them. */
+/* Writes the value functions that others inline, or call if they are large. Value functions for one register are always
+ * written; unused ones cost nothing. */
 static void emit_inner(const emission *e)
 {
     const char *name = e->wanted->name;
@@ -231,7 +233,7 @@ static void emit_series(const emission *e)
     emit_orders(e, "series_of", "x", "");
 }
 
-/* A function for each number of lanes. */
+/* Writes a function of tangents for each number of lanes. */
 static void emit_tangents(const emission *e)
 {
     const char *name = e->wanted->name;
@@ -259,7 +261,7 @@ static void emit_adjoint_sweep(const emission *e)
                  name, name);
 }
 
-/* Values alone of whole vectors. */
+/* Tells whether values of whole vectors are wanted, and nothing else. */
 static bool is_of_registers(const jet_emission *wanted)
 {
     for (const int *lanes = wanted->lanes; *lanes > 0; lanes++)
@@ -281,7 +283,8 @@ void jet_emit_tape(jet_text *text, const jet_tape *tape, const jet_emission *wan
         text->failed = true;
         return;
     }
-    const bool unrolled = JET_HAS(UNROLL) && operations * (1 + wanted->beside) * (wanted->top + 1) <= UNROLLED_MOST;
+    const bool unrolled =
+        JET_HAS(UNROLL) && operations * (1 + wanted->tangent_vectors) * (wanted->top + 1) <= UNROLLED_MOST;
     const emission e = {text, &split, wanted, operations, unrolled, stand_alone};
     if (wanted->has_adjoints) jet_emit_adjoints(text, &split, name);
     emit_constants(&e);

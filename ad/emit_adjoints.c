@@ -1,11 +1,12 @@
-/* emit_adjoints.c - see emit_adjoints.h. */
+/* emit_adjoints.c - Writes the adjoints of generated code (emit_adjoints.h). */
 #include "devices.h"
 #include "emit_adjoints.h"
 #include "split.h"
 
 #include <stdlib.h>
 
-/* Of each slot: touched: something has been added to its adjoint; written: the first addition is an assignment. */
+/* State of each slot while adjoints are written. touched: something was added to its adjoint; written: the first
+ * addition is an assignment. */
 typedef struct {
     jet_text *text;
     const jet_tape *tape;
@@ -29,21 +30,21 @@ static void touch(const adjoints *a, int slot, int count, bool is_written)
     }
 }
 
-/* Whether its adjoint adds to its own order alone (rule.h), to operands that stand in rows. */
+/* Tells whether the run's adjoint adds to its own order alone (rule.h), and to operands in rows. */
 static bool is_gathered(const jet_run *run)
 {
     return run->op == OP_PRODUCTS || run->op == OP_SQUARES || run->op == OP_POW || run->op == OP_SQRT;
 }
 
-/* All that it reads, as a partner, too. */
+/* Marks all slots that the run reads, also as a partner, as touched. */
 static void touch_all(const adjoints *a, const jet_run *run)
 {
     for (int i = 0; i < run->count; i++)
-        for (int k = 0, slot; (slot = jet_read_by(a->tape, run, i, k)) >= 0; k++) touch(a, slot, 1, false);
+        for (int k = 0, slot; (slot = jet_operand_slot(a->tape, run, i, k)) >= 0; k++) touch(a, slot, 1, false);
     if (run->terms == 0) touch(a, run->w, run->count, false);
 }
 
-/* What is there before a sweep comes to the order, or is added to by sweeps of higher ones. */
+/* Marks the slots that hold something before a sweep comes to the order, or that sweeps of higher orders add to. */
 static void touch_before(const adjoints *a)
 {
     touch(a, 0, a->tape->inputs, false);
@@ -55,30 +56,30 @@ static void touch_before(const adjoints *a)
     }
 }
 
-/* Operand 2 t is the first factor of term t, 2 t + 1 the second one; -1: there is none. */
-static int row_of(const jet_tape *tape, const jet_run *run, int operand)
+/* The first slot of an operand: 2 t is the first factor of term t, 2 t + 1 the second one; -1: there is none. */
+static int first_slot(const jet_tape *tape, const jet_run *run, int operand)
 {
     const int term = run->term + operand / 2;
     if (run->terms == 0) return operand == 0 ? run->a : -1;
     if (operand % 2 == 0) return tape->term_slot[term];
-    return run->op == OP_PRODUCTS ? tape->term_second[term] : -1;
+    return run->op == OP_PRODUCTS ? tape->term_operand_b[term] : -1;
 }
 
-/* Operands that nothing was added to, and that no other one of the run has a part of. */
+/* Marks the operands of a run that nothing was added to, and that overlap with no other operand of the run. */
 static void mark_fresh(const adjoints *a, jet_run *run)
 {
     const int operands = run->terms > 0 ? 2 * run->terms : 1;
     for (int operand = 0; operand < operands; operand++) {
-        const int row = row_of(a->tape, run, operand);
+        const int row = first_slot(a->tape, run, operand);
         bool is_fresh = JET_HAS(FRESH) && row >= 0 && is_untouched(a, row, run->count);
         for (int other = 0; other < operands; other++)
-            is_fresh = is_fresh && (other == operand || row_of(a->tape, run, other) < 0 ||
-                                    abs(row_of(a->tape, run, other) - row) >= run->count);
+            is_fresh = is_fresh && (other == operand || first_slot(a->tape, run, other) < 0 ||
+                                    abs(first_slot(a->tape, run, other) - row) >= run->count);
         if (is_fresh) run->fresh |= 1 << operand;
     }
     for (int operand = 0; operand < operands; operand++)
-        if (row_of(a->tape, run, operand) >= 0)
-            touch(a, row_of(a->tape, run, operand), run->count, run->fresh >> operand & 1);
+        if (first_slot(a->tape, run, operand) >= 0)
+            touch(a, first_slot(a->tape, run, operand), run->count, run->fresh >> operand & 1);
 }
 
 static void emit_clear(const adjoints *a, const char *name)
@@ -121,8 +122,8 @@ const jet_run *jet_end_of_sums(const jet_tape *tape, const jet_run *first)
     return next;
 }
 
-/* What the sums hand on to a slot. */
-static void emit_handed_on(const adjoints *a, const jet_run *first, const jet_run *end, int slot)
+/* Writes the contributions of the sums to the adjoint of a slot. */
+static void emit_contributions(const adjoints *a, const jet_run *first, const jet_run *end, int slot)
 {
     const bool is_fresh = JET_HAS(FRESH) && is_untouched(a, slot, 1);
     const jet_tape *tape = a->tape;
@@ -143,13 +144,13 @@ static void emit_handed_on(const adjoints *a, const jet_run *first, const jet_ru
 static void emit_sums_back(const adjoints *a, const jet_run *first, const jet_run *end, const char *name)
 {
     jet_text_add(a->text, "JET_INLINE void %s_sums_back_%d(double *bar)\n{\n", name, (int)(first - a->tape->run));
-    for (int slot = 0; slot < first->z; slot++) emit_handed_on(a, first, end, slot);
+    for (int slot = 0; slot < first->z; slot++) emit_contributions(a, first, end, slot);
     jet_text_add(a->text, "}\n");
 }
 
 /* ------------------------------------------------------------------------------------------------------------------ */
 
-/* In the order of a sweep. */
+/* Writes the adjoints in the order of a sweep. */
 static void emit(const adjoints *a, const char *name)
 {
     touch_before(a);

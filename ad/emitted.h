@@ -1,16 +1,16 @@
-/* emitted.h - the sweeps of generated code (emit.h), which is the only one to read this, after the text of the rules: T
- * is the tape's name, T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name),
- * PRODUCTS(T, i, squares, terms), SCATTERED(T, i, squares, terms), of values alone, LINEAR(T, i, terms),
- * ANGLES(T, i, next), sines and the cosines of the same angles, or TWINS(T, i, next), products of neighbours with the
- * same factor, and T_RUNS_BACK in the other order, of tapes that have adjoints, with SUMS(T, i) for sums in a row from
- * run i on, whose adjoints are T_sums_back_i. */
+/* emitted.h - Defines the sweeps of generated code (emit.h), which includes it after the rules: T is the tape's name,
+ * T_run[i] one of its runs, T_RUNS all of them, in order, as RULE(T, i, name), PRODUCTS(T, i, squares, terms),
+ * SCATTERED(T, i, squares, terms), of values alone, LINEAR(T, i, terms), ANGLES(T, i, next), sines and the cosines of
+ * the same angles, or PAIRED(T, i, next), products with the same factor, whose other factors are adjacent, and
+ * T_RUNS_BACK in the other order, of tapes that have adjoints, with SUMS(T, i) for sums in a row from run i on, whose
+ * adjoints are T_sums_back_i. */
 #ifndef TVI_AD_EMITTED_H
 #define TVI_AD_EMITTED_H
 
 #include "sums.h"
 
-/* Where several operations have a value at positive numbers alone, T_is_watched, and these are few vectors, the least
- * ones of all stay in registers, and whether they are positive is asked once, behind all operations. */
+/* If several operations need positive operands, and these are a few vectors (T_is_watched), the least operands stay in
+ * registers, and are tested once, after all operations. */
 enum { JET_WATCHED = 8 };
 JET_INLINE bool jet_is_watched(const jet_run *run, int lanes)
 {
@@ -19,7 +19,7 @@ JET_INLINE bool jet_is_watched(const jet_run *run, int lanes)
 
 JET_INLINE int jet_watched_lanes(int lanes) { return lanes < JET_WATCHED ? lanes : JET_WATCHED; }
 
-/* A NaN is no offence. */
+/* Updates the least operands. A NaN is allowed. */
 JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 {
     JET_IN_VECTORS
@@ -36,7 +36,7 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 #define VALUES_ANGLES(T, i, next)              jet_sine_cosine(&T##_run[i], &T##_run[next], x, lanes);
 #define VALUES_PRODUCTS(T, i, squares, terms)  values_of(&T, &T##_run[i], x, lanes, squares, terms);
 #define VALUES_SCATTERED(T, i, squares, terms) scattered_values_of(&T, &T##_run[i], x, lanes, squares, terms);
-#define VALUES_TWINS(T, i, next)               VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
+#define VALUES_PAIRED(T, i, next)              VALUES_PRODUCTS(T, i, false, 1) VALUES_PRODUCTS(T, next, false, 1)
 #define VALUES_LINEAR(T, i, terms)                                                                                     \
     linear_order_of(&T, &T##_run[i], x, lanes, terms);                                                                 \
     add_numbers(&T, &T##_run[i], x, lanes);
@@ -46,36 +46,36 @@ JET_INLINE void jet_watch(const double *a, int lanes, double *least)
 #define SERIES_RULE(T, i, name)               name##_series(&T##_run[i], x, k, (size_t)T.slots, lanes);
 #define SERIES_ANGLES(T, i, next)             SERIES_RULE(T, i, sin) SERIES_RULE(T, next, cos)
 #define SERIES_PRODUCTS(T, i, squares, terms) series_of(&T, &T##_run[i], x, k, (size_t)lanes, squares, terms);
-#define SERIES_TWINS(T, i, next)              twin_series_of(&T, &T##_run[i], &T##_run[next], x, k);
+#define SERIES_PAIRED(T, i, next)             paired_series_of(&T, &T##_run[i], &T##_run[next], x, k);
 #define SERIES_LINEAR(T, i, terms)            ORDER_LINEAR(T, i, x, terms)
 
 #define TANGENTS_RULE(T, i, name)   name##_tangent(&T##_run[i], x, dx, k, (size_t)T.slots, lanes);
 #define TANGENTS_ANGLES(T, i, next) TANGENTS_RULE(T, i, sin) TANGENTS_RULE(T, next, cos)
 #define TANGENTS_PRODUCTS(T, i, squares, terms)                                                                        \
     tangents_of(&T, &T##_run[i], x, dx, k, 1, (size_t)lanes, squares, terms);
-#define TANGENTS_TWINS(T, i, next)   TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
+#define TANGENTS_PAIRED(T, i, next)  TANGENTS_PRODUCTS(T, i, false, 1) TANGENTS_PRODUCTS(T, next, false, 1)
 #define TANGENTS_LINEAR(T, i, terms) ORDER_LINEAR(T, i, dx, terms)
 
-/* Of order 0, of one direction along each lane of x. */
+/* Tangents of order 0, with one direction along each lane of x. */
 #define IN_LANES_RULE(T, i, name)                                                                                      \
     {                                                                                                                  \
-        const jet_run all = jet_spread(&T##_run[i], lanes);                                                            \
+        const jet_run all = jet_flatten_lanes(&T##_run[i], lanes);                                                     \
         name##_tangent(&all, x, dx, 0, (size_t)(T.slots * lanes), 1);                                                  \
     }
 #define IN_LANES_ANGLES(T, i, next) IN_LANES_RULE(T, i, sin) IN_LANES_RULE(T, next, cos)
 #define IN_LANES_PRODUCTS(T, i, squares, terms)                                                                        \
     tangents_of(&T, &T##_run[i], x, dx, 0, (size_t)lanes, (size_t)lanes, squares, terms);
-#define IN_LANES_TWINS(T, i, next)   IN_LANES_PRODUCTS(T, i, false, 1) IN_LANES_PRODUCTS(T, next, false, 1)
+#define IN_LANES_PAIRED(T, i, next)  IN_LANES_PRODUCTS(T, i, false, 1) IN_LANES_PRODUCTS(T, next, false, 1)
 #define IN_LANES_LINEAR(T, i, terms) linear_order_of(&T, &T##_run[i], dx, lanes, terms);
 
 #define ADJOINTS_RULE(T, i, name)               name##_adjoint(&T##_run[i], x, bar, k, top, (size_t)T.slots);
 #define ADJOINTS_ANGLES(T, i, next)             ADJOINTS_RULE(T, next, cos) ADJOINTS_RULE(T, i, sin)
 #define ADJOINTS_PRODUCTS(T, i, squares, terms) adjoints_of(&T, &T##_run[i], x, bar, k, top, squares, terms);
-#define ADJOINTS_TWINS(T, i, next)              ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)
+#define ADJOINTS_PAIRED(T, i, next)             ADJOINTS_PRODUCTS(T, next, false, 1) ADJOINTS_PRODUCTS(T, i, false, 1)
 #define ADJOINTS_LINEAR(T, i, terms)            adjoints_of_one(&T, &T##_run[i], bar + k * T.slots, terms);
 #define ADJOINTS_SUMS(T, i)                     T##_sums_back_##i(bar + k * T.slots);
 
-/* What no adjoint writes first is 0 before. */
+/* Clears numbers. Slots that no adjoint writes first have to be 0 before. */
 #define JET_CLEAR(V, S) *(V *)(x + here) = (V){0};
 JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, ); }
 
@@ -88,8 +88,8 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
 #define JET_GENERATED_ISA jet_isa_base
 #endif
 
-/* The sweeps of tape.h, to be inlined with constants. Lanes are one from the beginning: what is inlined, compilers work
- * on before, for itself. Large functions of many lanes are inlined NEVER. */
+/* Define the sweeps of tape.h, to be inlined with constants. The number of lanes is a constant in each, since compilers
+ * optimise a function before they inline it. Large functions of many lanes are inlined NEVER. */
 #define ALWAYS JET_INLINE
 #define NEVER  JET_APART
 #define JET_GENERATED_VALUES(T, LANES, INLINED)                                                                        \
@@ -99,16 +99,16 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
         bool inside = true;                                                                                            \
         double least[JET_WATCHED];                                                                                     \
         JET_IN_VECTORS for (int w = 0; w < JET_WATCHED; w++) least[w] = 1;                                             \
-        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_TWINS, VALUES_LINEAR);          \
+        T##_RUNS(VALUES_RULE, VALUES_ANGLES, VALUES_PRODUCTS, VALUES_SCATTERED, VALUES_PAIRED, VALUES_LINEAR);         \
         if (T##_is_watched) inside &= is_positive(jet_watched_lanes(lanes), least);                                    \
         return inside;                                                                                                 \
     }
 
-/* Of one register's lanes. */
+/* Calls the values for the lanes of one register. */
 #define VALUES_OF(T, x, width) ((width) == 8 ? T##_values_8(x) : (width) == 4 ? T##_values_4(x) : T##_values_2(x))
 
-/* The same of operations that stand alone, whose values are to be in registers: of one register's lanes after the
- * other's. Nothing but the outputs is kept. */
+/* Define values of operations that stand alone, for the lanes of one register after the other, so that they stay in
+ * registers. Only the outputs are kept. */
 #define IN_A_REGISTER(V, T)                                                                                            \
     {                                                                                                                  \
         enum { width = sizeof(V) / sizeof(double) };                                                                   \
@@ -123,7 +123,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
             *(V *)(x + T##_output[i] * lanes + here) = *(const V *)(y + T##_output[i] * width);                        \
         }                                                                                                              \
     }
-/* Of constants, so that no block is compiled that there is not. */
+/* The limits are constants, so that no block is compiled that does not occur. */
 #ifdef JET_WIDE
 #define IN_REGISTERS(T)                                                                                                \
     for (int here = 0; here < lanes / 8 * 8; here += 8) IN_A_REGISTER(jet_v8, T)                                       \
@@ -144,7 +144,7 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
         return inside;                                                                                                 \
     }
 
-/* No other tapes than those of values alone have scattered operands. */
+/* Only tapes of values have scattered operands. */
 #define NONE(T, i, squares, terms)
 
 #define JET_GENERATED_SERIES(T)                                                                                        \
@@ -152,13 +152,13 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
     {                                                                                                                  \
         enum { lanes = 1 };                                                                                            \
         if (k == 0) return T##_values_1(x);                                                                            \
-        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, NONE, SERIES_TWINS, SERIES_LINEAR) return true;          \
+        T##_RUNS(SERIES_RULE, SERIES_ANGLES, SERIES_PRODUCTS, NONE, SERIES_PAIRED, SERIES_LINEAR) return true;         \
     }
 
 #define JET_GENERATED_TANGENTS(T)                                                                                      \
     JET_INLINE bool T##_tangents_of(const double *x, double *dx, int k, int lanes)                                     \
     {                                                                                                                  \
-        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, NONE, TANGENTS_TWINS,                              \
+        T##_RUNS(TANGENTS_RULE, TANGENTS_ANGLES, TANGENTS_PRODUCTS, NONE, TANGENTS_PAIRED,                             \
                  TANGENTS_LINEAR) return true;                                                                         \
     }
 
@@ -166,14 +166,14 @@ JET_INLINE void jet_clear(double *x, int count) { JET_BLOCKS(count, JET_CLEAR, )
     NEVER void T##_tangents_in_lanes_##LANES(const double *x, double *dx)                                              \
     {                                                                                                                  \
         enum { lanes = LANES };                                                                                        \
-        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, NONE, IN_LANES_TWINS, IN_LANES_LINEAR);            \
+        T##_RUNS(IN_LANES_RULE, IN_LANES_ANGLES, IN_LANES_PRODUCTS, NONE, IN_LANES_PAIRED, IN_LANES_LINEAR);           \
     }
 
 #define JET_GENERATED_ADJOINTS(T)                                                                                      \
     JET_INLINE void T##_adjoints_of(const double *x, double *bar, int k, int top)                                      \
     {                                                                                                                  \
         (void)x, (void)bar, (void)k, (void)top;                                                                        \
-        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, NONE, ADJOINTS_TWINS, ADJOINTS_LINEAR,        \
+        T##_RUNS_BACK(ADJOINTS_RULE, ADJOINTS_ANGLES, ADJOINTS_PRODUCTS, NONE, ADJOINTS_PAIRED, ADJOINTS_LINEAR,       \
                       ADJOINTS_SUMS)                                                                                   \
     }
 

@@ -5,7 +5,7 @@
 
 #include "vector.h"
 
-/* a b + c, rounded once. */
+/* a b + c, rounded once */
 #ifdef __FMA__
 #include <immintrin.h>
 #define JET_FMA(V, a, b, c)    JET_FMA_OF(V, a, b, c)
@@ -30,7 +30,7 @@ JET_INLINE jet_v8 jet_fma_jet_v8(jet_v8 a, jet_v8 b, jet_v8 c)
 #endif
 #endif
 
-/* The same where there is such an operation: so a number has the same bits in vectors of every length. */
+/* a b + c, rounded once if there is such an operation. A number then has the same bits in vectors of every length. */
 #ifdef __FMA__
 #define JET_FUSED(V, a, b, c) JET_FMA(V, a, b, c)
 #else

@@ -1,4 +1,5 @@
-/* graph.c - the graph of one recording: its nodes, found again by a hash table, and jets that stand for none. */
+/* graph.c - Keeps the graph of one recording: its nodes, a hash table that finds equal nodes, and jets without a
+ * node. */
 #include "graph.h"
 #include "refusal.h"
 #include "rule.h"
@@ -13,14 +14,16 @@ enum { CHUNK = 128 };
 struct jet_graph {
     bool open;
     const char *name;      /* of its outputs */
-    const char *part_name; /* of the operations from part_index on, or NULL */
+    const char *part_name; /* name of the operations from part_index on, or NULL */
     int part_index;
-    bool out_of_memory; /* some operation was lost: no output is accepted any more */
+    bool out_of_memory; /* an operation was lost: no output is accepted any more */
     int inputs, parameters, count, capacity;
-    struct jet_node **nodes; /* chunks of CHUNK nodes, so that handles stay valid while the graph grows */
-    int slots;               /* of the hash table, a power of two > 2 count */
+    /* Chunks of CHUNK nodes, so that handles stay valid as the graph grows. */
+    struct jet_node **nodes;
+    int slots; /* of the hash table, a power of two > 2 count */
     struct jet_node **table;
-    long collisions; /* other nodes met where one was looked for in the table */
+    /* How often the search for a node in the table met another one. */
+    long collisions;
 };
 
 /* ---- Poison: an operation that could not be recorded, and the reason --------------------------------------------- */
@@ -94,7 +97,7 @@ static uint64_t bits(double value)
     return word;
 }
 
-/* What it is computed from; the partner follows from that. */
+/* The hash of what the node is computed from. Its partner follows from that. */
 static uint64_t node_hash(const struct jet_node *node)
 {
     uint64_t hash = mix((uint64_t)node->op, bits(node->number));
@@ -119,7 +122,7 @@ static bool same_node(const struct jet_node *x, const struct jet_node *y)
     return true;
 }
 
-/* Where the node is in the table, or the empty slot where it belongs. */
+/* The node's place in the table, or the empty place where it belongs. */
 static struct jet_node **table_slot(jet_graph *graph, const struct jet_node *node)
 {
     const uint64_t mask = (uint64_t)graph->slots - 1;
@@ -214,7 +217,7 @@ jet jet_graph_constant(jet_graph *graph, double value)
     return jet_graph_record_jet(graph, (struct jet_node){.op = OP_CONST, .number = value});
 }
 
-/* The parameter of this index; NULL: there is none. */
+/* The parameter with this index; NULL: there is none. */
 static const struct jet_node *find_parameter(const jet_graph *graph, int which)
 {
     for (int i = 0; i < graph->count; i++) {

@@ -1,6 +1,7 @@
-/* graph.h - the recorded function: a directed graph of operations on jets. Internal to the library.
+/* graph.h - Declares the graph that records a function: a directed graph of operations on jets. It is internal to the
+ * library.
  *
- * A graph is open while the user's function runs and closed afterwards; a closed graph is never written to. Constants
+ * A graph is open while the user's function runs, and closed afterwards; a closed graph is never written to. Constants
  * are folded and equal nodes shared as they are recorded, so that what the user wrote twice is computed once. */
 #ifndef TVI_AD_GRAPH_H
 #define TVI_AD_GRAPH_H
@@ -40,7 +41,7 @@ typedef enum {
     OP_ASINH,     /* z' =  a' / w, w = sqrt(1 + a^2)                */
     OP_ACOSH,     /* z' =  a' / w, w = sqrt((a-1)(a+1))             */
     OP_ATANH,     /* z' =  a' / w, w = (1-a)(1+a)                   */
-    /* On a tape only: */
+    /* only on a tape: */
     OP_PRODUCTS, /* z = sum_i coefficient_i a_i b_i */
     OP_SQUARES,  /* z = sum_i coefficient_i a_i^2   */
     OP_COUNT
@@ -48,7 +49,7 @@ typedef enum {
 
 typedef struct jet_graph jet_graph;
 
-/* Why a jet stands for nothing; JET_OUTSIDE + op: the operation has no power series there. */
+/* The reasons why a jet has no value. JET_OUTSIDE + op: the operation has no power series there. */
 #define JET_REASON_LIST(ROW)                                                                                           \
     ROW(JET_UNSET, TVI_EINVAL, "was not set")                                                                          \
     ROW(JET_FOREIGN, TVI_EINVAL, "is made of jets of another recording, or of one that has ended")                     \
@@ -69,79 +70,80 @@ typedef struct jet_term {
 } jet_term;
 
 struct jet_node {
-    jet_graph *graph; /* NULL: a poison node                                             */
+    jet_graph *graph; /* NULL: a poison node */
     jet_op op;
     int index;          /* order of recording: operands come first, partners may come later */
     double number;      /* CONST, PARAMETER: the value; POW: the exponent; LINEAR: the number added */
-    struct jet_node *a; /* the operand                                                      */
-    struct jet_node *b; /* the second operand, NULL where there is none                     */
-    struct jet_node *w; /* the partner, NULL where there is none                            */
+    struct jet_node *a; /* the operand */
+    struct jet_node *b; /* the second operand, or NULL */
+    struct jet_node *w; /* the partner, or NULL */
     jet_term *terms;    /* LINEAR                                                           */
-    int count;          /* of terms; of a poison node its jet_reason                        */
-    int mark;           /* scratch of whoever walks the graph                               */
-    int which;          /* PARAMETER: its index; the last member (tests/ad/test_sharing.c)  */
+    int count;          /* number of terms; of a poison node its jet_reason */
+    int mark;           /* scratch of walks through the graph */
+    int which;          /* PARAMETER: its index; the last member (tests/ad/test_sharing.c) */
 };
 
-/* A new open graph whose first nodes are its inputs; NULL without memory. */
+/* Creates an open graph, whose first nodes are its inputs. NULL without memory. */
 jet_graph *jet_graph_create(int inputs);
 void jet_graph_close(jet_graph *graph);
-/* What its outputs are called where they are refused: static text. */
+/* Sets the name of the outputs for refusals, in static text. */
 void jet_graph_name(jet_graph *graph, const char *name);
-/* Refusals call the operations from here on, which are not the user's own, parts of this: static text. */
+/* Sets the name for refusals of the operations from here on, which are not the user's own, in static text. */
 void jet_graph_name_part(jet_graph *graph, const char *part);
-/* The text, and the index of the first of these operations; NULL if there are none. */
+/* The name that was set, and the index of the first of these operations; NULL if there are none. */
 const char *jet_graph_part_name(const jet_graph *graph, int *index);
 void jet_graph_free(jet_graph *graph);
 
-/* The node equal to `wanted`, recorded now if it is new. Takes the terms of `wanted`. NULL without memory. */
+/* The node equal to `wanted`, recorded now if it is new. The graph owns the terms of `wanted` then. NULL without
+ * memory. */
 struct jet_node *jet_graph_record(jet_graph *graph, struct jet_node wanted, bool *is_new);
-/* The same as a jet, poison without memory. */
+/* The jet of this node; poison without memory. */
 jet jet_graph_record_jet(jet_graph *graph, struct jet_node wanted);
 jet jet_graph_constant(jet_graph *graph, double value);
-/* A number that the recording's runs may replace (jet_parameter); TVI_EINVAL: it was recorded with another value. */
+/* A number that may be replaced in later runs (jet_parameter). TVI_EINVAL: it was recorded with another value. */
 jet jet_graph_parameter(jet_graph *graph, int which, double value);
 /* 1 + the largest index of a parameter. */
 int jet_graph_parameters(const jet_graph *graph);
-/* An operation was lost for want of memory: no output is accepted any more. */
+/* Records that an operation was lost for want of memory. No output is accepted any more. */
 void jet_graph_lose(jet_graph *graph);
 
 int jet_graph_inputs(const jet_graph *graph);
 jet jet_graph_input(const jet_graph *graph, int i);
 int jet_graph_count(const jet_graph *graph);
-/* How often another node was met where one was looked for, of those recorded before. */
+/* How often the search for a node met another one that was recorded before. */
 long jet_graph_collisions(const jet_graph *graph);
 struct jet_node *jet_graph_node(const jet_graph *graph, int index);
 
 static inline jet jet_of_node(struct jet_node *node) { return (jet){0, node}; }
 
-/* The open graph that all nodes among x belong to, NULL where all are numbers; returns the poison that an operation on
- * x is to return, else a number. */
+/* Finds the open graph that all nodes among x belong to; NULL if all are numbers. Returns the poison that an operation
+ * on x is to return, otherwise a number. */
 jet jet_graph_of(int count, const jet x[], jet_graph **graph);
-/* A jet of no graph that stands for the reason, as does whatever is made of it. The status is in its node's index. */
+/* A jet without a graph that stands for the reason, as do all jets made of it. Its node's index is the status. */
 jet jet_poison(jet_reason reason);
-/* That of an operation outside its domain, and the operand that was there. */
+/* The poison of an operation outside its domain, with its operand. */
 jet jet_poison_at(jet_op op, double operand);
 bool jet_is_poison(jet x);
-/* A jet that no operation has set: what outputs are filled with before the user's function runs. */
+/* A jet that no operation has set. Outputs are filled with it before the user's function runs. */
 static inline jet jet_unset(void) { return jet_poison(JET_UNSET); }
-/* Makes the jets outputs of the open graph: nodes of it stay, finite numbers become constant nodes; else why not,
- * which jet_refusal says. */
+/* Makes the jets outputs of the open graph: its nodes stay, finite numbers become constant nodes. Any other jet is
+ * refused, and jet_refusal gives the reason. */
 tvi_status jet_graph_accept(jet_graph *graph, int outputs, jet output[]);
 
-/* op of its operands, from OP_SQRT on but OP_POW; where it has one, b is ignored. */
+/* Records an operation from OP_SQRT on, except OP_POW. b is ignored if the operation has one operand. */
 jet jet_record_op(jet_op op, jet a, jet b);
 
-/* sum_i coefficient[i] x[i]; equal nodes are collected, numbers folded. */
+/* Records sum_i coefficient[i] x[i]. Equal nodes are collected, numbers folded. */
 jet jet_linear(int count, const double coefficient[], const jet x[]);
-/* gradient[i] = d output / d input_i, i < inputs, recorded into the same open graph (reverse accumulation).
- * Poison where the output is not a jet of the graph. false without memory. */
+/* Records gradient[i] = d output / d input_i, i < inputs, into the same open graph, by reverse accumulation. The
+ * gradient is poison if the output is not a jet of the graph. Returns false without memory. */
 bool jet_gradient(jet_graph *graph, jet output, int inputs, jet gradient[]);
 
-/* Outputs of a closed graph, recorded once more into the open graph `to`, where the jets of `input`, all different,
- * stand for the inputs of the closed one: value[i] = output_i, and rate[i] = its derivative as the inputs move along
- * `direction` and the parameters along `of_parameter`, NULL: not at all (forward accumulation). Poison where one of its
- * inputs is. The closed graph is only read. false without memory. */
-bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[], const jet of_parameter[],
-              int outputs, const jet output[], jet value[], jet rate[]);
+/* Records outputs of a closed graph once more into the open graph `to`, with the jets of `input`, all different, in the
+ * place of the inputs: value[i] = output_i. rate[i] is its derivative as the inputs move along `direction` and the
+ * parameters along `parameter_direction`, NULL: not at all (forward accumulation). Results are poison if one of their
+ * inputs is. The closed graph is only read. Returns false without memory. */
+bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[],
+              const jet parameter_direction[], int outputs, const jet output[], jet value[], jet rate[]);
 
 #endif

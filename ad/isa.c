@@ -1,5 +1,4 @@
-/* isa.c - the instruction set that a tape runs with. Rules and sweeps are compiled once for each set;
- * here one is chosen. */
+/* isa.c - Chooses the instruction set that tapes run with. Rules and sweeps are compiled once for each set. */
 #include "tape.h"
 
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* jet.c - from handles to graph nodes: records the user's operations, folds constants, shares equal nodes. */
+/* jet.c - Records the user's operations on jets as nodes of a graph. It folds constants, and shares equal nodes. */
 #include "graph.h"
 #include "rule.h"
 
@@ -10,7 +10,7 @@ enum { INTEGER_POWER_MAX = INT_MAX };
 
 /* ---- Linear combinations ----------------------------------------------------------------------------------------- */
 
-/* Adds coefficient * node to the terms, to an equal node's term where there is one. */
+/* Adds coefficient * node to the terms of a sum, if possible to an equal node's term. */
 static void collect(struct jet_node *sum, double coefficient, struct jet_node *node)
 {
     if (node->op == OP_LINEAR && node->count == 1 && node->number == 0) { /* a multiple of one node */
@@ -70,7 +70,7 @@ jet jet_linear(int count, const double coefficient[], const jet x[])
 jet jet_record_add(jet a, jet b) { return jet_linear(2, (const double[]){1, 1}, (const jet[]){a, b}); }
 jet jet_record_sub(jet a, jet b) { return jet_linear(2, (const double[]){1, -1}, (const jet[]){a, b}); }
 
-/* An operation on x that there is no memory for: no output of their graph is accepted any more. */
+/* The poison of an operation on x that there is no memory for. No output of the graph is accepted any more. */
 static jet out_of_memory(int count, const jet x[])
 {
     jet_graph *graph;
@@ -104,7 +104,7 @@ jet jet_dot(const jet x[], const jet y[], int count)
 
 static jet number_or_poison(double value) { return isfinite(value) ? jet_const(value) : jet_poison(JET_NOT_FINITE); }
 
-/* The operation on numbers alone, by the rule's own value. */
+/* Folds an operation on numbers, by the rule's own value. */
 static jet fold(jet_op op, double c, double a, double b)
 {
     double z;
@@ -154,7 +154,7 @@ jet jet_record_div(jet a, jet b)
     return jet_graph_record_jet(graph, (struct jet_node){.op = OP_DIV, .a = a.node, .b = b.node});
 }
 
-/* a^count by repeated squaring, count >= 1: exists for every a. */
+/* a^count by repeated squaring, count >= 1, which exists for every a. */
 static jet integer_power(jet a, int count)
 {
     if (count == 1) return a;
@@ -183,7 +183,7 @@ static jet record_with_partner(jet_graph *graph, jet_op op, struct jet_node *a, 
 
 static const double TWO_BY_ROOT_PI = 1.1283791670955126;
 
-/* The partner series that the recurrence of z needs, recorded beside it (see jet_op). */
+/* Records the partner series that the recurrence of z needs (see jet_op). */
 static jet partner(jet_graph *graph, struct jet_node *z)
 {
     const jet a = jet_of_node(z->a);

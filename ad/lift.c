@@ -1,4 +1,4 @@
-/* lift.c - from graph to graph: recorded functions and their derivative along a direction, by forward accumulation. */
+/* lift.c - Records functions and their derivatives along a direction into another graph, by forward accumulation. */
 #include "graph.h"
 #include "rule.h"
 
@@ -7,10 +7,10 @@
 typedef struct {
     const jet_graph *from;
     jet_graph *to;
-    const jet *of_parameter; /* directions; NULL: zeros */
-    bool *needed;            /* [count] nodes of `from`: an output depends on them */
-    jet *value, *rate;       /* [count] in the open graph */
-    jet *term;               /* scratch for the terms of one node, and its number */
+    const jet *parameter_direction; /* directions; NULL: zeros */
+    bool *needed;                   /* [count] nodes of `from` that an output depends on */
+    jet *value, *rate;              /* [count] in the open graph */
+    jet *term;                      /* scratch for the terms of one node, and its number */
     double *coefficient;
 } lifting;
 
@@ -26,7 +26,7 @@ static void mark_needed(lifting *l, int count, int outputs, const jet output[])
     }
 }
 
-/* number + sum_i coefficient_i x_i. */
+/* number + sum_i coefficient_i x_i */
 static jet combine(const lifting *l, const struct jet_node *z, const jet x[], double number)
 {
     for (int term = 0; term < z->count; term++) {
@@ -50,16 +50,16 @@ static jet value_of(const lifting *l, const struct jet_node *z)
     case OP_MUL: return jet_mul(a, b);
     case OP_DIV: return jet_div(a, b);
     case OP_POW: return jet_pow(a, z->number);
-    case OP_SECH2: (void)jet_tanh(a); /* fall through: its series reads this one, which must stand before it */
+    case OP_SECH2: (void)jet_tanh(a); /* fall through: the series of tanh reads this one, which must stand before it */
     default: return jet_record_op(z->op, a, b);
     }
 }
 
-/* dz = z_a da + z_b db: the pull of a rule is z-bar times z_a or z_b, whatever z-bar stands for. */
+/* dz = z_a da + z_b db. The pull of a rule gives z-bar times z_a or z_b for any z-bar, here da or db. */
 static jet rate_of(const lifting *l, const struct jet_node *z, jet value)
 {
     if (z->op == OP_CONST) return jet_const(0);
-    if (z->op == OP_PARAMETER) return l->of_parameter ? l->of_parameter[z->which] : jet_const(0);
+    if (z->op == OP_PARAMETER) return l->parameter_direction ? l->parameter_direction[z->which] : jet_const(0);
     if (z->op == OP_LINEAR) return combine(l, z, l->rate, 0);
     if (!value.node || !value.node->graph) return value;
     const jet_rule *rule = jet_rules[z->op];
@@ -96,10 +96,10 @@ static void lift_nodes(lifting *l, int count, const jet input[], const jet direc
     }
 }
 
-bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[], const jet of_parameter[],
-              int outputs, const jet output[], jet value[], jet rate[])
+bool jet_lift(const jet_graph *from, jet_graph *to, const jet input[], const jet direction[],
+              const jet parameter_direction[], int outputs, const jet output[], jet value[], jet rate[])
 {
-    lifting l = {.from = from, .to = to, .of_parameter = of_parameter};
+    lifting l = {.from = from, .to = to, .parameter_direction = parameter_direction};
     const int count = jet_graph_count(from);
     const bool allocated = allocate(&l, count);
     if (allocated) {

@@ -1,4 +1,4 @@
-/* precise.c - values of a tape in long double: for a number that is asked for once, in which large terms cancel. */
+/* precise.c - Computes the values of a tape in long double, for single numbers in which large terms cancel. */
 #include "tape.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@
     ROW(OP_ACOSH, acoshl(a))                                                                                           \
     ROW(OP_ATANH, atanhl(a))
 
-/* a^c; of c = k/2 without powl, which costs as much as twenty products. */
+/* a^c; for c = k/2 without powl, which costs as much as twenty products. */
 static long double power(long double a, double c)
 {
     enum { MOST = 16 };
@@ -62,7 +62,7 @@ static long double linear_of(const jet_tape *tape, const jet_run *run, int i, co
 
 static long double product_of(const jet_tape *tape, const jet_run *run, int i, const long double *y)
 {
-    const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_second;
+    const int *second = run->op == OP_SQUARES ? tape->term_slot : tape->term_operand_b;
     const int k0 = run->term + (run->is_scattered ? i * run->terms : 0), at = run->is_scattered ? 0 : i;
     long double sum = 0;
     for (int k = k0; k < k0 + run->terms; k++)

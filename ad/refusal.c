@@ -1,4 +1,4 @@
-/* refusal.c - the texts of what is refused, and the operation that a sweep has failed at. */
+/* refusal.c - Keeps the text of the last refusal, and finds the operation at which a sweep has failed. */
 #include "refusal.h"
 #include "rule.h"
 
@@ -45,7 +45,7 @@ tvi_status jet_refuse_output(const char *name, int outputs, int i, jet x)
                       names[reason - JET_OUTSIDE], x.number);
 }
 
-/* What an operation divides by, or its operand. */
+/* The divisor of a division, or the operand of any other operation. */
 static double operand_of(const jet_run *run, const double *x, int lanes, int member)
 {
     return x[(run->op == OP_DIV ? run->b : run->a) * lanes + member];

@@ -1,5 +1,5 @@
-/* roots.h - vectors whose inverse roots are had from an estimate (rule_power.c). Before AVX-512 there is none in double
- * precision, and roots and quotients take no longer. */
+/* roots.h - Defines vectors whose inverse roots start from an estimate, for rule_power.c. Before AVX-512 there is no
+ * estimate in double precision, and roots and quotients take no longer. */
 #ifndef TVI_AD_ROOTS_H
 #define TVI_AD_ROOTS_H
 
@@ -31,7 +31,7 @@ typedef __mmask8 roots_mask;
 #define ROOTS_STORE(mask, z, a)  OF_ROOTS(mask_storeu_pd)(z, mask, a)
 #define ROOTS_BITS(a, bits)      ROOTS_AND(a, ROOTS_ALL_BITS(bits))
 
-/* Near a^(-1/2). */
+/* An estimate of a^(-1/2). */
 JET_INLINE roots roots_estimate(roots a) { return OF_ROOTS(rsqrt14_pd)(a); }
 
 #endif

@@ -1,42 +1,44 @@
-/* rule.h - what each operation does, in every kind of sweep. One operation a line of the table in rule.c; the rules of
- * a family share a file, rule_*.c, and within it a recurrence.
+/* rule.h - Declares what each operation does in every kind of sweep. Each operation is a line of the table in rule.c.
+ * The rules of a family share a file, rule_*.c, and within it a recurrence.
  *
- * Series are normalised: x(s) = sum_k x_k s^k. A rule's loops are made by the frames below from a body that is written
- * for a vector type V (vector.h); where a series meets the lanes of a tangent, S reads it. */
+ * Series are normalised: x(s) = sum_k x_k s^k. The frames below make a rule's loops from a body that is written for a
+ * vector type V (vector.h). S reads a series that meets the lanes of a tangent. */
 #ifndef TVI_AD_RULE_H
 #define TVI_AD_RULE_H
 
 #include "tape.h"
 #include "vector.h"
 
-/* In what follows a is the operand, b the second one and w the partner, where the operation has them; rules of others
- * leave these alone. */
+/* In the rules below a is the operand, b the second one and w the partner, if the operation has them. Other rules leave
+ * these alone. */
 
-/* z_0 from a_0 (and b_0), width of each; c is the node's number. false where a power series does not exist; a NaN is no
- * offence, it goes on to the outputs. z overlaps neither a nor b. */
+/* Computes z_0 from a_0 (and b_0), width numbers each; c is the node's number. Returns false if a power series does not
+ * exist. A NaN is allowed, and goes on to the outputs. z overlaps neither a nor b. */
 typedef bool jet_value_rule(double c, int width, const double *a, const double *b, double *restrict z);
 
-/* The others work on the members of a run, in blocks as the sweeps have them (tape.h), whose orders are `stride`
+/* The other rules work on the members of a run, in blocks as the sweeps have them (tape.h), whose orders are `stride`
  * numbers apart for one lane. */
 
-/* z_k from orders 0..k of a, b, w and 0..k-1 of z, k >= 1. */
+/* Computes z_k from orders 0..k of a, b, w and 0..k-1 of z, k >= 1. */
 typedef void jet_series_rule(const jet_run *run, double *x, int k, size_t stride, int lanes);
 
-/* dz_k from orders 0..k of a, b, w, da, db, dw, 0..k of z and 0..k-1 of dz, k >= 0: x has one lane, dx several. */
+/* Computes dz_k from orders 0..k of a, b, w, da, db, dw, 0..k of z and 0..k-1 of dz, k >= 0; x has one lane, dx
+ * several. */
 typedef void jet_tangent_rule(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes);
 
-/* The transpose of the derivative of the series rule, for k = top, ..., 0: either what zbar_k, which is complete, adds
- * to abar, bbar, wbar of orders 0..k and zbar of orders 0..k-1, or all that zbar of orders k..top add to those of order
- * k: then what is in the place of zbar_k from there on is the rule's own. One lane. */
+/* Applies the transpose of the derivative of the series rule, for k = top, ..., 0. It adds either what zbar_k, which is
+ * complete, contributes to abar, bbar, wbar of orders 0..k and zbar of orders 0..k-1; or all that zbar of orders k..top
+ * contribute to order k, and then the rule keeps its own numbers in the place of zbar_k from there on. It has one
+ * lane. */
 typedef void jet_adjoint_rule(const jet_run *run, const double *x, double *bar, int k, int top, size_t stride);
 
-/* Symbolic: what z-bar adds to the adjoint of z's operand a (which = 0) or b (which = 1). */
+/* Records what z-bar adds to the adjoint of z's operand a (which = 0) or b (which = 1). */
 typedef jet jet_pull_rule(struct jet_node *z, jet zbar, int which);
 
-/* When order k of z reads the partner: no rule reads it for values. */
+/* The orders of the partner that order k of z reads. No rule reads it for values. */
 typedef enum {
-    W_NONE,  /* there is none            */
-    W_LOWER, /* orders below k only      */
+    W_NONE,  /* there is none */
+    W_LOWER, /* orders below k only */
     W_SAME   /* order k too, one operand */
 } jet_partner_role;
 
@@ -59,15 +61,16 @@ typedef struct {
 #define JET_FOR_ISA(name)        JET_PASTE(name, JET_ISA)
 #define JET_RULE_OF(name)        JET_FOR_ISA(jet_rule_##name)
 
-/* Indexed by jet_op; NULL for INPUT, CONST and LINEAR, whose work needs no recurrence. MUL has a value, for
- * numbers, and a pull only, SQR, which no numbers make, a pull: on a tape both are sums of products (sums.h). */
+/* The table of rules, indexed by jet_op; NULL for INPUT, CONST and LINEAR, whose work needs no recurrence. MUL has only
+ * a value, for numbers, and a pull. SQR, which no numbers make, has a pull. On a tape both are sums of products
+ * (sums.h). */
 #define jet_rules JET_FOR_ISA(jet_rules)
 extern const jet_rule *const jet_rules[OP_COUNT];
 
-/* The values of two runs together (jet_run.together), which cost little more than those of one of them, */
+/* Computes the values of two runs together (jet_run.together), which costs little more than those of one. */
 #define jet_sine_cosine JET_FOR_ISA(jet_sine_cosine)
 void jet_sine_cosine(const jet_run *sine, const jet_run *cosine, double *x, int lanes);
-/* and of up to four powers, the same as of each alone. */
+/* Computes the values of up to four powers together, with the same bits as one by one. */
 #define jet_inverse_roots JET_FOR_ISA(jet_inverse_roots)
 bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes);
 
@@ -102,14 +105,14 @@ JET_RULE_LIST(JET_DECLARE_RULE)
 #undef JET_DECLARE_RULE
 #endif
 
-/* Whether the operation has a value at positive numbers alone. */
+/* Tells whether the operation has a value at positive numbers alone. */
 static inline bool jet_needs_positive(const jet_run *run)
 {
     return run->op == OP_SQRT || run->op == OP_LOG || (run->op == OP_POW && run->c != JET_FLOOR(run->c));
 }
 
-/* The members of a run and their lanes stand side by side, as if all were members of one lane. */
-JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
+/* Makes a run of one lane of a run of several, whose members and lanes stand side by side. */
+JET_INLINE jet_run jet_flatten_lanes(const jet_run *run, int lanes)
 {
     return (jet_run){.op = run->op,
                      .count = run->count * lanes,
@@ -135,8 +138,8 @@ JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
         JET_BLOCKS(width, SERIES, JET_OF);                                                                             \
     }
 
-/* Defines name_tangent from TANGENT(V, S), which sets JET_D_AT(V, dz, k): across the members of the run where there is
- * one lane, else across the lanes of each member. */
+/* Defines name_tangent from TANGENT(V, S), which sets JET_D_AT(V, dz, k). With one lane it goes across the members of
+ * the run, otherwise across the lanes of each member. */
 #define JET_TANGENT_FRAME(name, TANGENT)                                                                               \
     static void name##_tangent(const jet_run *run, const double *x, double *dx, int k, size_t stride, int lanes)       \
     {                                                                                                                  \
@@ -156,8 +159,8 @@ JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
         }                                                                                                              \
     }
 
-/* bar_k += x, or bar_k = x where nothing is there yet, bar being that of an operand of the run: operand 0 is a, and
- * 2 t and 2 t + 1 are the factors of term t. */
+/* bar_k += x, or bar_k = x if nothing is there yet. bar is the adjoint of an operand of the run: operand 0 is a, and
+ * the factors of term t are operands 2 t and 2 t + 1. */
 #define JET_ADD_TO(V, bar, operand, x)                                                                                 \
     do {                                                                                                               \
         if (JET_IS_FRESH(run, operand)) JET_AT(V, bar, k) = (x);                                                       \
@@ -179,13 +182,13 @@ JET_INLINE jet_run jet_spread(const jet_run *run, int lanes)
         JET_BLOCKS(run->count, ADJOINT, JET_OF);                                                                       \
     }
 
-/* All three, from KIND_SERIES, KIND_TANGENT and KIND_ADJOINT. */
+/* Defines all three from KIND_SERIES, KIND_TANGENT and KIND_ADJOINT. */
 #define JET_FRAMES(name, KIND)                                                                                         \
     JET_SERIES_FRAME(name, KIND##_SERIES)                                                                              \
     JET_TANGENT_FRAME(name, KIND##_TANGENT)                                                                            \
     JET_ADJOINT_FRAME(name, KIND##_ADJOINT)
 
-/* What the row of the table names; generated code (emit.h) has no table. */
+/* Defines the row of the table; generated code (emit.h) has no table. */
 #ifndef JET_EMITTED
 #define JET_RULE_ROW(name, ...) const jet_rule JET_RULE_OF(name) = {__VA_ARGS__};
 #else

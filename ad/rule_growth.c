@@ -1,6 +1,6 @@
-/* Functions whose derivative is another series times that of the argument, z' = s w a' with s = 1 or -1: exponential,
- * trigonometric and hyperbolic functions, and the error function. The partner w is computed beside z and read at lower
- * orders only. */
+/* rule_growth.c - Defines the rules of functions whose derivative is another series times that of the argument, z' = s
+ * w a' with s = 1 or -1: exponential, trigonometric and hyperbolic functions, and the error function. The partner w is
+ * computed beside z and read at lower orders only. */
 #include "elementary.h"
 #include "rule.h"
 

@@ -1,5 +1,6 @@
-/* Functions whose derivative divides by another series, z' = s a' / w with s = 1 or -1: the logarithm and the inverse
- * trigonometric and hyperbolic functions. The partner w is read at lower orders only. */
+/* rule_inverse.c - Defines the rules of functions whose derivative divides by another series, z' = s a' / w with s = 1
+ * or -1: the logarithm and the inverse trigonometric and hyperbolic functions. The partner w is read at lower orders
+ * only. */
 #include "elementary.h"
 #include "rule.h"
 
@@ -41,7 +42,7 @@
 #define MINUS_TANGENT(V, S) INVERSE_TANGENT(V, S, -1.0)
 #define MINUS_ADJOINT(V, S) INVERSE_ADJOINT(V, S, -1.0)
 
-/* The rules of z = function(a) with the sign's bodies, which does not exist where outside(a). */
+/* Defines the rules of z = function(a) with the bodies of the sign. z does not exist if outside(a). */
 #define INVERSE_RULES(name, function, SIGN, s, outside)                                                                \
     static bool name##_value(double c, int width, const double *a, const double *b, double *restrict z)                \
     {                                                                                                                  \

@@ -1,4 +1,5 @@
-/* Polar coordinates of (b, a): z = sqrt(a^2 + b^2), and the angle z = atan2(a, b). Neither exists at (0, 0). */
+/* rule_polar.c - Defines the rules of the polar coordinates of (b, a): z = sqrt(a^2 + b^2), and the angle z = atan2(a,
+ * b). Neither exists at (0, 0). */
 #include "rule.h"
 
 #include <math.h>

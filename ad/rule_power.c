@@ -1,4 +1,4 @@
-/* Powers with a constant exponent. */
+/* rule_power.c - Defines the rules of powers with a constant exponent. */
 #include "elementary.h"
 #include "roots.h"
 #include "rule.h"
@@ -89,14 +89,14 @@ static bool is_nonzero(int width, const double *a)
     return !outside;
 }
 
-/* a^(-k/2), k = 7, 5, 3, 1, or the last few of them: the potential of gravity and its derivatives. The compiler knows
- * k, and how many there are: each takes `width` numbers of z. */
+/* Computes a^(-k/2), k = 7, 5, 3, 1, or the last few of them: the potential of gravity and its derivatives. The
+ * compiler knows k, and how many powers there are. Each power takes `width` numbers of z. */
 #ifdef HAS_ROOTS
 typedef struct {
     roots a, bounded, y, square, e;
 } inverse_root;
 
-/* y near a^(-1/2), of so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12. */
+/* Computes y near a^(-1/2), with so few bits that y^3 is exact, and e = 1 - a y^2, |e| < 2^-12. */
 JET_INLINE inverse_root near_inverse_root(roots a)
 {
     const roots bounded = OF_ROOTS(min_pd)(OF_ROOTS(set1_pd)(DBL_MAX), a); /* a NaN stays */
@@ -105,27 +105,26 @@ JET_INLINE inverse_root near_inverse_root(roots a)
     return (inverse_root){a, bounded, y, square, e};
 }
 
-/* With e,
- *   a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...),
- * which is rounded once for k = 1, 3, where a root, a product and a quotient round three times and take twice as long.
- * Where y^2 is infinite, or a is, so is y^k or it is 0; but for k = 1, which divides by the root there, and where y is
- * not near. */
-JET_INLINE roots inverse_of_roots(int k, inverse_root of)
+/* Computes
+ *    a^(-k/2) = y^k (1 - e)^(-k/2) = y^k (1 + k/2 e + k (k+2)/8 e^2 + k (k+2) (k+4)/48 e^3 + ...),
+ * which is rounded once for k = 1, 3. A root, a product and a quotient round three times and take twice as long. If y^2
+ * or a is infinite, y^k is infinite or 0; k = 1 then divides by the root, as it does if y is not near. */
+JET_INLINE roots inverse_of_roots(int k, inverse_root root)
 {
     const double c1 = k / 2.0, c2 = c1 * (k + 2) / 4, c3 = c2 * (k + 4) / 6, c4 = c3 * (k + 6) / 8;
-    const roots e = of.e, squared = e * e, series = (c1 + e * c2) + squared * (c3 + e * c4);
-    roots power = of.y;
-    for (int i = 1; i < k; i += 2) power *= of.square;
+    const roots e = root.e, squared = e * e, series = (c1 + e * c2) + squared * (c3 + e * c4);
+    roots power = root.y;
+    for (int i = 1; i < k; i += 2) power *= root.square;
     const roots_mask finite = ROOTS_WHERE(power, _CMP_NEQ_UQ, OF_ROOTS(set1_pd)(INFINITY));
     const roots rounded = ROOTS_CHOOSE(finite, OF_ROOTS(fmadd_pd)(power * e, series, power), power);
     if (k > 1) return rounded;
-    const roots near = ROOTS_CHOOSE(ROOTS_WHERE(of.a, _CMP_EQ_OQ, of.bounded), squared, OF_ROOTS(set1_pd)(1));
+    const roots near = ROOTS_CHOOSE(ROOTS_WHERE(root.a, _CMP_EQ_OQ, root.bounded), squared, OF_ROOTS(set1_pd)(1));
     const roots_mask usual = ROOTS_WHERE(near, _CMP_LT_OQ, OF_ROOTS(set1_pd)(0x1p-20));
     if (ROOTS_ARE(usual) == (1 << ROOTS) - 1) return rounded;
-    return ROOTS_CHOOSE(usual, rounded, 1 / OF_ROOTS(sqrt_pd)(of.a));
+    return ROOTS_CHOOSE(usual, rounded, 1 / OF_ROOTS(sqrt_pd)(root.a));
 }
 
-/* `power` from the first one on, of a block. */
+/* Computes `powers` powers of a block, from the first one on. */
 enum { INVERSE_ROOTS = 4 };
 typedef void powers_of_block(int k, int powers, roots a, roots power[]);
 
@@ -135,7 +134,7 @@ JET_INLINE void inverse_roots(int k, int powers, roots a, roots power[])
     for (int i = 0; i < powers; i++) power[i] = inverse_of_roots(k - 2 * i, root);
 }
 
-/* a^(quarters/4) for 3, -1, -3 and -5 of them: with r = a^(-1/2), whose root is a^(-1/4), a^i r^j a^(-1/4). */
+/* a^(quarters/4) for 3, -1, -3 and -5 quarters: with r = a^(-1/2), whose root is a^(-1/4), it is a^i r^j a^(-1/4). */
 JET_INLINE void odd_quarters(int quarters, int powers, roots a, roots power[])
 {
     const int ups = (quarters + 3) / 4;
@@ -157,7 +156,7 @@ JET_INLINE bool in_blocks(powers_of_block *of_block, int k, int powers, int widt
         of_block(k, powers, block, power);
         for (int i = 0; i < powers; i++) OF_ROOTS(storeu_pd)(z + i * width + w, power[i]);
     }
-    if (w + 1 == width) { /* of a number alone no vector waits that it is stored */
+    if (w + 1 == width) { /* a single number is not stored for a vector to wait for */
         const roots block = OF_ROOTS(set1_pd)(a[w]);
         outside |= a[w] <= 0;
         of_block(k, powers, block, power);
@@ -206,7 +205,8 @@ JET_INLINE bool other_power(double c, int width, const double *a, double *restri
     return c == floor(c) ? is_nonzero(width, a) : is_positive(width, a);
 }
 
-/* Where the compiler does not know which, apart, so that gravity does not pay for the registers of all the others. */
+/* A power that the compiler does not know, in a function of its own, so that gravity does not pay for the registers of
+ * others. */
 JET_APART bool any_power(double c, int width, const double *a, double *restrict z)
 {
     return other_power(c, width, a, z);
@@ -234,8 +234,8 @@ bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
 }
 
 /* a z' = c a' z  =>  z_k = 1/(k a_0) sum_{j=1}^{k} (c j - (k-j)) a_j z_{k-j}.   O(N^2). The term with a_k, which is
- * known last, comes in one operation. Where all orders of one number are known to the compiler, the others are
- * (c+1) sum i a_i z_{k-i} - k sum a_i z_{k-i} in one vector, and the two numbers that it has of a_i serve all k. */
+ * known last, takes one operation. If the compiler knows all orders of one number, the other terms are (c+1) sum i a_i
+ * z_{k-i} - k sum a_i z_{k-i} in one vector, and the two numbers that it has of a_i serve all k. */
 #define POW_SERIES(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -260,8 +260,8 @@ bool jet_inverse_roots(const jet_run *run, int powers, double *x, int lanes)
     }
 
 /* s_k = (zbar_k + sum_{j=k+1}^{top} (c (j-k) - k) s_j a_{j-k}) / (k a_0), in the place of zbar_k;
- * abar_k += sum_{j=k}^{top} (c k - (j-k)) s_j z_{j-k}.   With 1 for k and c for the factor of s_0 z_0 where k = 0. What
- * is known last comes in few operations. */
+ * abar_k += sum_{j=k}^{top} (c k - (j-k)) s_j z_{j-k}.   For k = 0 the factor k is 1, and that of s_0 z_0 is c. Numbers
+ * that are known last enter few operations. */
 #define POW_ADJOINT(V, S)                                                                                              \
     {                                                                                                                  \
         const V inverse = 1.0 / ((k > 0 ? (double)k : 1.0) * S(V, a, 0));                                              \

@@ -1,4 +1,5 @@
-/* Products and quotients: plain convolutions. On a tape products are sums of products (sum_products.c). */
+/* rule_product.c - Defines the rules of products and quotients, which are convolutions. On a tape products are sums of
+ * products (sum_products.c). */
 #include "rule.h"
 
 /* ---- z = a b ----------------------------------------------------------------------------------------------------- */
@@ -19,14 +20,15 @@ JET_RULE_ROW(mul, .operands = 2, .value = mul_value, .pull = mul_pull)
 
 /* ---- z = a^2 ----------------------------------------------------------------------------------------------------- */
 
-/* Where z-bar is c + k a, as where a^3 was written with z: 2 c a + 2 k z, without a product. */
+/* If z-bar is c + k a, as in a^3 that was written with z, the pull is 2 c a + 2 k z, without a product. */
 static jet sqr_pull(struct jet_node *z, jet zbar, int which)
 {
     (void)which;
     const jet a = jet_of_node(z->a);
-    const struct jet_node *of = zbar.node;
-    if (!of || of->op != OP_LINEAR || of->count != 1 || of->terms[0].node != z->a) return jet_mul(2, jet_mul(zbar, a));
-    const double twice[] = {2 * of->number, 2 * of->terms[0].coefficient};
+    const struct jet_node *factor = zbar.node;
+    if (!factor || factor->op != OP_LINEAR || factor->count != 1 || factor->terms[0].node != z->a)
+        return jet_mul(2, jet_mul(zbar, a));
+    const double twice[] = {2 * factor->number, 2 * factor->terms[0].coefficient};
     return jet_linear(2, twice, (const jet[]){a, jet_of_node(z)});
 }
 

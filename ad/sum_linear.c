@@ -1,7 +1,8 @@
-/* sum_linear.c - z = number + sum_i coefficient_i x_i: the same for values, series and tangents, but for the number. */
+/* sum_linear.c - Computes z = number + sum_i coefficient_i x_i. Values, series and tangents differ in the number
+ * alone. */
 #include "sums.h"
 
-/* name[terms](parameters): one for each number of terms up to OWN_MAX, name[0] for more. */
+/* Defines name[terms](parameters): a function for each number of terms up to OWN_MAX, and name[0] for more. */
 enum { OWN_MAX = 5 };
 #define TABLE(name, body, parameters, ...)                                                                             \
     static void name##_any parameters { body(__VA_ARGS__, run->terms); }                                               \
@@ -11,7 +12,7 @@ enum { OWN_MAX = 5 };
         parameters = {name##_any, name##_of_1, name##_of_2, name##_of_3, name##_of_4, name##_5};
 #define FUNCTION(name, run) name[(run)->terms <= OWN_MAX ? (run)->terms : 0]
 
-/* One lane. */
+/* Computes sums of one lane. */
 JET_INLINE void sums_of_one(const jet_tape *tape, const jet_run *run, double *x, int terms)
 {
     const int *from = tape->term_slot + run->term;
@@ -36,7 +37,7 @@ TABLE(sums_one, sums_of_one, (const jet_tape *tape, const jet_run *run, double *
         JET_AT(V, z, 0) = sum;                                                                                         \
     }
 
-/* Two sums without numbers, each of which would wait for its additions alone. */
+/* Computes two sums without numbers together, since each alone would wait for its additions. */
 #define LINEAR_PAIR(V, S)                                                                                              \
     {                                                                                                                  \
         V sum = coefficient[0] * S(V, x, from[0]), next = coefficient[terms] * S(V, x, from[terms]);                   \
@@ -48,7 +49,7 @@ TABLE(sums_one, sums_of_one, (const jet_tape *tape, const jet_run *run, double *
         JET_AT(V, z, 1) = next;                                                                                        \
     }
 
-/* number: of the first one, the others' beside it; NULL: none. */
+/* Computes sums of several lanes. number points to the first sum's, with those of the others beside it; NULL: none. */
 JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x, int lanes, const double *number,
                              int terms)
 {
@@ -58,7 +59,7 @@ JET_INLINE void sums_of_many(const jet_tape *tape, const jet_run *run, double *x
     double *z = x + stride * (size_t)run->z, *const end = z + stride * (size_t)run->count, c[OWN_MAX];
     if (lanes == 8 && !number && terms > OWN_MAX)
         for (; z + stride < end; z += 2 * stride, from += 2 * terms, coefficient += 2 * terms)
-            JET_EIGHTS(lanes, LINEAR_PAIR, JET_OF)
+            JET_BLOCKS_OF_8(lanes, LINEAR_PAIR, JET_OF)
     for (; z < end; z += stride, from += terms, coefficient += terms) {
         for (int term = 0; term < kept; term++) a[term] = x + stride * (size_t)from[term], c[term] = coefficient[term];
         JET_BLOCKS(lanes, LINEAR, JET_OF);
@@ -109,8 +110,8 @@ void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int 
     }
 }
 
-/* One lane. A term that several sums in a row share, as differences of one body's position from many, gathers what they
- * hand on in a register. */
+/* Adds the adjoints of sums of one lane. A term that several sums in a row share collects their contributions in a
+ * register, as in differences of one body's position from many others. */
 JET_INLINE void adjoints_of_one(const jet_tape *tape, const jet_run *run, double *bar, int terms)
 {
     enum { KEPT = 2 };

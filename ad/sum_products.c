@@ -1,9 +1,9 @@
-/* sum_products.c - z = sum_t c_t a_t b_t, and z = sum_t c_t a_t^2, whose convolutions are symmetric: half the products.
- * All terms pass while a block of z is in a register. */
+/* sum_products.c - Computes z = sum_t c_t a_t b_t, and z = sum_t c_t a_t^2, whose convolutions are symmetric and need
+ * half the products. All terms are added while a block of z is in a register. */
 #include "devices.h"
 #include "sums.h"
 
-/* name[squares][terms](parameters): one for each number of terms of each operation. */
+/* Defines name[squares][terms](parameters): a function for each number of terms of each operation. */
 #define TABLE(name, body, parameters, ...)                                                                             \
     JET_BY_TERMS(name##_products, body, parameters, __VA_ARGS__, false)                                                \
     JET_BY_TERMS(name##_squares, body, parameters, __VA_ARGS__, true)                                                  \
@@ -33,11 +33,11 @@ JET_INLINE products terms_at(const double *c, const int *a, const int *b, const 
 JET_INLINE products terms_of(const jet_tape *tape, const jet_run *run, const double *x, size_t lanes, int terms)
 {
     const int first = run->term;
-    return terms_at(tape->term_coefficient + first, tape->term_slot + first, tape->term_second + first, x, lanes,
+    return terms_at(tape->term_coefficient + first, tape->term_slot + first, tape->term_operand_b + first, x, lanes,
                     terms);
 }
 
-/* sum_t += sum_{j=from}^{to} term(t, j) for all t at once; what is known last is in the last term. */
+/* sum_t += sum_{j=from}^{to} term(t, j) for all t at once. The last term contains the numbers that are known last. */
 #define SUMS(V, sum, from, to, term)                                                                                   \
     if (terms == 1) {                                                                                                  \
         const int t = 0;                                                                                               \
@@ -62,7 +62,7 @@ JET_INLINE void values_of(const jet_tape *tape, const jet_run *run, double *x, i
     const int width = run->count * lanes;
     double *z = x + (size_t)run->z * stride;
     (void)squares; /* b is a */
-    if (lanes == 8) JET_EIGHTS(width, VALUES, JET_OF)
+    if (lanes == 8) JET_BLOCKS_OF_8(width, VALUES, JET_OF)
     else JET_BLOCKS(width, VALUES, JET_OF);
 }
 TABLE(values_eight, values_of, (const jet_tape *tape, const jet_run *run, double *x), tape, run, x, 8)
@@ -73,7 +73,7 @@ JET_INLINE void scattered_values_of(const jet_tape *tape, const jet_run *run, do
 {
     const size_t stride = (size_t)lanes;
     const double *c = tape->term_coefficient + run->term;
-    const int *a = tape->term_slot + run->term, *b = squares ? a : tape->term_second + run->term;
+    const int *a = tape->term_slot + run->term, *b = squares ? a : tape->term_operand_b + run->term;
     double *z = x + (size_t)run->z * stride, *const end = z + (size_t)run->count * stride;
     for (; z < end; z += stride, a += terms, b += terms, c += terms) {
         const products p = terms_at(c, a, b, x, stride, terms);
@@ -122,7 +122,7 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
     }
 
 #ifdef JET_EMITTED
-/* Whether a sum of two squares is one of neighbours with the same coefficient, which are one vector. */
+/* Tells whether a sum of two squares is of adjacent numbers with the same coefficient, which are one vector. */
 JET_INLINE bool are_neighbours(const products *p, int count, int terms)
 {
     return JET_HAS(TWINS) && terms == 2 && count == 1 && p->a[1] == p->a[0] + 1 && p->c[0] == p->c[1];
@@ -155,18 +155,18 @@ JET_INLINE void series_of(const jet_tape *tape, const jet_run *run, double *x, i
 }
 
 #ifdef JET_EMITTED
-/* Of two runs with a common factor, b, whose other factors are neighbours (emit.c), in one vector. */
-JET_INLINE void twin_series_of(const jet_tape *tape, const jet_run *run, const jet_run *twin, double *x, int k)
+/* Computes the series of two runs with a common factor b, whose other factors are adjacent (emit.c), in one vector. */
+JET_INLINE void paired_series_of(const jet_tape *tape, const jet_run *run, const jet_run *partner, double *x, int k)
 {
-    const bool is_first = tape->term_slot[run->term] < tape->term_slot[twin->term];
-    const products p = terms_of(tape, is_first ? run : twin, x, 1, 1);
+    const bool is_first = tape->term_slot[run->term] < tape->term_slot[partner->term];
+    const products p = terms_of(tape, is_first ? run : partner, x, 1, 1);
     const size_t stride = (size_t)tape->slots, here = 0;
     const int terms = 1;
     double *z = x + (size_t)k * stride;
     PRODUCTS_ORDER(jet_v2, JET_OF, JET_ONE_OF)
-    const int low = is_first ? run->z : twin->z, high = is_first ? twin->z : run->z;
+    const int low = is_first ? run->z : partner->z, high = is_first ? partner->z : run->z;
     if (high == low + 1) *(jet_v2 *)(z + low) = total;
-    else if (low == high + 1) *(jet_v2 *)(z + high) = JET_TURNED(total);
+    else if (low == high + 1) *(jet_v2 *)(z + high) = JET_SWAPPED(total);
     else z[low] = total[0], z[high] = total[1];
 }
 #endif
@@ -203,7 +203,7 @@ void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int
         JET_D_AT(V, dz, k) = total;                                                                                    \
     }
 
-/* Across the members where x has as many lanes, else across the lanes of each member i. */
+/* Goes across the members if x has as many lanes as dx, otherwise across the lanes of each member i. */
 #define TANGENT_OF(TANGENT)                                                                                            \
     if (lanes == lanes_of_x) {                                                                                         \
         const size_t i = 0;                                                                                            \
@@ -242,8 +242,8 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
 
 /* ---- Adjoints ---------------------------------------------------------------------------------------------------- */
 
-/* What most rules hand on from one order of z to many of its operands is collected here, for one order of the operands
- * from many of z, in registers:
+/* Most rules add contributions of one order of z to many orders of their operands. This one sums the contributions of
+ * many orders of z to one order of the operands, in registers:
  * abar_k += c_t sum_{j=k}^{top} zbar_j b_{j-k},  bbar_k likewise. */
 #define PRODUCTS_ADJOINT(V, S)                                                                                         \
     for (int t = 0; t < terms; t++) {                                                                                  \
@@ -273,7 +273,7 @@ JET_INLINE void adjoints_of(const jet_tape *tape, const jet_run *run, const doub
     double *abar[JET_TERMS_MAX], *bbar[JET_TERMS_MAX];
     for (int t = 0; t < terms; t++) {
         abar[t] = bars + tape->term_slot[run->term + t];
-        bbar[t] = bars + tape->term_second[run->term + t];
+        bbar[t] = bars + tape->term_operand_b[run->term + t];
     }
     if (squares) JET_BLOCKS(run->count, SQUARES_ADJOINT, JET_OF);
     else JET_BLOCKS(run->count, PRODUCTS_ADJOINT, JET_OF);

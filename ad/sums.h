@@ -1,5 +1,5 @@
-/* sums.h - the runs that need no rule: sums of multiples, and sums of products, of which most forces consist. Compiled
- * once for each instruction set. */
+/* sums.h - Declares the runs that need no rule: sums of multiples, and sums of products, of which most forces consist.
+ * They are compiled once for each instruction set. */
 #ifndef TVI_AD_SUMS_H
 #define TVI_AD_SUMS_H
 
@@ -14,13 +14,13 @@
 #define jet_product_tangent JET_FOR_ISA(jet_product_tangent)
 #define jet_product_adjoint JET_FOR_ISA(jet_product_adjoint)
 
-/* LINEAR. The block of one order: x of order 0, of order k >= 1 of a series or of any order of a tangent, bar of any
- * order. */
+/* Compute LINEAR runs in the block of one order: x of order 0, of order k >= 1 of a series or of any order of a
+ * tangent, bar of any order. */
 void jet_linear_values(const jet_tape *tape, const jet_run *run, double *x, int lanes);
 void jet_linear_order(const jet_tape *tape, const jet_run *run, double *x, int lanes);
 void jet_linear_adjoint(const jet_tape *tape, const jet_run *run, double *bar);
 
-/* PRODUCTS and SQUARES: what the sweeps of the same names do (tape.h). */
+/* Compute PRODUCTS and SQUARES, as the sweeps of the same names do (tape.h). */
 void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int lanes);
 void jet_product_series(const jet_tape *tape, const jet_run *run, double *x, int k, int lanes);
 /* x has one lane, or as many as dx. */
@@ -28,8 +28,8 @@ void jet_product_tangent(const jet_tape *tape, const jet_run *run, const double 
                          int lanes);
 void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double *x, double *bar, int k, int top);
 
-/* name_T(parameters) calls body(..., T) for T = 1 .. JET_TERMS_MAX terms, each a function of its own: what the compiler
- * knows of T spares it the registers of all the others. */
+/* Defines name_T(parameters), which calls body(..., T), for T = 1 .. JET_TERMS_MAX terms. Each T has a function of its
+ * own, so that the compiler knows T and saves the registers of the other cases. */
 #define JET_BY_TERMS(name, body, parameters, ...)                                                                      \
     static void name##_1 parameters { body(__VA_ARGS__, 1); }                                                          \
     static void name##_2 parameters { body(__VA_ARGS__, 2); }                                                          \
@@ -43,7 +43,7 @@ void jet_product_adjoint(const jet_tape *tape, const jet_run *run, const double 
         JET_AT(V, out, 0) = sum;                                                                                       \
     }
 
-/* What the sweep of this name does (tape.h); of rows that stand farther apart than they are wide. */
+/* Does what the sweep of this name does (tape.h), for rows that stand farther apart than they are wide. */
 JET_INLINE void jet_combine_apart(int count, const double *c, size_t of_c, int width, size_t stride,
                                   const double *table, double *out)
 {

@@ -1,4 +1,4 @@
-/* sweep.c - runs a tape. Each kind of sweep walks the runs once and calls the operation's rule. */
+/* sweep.c - Runs a tape. Each kind of sweep walks through the runs once and calls the operation's rule. */
 #include "sums.h"
 
 static const double *slot(const double *x, int index, int lanes) { return x + (size_t)index * (size_t)lanes; }
@@ -29,7 +29,7 @@ JET_INLINE bool values_of(const jet_tape *tape, double *x, int lanes)
     return inside;
 }
 
-/* With the usual numbers of lanes known to the compiler. */
+/* Makes the usual numbers of lanes constants for the compiler. */
 static bool values(const jet_tape *tape, double *x, int lanes)
 {
     return lanes == 1 ? values_of(tape, x, 1) : lanes == 8 ? values_of(tape, x, 8) : values_of(tape, x, lanes);
@@ -69,7 +69,7 @@ static void tangents_in_lanes(const jet_tape *tape, const double *x, double *dx,
         if (is_product(run)) jet_product_tangent(tape, run, x, dx, k, lanes, lanes);
         else if (run->op == OP_LINEAR) jet_linear_order(tape, run, dx + (size_t)k * stride, lanes);
         else {
-            const jet_run all = jet_spread(run, lanes);
+            const jet_run all = jet_flatten_lanes(run, lanes);
             jet_rules[run->op]->tangent(&all, x, dx, k, stride, 1);
         }
     }

@@ -1,7 +1,7 @@
-/* tape.c - graph -> tape: equal operations side by side become one run. */
+/* tape.c - Lowers a graph to a tape: equal operations side by side become one run. */
 #include "devices.h"
 #include "pad.h"
-#include "place.h"
+#include "lowering.h"
 
 #include <stdlib.h>
 
@@ -13,11 +13,11 @@ static void add_term(jet_tape *tape, double coefficient, int slot, int second)
 {
     tape->term_coefficient[tape->terms] = coefficient;
     tape->term_slot[tape->terms] = slot;
-    tape->term_second[tape->terms++] = second;
+    tape->term_operand_b[tape->terms++] = second;
 }
 
-/* The number and the terms of a sum; a copy is a sum of one term. */
-static jet_run linear_run(const lowering *low, jet_tape *tape, const place *z)
+/* Adds the number and the terms of a sum. A copy is a sum of one term. */
+static jet_run linear_run(const lowering *low, jet_tape *tape, const placement *z)
 {
     const int terms = z->node ? z->node->count : 1;
     const double number = z->node ? z->node->number : 0;
@@ -40,8 +40,8 @@ static bool continues_linear(jet_run *run, const jet_run *next)
     return true;
 }
 
-/* The terms stand last on the tape; those of a run that the member continues are taken away again. */
-static jet_run product_run(jet_tape *tape, const place *z)
+/* Adds the terms of a product at the end of the tape. They are removed again if the product continues a run. */
+static jet_run product_run(jet_tape *tape, const placement *z)
 {
     const jet_run run = {z->op, 1, z->slot, .terms = z->pairs, .term = tape->terms, .is_scattered = z->is_scattered};
     for (int pair = 0; pair < z->pairs; pair++)
@@ -56,14 +56,15 @@ static bool continues_products(jet_tape *tape, const jet_run *run, const jet_run
     for (int here = run->term, there = next->term; there < next->term + next->terms; here++, there++)
         if (tape->term_coefficient[there] != tape->term_coefficient[here] ||
             tape->term_slot[there] != tape->term_slot[here] + run->count ||
-            tape->term_second[there] != tape->term_second[here] + run->count)
+            tape->term_operand_b[there] != tape->term_operand_b[here] + run->count)
             return false;
     tape->terms = next->term;
     return true;
 }
 
-/* The partner's slot as it is where it is read at lower orders only, else that of the second operand read. */
-static jet_run rule_run(const lowering *low, const place *z)
+/* The run of an operation with a rule. w is the partner's own slot if it is read at lower orders only, otherwise that
+ * of the second operand read. */
+static jet_run rule_run(const lowering *low, const placement *z)
 {
     const int *operand = z->operand[0];
     jet_run run = {z->op, 1, z->slot, operand[0], operand[1], .c = z->node->number};
@@ -82,7 +83,7 @@ static bool continues_rule(const jet_run *run, const jet_run *next)
     return next->c == run->c && next->a == run->a + count && next->b == run->b + of_b && same_w;
 }
 
-/* Whether `next`, one level with the last run, goes on from it. */
+/* Tells whether `next`, on the same level as the last run, continues it. */
 static bool continues(const lowering *low, jet_tape *tape, const jet_run *next)
 {
     if (tape->runs == 0) return false;
@@ -92,8 +93,8 @@ static bool continues(const lowering *low, jet_tape *tape, const jet_run *next)
     return is_sum_of_products(next->op) ? continues_products(tape, run, next) : continues_rule(run, next);
 }
 
-/* Adds an operation to the last run, or a run. */
-static void add_operation(const lowering *low, jet_tape *tape, const place *z)
+/* Adds an operation to the last run, or as a new run. */
+static void add_operation(const lowering *low, jet_tape *tape, const placement *z)
 {
     const jet_run next = z->op == OP_LINEAR          ? linear_run(low, tape, z)
                          : is_sum_of_products(z->op) ? product_run(tape, z)
@@ -102,7 +103,7 @@ static void add_operation(const lowering *low, jet_tape *tape, const place *z)
     else tape->run[tape->runs++] = next;
 }
 
-static void add_constant(jet_tape *tape, const place *z)
+static void add_constant(jet_tape *tape, const placement *z)
 {
     tape->constant[tape->constants++] = z->node->number;
     if (z->op == OP_PARAMETER) tape->parameter[tape->parameters++] = (jet_tape_parameter){z->node->which, z->slot};
@@ -111,7 +112,7 @@ static void add_constant(jet_tape *tape, const place *z)
 static void lay_out(lowering *low, jet_tape *tape)
 {
     for (int i = 0; i < low->slots; i++) {
-        const place *z = low->sorted[i];
+        const placement *z = low->sorted[i];
         tape->recorded[i] = z->node ? z->node->index + 1 - jet_graph_inputs(low->graph) : 0;
         if (z->op == OP_INPUT) tape->inputs++;
         else if (z->op == OP_CONST || z->op == OP_PARAMETER) add_constant(tape, z);
@@ -126,26 +127,26 @@ static bool allocate(lowering *low, jet_tape *tape, int outputs)
     const size_t copies = 2 * pairs; /* each operand may have one */
     low->needed = calloc(nodes, sizeof *low->needed);
     low->uses = calloc(nodes, sizeof *low->uses);
-    low->places = calloc(nodes + copies, sizeof *low->places);
-    low->levels = calloc(nodes, sizeof(place *));
-    low->sorted = calloc(nodes + copies, sizeof(place *));
+    low->placements = calloc(nodes + copies, sizeof *low->placements);
+    low->levels = calloc(nodes, sizeof(placement *));
+    low->sorted = calloc(nodes + copies, sizeof(placement *));
     low->operands = calloc(pairs + copies, sizeof *low->operands);
     tape->run = calloc(nodes + copies, sizeof *tape->run);
     tape->constant = calloc(nodes, sizeof *tape->constant);
     tape->parameter = calloc(nodes, sizeof *tape->parameter);
     tape->base = calloc(nodes + copies, sizeof *tape->base);
     tape->term_slot = calloc(pairs + copies, sizeof *tape->term_slot);
-    tape->term_second = calloc(pairs + copies, sizeof *tape->term_second);
+    tape->term_operand_b = calloc(pairs + copies, sizeof *tape->term_operand_b);
     tape->term_coefficient = calloc(pairs + copies, sizeof *tape->term_coefficient);
     tape->output = calloc((size_t)outputs + 1, sizeof *tape->output);
     tape->recorded = calloc(nodes + copies, sizeof *tape->recorded);
-    return low->needed && low->uses && low->places && low->levels && low->sorted && low->operands && tape->run &&
-           tape->constant && tape->parameter && tape->base && tape->term_slot && tape->term_second &&
+    return low->needed && low->uses && low->placements && low->levels && low->sorted && low->operands && tape->run &&
+           tape->constant && tape->parameter && tape->base && tape->term_slot && tape->term_operand_b &&
            tape->term_coefficient && tape->output && tape->recorded;
 }
 
-/* Sines and the cosines of the same operands; or the powers -7/2, -5/2, -3/2, -1/2 of the same operands, or the last
- * few of them, whose numbers are adjacent, run by run. */
+/* Counts runs that are computed together: sines and the cosines of the same operands; or the powers -7/2, -5/2, -3/2,
+ * -1/2 of the same operands, or the last few of them, whose numbers are adjacent, run by run. */
 static int count_together(const jet_run *run, const jet_run *end)
 {
     int count = 1;
@@ -161,10 +162,10 @@ static int count_together(const jet_run *run, const jet_run *end)
     return next[-1].c == -0.5 ? count : 1;
 }
 
-/* false without memory. */
+/* Lowers the graph. Returns false without memory. */
 static bool lower(lowering *low, jet_tape *tape, int inputs, int outputs, const jet output[])
 {
-    jet_place_nodes(low, inputs, outputs, output);
+    jet_assign_slots(low, inputs, outputs, output);
     lay_out(low, tape);
     tape->part = jet_graph_part_name(low->graph, &tape->part_of);
     tape->part_of += 1 - jet_graph_inputs(low->graph);
@@ -186,7 +187,7 @@ jet_tape *jet_tape_create(const jet_graph *graph, int inputs, int outputs, const
     const bool is_made = allocate(&low, tape, outputs) && lower(&low, tape, inputs, outputs, output);
     free(low.needed);
     free(low.uses);
-    free(low.places);
+    free(low.placements);
     free(low.levels);
     free(low.sorted);
     free(low.operands);

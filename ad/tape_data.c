@@ -1,4 +1,4 @@
-/* tape_data.c - what a tape owns, once it is laid out. */
+/* tape_data.c - Frees, copies and hashes the arrays of a tape. */
 #include "tape.h"
 
 #include <math.h>
@@ -10,7 +10,7 @@ typedef struct {
     size_t bytes; /* in use, that the sweeps read */
 } array;
 
-/* All arrays but that of the runs. They are freed and hashed by this list: one that is left out leaks. */
+/* Lists all arrays except that of the runs, to free and to hash them. An array that is left out leaks. */
 enum { ARRAYS = 8 };
 static void list_arrays(const jet_tape *tape, array list[ARRAYS])
 {
@@ -20,7 +20,7 @@ static void list_arrays(const jet_tape *tape, array list[ARRAYS])
         {tape->parameter, (size_t)tape->parameters * sizeof *tape->parameter},
         {tape->base, (size_t)tape->rows * sizeof *tape->base},
         {tape->term_slot, terms * sizeof *tape->term_slot},
-        {tape->term_second, terms * sizeof *tape->term_second},
+        {tape->term_operand_b, terms * sizeof *tape->term_operand_b},
         {tape->term_coefficient, terms * sizeof *tape->term_coefficient},
         {tape->output, (size_t)tape->outputs * sizeof *tape->output},
         {tape->recorded, 0},
@@ -37,7 +37,7 @@ void jet_tape_prepare(const jet_tape *tape, double *x, int orders, int lanes)
         for (int lane = 0; lane < lanes; lane++) x[(tape->inputs + i) * lanes + lane] = tape->constant[i];
 }
 
-void jet_tape_place_parameters(const jet_tape *tape, double *x, int lanes, int count, int width, const double value[])
+void jet_tape_set_parameters(const jet_tape *tape, double *x, int lanes, int count, int width, const double value[])
 {
     for (const jet_tape_parameter *it = tape->parameter; it < tape->parameter + tape->parameters; it++)
         for (int lane = 0; it->which < count && lane < lanes; lane++)
@@ -71,13 +71,13 @@ void jet_tape_free(jet_tape *tape)
 uint64_t jet_hash(uint64_t so_far, const void *data, size_t bytes)
 {
     const unsigned char *byte = data;
-    /* NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): the caller states the bytes */
+    /* the caller states the bytes. NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult) */
     for (size_t i = 0; i < bytes; i++) so_far = (so_far ^ byte[i]) * UINT64_C(0x100000001b3);
     return so_far;
 }
 
-/* The fields of a run in their order; a run has gaps between them. One that is left out is a missing initialiser.
- * `together` and `fresh` follow from them. */
+/* Lists the fields of a run in their order, as a run has gaps between them. The compiler reports one that is left out
+ * as a missing initialiser. `together` and `fresh` follow from them. */
 #define RUN_FIELDS(ROW)                                                                                                \
     ROW(op)                                                                                                            \
     ROW(count)                                                                                                         \

@@ -1,4 +1,4 @@
-/* text.c - see text.h. */
+/* text.c - Appends formatted text to a buffer that grows (text.h). */
 #include "text.h"
 
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* text.h - text that grows. */
+/* text.h - Appends formatted text to a buffer that grows. */
 #ifndef TVI_AD_TEXT_H
 #define TVI_AD_TEXT_H
 
@@ -11,7 +11,7 @@
 typedef struct {
     char *data; /* ends with 0; NULL: nothing yet. Freed by the caller */
     size_t size, room;
-    bool failed; /* without memory: what follows is lost */
+    bool failed; /* memory was lacking, and text is lost */
 } jet_text;
 
 void jet_text_add(jet_text *text, const char *format, ...) JET_FORMAT(2, 3);

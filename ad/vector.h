@@ -1,5 +1,6 @@
-/* vector.h - the frame of a rule: its body is written once for a vector type V and runs over a run's numbers in blocks
- * of the machine's vectors, then of shorter ones, down to single numbers. Sums stay in registers over all orders j.
+/* vector.h - Defines the frame of a rule. Its body is written once for a vector type V. It runs over a run's numbers in
+ * blocks of the machine's vectors, then of shorter ones, down to single numbers. Sums stay in registers over all orders
+ * j.
  *
  * The rules and the sweeps are compiled once for each instruction set, JET_ISA (base, avx2, avx512); jet_sweeps_choose
  * (isa.c) picks the set at run time. Vector types are an extension of gcc and clang. */
@@ -22,7 +23,8 @@ typedef double jet_v4 JET_VECTOR(double, 4);
 typedef double jet_v2 JET_VECTOR(double, 2);
 typedef double jet_v1;
 
-/* Masks of lanes, whose bits are all set or none, as comparisons give them; and what is chosen by one. */
+/* Masks of lanes, whose bits are all set or none, as comparisons give them; and a choice between two vectors by a
+ * mask. */
 typedef long long jet_mask_of_jet_v8 JET_VECTOR(long long, 8);
 typedef long long jet_mask_of_jet_v4 JET_VECTOR(long long, 4);
 typedef long long jet_mask_of_jet_v2 JET_VECTOR(long long, 2);
@@ -42,7 +44,7 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
     ((V)(((JET_MASK(V))(yes) & (JET_MASK(V))(mask)) | ((JET_MASK(V))(no) & ~(JET_MASK(V))(mask))))
 #define JET_ABS(V, x) ((V)((JET_MASK(V))(x)&LLONG_MAX))
 
-/* The blocks: BODY(V, S) here = 0, width of V, ...; S is handed on. */
+/* Call BODY(V, S) for blocks at here = 0, width of V, ...; S is passed on. */
 #define JET_BLOCKS_8(width, BODY, S)                                                                                   \
     for (; here + 8 <= (width); here += 8) BODY(jet_v8, S)
 #define JET_BLOCKS_4(width, BODY, S)                                                                                   \
@@ -68,31 +70,32 @@ typedef jet_mask_of_jet_v2 jet_mask_of_jet_widest;
         JET_BLOCKS_1(width, BODY, S)                                                                                   \
     } while (0)
 
-/* The same where the width is a multiple of 8. Unrolled where eight lanes are two vectors: a loop costs as much as its
- * body. */
+/* Calls BODY for a width that is a multiple of 8. If eight lanes are two vectors it is unrolled, as a loop costs as
+ * much as its body. */
 #ifdef JET_WIDE
-#define JET_EIGHTS(width, BODY, S)                                                                                     \
+#define JET_BLOCKS_OF_8(width, BODY, S)                                                                                \
     for (int here = 0; here < (width); here += 8) BODY(jet_v8, S)
 #elif defined(__AVX__)
-#define JET_EIGHTS(width, BODY, S) JET_UNROLL(4) for (int here = 0; here < (width); here += 4) BODY(jet_v4, S)
+#define JET_BLOCKS_OF_8(width, BODY, S) JET_UNROLL(4) for (int here = 0; here < (width); here += 4) BODY(jet_v4, S)
 #else
-#define JET_EIGHTS(width, BODY, S)                                                                                     \
+#define JET_BLOCKS_OF_8(width, BODY, S)                                                                                \
     for (int here = 0; here < (width); here += 2) BODY(jet_v2, S)
 #endif
 
-/* V of the numbers of x at these places; whether these stand in a row. */
-#define JET_GATHER(V, x, place)     (JET_IN_A_ROW(V, place) ? *(const V *)((x) + (place)[0]) : JET_GATHER_##V(x, place))
-#define JET_GATHER_jet_v1(x, place) ((x)[(place)[0]])
-#define JET_GATHER_jet_v2(x, place) ((jet_v2){JET_TWO_OF(x, place)})
-#define JET_GATHER_jet_v4(x, place) ((jet_v4){JET_TWO_OF(x, place), JET_TWO_OF(x, (place) + 2)})
-#define JET_GATHER_jet_v8(x, place)                                                                                    \
-    ((jet_v8){JET_TWO_OF(x, place), JET_TWO_OF(x, (place) + 2), JET_TWO_OF(x, (place) + 4), JET_TWO_OF(x, (place) + 6)})
-#define JET_TWO_OF(x, place)   (x)[(place)[0]], (x)[(place)[1]]
-#define JET_IN_A_ROW(V, place) jet_in_a_row((int)(sizeof(V) / sizeof(double)), place)
-JET_INLINE bool jet_in_a_row(int count, const int place[])
+/* Loads a V of the numbers of x at these indices, which may be adjacent. */
+#define JET_GATHER(V, x, index)     (JET_IN_A_ROW(V, index) ? *(const V *)((x) + (index)[0]) : JET_GATHER_##V(x, index))
+#define JET_GATHER_jet_v1(x, index) ((x)[(index)[0]])
+#define JET_GATHER_jet_v2(x, index) ((jet_v2){JET_PAIR_AT(x, index)})
+#define JET_GATHER_jet_v4(x, index) ((jet_v4){JET_PAIR_AT(x, index), JET_PAIR_AT(x, (index) + 2)})
+#define JET_GATHER_jet_v8(x, index)                                                                                    \
+    ((jet_v8){JET_PAIR_AT(x, index), JET_PAIR_AT(x, (index) + 2), JET_PAIR_AT(x, (index) + 4),                         \
+              JET_PAIR_AT(x, (index) + 6)})
+#define JET_PAIR_AT(x, index)  (x)[(index)[0]], (x)[(index)[1]]
+#define JET_IN_A_ROW(V, index) jet_in_a_row((int)(sizeof(V) / sizeof(double)), index)
+JET_INLINE bool jet_in_a_row(int count, const int index[])
 {
     bool is_row = true;
-    for (int i = 1; i < count; i++) is_row &= place[i] == place[0] + i;
+    for (int i = 1; i < count; i++) is_row &= index[i] == index[0] + i;
     return is_row;
 }
 
@@ -104,9 +107,9 @@ JET_INLINE bool jet_in_a_row(int count, const int place[])
 /* Order j of the series that goes with all lanes of a tangent. */
 #define JET_ONE_OF(V, x, j) ((x)[stride * (size_t)(j)])
 
-/* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. Where the compiler
- * knows the orders, from the middle outwards: the factors of a recurrence that are known last are those of the ends,
- * and most of all of `to`, which is added alone. */
+/* sum += sum_{j=from}^{to} term(j), in two chains so that additions need not wait for each other. If the compiler knows
+ * the orders, it sums from the middle outwards: the factors of a recurrence that are known last are those of the ends,
+ * and last of all that of `to`, which is added alone. */
 #define JET_SUM(V, sum, from, to, term)                                                                                \
     do {                                                                                                               \
         V odd = {0};                                                                                                   \
@@ -122,7 +125,7 @@ JET_INLINE bool jet_in_a_row(int count, const int place[])
             if (above == most) JET_TWO_TERMS(sum, sum, below, above, term)                                             \
         } else JET_SUM_UPWARDS(V, sum, least, most, term);                                                             \
     } while (0)
-/* The same, always from `from` on, in two chains. */
+/* The sum from `from` upwards, in two chains. */
 #define JET_SUM_UPWARDS(V, sum, from, to, term)                                                                        \
     do {                                                                                                               \
         V second = {0};                                                                                                \

@@ -1,28 +1,28 @@
-/* jet.h - the arithmetic in which a user writes a force, a potential or any other function.
+/* jet.h - the arithmetic in which a user writes a force, a potential or any other function. It declares jets and the
+ * operations on them, which record the function.
  *
- * A jet stands for a quantity that depends on the state. The user's function is called once, while its system is made:
- * every operation below records itself, and the recording is later run on numbers, on Taylor series and on dual
- * numbers. Therefore the function is straight-line in its jets: loops and branches on ordinary numbers are fine, a
+ * A jet stands for a quantity that depends on the state. The user's function is called once, while its system is
+ * created. Every operation below records itself, and the recording is later run on numbers, on Taylor series and on
+ * dual numbers. Therefore the function is straight-line in its jets: loops and branches on ordinary numbers are fine, a
  * branch on the value of a jet cannot be written.
  *
  * Rules
- *   1. Every slot for a jet takes a jet or an ordinary number: jet_mul(2, x), jet_sub(x, 0.5). Operations on numbers
- *      alone are done at once and record nothing.
- *   2. A jet lives as long as the call that received it. Kept longer, or mixed with the jets of another recording, it
- *      makes a poison jet, and the system whose function returns one is refused with TVI_EINVAL. A jet kept after its
- *      system was freed must not be used at all, like any freed memory.
+ *   1. Every argument for a jet takes a jet or an ordinary number: jet_mul(2, x), jet_sub(x, 0.5). Operations on
+ *      numbers alone are computed at once and record nothing.
+ *   2. A jet lives as long as the call that received it. A jet that is kept longer, or mixed with the jets of another
+ *      recording, makes a poison jet, and the system whose function returns one is refused with TVI_EINVAL. A jet that
+ *      is kept after its system was freed must not be used at all, like any freed memory.
  *   3. An operation is refused with TVI_EDOMAIN wherever its power series does not exist: sqrt at 0, asin at 1,
- *      pow(0, 1.5), log at 0, hypot at (0, 0), division by 0. That
- *      happens at once where the operand is a number, else at the step.
+ *      pow(0, 1.5), log at 0, hypot at (0, 0), division by 0. If the operand is a number this happens at once,
+ *      otherwise at the step.
  *   4. C++ users may write operators, 0.5 * a * b - sin(a) / 2 and a += b, and the functions sqr, sqrt, exp, log, pow,
  *      sin and the others without the prefix; both spellings record the same.
- *   5. jet_pow(a, c) takes any a where c = 0, 1, 2, ...; a != 0 where c = -1, -2, ...; a > 0 otherwise.
- */
+ *   5. jet_pow(a, c) takes any a for c = 0, 1, 2, ...; a != 0 for c = -1, -2, ...; a > 0 otherwise. */
 #ifndef TVI_JET_H
 #define TVI_JET_H
 
 #if defined(__GNUC__)
-#pragma GCC system_header /* the slots below leave out braces and initialisers on purpose */
+#pragma GCC system_header /* the arguments below leave out braces and initialisers on purpose */
 #endif
 
 #if defined(__GNUC__)
@@ -72,7 +72,7 @@ typedef struct jet jet;
     ROW(acosh, JET_ACOSH)                                                                                              \
     ROW(atanh, JET_ATANH)                                                                                              \
     ROW(erf, JET_ERF)
-#define JET_FUNCTION2_LIST(ROW) /* and of two */                                                                       \
+#define JET_FUNCTION2_LIST(ROW) /* functions of two jets */                                                            \
     ROW(atan2, JET_ATAN2)                                                                                              \
     ROW(hypot, JET_HYPOT)
 #define JET_FUNCTION_CODE(name, code) code,
@@ -80,8 +80,8 @@ typedef enum { JET_NEG, JET_FUNCTION_LIST(JET_FUNCTION_CODE) JET_FUNCTION_COUNT 
 typedef enum { JET_FUNCTION2_LIST(JET_FUNCTION_CODE) JET_FUNCTION2_COUNT } jet_function2;
 #undef JET_FUNCTION_CODE
 
-/* What the names below record through. C and C++ have no need to call these; other languages do, and the names, the
- * codes and the layout of a jet stay (docs/bindings.md). */
+/* The functions that record the operations below. C and C++ have no need to call them. Other languages do: the names,
+ * the codes and the layout of a jet stay (docs/bindings.md). */
 jet jet_record_add(jet a, jet b);
 jet jet_record_sub(jet a, jet b);
 jet jet_record_mul(jet a, jet b);
@@ -90,7 +90,7 @@ jet jet_record_pow(jet a, double c);
 jet jet_record_function(jet_function f, jet a);
 jet jet_record_function2(jet_function2 f, jet a, jet b);
 
-/* A number (node NULL), or a node of a recording. Pass it by value; its members are the library's own. */
+/* A number (node NULL), or a node of a recording. It is passed by value; its members belong to the library. */
 #ifndef __cplusplus
 struct jet {
     double number;
@@ -134,12 +134,12 @@ extern "C" {
 #endif
 
 /* A number that may be changed after the recording, by tvi_integrator_set_parameters: number `index` of the values,
- * 0 <= index < 1000, here `value`. Any jet of the recording names that; the same index again is the same number, and
- * must have the same value. The system whose function makes another one of it is refused with TVI_EINVAL. */
+ * with 0 <= index < 1000, here with this value. Any jet of the recording serves as the first argument. The same index
+ * again is the same number, and must have the same value; otherwise the system is refused with TVI_EINVAL. */
 jet jet_parameter(jet of_recording, int index, double value);
-/* x[0] + ... + x[count-1], added in that order, numbers last; 0 where count <= 0. */
+/* x[0] + ... + x[count-1], added in that order, numbers last; 0 if count <= 0. */
 jet jet_sum(const jet x[], int count);
-/* x[0] y[0] + ... + x[count-1] y[count-1]; 0 where count <= 0. */
+/* x[0] y[0] + ... + x[count-1] y[count-1]; 0 if count <= 0. */
 jet jet_dot(const jet x[], const jet y[], int count);
 
 #ifdef __cplusplus
@@ -174,8 +174,8 @@ struct jet_slot {
         _Pragma("clang diagnostic ignored \"-Wmissing-braces\"")(((struct jet_slot){x}).jet)                           \
             _Pragma("clang diagnostic pop")
 #else
-/* The index, always 0, is an initialiser of its own after x: without it gcc takes the missing braces of a number in the
- * last slot for missing braces of the list in which the operation stands, as in jet z[] = {jet_add(x, 1)}. */
+/* The index, always 0, is an initialiser of its own after x. Without it gcc takes the missing braces of a number in the
+ * last argument for missing braces of the list in which the operation stands, as in jet z[] = {jet_add(x, 1)}. */
 #define JET_SLOT(x) ((&(struct jet_slot){x})[(int){0}].jet)
 #endif
 

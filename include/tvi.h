@@ -40,9 +40,10 @@ extern "C" {
 const char *tvi_version(void);
 /* The text of a status: static, never NULL. */
 const char *tvi_status_string(tvi_status status);
-/* What was refused and where, for the last function of this thread that returned neither TVI_OK nor TVI_ESTOPPED: which
- * argument, output, mass or option, which operation of the recording and its operand. Ask for it before another
- * function is called. "" where nothing was refused yet; never NULL. The text is for people, and may change. */
+/* The text of the last refusal in this thread: which argument, output, mass or option was refused, or which operation
+ * of the recording with which operand. It belongs to the last function that returned neither TVI_OK nor TVI_ESTOPPED,
+ * and has to be asked for before another function is called. It is "" before the first refusal, and never NULL. The
+ * text is for people, and may change. */
 const char *tvi_last_error(void);
 
 /* TVI_OR_EXIT(call) is for programs that end where anything is refused, such as the examples: there it prints the file,
@@ -61,9 +62,9 @@ const char *tvi_last_error(void);
 
 typedef struct tvi_system tvi_system;
 
-enum { TVI_MAX_DIMENSION = 10000 }; /* of n */
+enum { TVI_MAX_DIMENSION = 10000 }; /* the largest n */
 
-/* The force F = dp/dt at (q, t): sets force[0..n-1]. It must not contain the masses. */
+/* The force F = dp/dt at (q, t): the function sets force[0..n-1]. The force must not contain the masses. */
 typedef void tvi_force_fn(const jet q[], jet t, jet force[], void *ctx);
 /* The potential energy V at (q, t). The force is -dV/dq, derived from the recording. */
 typedef jet tvi_potential_fn(const jet q[], jet t, void *ctx);
@@ -72,11 +73,11 @@ typedef jet tvi_lagrangian_fn(const jet q[], const jet v[], jet t, void *ctx);
 /* The Hamiltonian H at (q, p, t). */
 typedef jet tvi_hamiltonian_fn(const jet q[], const jet p[], jet t, void *ctx);
 
-/* Four ways to state a problem. Force and potential: M q'' = F(q, t) with M = diag(mass) > 0, and p = M v; mass[n] is
- * copied, NULL stands for all 1, and a test particle has a very small one (docs/limits.md). The function is called
- * once, during the call, with n coordinates. A Lagrangian or a Hamiltonian with a constant diagonal mass and no other
- * velocity in it is recognised, and costs what a potential costs. The system must outlive its integrators; free it with
- * tvi_system_free.
+/* There are four ways to state a problem. Force and potential: M q'' = F(q, t) with M = diag(mass) > 0, and p = M v.
+ * mass[n] is copied, NULL stands for all 1, and a test particle has a very small mass (docs/limits.md). The function is
+ * called once, during the call, with n coordinates. A Lagrangian or a Hamiltonian with a constant diagonal mass and no
+ * other velocity in it is recognised, and costs as little as a potential. The system must outlive its integrators; it
+ * is freed with tvi_system_free.
  *   TVI_EINVAL      n < 1 or above the maximum, NULL, a mass that is not positive, an output left unset, jets of two
  *                   recordings mixed
  *   TVI_ESINGULAR   a Lagrangian whose L_vv is singular everywhere
@@ -92,31 +93,31 @@ TVI_NODISCARD tvi_status tvi_system_hamiltonian(tvi_system **out, int n, tvi_ham
 
 /* The local time scale of a state, g(q, p, t) > 0. */
 typedef jet tvi_rescale_fn(const jet q[], const jet p[], jet t, void *ctx);
-/* The same system with steps that adapt and stay symplectic: its integrators take h in s, dt = g ds, so that each step
- * covers about h g of time (docs/adaptive.md). Inside, steps are made of K = g (H + e) in (q, t) and (p, e): *t moves
- * on with q, and e = -H at the start of a run is the integrator's own. Where g goes to 0 along the orbit, a run to a
- * time need not end. All else is as for the system: its n, its
- * energy, results and events at times t. Methods of type I do not serve it, Stormer-Verlet neither. It shares nothing
- * with the system.
- * g NULL: the automatic one, to the -4 the sum of the fourth powers of the local frequencies, so that h is a phase:
- * (tr (M^-1 V_qq)^2)^(-1/4) of a potential; for Kepler r^(3/2) / 6^(1/4), in the plane 5^(1/4). Of a Hamiltonian g^-4 =
- * tr D^2 + (tr C^2)^2 / 4, G = H_pp, C = H_pq - G H_qp G^-1, D = -G (H_qq - H_qp G^-1 H_pq), positive where G is
- * definite unless both are 0; where G is singular everywhere, tr (J H'')^4 / 2. It depends on no units, masses, linear
- * point transformations and gauges, and records n^2 second derivatives. It has no value where they are all 0: for one
- * degree of freedom whose force has an inflection give g. It does not know weak features that are crossed fast: steps
- * with it are refused from smaller tails on than TVI_MAX_TAIL, unless the options have a max_tail.
+/* Creates the same system with steps that adapt and stay symplectic. Its integrators take h in s, dt = g ds, so that
+ * each step covers about h g of time (docs/adaptive.md). Inside, steps are made with K = g (H + e) in (q, t) and (p,
+ * e): *t moves on with q, and e = -H at the start of a run belongs to the integrator. If g goes to 0 along the orbit, a
+ * run to a time need not end. Everything else is as for the system: its n, its energy, results and events at times t.
+ * Methods of type I and Stormer-Verlet do not serve it. It shares nothing with the system. g NULL: the automatic g,
+ * whose power -4 is the sum of the fourth powers of the local frequencies, so that h is a phase. For a potential it is
+ * (tr (M^-1 V_qq)^2)^(-1/4); for Kepler r^(3/2) / 6^(1/4), in the plane r^(3/2) / 5^(1/4). For a Hamiltonian g^-4 = tr
+ * D^2 + (tr C^2)^2 / 4, with G = H_pp, C = H_pq - G H_qp G^-1, D = -G (H_qq - H_qp G^-1 H_pq), which is positive if G
+ * is definite, unless both terms are 0. If G is singular everywhere, it is tr (J H'')^4 / 2. It depends on no units,
+ * masses, linear point transformations and gauges, and records n^2 second derivatives. It has no value if they are all
+ * 0: a system of one degree of freedom whose force has an inflection needs a g of its own. The automatic g does not
+ * know weak features that are crossed fast. For this reason steps with it are refused at smaller tails than
+ * TVI_MAX_TAIL, unless the options have a max_tail.
  *   TVI_EUNSUPPORTED  a force, a rescaled system, a Lagrangian that is not recognised as separable: write its
  *                     Hamiltonian
- *   TVI_EDOMAIN       g is a number that is not positive, or the automatic one has no value anywhere; where it is a
- *                     function, the step is refused with it, and tvi_last_error speaks of its jet_sqrt, or of the
- *                     automatic g
+ *   TVI_EDOMAIN       g is a number that is not positive, or the automatic g has no value anywhere. If g is a function,
+ *                     the step is refused, and tvi_last_error speaks of its jet_sqrt, or of the automatic g
  *   others            as of tvi_system_hamiltonian; n + 1 is at most the maximum
  * *out is NULL on failure. */
 TVI_NODISCARD tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_rescale_fn *g, void *ctx);
 
-/* Forces that no potential gives, such as friction, drag, control, at (q, v, t) with v = dq/dt: sets force[0..n-1]. */
+/* Forces that no potential gives, such as friction, drag, control, at (q, v, t) with v = dq/dt: the function sets
+ * force[0..n-1]. */
 typedef void tvi_drive_fn(const jet q[], const jet v[], jet t, jet force[], void *ctx);
-/* The same system with these forces added to dp/dt, for "galerkin" and "taylor", whose order they do not change
+/* Creates the same system with these forces added to dp/dt, for "galerkin" and "taylor", whose order they do not change
  * (docs/driven.md). tvi_energy stays what it was: along the motion dH/dt is force . v. It shares nothing with the
  * system.
  *   TVI_EUNSUPPORTED  a system made from a force, a rescaled one, one that is driven already
@@ -126,17 +127,17 @@ TVI_NODISCARD tvi_status tvi_system_driven(tvi_system **out, const tvi_system *s
 
 void tvi_system_free(tvi_system *system);           /* NULL is allowed */
 int tvi_system_dimension(const tvi_system *system); /* n */
-/* 1 + the largest index of its parameters (jet_parameter); 0: it has none. */
+/* 1 + the largest index of its parameters (jet_parameter); 0: there are none. */
 int tvi_system_parameters(const tvi_system *system);
 
-/* The energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. May allocate.
+/* Computes the energy H(q, p, t): sum p_i^2 / (2 m_i) + V, p.v - L, or the Hamiltonian itself. It may allocate.
  *   TVI_EUNSUPPORTED  a system made from a force, which has no V
  *   TVI_EDOMAIN, TVI_ENONFINITE  H has no value there
  *   TVI_EINVAL        NULL
  *   TVI_ENOMEM        no memory */
 TVI_NODISCARD tvi_status tvi_energy(const tvi_system *system, double t, const double q[], const double p[], double *H);
-/* The Legendre transforms p = L_v(q, v, t) and v = H_p(q, p, t), [n] each; p = M v where the mass is constant. The
- * direction that the system does not state is solved for. May allocate.
+/* Compute the Legendre transforms p = L_v(q, v, t) and v = H_p(q, p, t), [n] each; p = M v if the mass is constant. The
+ * direction that the system does not state is solved for. They may allocate.
  *   TVI_ESINGULAR, TVI_ENOCONV  there is no solution, or none was found
  *   others                      as of tvi_energy */
 TVI_NODISCARD tvi_status tvi_momentum(const tvi_system *system, double t, const double q[], const double v[],
@@ -160,99 +161,106 @@ typedef enum {
 enum { TVI_PREDICT_ONLY = -1 };
 enum { TVI_MAX_DEGREE = 100 }; /* of the Taylor curve */
 enum { TVI_MAX_NODES = 10 };   /* of the Galerkin curve */
-#define TVI_MAX_TAIL 1.0       /* of a step, unless the options say else */
+#define TVI_MAX_TAIL 1.0       /* of a step, unless the options say otherwise */
 
-/* All zero but method, expansion and order is a sensible choice. */
+/* The options of an integrator. Zeros in all members but method, expansion and order are a sensible choice. */
 typedef struct {
     tvi_method method;
     tvi_expansion expansion;
     tvi_nodes nodes;
-    int order;            /* of the whole method; refused where no degree gives it */
-    int degree;           /* N of the Taylor curve, the number of nodes of the Galerkin curve (TVI_AT_NODES); 0 = the
-                             smallest that gives the order; otherwise it decides */
+    int order; /* of the whole method; refused if no degree gives it */
+    /* N of the Taylor curve, or the number of nodes of the Galerkin curve (TVI_AT_NODES); 0 = the smallest that gives
+     * the order. Another number decides the order. */
+    int degree;
     bool compose_adjoint; /* half a step, then half a step of the adjoint: symmetric */
     tvi_quadrature quadrature;
-    int quadrature_points; /* AUTO, 0: Gauss with one node more than the order needs; TVI_AT_NODES: the degree */
-    double tolerance;      /* stop when a relative correction is not above it; 0 = roundoff */
-    int passes;            /* 0 = until converged; k > 0 = exactly k corrections; TVI_PREDICT_ONLY = none */
-    int max_passes;        /* 0 = the library's bound */
-    double max_tail;       /* a step whose tvi_stats.tail is larger is refused, and one that changes the energy by what
-                              no step does (docs/stability.md); 0 = TVI_MAX_TAIL, with the automatic g of
-                              tvi_system_rescaled less; < 0: no step is */
-    const struct tvi_compiled *compiled; /* of the same system and options (tvi_compile); NULL: steps are interpreted */
+    /* AUTO, 0: Gauss with one node more than the order needs. TVI_AT_NODES: the degree. */
+    int quadrature_points;
+    double tolerance; /* stop if a relative correction is not above it; 0 = roundoff */
+    int passes;       /* 0 = until converged; k > 0 = exactly k corrections; TVI_PREDICT_ONLY = none */
+    int max_passes;   /* 0 = the library's bound */
+    /* A step whose tvi_stats.tail is larger is refused, and so is one that changes the energy by more than a right step
+     * does (docs/stability.md). 0 = TVI_MAX_TAIL, or less with the automatic g of tvi_system_rescaled; < 0: no step is
+     * refused. */
+    double max_tail;
+    /* Code for the same system and options (tvi_compile); NULL: steps are interpreted. */
+    const struct tvi_compiled *compiled;
 } tvi_options;
 
-/* What a user who does not choose should get: symmetric, on-curve, the fastest at equal error over the scenes of the
- * bench (docs/choosing.md): "galerkin" of order 16, which serves every system. */
+/* The options for a user who does not choose: "galerkin" of order 16, which is symmetric, on-curve, serves every
+ * system, and is the fastest at equal error over the scenes of the bench (docs/choosing.md). */
 tvi_options tvi_options_default(void);
-/* The method called name, of this order. The paper's forms, with truncated nodes: "tvi", "htvi-right", "htvi-left",
- * "svhd", "symmetric-tvi"; on-curve: "start", "end", "midpoint", "both-ends" (type I), "right", "left" (types II and
- * III at the start), "poincare"; "galerkin" (type I with free values at Gauss nodes, for any system); and "taylor",
- * "stormer-verlet".
+/* Sets the options to the method of this name and order. The paper's forms, with truncated nodes, are "tvi",
+ * "htvi-right", "htvi-left", "svhd", "symmetric-tvi". On-curve forms are "start", "end", "midpoint", "both-ends" (type
+ * I), "right", "left" (types II and III at the start), "poincare". Other methods are "galerkin" (type I with free
+ * values at Gauss nodes, for any system), "taylor" and "stormer-verlet".
  *   TVI_EINVAL  no such name, or an order that the method cannot have */
 TVI_NODISCARD tvi_status tvi_options_named(const char *name, int order, tvi_options *options);
-/* Whether the options make a method for the system. On refusal *why (where why is not NULL) is static text that names
- * what does not fit.
+/* Checks whether the options make a method for the system. On refusal *why (if why is not NULL) is static text that
+ * names the option that does not fit.
  *   TVI_EINVAL        a value out of range, NULL
  *   TVI_EUNSUPPORTED  a combination that makes no method */
 TVI_NODISCARD tvi_status tvi_options_check(const tvi_system *system, const tvi_options *options, const char **why);
 
 /* ---- Compiled systems -------------------------------------------------------------------------------------------- */
 
-/* A system's recorded functions as machine code, for the steps of one method (docs/compiled.md): results are those of
- * the system as it is, to roundoff, in a fraction of the time. Given to an integrator by tvi_options.compiled. */
+/* Compiled code: a system's recorded functions as machine code, for the steps of one method (docs/compiled.md). Results
+ * agree with those of the system to roundoff, in a fraction of the time. tvi_options.compiled gives it to an
+ * integrator. */
 typedef struct tvi_compiled tvi_compiled;
 
 typedef struct {
     const char *compiler; /* NULL: the environment variable CC, or cc; arguments follow, between blanks */
-    const char *flags;    /* NULL: those that the library's own instruction set is compiled with, and -O3 */
-    const char *cache;    /* a directory, made where there is none; NULL: tvi below XDG_CACHE_HOME, or below ~/.cache;
-                             "": nothing is kept */
+    /* NULL: the flags of the library's own instruction set, and -O3. */
+    const char *flags;
+    /* A directory, which is created if it is missing; NULL: tvi below XDG_CACHE_HOME, or below ~/.cache; "": nothing is
+     * kept. */
+    const char *cache;
 } tvi_compiler;
 
-/* Generates C, compiles it by the C compiler of the machine, without a shell, and loads it: some seconds, whatever the
- * number of bodies (docs/compiled.md). It is kept in the cache, by the content of what was compiled and how: the next
- * time takes milliseconds, also in another process, and several may do it at once. The directory must belong to the
- * user alone.
- * options as for tvi_integrator_create, their `compiled` is not read; how NULL: all NULL. *out is NULL on failure.
+/* Generates C, compiles it by the C compiler of the machine, without a shell, and loads it. This takes some seconds,
+ * for any number of bodies (docs/compiled.md). The result is kept in the cache, under a hash of what was compiled and
+ * how: the next time takes milliseconds, also in another process, and several processes may do so at once. The
+ * directory must belong to the user alone. The options are those for tvi_integrator_create; their `compiled` is not
+ * read. how NULL: all members NULL. *out is NULL on failure.
  *   TVI_ECOMPILE  no compiler, an error of it, or the result cannot be written or loaded; the directory is not the
  *                 user's own, or others may write to it
  *   TVI_ENOMEM    no memory
  *   others        as of tvi_options_check */
 TVI_NODISCARD tvi_status tvi_compile(tvi_compiled **out, const tvi_system *system, const tvi_options *options,
                                      const tvi_compiler *how);
-/* The same C as a file, to be compiled with the program: it defines `const tvi_compiled *name(void)`, which is not to
- * be freed. It serves the version of the library that wrote it, and machines that have the instructions that it is
- * compiled to.
+/* Writes the same C to a file, which is compiled with the program. It defines `const tvi_compiled *name(void)`, whose
+ * result is not to be freed. It serves the version of the library that wrote it, and machines that have the
+ * instructions that it is compiled to.
  *   TVI_EINVAL    NULL; a name that is no identifier, or is one of C, C++, their libraries, this one, or macros
  *   TVI_ECOMPILE  the file cannot be written
  *   others        as of tvi_compile */
 TVI_NODISCARD tvi_status tvi_compiled_write(const tvi_system *system, const tvi_options *options, const char *name,
                                             const char *path);
-/* Integrators that use it keep what they need of it. NULL is allowed. */
+/* Frees the code. Integrators that use it keep what they need. NULL is allowed. */
 void tvi_compiled_free(tvi_compiled *compiled);
 
 /* ---- Integrators ------------------------------------------------------------------------------------------------- */
 
 typedef struct tvi_integrator tvi_integrator;
 
-/* NULL options: tvi_options_default. It keeps options.compiled as long as it lives, whoever frees that. *out is NULL on
- * failure.
+/* Creates an integrator. NULL options: tvi_options_default. It keeps options.compiled as long as it lives, even if the
+ * user frees it. *out is NULL on failure.
  *   TVI_ENOMEM  no memory
  *   others      as of tvi_options_check */
 TVI_NODISCARD tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
                                                const tvi_options *options);
 void tvi_integrator_free(tvi_integrator *integrator);                        /* NULL is allowed */
-const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* as resolved: degree, points */
+const tvi_options *tvi_integrator_options(const tvi_integrator *integrator); /* resolved: degree, points */
 
-/* Values of the integrator's own for the parameters of its system, value[tvi_system_parameters] in the order of their
- * indices; before, they are those of the recording. They are part of what tvi_state_save keeps. A run goes on with them
- * as from a new state. They may be set between any two steps; it allocates nothing. Events that name a parameter of
- * the same index have the value, too.
+/* Sets the integrator's own values of the parameters of its system, value[tvi_system_parameters] in the order of their
+ * indices. Before, they are those of the recording. tvi_state_save keeps them. A run goes on with new values as from a
+ * new state. They may be set between any two steps; nothing is allocated. Events with a parameter of the same index get
+ * the value, too.
  *   TVI_EINVAL      NULL
  *   TVI_ENONFINITE  a value that is not finite; the old ones stay */
 TVI_NODISCARD tvi_status tvi_integrator_set_parameters(tvi_integrator *integrator, const double value[]);
-/* tvi_energy, tvi_momentum and tvi_velocity with these values; those take the recorded ones. */
+/* Do what tvi_energy, tvi_momentum and tvi_velocity do, with the integrator's values of the parameters. */
 TVI_NODISCARD tvi_status tvi_integrator_energy(const tvi_integrator *integrator, double t, const double q[],
                                                const double p[], double *H);
 TVI_NODISCARD tvi_status tvi_integrator_momentum(const tvi_integrator *integrator, double t, const double q[],
@@ -260,7 +268,7 @@ TVI_NODISCARD tvi_status tvi_integrator_momentum(const tvi_integrator *integrato
 TVI_NODISCARD tvi_status tvi_integrator_velocity(const tvi_integrator *integrator, double t, const double q[],
                                                  const double p[], double v[]);
 
-/* One step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
+/* Makes one step of size h from (t, q, p) in place; h < 0 goes back, and h may change from step to step.
  *   TVI_EINVAL      NULL, h = 0 or not finite
  *   TVI_ENONFINITE  a state that is not finite, or equations that are not finite there
  *   TVI_EDOMAIN     the function was evaluated outside its domain
@@ -270,65 +278,68 @@ TVI_NODISCARD tvi_status tvi_integrator_velocity(const tvi_integrator *integrato
  *                   tvi_options.max_tail */
 TVI_NODISCARD tvi_status tvi_step(tvi_integrator *integrator, double h, double *t, double q[], double p[]);
 
-/* Forgets the last step. It is forgotten by itself when t, q, p are not bitwise what the last successful step returned;
+/* Forgets the last step. A step also forgets it if t, q, p are not bitwise what the last successful step returned;
  * otherwise the low-order parts of the compensated sums carry on. */
 void tvi_integrator_reset(tvi_integrator *integrator);
 
-/* Called after each step, 1..steps; a value other than 0 stops. */
+/* An observer is called after each step, with step = 1..steps; a value other than 0 stops the run. */
 typedef int tvi_observer(long step, double t, const double q[], const double p[], void *ctx);
-/* steps steps of size h. The state is that of the last successful step, whatever the status; the observer may be NULL.
+/* Makes `steps` steps of size h. The state is that of the last successful step, whatever the status; the observer may
+ * be NULL.
  *   TVI_ESTOPPED  the observer stopped it
  *   TVI_EINVAL    steps < 0
  *   others        of the step that failed */
 TVI_NODISCARD tvi_status tvi_integrate(tvi_integrator *integrator, double h, long steps, double *t, double q[],
                                        double p[], tvi_observer *observer, void *ctx);
 
-/* The state at t0 + theta h, 0 <= theta <= 1, of the last step, on the step's own curve; at theta = 0 and 1 it is the
- * state before and after the step. Between them its order is the curve's, not the method's: the error that one step
- * adds is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(N+1)) in both (O(h^2) for N = 0), the
- * Galerkin curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system, Stormer-Verlet O(h^3), as measured by
- * the tests.
+/* Computes the state at t0 + theta h, 0 <= theta <= 1, of the last step, on the step's own curve. At theta = 0 and 1 it
+ * is the state before and after the step. Between them its order is the curve's, not the method's. The error that one
+ * step adds, as measured by the tests, is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1); for Poincare O(h^(N+1))
+ * in both (O(h^2) for N = 0); for the Galerkin curve O(h^(N+1)) in both, and O(h^(N+2)) in q of a separable system; for
+ * Stormer-Verlet O(h^3).
  *   TVI_EINVAL      before a step, after one that failed, and for theta outside [0, 1]
  *   TVI_ENONFINITE  the curve overflows there */
 TVI_NODISCARD tvi_status tvi_dense(tvi_integrator *integrator, double theta, double q[], double p[]);
 
-/* A ready-made observer for long runs: where the standard error is a terminal it draws a bar there, elsewhere nothing.
- * ctx is a tvi_progress_bar, {.steps = steps}. An observer of your own in it is called after each step, with its ctx.
- * This is the one function of the library that prints. */
+/* An observer for long runs: if the standard error is a terminal it draws a bar there, elsewhere it draws nothing. ctx
+ * is a tvi_progress_bar, {.steps = steps}. An observer of your own in it is called after each step, with its ctx. No
+ * other function of the library prints. */
 typedef struct {
-    long steps;             /* of the whole run: there the bar is full */
+    long steps;             /* of the whole run: the bar is full then */
     tvi_observer *observer; /* NULL: none */
     void *ctx;
-    long shown; /* the library's own */
+    long shown; /* belongs to the library */
 } tvi_progress_bar;
 int tvi_progress(long step, double t, const double q[], const double p[], void *ctx);
 
-/* Counts since the integrator was made. A pass is one evaluation of the residual followed by one correction, an
+/* Counts since the integrator was created. A pass is one evaluation of the residual followed by one correction, an
  * expansion one series of the curve, a force evaluation one value of the force at one node. */
 typedef struct {
     long steps, passes, expansions, force_evaluations, factorisations;
-    double residual; /* the last correction of the last step relative to the curve's size, 0 for explicit methods */
-    /* Of the last step: the last term of what drives a coordinate, relative to its momentum and what drives it; the
-     * largest of all coordinates. Above 0.1 the step is too large, below 0.01 it seldom is (docs/choosing.md). 0 where
-     * the force has one term only: degrees 1 and 2, one node, Stormer-Verlet */
+    /* The last correction of the last step relative to the curve's size; 0 for explicit methods. */
+    double residual;
+    /* The tail of the last step: the last term of the force on a coordinate, relative to its momentum and all of that
+     * force; the largest of all coordinates. Above 0.1 the step is too large, below 0.01 it seldom is
+     * (docs/choosing.md). The tail is 0 if the force has one term only: degrees 1 and 2, one node, Stormer-Verlet. */
     double tail;
-    double largest_tail; /* of the steps since the integrator was made or reset, also of one that was refused */
-    size_t bytes;        /* of memory held by the integrator */
-    bool is_compiled;    /* its steps run code of tvi_options.compiled */
+    /* The largest tail since the integrator was created or reset, also of a step that was refused. */
+    double largest_tail;
+    size_t bytes;     /* of memory held by the integrator */
+    bool is_compiled; /* its steps run tvi_options.compiled */
 } tvi_stats;
 const tvi_stats *tvi_integrator_stats(const tvi_integrator *integrator);
 
 /* ---- The tangent map --------------------------------------------------------------------------------------------- */
 
-/* A step, bit for bit what tvi_step makes, that also moves tangent vectors: D <- M D with M the Jacobian of the step,
- * exact to roundoff (docs/method.md section 10). D is [2n][columns] row-major, rows (dq, dp); the identity gives M.
- * Of a system with parameters D has a row more for each, which stay as they are: a column that begins with 0 in all
- * others and 1 in one of these becomes the derivative of the state with respect to that parameter.
- * Each column costs a step of a system of 2n degrees of freedom (in plain steps: docs/chaos.md), and is treated alone:
- * it carries no sums and no guesses from one step to the next, and scaling it by a power of two scales its result. With
- * a tolerance or a fixed number of passes M may differ from the Jacobian by what the passes have left to do.
- * The first call, and the first with more columns than before, allocate (TVI_ENOMEM); later ones allocate nothing. Of
- * tvi_stats only the bytes count what the columns take, without their recording of the lifted system.
+/* Makes a step, bit for bit that of tvi_step, and also moves tangent vectors: D <- M D with M the Jacobian matrix of
+ * the step, exact to roundoff (docs/method.md section 10). D is [2n][columns] row-major, rows (dq, dp); the identity
+ * gives M. For a system with parameters D has one more row for each, which stays as it is. A column that begins with 0
+ * in all other rows and 1 in one of these becomes the derivative of the state with respect to that parameter. Each
+ * column costs a step of a system of 2n degrees of freedom (in plain steps: docs/chaos.md), and is treated alone: it
+ * carries no sums and no guesses from one step to the next, and scaling it by a power of two scales its result. With a
+ * tolerance or a fixed number of passes M may differ from the Jacobian matrix by the corrections that the passes leave
+ * out. The first call, and the first with more columns than before, allocate (TVI_ENOMEM); later ones allocate nothing.
+ * In tvi_stats the columns count in `bytes` alone, without their recording of the lifted system.
  *   TVI_EINVAL      as tvi_step, and D NULL, columns < 1
  *   TVI_ENONFINITE  as tvi_step, and D that is not finite, before or after
  *   others          as tvi_step; t, q, p and D are then as they were */
@@ -337,20 +348,20 @@ TVI_NODISCARD tvi_status tvi_step_tangent(tvi_integrator *integrator, double h, 
 
 /* ---- Saved states ------------------------------------------------------------------------------------------------ */
 
-/* All that an integrator holds between steps, as bytes to keep: a run that goes on from them in another integrator, of
- * the same system and options, is bit for bit the run that was not interrupted, its counts included. They serve the
- * version of the library, the machine and the instruction set that wrote them (docs/roundoff.md).
+/* Save and load all that an integrator holds between steps, as bytes to keep. A run that goes on from them in another
+ * integrator, of the same system and options, is bit for bit the run that was not interrupted, its counts included. The
+ * bytes serve the version of the library, the machine and the instruction set that wrote them (docs/roundoff.md).
  * Save: *size is the size of the buffer, and then the number of bytes written; a buffer of NULL asks for that number.
  *   TVI_EINVAL      NULL, a buffer that is too small
  * Load: tvi_dense has no last step until the next one is made.
  *   TVI_EINVAL      NULL, and bytes that are damaged, of another size, or of another version, method or system */
 TVI_NODISCARD tvi_status tvi_state_save(const tvi_integrator *integrator, void *buffer, size_t *size);
 TVI_NODISCARD tvi_status tvi_state_load(tvi_integrator *integrator, const void *buffer, size_t size);
-/* What the bytes hold, without an integrator: the dimension n of the system, and t, q[n] and p[n] as tvi_state_last
- * gives them. t, q and p may be NULL: so n can be asked for first.
+/* Reads the bytes without an integrator: the dimension n of the system, and t, q[n] and p[n] as tvi_state_last gives
+ * them. t, q and p may be NULL, so that n can be asked for first.
  *   TVI_EINVAL      NULL, bytes that are damaged, no state or of another version; t, q or p of a state before a step */
 TVI_NODISCARD tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, double q[], double p[]);
-/* The t, q[n] and p[n] that the last successful step returned, from which the run goes on; also after a load.
+/* Returns the t, q[n] and p[n] of the last successful step, from which the run goes on; also after a load.
  *   TVI_EINVAL  before a step and after a reset; NULL */
 TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
 

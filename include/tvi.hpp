@@ -7,10 +7,10 @@
  *     std::vector<double> q = {1, 0}, p = {0, 0.8};
  *     orbit.integrate(0.25, 16000, t, q, p);
  *
- * What tvi.h says of a function holds for the member of the same name. A status that is neither TVI_OK nor TVI_ESTOPPED
- * is thrown as a tvi::error, whose text is tvi_last_error. What a callable throws comes out of the function that called
- * it, after the library has returned and freed what it had. Objects may be moved and copied; copies share what they
- * own, and an integrator keeps its system. */
+ * The rules of tvi.h for a function hold for the member of the same name. A status that is neither TVI_OK nor
+ * TVI_ESTOPPED is thrown as a tvi::error, whose text is tvi_last_error. An exception of a callable comes out of the
+ * function that called it, after the library has returned and freed what it had. Objects may be moved and copied;
+ * copies share what they own, and an integrator keeps its system. */
 #ifndef TVI_HPP
 #define TVI_HPP
 
@@ -56,7 +56,7 @@ template <class Bytes, class Save> Bytes bytes_of(Save save)
     return bytes;
 }
 
-/* The numbers of a vector of n. */
+/* Returns the numbers of a vector, which must have n of them. */
 template <class Vector> auto data_of(const char *name, std::size_t n, Vector &x) -> decltype(x.data())
 {
     if (static_cast<std::size_t>(x.size()) != n)
@@ -67,7 +67,7 @@ template <class Vector> auto data_of(const char *name, std::size_t n, Vector &x)
 
 /* ---- Callables: nothing is thrown through the library ------------------------------------------------------------ */
 
-/* A callable, and what it has thrown. */
+/* A callable, and the exception that it has thrown. */
 template <class Function> struct guarded {
     Function &function;
     std::exception_ptr thrown;
@@ -95,7 +95,7 @@ template <class Function> struct guarded {
             out[0] = refused();
         }
     }
-    /* Whether the run stops. */
+    /* Calls the callable. Returns whether the run stops. */
     template <class... Arguments> int stops(Arguments... arguments)
     {
         if (thrown) return 1;
@@ -135,13 +135,13 @@ template <class Function> jet potential_of(const jet q[], jet t, void *ctx)
     return static_cast<guarded<Function> *>(ctx)->value(q, t);
 }
 
-/* Lagrangians, Hamiltonians, time scales, events. */
+/* Calls the function of a Lagrangian, a Hamiltonian, a time scale or an event. */
 template <class Function> jet value_of(const jet q[], const jet x[], jet t, void *ctx)
 {
     return static_cast<guarded<Function> *>(ctx)->value(q, x, t);
 }
 
-/* Of a step and of an event: tvi_observer, tvi_event_observer. */
+/* Calls the observer of a step or of an event: tvi_observer, tvi_event_observer. */
 template <class Function, class Number>
 int observer_of(Number which, double t, const double q[], const double p[], void *ctx)
 {
@@ -152,7 +152,7 @@ struct no_observer {
     template <class... Arguments> void operator()(Arguments...) const {}
 };
 
-/* Of a step of an ensemble, and of one of its members. */
+/* Calls the observer of a step of an ensemble. */
 template <class Function>
 int ensemble_of(long step, int members, const double t[], const double q[], const double p[], const tvi_status status[],
                 void *ctx)
@@ -164,7 +164,7 @@ template <class Function> int member_of(int member, int which, double t, const d
     return static_cast<guarded<Function> *>(ctx)->stops(member, which, t, q, p);
 }
 
-/* Both observers of a run with events. */
+/* The two observers of a run with events. */
 template <class Step, class Event> struct observers {
     guarded<Step> step;
     guarded<Event> event;
@@ -183,7 +183,7 @@ template <class Event, class Time, class Step> class plan_observers
 {
   public:
     plan_observers(Event &event, Time &time, Step &step) : event_(event), time_(time), step_(step) {}
-    /* The plan with these in the place of its own, or as it is where there are none. */
+    /* Returns the plan with these observers in the place of its own, or as it is if there are none. */
     tvi_run_plan in(tvi_run_plan plan)
     {
         if (!is_one<Event>() && !is_one<Time>() && !is_one<Step>()) return plan;
@@ -220,7 +220,7 @@ template <class Event, class Time, class Step> class plan_observers
     guarded<Step> step_;
 };
 
-/* The end of a run: false where an observer or an event stopped it. */
+/* Tells whether a run came to its end; false if an observer or an event stopped it. */
 inline bool ended(tvi_status status)
 {
     if (status != TVI_ESTOPPED) check(status);
@@ -257,7 +257,7 @@ class system
     system() = default;
     std::size_t size() const { return static_cast<std::size_t>(dimension()); }
 
-    /* make(&handle, the callable, and as the library calls it) */
+    /* Creates the handle by make(&handle, function, ctx), with the callable as the library calls it. */
     template <class Function, class Make> void own(Function &function, Make make)
     {
         detail::guarded<Function> g(function);
@@ -283,7 +283,7 @@ class system
     std::shared_ptr<tvi_system> handle_;
 };
 
-/* void function(const jet *q, jet t, jet *force); no masses: all 1. */
+/* The callable is void function(const jet *q, jet t, jet *force). Without masses all are 1. */
 class force : public system
 {
   public:
@@ -295,7 +295,7 @@ class force : public system
     }
 };
 
-/* jet function(const jet *q, jet t). */
+/* The callable is jet function(const jet *q, jet t). */
 class potential : public system
 {
   public:
@@ -309,7 +309,7 @@ class potential : public system
     }
 };
 
-/* Bodies that attract each other: tvi_bodies_system. For adapting steps give tvi_bodies_scale to rescaled. */
+/* Bodies that attract each other: tvi_bodies_system. For steps that adapt, pass tvi_bodies_scale to rescaled. */
 class gravity : public system
 {
   public:
@@ -320,7 +320,7 @@ class gravity : public system
     }
 };
 
-/* jet function(const jet *q, const jet *v, jet t). */
+/* The callable is jet function(const jet *q, const jet *v, jet t). */
 class lagrangian : public system
 {
   public:
@@ -331,7 +331,7 @@ class lagrangian : public system
     }
 };
 
-/* jet function(const jet *q, const jet *p, jet t). */
+/* The callable is jet function(const jet *q, const jet *p, jet t). */
 class hamiltonian : public system
 {
   public:
@@ -342,7 +342,7 @@ class hamiltonian : public system
     }
 };
 
-/* jet scale(const jet *q, const jet *p, jet t); without one, the automatic time scale. */
+/* The callable is jet scale(const jet *q, const jet *p, jet t); without it, the automatic time scale is used. */
 class rescaled : public system
 {
   public:
@@ -359,7 +359,7 @@ class rescaled : public system
     }
 };
 
-/* void drive(const jet *q, const jet *v, jet t, jet *force): added to dp/dt. */
+/* The callable is void drive(const jet *q, const jet *v, jet t, jet *force), which is added to dp/dt. */
 class driven : public system
 {
   public:
@@ -373,7 +373,7 @@ class driven : public system
 
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
-/* jet g(const jet *q, const jet *p, jet t). */
+/* The callable is jet g(const jet *q, const jet *p, jet t). */
 class event
 {
   public:
@@ -402,7 +402,7 @@ inline tvi_options options(const std::string &name, int order)
     return found;
 }
 
-/* tvi_suggest_step_seen */
+/* Does what tvi_suggest_step_seen does. */
 template <class Q, class P>
 double suggest_step(const system &of, const tvi_options &options, double t, const Q &q, const P &p, double duration,
                     double error, double &seen)
@@ -414,7 +414,7 @@ double suggest_step(const system &of, const tvi_options &options, double t, cons
     return h;
 }
 
-/* tvi_suggest_step */
+/* Does what tvi_suggest_step does. */
 template <class Q, class P>
 double suggest_step(const system &of, const tvi_options &options, double t, const Q &q, const P &p, double duration,
                     double error)
@@ -423,7 +423,7 @@ double suggest_step(const system &of, const tvi_options &options, double t, cons
     return suggest_step(of, options, t, q, p, duration, error, seen);
 }
 
-/* Compiled code for the system and the options, to be their `compiled`: options.compiled = code.get(). */
+/* Compiled code for the system and the options: options.compiled = code.get(). */
 class compiled
 {
   public:
@@ -455,7 +455,7 @@ class integrator
     const tvi_options &options() const { return *tvi_integrator_options(get()); }
     const tvi_stats &stats() const { return *tvi_integrator_stats(get()); }
     void reset() { tvi_integrator_reset(get()); }
-    /* [parameters] values of its own; energy is then that with these values. */
+    /* Sets the integrator's own values, [parameters]. `energy` then uses these values. */
     void set_parameters(const std::vector<double> &value)
     {
         const std::size_t count = static_cast<std::size_t>(system_.parameters());
@@ -473,7 +473,7 @@ class integrator
     {
         detail::check(tvi_step(get(), h, &t, of("q", q), of("p", p)));
     }
-    /* D [2n + parameters][columns], row-major. */
+    /* Makes a step, and moves D [2n + parameters][columns], row-major. */
     template <class Q, class P, class Columns>
     void step_tangent(double h, double &t, Q &q, P &p, Columns &D, int columns)
     {
@@ -486,7 +486,7 @@ class integrator
         detail::check(tvi_dense(get(), theta, of("q", q), of("p", p)));
     }
 
-    /* observer(long step, double t, const double *q, const double *p) */
+    /* The observer is observer(long step, double t, const double *q, const double *p). */
     template <class Q, class P, class Observer = detail::no_observer>
     bool integrate(double h, long steps, double &t, Q &q, P &p, Observer observer = Observer())
     {
@@ -516,7 +516,7 @@ class integrator
             return tvi_integrate_tolerance(get(), tolerance, t_end, &t, of("q", q), of("p", p), call, g);
         });
     }
-    /* on_event(int which, double t, const double *q, const double *p) */
+    /* The observer of events is on_event(int which, double t, const double *q, const double *p). */
     template <class Q, class P, class On_event, class Observer = detail::no_observer>
     bool integrate_events(double h, long steps, const std::vector<event> &events, double &t, Q &q, P &p,
                           On_event on_event, Observer observer = Observer())
@@ -539,8 +539,9 @@ class integrator
             });
     }
 
-    /* Any plan; events, times and D are what it points to. The observers, of (int member, int which, double t, const
-     * double *q, const double *p), take the place of the plan's own; these, where there are none, throw nothing. */
+    /* Runs any plan. Its events, times and D are those that the plan points to. The observers, of (int member, int
+     * which, double t, const double *q, const double *p), take the place of the plan's own. The plan's own observers
+     * must not throw. */
     template <class Q, class P, class On_event = detail::no_observer, class At_time = detail::no_observer,
               class At_step = detail::no_observer>
     bool run(const tvi_run_plan &plan, double &t, Q &q, P &p, On_event on_event = On_event(),
@@ -608,9 +609,9 @@ class integrator
 
 /* ---- Ensembles --------------------------------------------------------------------------------------------------- */
 
-/* Many orbits of one system. t and status are [members], q and p [n][members], the member fastest; status is made as
- * long as that. Runs return as those of an integrator: also true where members have failed, which status says. What an
- * observer of a member throws ends the runs of the others at their next call. */
+/* Many orbits of one system. t and status are [members], q and p [n][members], the member fastest; status gets this
+ * size. Runs return as those of an integrator: also true if members have failed, which status tells. An exception from
+ * an observer of a member ends the runs of the others at their next call. */
 class ensemble
 {
   public:
@@ -632,13 +633,14 @@ class ensemble
         return found;
     }
     void reset() { tvi_ensemble_reset(get()); }
-    /* [parameters][members] */
+    /* Sets the values [parameters][members]. */
     void set_parameters(const std::vector<double> &value)
     {
         detail::check(tvi_ensemble_set_parameters(get(), of("parameters", system_.parameters(), value)));
     }
 
-    /* observer(long step, int members, const double *t, const double *q, const double *p, const tvi_status *status) */
+    /* The observer is observer(long step, int members, const double *t, const double *q, const double *p, const
+     * tvi_status *status). */
     template <class T, class Q, class P, class Observer = detail::no_observer>
     bool integrate(double h, long steps, T &t, Q &q, P &p, std::vector<tvi_status> &status,
                    Observer observer = Observer())
@@ -666,7 +668,7 @@ class ensemble
         plan.tolerance = tolerance, plan.t_end = t_end;
         return run(plan, t, q, p, status);
     }
-    /* at_time(int member, int which, double t, const double *q, const double *p) */
+    /* The observer is at_time(int member, int which, double t, const double *q, const double *p). */
     template <class T, class Q, class P, class At_time>
     bool integrate_at(double h, const std::vector<double> &times, T &t, Q &q, P &p, std::vector<tvi_status> &status,
                       At_time at_time)
@@ -677,7 +679,7 @@ class ensemble
         plan.at_time = detail::member_of<At_time>, plan.ctx = &g;
         return go(plan, t, q, p, status, g);
     }
-    /* on_event as at_time */
+    /* The observer on_event has the arguments of at_time. */
     template <class T, class Q, class P, class On_event>
     bool integrate_events(double h, long steps, const std::vector<event> &events, T &t, Q &q, P &p,
                           std::vector<tvi_status> &status, On_event on_event)
@@ -690,7 +692,7 @@ class ensemble
         plan.on_event = detail::member_of<On_event>, plan.ctx = &g;
         return go(plan, t, q, p, status, g);
     }
-    /* Any other plan, with observers as those of integrator::run. */
+    /* Runs any other plan, with observers as those of integrator::run. */
     template <class T, class Q, class P, class On_event = detail::no_observer, class At_time = detail::no_observer,
               class At_step = detail::no_observer>
     bool run(const tvi_run_plan &plan, T &t, Q &q, P &p, std::vector<tvi_status> &status,
@@ -750,8 +752,8 @@ class ensemble
 
 /* ---- std::sin(x) of a jet ---------------------------------------------------------------------------------------- */
 
-/* The functions of a jet are found by its type, without std::, and these say so. They ask for a conversion, so that
- * where both are found, as after `using std::pow`, the jet's own are taken. */
+/* The functions of a jet are found by its type, without std::, and these templates say so. They ask for a conversion,
+ * so that the jet's own functions are taken if both are found, as after `using std::pow`. */
 namespace tvi
 {
 namespace detail

@@ -15,15 +15,15 @@ extern "C" {
 /* ---- Ensembles --------------------------------------------------------------------------------------------------- */
 
 /* Members are orbits of one system, each with a state and parameters of its own. Arrays have the member fastest:
- * q[n][members], p[n][members], t[members], status[members]. What a member does depends on no other: its bits are the
- * same in every ensemble, at every place in it, and for every number of threads; and they are those of an integrator of
- * its own, by "midpoint" and "poincare" to roundoff (docs/ensembles.md). A member that fails keeps its last good state
- * and its status, and the others go on; later runs leave it as it is, until its state is another one or
- * tvi_ensemble_reset. An ensemble is used by one thread at a time. */
+ * q[n][members], p[n][members], t[members], status[members]. A member does not depend on the others: its bits are the
+ * same in every ensemble, at every place in it, and for every number of threads. They are those of an integrator of its
+ * own; by "midpoint" and "poincare" they agree to roundoff (docs/ensembles.md). A member that fails keeps its last good
+ * state and its status, and the others go on. Later runs leave it as it is, until its state is another one or
+ * tvi_ensemble_reset is called. An ensemble is used by one thread at a time. */
 typedef struct tvi_ensemble tvi_ensemble;
 
-/* options NULL: tvi_options_default. threads 0: as many as OpenMP has; without OpenMP it is always one. *out is NULL on
- * failure.
+/* Creates an ensemble. options NULL: tvi_options_default. threads 0: as many as OpenMP has; without OpenMP it is always
+ * one. *out is NULL on failure.
  *   TVI_EINVAL  also members < 1, threads < 0
  *   TVI_ENOMEM  also more threads than can be started
  *   others      as of tvi_integrator_create */
@@ -31,14 +31,14 @@ TVI_NODISCARD tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_syste
                                              int members, int threads);
 void tvi_ensemble_free(tvi_ensemble *ensemble); /* NULL is allowed */
 
-/* As tvi_integrator_set_parameters for each member: value[tvi_system_parameters][members]. */
+/* Does what tvi_integrator_set_parameters does, for each member: value[tvi_system_parameters][members]. */
 TVI_NODISCARD tvi_status tvi_ensemble_set_parameters(tvi_ensemble *ensemble, const double value[]);
-/* As tvi_integrator_reset for each member; members that have failed are tried again. */
+/* Does what tvi_integrator_reset does, for each member. Members that have failed are tried again. */
 void tvi_ensemble_reset(tvi_ensemble *ensemble);
 
-/* steps steps of size h of each member. status[m] is TVI_OK, or that of the step at which member m failed, as of
- * tvi_step. The observer may be NULL, and members then need not wait for each other.
- *   TVI_OK        also where members have failed
+/* Makes `steps` steps of size h of each member. status[m] is TVI_OK, or the status of the step at which member m
+ * failed, as of tvi_step. The observer may be NULL, and members then need not wait for each other.
+ *   TVI_OK        also if members have failed
  *   TVI_ESTOPPED  the observer stopped it
  *   TVI_EINVAL    NULL, h = 0 or not finite, steps < 0
  *   TVI_ENOMEM    no memory */
@@ -48,23 +48,24 @@ TVI_NODISCARD tvi_status tvi_ensemble_integrate(tvi_ensemble *ensemble, double h
 
 /* A plan for all members (tvi_runs.h). */
 typedef tvi_run_plan tvi_ensemble_plan;
-/* Members are as after tvi_run by integrators of their own, and status[m] is its status, so TVI_ESTOPPED where an event
- * or an observer of the member ended it: from there its next run goes on. D is [2n + parameters][columns][members].
+/* Runs all members by a plan. Members are then as after tvi_run by integrators of their own, and status[m] is its
+ * status. It is TVI_ESTOPPED if an event or an observer ended the run of the member; its next run goes on from there. D
+ * is [2n + parameters][columns][members].
  *   TVI_EINVAL       as of these runs, NULL
  *   TVI_EUNSUPPORTED as of these runs
  *   others           as of tvi_ensemble_integrate */
 TVI_NODISCARD tvi_status tvi_ensemble_run(tvi_ensemble *ensemble, const tvi_ensemble_plan *plan, double t[], double q[],
                                           double p[], tvi_status status[]);
 
-/* Counts of all members together, since the ensemble was made; largest_tail is that of any, tail and residual are 0.
+/* Counts of all members together, since the ensemble was created; largest_tail is that of any, tail and residual are 0.
  *   TVI_EINVAL  NULL */
 TVI_NODISCARD tvi_status tvi_ensemble_stats(const tvi_ensemble *ensemble, tvi_stats *stats);
 
-/* All that the members hold between runs, as tvi_state_save and tvi_state_load: with as many members, for any number of
- * threads. */
+/* Save and load all that the members hold between runs, as tvi_state_save and tvi_state_load do. The ensemble needs as
+ * many members, and may have any number of threads. */
 TVI_NODISCARD tvi_status tvi_ensemble_save(const tvi_ensemble *ensemble, void *buffer, size_t *size);
 TVI_NODISCARD tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *buffer, size_t size);
-/* The states that the runs go on from, also after a load, and the status of each member.
+/* Returns the states that the runs go on from, also after a load, and the status of each member.
  *   TVI_EINVAL  NULL, before the first run */
 TVI_NODISCARD tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[],
                                            tvi_status status[]);

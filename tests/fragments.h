@@ -1,4 +1,4 @@
-/* fragments.h - what the fragments of pages stand in: tests/fragments.awk puts it before them. */
+/* fragments.h - Declares what the fragments of pages stand in: tests/fragments.awk puts it before them. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>

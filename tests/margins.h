@@ -1,4 +1,4 @@
-/* margins.h - keeps the least margin of every comparison in an assertion, and adds the list of them to the file that
+/* margins.h - Keeps the least margin of every comparison in an assertion, and adds the list of them to the file that
  * TVI_MARGINS names when a process ends. The copies of the tests that margins.py makes include this file. */
 #ifndef TESTS_MARGINS_H
 #define TESTS_MARGINS_H

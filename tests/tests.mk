@@ -198,7 +198,7 @@ do-threads: $(THREADS:%=$(BUILD)/check/threads-%)
 $(THREADS:%=$(BUILD)/check/threads-%): $(BUILD)/check/threads-%: $(BUILD)/tests/threads/%.o $(BUILD)/libtvi.a
 	@mkdir -p $(@D)
 	$(call SAY,LD $@)$(CC) $(CFLAGS) $(LDFLAGS) $(WRAP) -pthread -o $@ $^ $(LIBS)
-$(BUILD)/check/threads-ensemble: WRAP = -Wl,--wrap=tvi_spread
+$(BUILD)/check/threads-ensemble: WRAP = -Wl,--wrap=tvi_parallel_for
 $(BUILD)/tests/threads/%.o: tests/threads/%.c
 	@mkdir -p $(@D)
 	$(call SAY,CC $<)$(CC) $(TEST_FLAGS) -c -o $@ $<
@@ -330,10 +330,12 @@ check-names: ; $(REPORT) "names: all that can be linked begin with tvi_ or jet_"
 do-names: $(BUILD)/libtvi.a
 	nm -A -g --defined-only $< | awk '{ names++ } $$NF !~ /^(tvi|jet)_/ { print; failed = 1 } END { exit failed || !names }'
 
-check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large" $(DO)
+check-floors: ; $(REPORT) "floors: no include goes up; no file and no function is large; plain words" $(DO)
+WORDED := $(wildcard $(foreach folder,run galerkin system method compiled algebra,src/$(folder)/*.[ch]) ad/*.[ch] include/* tests/*/*.[ch] bench/*/*.[ch])
 do-floors:
 	tests/floors.sh
 	tests/sizes.sh
+	awk -f tests/words.awk $(WORDED) README.md $(wildcard docs/*.md docs/*/*.md)
 
 # what a step of each scene costs, in instructions; `make instructions` writes the file anew
 INSTRUCTIONS := tests/instructions.sh $(BUILD)/bench/steps/steps tests/instructions.txt

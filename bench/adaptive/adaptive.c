@@ -1,4 +1,4 @@
-/* adaptive.c - the table and the picture of docs/adaptive.md: adaptive DIR. */
+/* adaptive.c - Writes the table and the picture of docs/adaptive.md: adaptive DIR. */
 #include "adaptive.h"
 
 #include <math.h>
@@ -22,14 +22,15 @@ static void write_row(FILE *table, const adaptive_line *l)
 {
     const double unit = adaptive_time_of_unit();
     adaptive_motion r = adaptive_begin(l);
-    const tvi_status status = adaptive_go(&r, l, l->of->scene.t_end, NULL, NULL);
+    const tvi_status status = adaptive_go(&r, l, l->problem->scene.t_end, NULL, NULL);
     const tvi_stats *stats = tvi_integrator_stats(r.integrator);
-    fprintf(table, "| %s, to t = %.5g | %s %d | %s | %.6g | %ld |", l->of->scene.title, l->of->scene.t_end, l->method,
-            l->order, g_names[l->g], l->h, stats->steps);
+    fprintf(table, "| %s, to t = %.5g | %s %d | %s | %.6g | %ld |", l->problem->scene.title, l->problem->scene.t_end,
+            l->method, l->order, g_names[l->g], l->h, stats->steps);
     if (status != TVI_OK) fprintf(table, " at t = %.3g: %s | - | - | - | - |\n", r.t, tvi_status_string(status));
     else {
-        write_energy_error(table, adaptive_energy_error(&r, &l->of->scene));
-        fprintf(table, " %.1e | %.1f |", adaptive_error(l->of, r.t, r.q), (double)stats->passes / (double)stats->steps);
+        write_energy_error(table, adaptive_energy_error(&r, &l->problem->scene));
+        fprintf(table, " %.1e | %.1f |", adaptive_error(l->problem, r.t, r.q),
+                (double)stats->passes / (double)stats->steps);
         const double cpu = adaptive_time_of(l, REPETITIONS);
         fprintf(table, " %.3g | %.3g |\n", 1e3 * cpu, cpu / fmin(unit, adaptive_time_of_unit()));
     }
@@ -42,7 +43,7 @@ static void write_table(const experiment *e)
     FILE *table = experiment_table(e, "adaptive",
                                    " problem | method | g | h, tolerance | steps | energy error (chaotic) | "
                                    "position error (chaotic) | passes a step | ms (time) | u (time) ");
-    for (const adaptive_line *l = adaptive_lines; l->of; l++) write_row(table, l);
+    for (const adaptive_line *l = adaptive_lines; l->problem; l++) write_row(table, l);
     experiment_close(table);
 }
 
@@ -50,7 +51,7 @@ static void write_table(const experiment *e)
 
 static void write_label(FILE *csv, const adaptive_line *l)
 {
-    fprintf(csv, "%s %s %.3g", l->of->scene.name, g_names[l->g], l->h);
+    fprintf(csv, "%s %s %.3g", l->problem->scene.name, g_names[l->g], l->h);
 }
 
 /* The error at each pericentre. */
@@ -60,7 +61,7 @@ static void write_errors(FILE *csv, const adaptive_line *l)
     for (int k = 1; k <= REVOLUTIONS; k++) {
         if (adaptive_go(&r, l, k * ADAPTIVE_REVOLUTION, NULL, NULL) != TVI_OK) break;
         write_label(csv, l);
-        fprintf(csv, ",%d,%.4e\n", k, adaptive_error(l->of, r.t, r.q));
+        fprintf(csv, ",%d,%.4e\n", k, adaptive_error(l->problem, r.t, r.q));
     }
     adaptive_end(&r);
 }
@@ -87,13 +88,13 @@ int main(int argc, char *argv[])
     write_table(&e);
     adaptive_tolerances(&e);
     FILE *errors = experiment_csv(&e, "errors", "line,revolution,error");
-    for (const adaptive_line *l = adaptive_errors; l->of; l++) write_errors(errors, l);
+    for (const adaptive_line *l = adaptive_errors; l->problem; l++) write_errors(errors, l);
     experiment_close(errors);
     FILE *steps = experiment_csv(&e, "steps", "line,t,step");
-    for (const adaptive_line *l = adaptive_steps; l->of; l++) {
+    for (const adaptive_line *l = adaptive_steps; l->problem; l++) {
         adaptive_motion r = adaptive_begin(l);
-        experiment_insist(adaptive_go(&r, l, l->of->scene.t_end, write_step, &(steps_written){steps, l, 0}),
-                          l->of->scene.name);
+        experiment_insist(adaptive_go(&r, l, l->problem->scene.t_end, write_step, &(steps_written){steps, l, 0}),
+                          l->problem->scene.name);
         adaptive_end(&r);
     }
     experiment_close(steps);

@@ -1,4 +1,4 @@
-/* adaptive.h - fixed and rescaled steps on the hard scenes, for docs/adaptive.md. */
+/* adaptive.h - Declares runs with fixed and rescaled steps on the hard scenes, for docs/adaptive.md. */
 #ifndef ADAPTIVE_H
 #define ADAPTIVE_H
 
@@ -14,7 +14,7 @@
 typedef enum { ADAPTIVE_FIXED, ADAPTIVE_OWN, ADAPTIVE_AUTOMATIC, ADAPTIVE_TOLERANCE } adaptive_g;
 
 typedef struct {
-    const hard_scene *of; /* NULL ends a list */
+    const hard_scene *problem; /* NULL ends a list */
     const char *method;
     int order;
     adaptive_g g;
@@ -44,8 +44,8 @@ double adaptive_time_of_unit(void);
 void adaptive_tolerances(const experiment *e);
 
 /* Relative to the scene's scale; NAN where the energy is of the time, and not kept. */
-double adaptive_energy_error(const adaptive_motion *motion, const scene *of);
+double adaptive_energy_error(const adaptive_motion *motion, const scene *problem);
 /* The distance of q from the solution, the 2-norm; NAN where it is not known. */
-double adaptive_error(const hard_scene *of, double t, const double q[]);
+double adaptive_error(const hard_scene *problem, double t, const double q[]);
 
 #endif

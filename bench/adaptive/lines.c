@@ -1,4 +1,4 @@
-/* lines.c - the rows of the table and the curves of the picture of docs/adaptive.md. */
+/* lines.c - Lists the rows of the table and the curves of the picture of docs/adaptive.md. */
 #include "adaptive.h"
 
 #define FIXED     .method = "galerkin", .order = 16, .g = ADAPTIVE_FIXED
@@ -42,7 +42,7 @@ const adaptive_line adaptive_lines[] = {
     {&hard_three_planets, OWN, .h = 0.5},
     {&hard_three_planets, AUTOMATIC, .h = 0.5},
     {&hard_three_planets, TOLERANCE},
-    {.of = NULL},
+    {.problem = NULL},
 };
 
 const adaptive_line adaptive_errors[] = {
@@ -53,11 +53,11 @@ const adaptive_line adaptive_errors[] = {
     {&hard_kepler_99, OWN, .h = S_99 / 10},
     {&hard_kepler_90, TOLERANCE},
     {&hard_kepler_99, TOLERANCE},
-    {.of = NULL},
+    {.problem = NULL},
 };
 
 const adaptive_line adaptive_steps[] = {
     {&hard_pythagorean, OWN, .h = 0.9},
     {&hard_pythagorean, AUTOMATIC, .h = 0.3},
-    {.of = NULL},
+    {.problem = NULL},
 };

@@ -1,4 +1,4 @@
-/* motion.c - runs of the lines of docs/adaptive.md. */
+/* motion.c - Makes the runs of the lines of docs/adaptive.md. */
 #include "adaptive.h"
 
 #include <math.h>
@@ -8,13 +8,13 @@ enum { UNIT_REPETITIONS = 40 };
 
 adaptive_motion adaptive_begin(const adaptive_line *l)
 {
-    const scene *s = &l->of->scene;
+    const scene *s = &l->problem->scene;
     adaptive_motion r = {.system = experiment_system(s)};
     tvi_options options;
     experiment_insist(tvi_options_named(l->method, l->order, &options), l->method);
     if (l->g == ADAPTIVE_OWN || l->g == ADAPTIVE_AUTOMATIC)
-        experiment_insist(tvi_system_rescaled(&r.rescaled, r.system, l->g == ADAPTIVE_OWN ? l->of->scale : NULL, NULL),
-                          s->name);
+        experiment_insist(
+            tvi_system_rescaled(&r.rescaled, r.system, l->g == ADAPTIVE_OWN ? l->problem->scale : NULL, NULL), s->name);
     experiment_insist(tvi_integrator_create(&r.integrator, r.rescaled ? r.rescaled : r.system, &options), l->method);
     memcpy(r.q, s->q, (size_t)s->n * sizeof *r.q);
     memcpy(r.p, s->p, (size_t)s->n * sizeof *r.p);
@@ -50,7 +50,7 @@ double adaptive_time_of(const adaptive_line *l, int repetitions)
     for (int i = 0; i < repetitions; i++) {
         adaptive_motion r = adaptive_begin(l);
         const double before = run_clock();
-        experiment_insist(adaptive_go(&r, l, l->of->scene.t_end, NULL, NULL), l->method);
+        experiment_insist(adaptive_go(&r, l, l->problem->scene.t_end, NULL, NULL), l->method);
         fastest = fmin(fastest, run_clock() - before);
         adaptive_end(&r);
     }

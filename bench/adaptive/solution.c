@@ -1,4 +1,4 @@
-/* solution.c - where the bodies are. */
+/* solution.c - Computes where the bodies are. */
 #include "adaptive.h"
 
 #include <math.h>
@@ -14,9 +14,9 @@ static void kepler_position(const scene *s, double t, long double q[2])
     q[1] = a * sqrtl((1 - e) * (1 + e)) * sinl(E);
 }
 
-double adaptive_error(const hard_scene *of, double t, const double q[])
+double adaptive_error(const hard_scene *problem, double t, const double q[])
 {
-    const scene *s = &of->scene;
+    const scene *s = &problem->scene;
     long double exact[2], sum = 0;
     if (!s->reference) {
         kepler_position(s, t, exact);

@@ -1,4 +1,4 @@
-/* tolerance.c - "taylor" to a tolerance on the smooth scenes: its error at the end. */
+/* tolerance.c - Runs "taylor" to a tolerance on the smooth scenes: its error at the end. */
 #include "adaptive.h"
 
 #include <math.h>
@@ -20,24 +20,24 @@ static double relative(int n, const double x[], const double y[])
 /* At the end, relative to the largest coordinate and momentum; infinite where the run fails. */
 static double error_of(const adaptive_line *l)
 {
-    const scene *s = &l->of->scene;
+    const scene *s = &l->problem->scene;
     adaptive_motion r = adaptive_begin(l);
-    const tvi_status status = adaptive_go(&r, l, l->of->scene.t_end, NULL, NULL);
+    const tvi_status status = adaptive_go(&r, l, l->problem->scene.t_end, NULL, NULL);
     const double of_q = relative(s->n, r.q, s->reference), of_p = relative(s->n, r.p, s->reference + s->n);
     adaptive_end(&r);
     return status == TVI_OK ? fmax(of_q, of_p) : INFINITY;
 }
 
-static adaptive_line to(const hard_scene *of, double tolerance, int order)
+static adaptive_line to(const hard_scene *problem, double tolerance, int order)
 {
-    return (adaptive_line){of, "taylor", order, .g = ADAPTIVE_TOLERANCE, .h = tolerance};
+    return (adaptive_line){problem, "taylor", order, .g = ADAPTIVE_TOLERANCE, .h = tolerance};
 }
 
-static void write_errors(FILE *table, const hard_scene *of)
+static void write_errors(FILE *table, const hard_scene *problem)
 {
-    fprintf(table, "| %s |", of->scene.title);
+    fprintf(table, "| %s |", problem->scene.title);
     for (int i = 0; i < TOLERANCES; i++) {
-        const adaptive_line l = to(of, tolerances[i], tvi_taylor_order(tolerances[i]));
+        const adaptive_line l = to(problem, tolerances[i], tvi_taylor_order(tolerances[i]));
         fprintf(table, " %.1e |", error_of(&l));
     }
     fprintf(table, "\n");
@@ -46,14 +46,14 @@ static void write_errors(FILE *table, const hard_scene *of)
 
 void adaptive_tolerances(const experiment *e)
 {
-    static const scene *const of[] = {&scene_pendulum,        &scene_kepler,    &scene_henon_heiles_12,
-                                      &scene_henon_heiles_8,  &scene_fpu,       &scene_solar,
-                                      &scene_double_pendulum, &scene_magnetic,  &scene_nonseparable,
-                                      &scene_vortices,        &scene_degenerate};
-    enum { SCENES = sizeof of / sizeof *of };
+    static const scene *const problem[] = {&scene_pendulum,        &scene_kepler,    &scene_henon_heiles_12,
+                                           &scene_henon_heiles_8,  &scene_fpu,       &scene_solar,
+                                           &scene_double_pendulum, &scene_magnetic,  &scene_nonseparable,
+                                           &scene_vortices,        &scene_degenerate};
+    enum { SCENES = sizeof problem / sizeof *problem };
     FILE *table = experiment_table(e, "tolerance",
                                    " scene | error at 1e-6 | 1e-8 | 1e-10 | 1e-12 (chaotic) | 1e-13 (chaotic) | "
                                    "1e-14 (chaotic) | 1e-15 (chaotic) ");
-    for (int i = 0; i < SCENES; i++) write_errors(table, &(hard_scene){.scene = *of[i]});
+    for (int i = 0; i < SCENES; i++) write_errors(table, &(hard_scene){.scene = *problem[i]});
     experiment_close(table);
 }

@@ -1,3 +1,5 @@
+/* baseline.c - Lists the integrators that the library is measured against, and checks which scenes they serve
+ * (baseline.h). */
 #include "forces.h"
 
 #include <string.h>

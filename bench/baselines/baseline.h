@@ -1,5 +1,6 @@
-/* baseline.h - the integrators that the library is measured against: plain C on hand-written forces, and the libraries
- * that Debian has. For the scenes with a potential: M q'' = F(q), M diagonal; and one for the double pendulum.
+/* baseline.h - Declares the integrators that the library is measured against: plain C on hand-written forces, and the
+ * libraries that Debian has. For the scenes with a potential: M q'' = F(q), M diagonal; and one for the double
+ * pendulum.
  *
  * baselines.mk has the compiler's flags: the times are worth something only with these, and with gcc. */
 #ifndef BASELINE_H
@@ -40,7 +41,7 @@ struct baseline {
     bool symplectic;
     const void *data;                                     /* what tells apart the baselines of one function */
     bool (*serves)(const baseline *self, const scene *s); /* NULL = every scene with a force by hand */
-    /* From (q, p) at t = 0 to h steps, in place; counts is set. Where it fails, q and p are anything.
+    /* From (q, p) at t = 0 to h steps, in place; counts is set. On failure q and p are undefined.
      * TVI_ENOCONV, TVI_ESINGULAR: the step is too large; TVI_ENONFINITE; TVI_ESTOPPED: the observer; TVI_ENOMEM. */
     tvi_status (*run)(const baseline *self, const baseline_task *task, double q[], double p[], baseline_counts *counts);
 };

@@ -1,5 +1,5 @@
-/* composition.c - compositions of Stormer-Verlet and splittings: drifts q += a_i h v and kicks v += b_i h M^-1 F(q)
- * take turns. */
+/* composition.c - Runs compositions of Stormer-Verlet and splittings: drifts q += a_i h v and kicks v += b_i h M^-1
+ * F(q) take turns. */
 #include "forces.h"
 #include "solar_rows.h"
 #include "state.h"
@@ -31,7 +31,7 @@ static const splitting kahan_li = {
 };
 
 /* Blanes and Moan, Practical symplectic partitioned Runge-Kutta and Runge-Kutta-Nystrom methods, J. Comput. Appl. Math.
- * 142 (2002), SRKN_14^a. Of order 6 for a force that depends on q alone and a kinetic energy that is quadratic. */
+ * 142 (2002), SRKN_14^a. It has order 6 for a force that depends on q alone and a kinetic energy that is quadratic. */
 static const splitting blanes_moan = {
     .stages = 14,
     .drift_first = true,

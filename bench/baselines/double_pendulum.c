@@ -1,4 +1,4 @@
-/* double_pendulum.c - Gauss collocation of order 12 for the double pendulum, on Hamilton's equations by hand:
+/* double_pendulum.c - Runs Gauss collocation of order 12 for the double pendulum, on Hamilton's equations by hand:
  *   a = (m1 + m2) l1^2,  b = m2 l2^2,  c = m2 l1 l2 cos(q1 - q2),
  *   v = M^-1 p = (b p1 - c p2, a p2 - c p1) / (a b - c^2),  w = m2 l1 l2 v1 v2 sin(q1 - q2),
  *   q' = v,  p1' = -w - (m1 + m2) g l1 sin q1,  p2' = w - m2 g l2 sin q2,
@@ -19,7 +19,7 @@ static const double ROUNDOFF = 1e-13; /* relative: below it, a pass that no long
 #define LENGTH_2 0.75
 #define GRAVITY  9.8125
 
-/* Of all nodes: y and f are [SIZE][STAGES], y = (q1, q2, p1, p2). */
+/* Slopes f of all nodes: y and f are [SIZE][STAGES], y = (q1, q2, p1, p2). */
 static void slopes(double y[SIZE][STAGES], double f[SIZE][STAGES])
 {
     const double a = (MASS_1 + MASS_2) * LENGTH_1 * LENGTH_1, b = MASS_2 * LENGTH_2 * LENGTH_2;

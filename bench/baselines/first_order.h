@@ -1,4 +1,4 @@
-/* first_order.h - y = (q, v), y' = (v, a(q)): what the libraries integrate. */
+/* first_order.h - Declares y = (q, v), y' = (v, a(q)): what the libraries integrate. */
 #ifndef FIRST_ORDER_H
 #define FIRST_ORDER_H
 

@@ -1,4 +1,5 @@
-/* force_kernels.h - the scenes' accelerations a = M^-1 F(q) by hand, at LANES points at once: q and a are [n][LANES].
+/* force_kernels.h - Computes the scenes' accelerations a = M^-1 F(q) by hand, at LANES points at once: q and a are
+ * [n][LANES].
  *
  * Included once for each number of LANES that a file needs, 1 for an ordinary force. The loop over the lanes is the
  * innermost everywhere and has no branch, so that the compiler makes it vectors. */
@@ -47,7 +48,7 @@ static INLINE void KERNEL(fpu)(const double *restrict q, double *restrict a)
     }
 }
 
-/* What two bodies do to each other: a_i -= G m_j d / |d|^3, a_j += G m_i d / |d|^3, d = q_i - q_j. */
+/* Accelerations that two bodies give each other: a_i -= G m_j d / |d|^3, a_j += G m_i d / |d|^3, d = q_i - q_j. */
 static INLINE void KERNEL(attract)(double gmi, double gmj, const double *restrict qi, const double *restrict qj,
                                    double *restrict ai, double *restrict aj)
 {

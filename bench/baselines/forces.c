@@ -1,3 +1,4 @@
+/* forces.c - Computes the scenes' forces by hand (forces.h). */
 #include "forces.h"
 
 #define LANES 1

@@ -1,4 +1,5 @@
-/* forces.h - the scenes' forces by hand. FORCES_BY_HAND calls F(name, n) once for each, in the order of force_id. */
+/* forces.h - Declares the scenes' forces by hand. FORCES_BY_HAND calls F(name, n) once for each, in the order of
+ * force_id. */
 #ifndef FORCES_H
 #define FORCES_H
 

@@ -1,4 +1,4 @@
-/* gauss.c - Gauss collocation of orders 4 to 16, the limit of the Galerkin variational integrators (docs/method.md
+/* gauss.c - Runs Gauss collocation of orders 4 to 16, the limit of the Galerkin variational integrators (docs/method.md
  * section 4), solved by fixed point to roundoff from the extrapolated accelerations of the step before. */
 #include "forces.h"
 #include "gauss_tableau.h"

@@ -1,4 +1,5 @@
-/* gauss_lanes.h - Gauss collocation with its nodes as LANES lanes of a vector: included once for each number of LANES.
+/* gauss_lanes.h - Runs Gauss collocation with its nodes as LANES lanes of a vector: included once for each number of
+ * LANES.
  *
  * With the accelerations a_j of the nodes,
  *   Q_i = q0 + (h c_i v0 + sum_j h^2 (A^2)_ij a_j),  q1 = q0 + h v0 + h^2 sum b_j (1 - c_j) a_j,  v1 = v0 + h sum b_j

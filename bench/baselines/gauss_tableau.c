@@ -1,3 +1,4 @@
+/* gauss_tableau.c - Computes the coefficients of Gauss collocation (gauss_tableau.h). */
 #include "gauss_tableau.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* gauss_tableau.h - Gauss collocation with s nodes, for y' = f(y) and for q'' = a(q) (docs/method.md section 4,
- * Galerkin). */
+/* gauss_tableau.h - Declares Gauss collocation with s nodes, for y' = f(y) and for q'' = a(q) (docs/method.md section
+ * 4, Galerkin). */
 #ifndef GAUSS_TABLEAU_H
 #define GAUSS_TABLEAU_H
 

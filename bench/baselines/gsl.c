@@ -1,4 +1,5 @@
-/* gsl.c - rk8pd, Runge-Kutta-Prince-Dormand of order 8, of the GNU Scientific Library (libgsl-dev). Not symplectic. */
+/* gsl.c - Runs rk8pd, Runge-Kutta-Prince-Dormand of order 8, of the GNU Scientific Library (libgsl-dev). Not
+ * symplectic. */
 #include "baseline.h"
 
 #ifdef BASELINES_GSL

@@ -1,4 +1,4 @@
-/* jacobians.h - derivatives of the accelerations of force_kernels.h, row-major: J[i n + k] = d a_i / d q_k. */
+/* jacobians.h - Computes derivatives of the accelerations of force_kernels.h, row-major: J[i n + k] = d a_i / d q_k. */
 #ifndef JACOBIANS_H
 #define JACOBIANS_H
 

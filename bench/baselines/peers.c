@@ -1,4 +1,4 @@
-/* peers.c - Gauss collocation of order 16 against another program of it: peers DIR runs DIR/gauss
+/* peers.c - Compares Gauss collocation of order 16 against another program of it: peers DIR runs DIR/gauss
  * in turns with ours. */
 #include "runs/run.h"
 

@@ -1,5 +1,5 @@
-/* series_by_hand.h - the recurrences of the Taylor series of Kepler's problem and the Solar System, written by hand:
- * with coefficients scaled by the step, q_k = h^k q^(k)/k!, and a = -G m w d summed over the other bodies,
+/* series_by_hand.h - Computes the recurrences of the Taylor series of Kepler's problem and the Solar System, written by
+ * hand: with coefficients scaled by the step, q_k = h^k q^(k)/k!, and a = -G m w d summed over the other bodies,
  *   s = d.d:  s_k = sum_{j=0}^k d_j.d_{k-j},    (w d)_k = sum_{j=0}^k w_j d_{k-j},
  *   w = s^(-3/2), s w' = -3/2 w s':  k s_0 w_k = sum_{j=1}^k (-3/2 j - (k-j)) s_j w_{k-j}. */
 #ifndef SERIES_BY_HAND_H

@@ -1,4 +1,4 @@
-/* shooting.c - shooting-based variational integrators (ShVI) of orders 4 and 6: M. Leok and T. Shingel, General
+/* shooting.c - Runs shooting-based variational integrators (ShVI) of orders 4 and 6: M. Leok and T. Shingel, General
  * techniques for constructing variational integrators, Front. Math. China 7 (2012), as the paper compares with.
  *
  * A Runge-Kutta step Psi_t on (q, v) goes from each quadrature node to the next, from (q0, v) with v such that the last

@@ -1,5 +1,5 @@
-/* solar_rows.h - the Solar System's accelerations with its bodies as lanes, for methods that need them at one point at
- * a time: q and a are [3][8], x, y and z of bodies 0 1 2 3 4 5 0 1. */
+/* solar_rows.h - Computes the Solar System's accelerations with its bodies as lanes, for methods that need them at one
+ * point at a time: q and a are [3][8], x, y and z of bodies 0 1 2 3 4 5 0 1. */
 #ifndef SOLAR_ROWS_H
 #define SOLAR_ROWS_H
 
@@ -10,7 +10,7 @@
 enum { ROW = 8, ROWS = 3 * ROW };
 typedef double row __attribute__((vector_size(ROW * sizeof(double))));
 
-/* Of body i: what belongs to body i + by (modulo 6). */
+/* Row of body i: the values of body i + by (modulo 6). */
 #define TURNED(x, by)                                                                                                  \
     __builtin_shufflevector(x, x, (by) % 6, (1 + by) % 6, (2 + by) % 6, (3 + by) % 6, (4 + by) % 6, (5 + by) % 6,      \
                             (by) % 6, (1 + by) % 6)

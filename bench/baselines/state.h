@@ -1,4 +1,5 @@
-/* state.h - positions and velocities with the low parts of their compensated sums. Letters as in docs/method.md. */
+/* state.h - Declares positions and velocities with the low parts of their compensated sums. Letters as in
+ * docs/method.md. */
 #ifndef STATE_H
 #define STATE_H
 

@@ -1,4 +1,4 @@
-/* sundials.c - ARKODE ERKStep of order 8 and CVODE Adams of SUNDIALS (libsundials-dev). Not symplectic. */
+/* sundials.c - Runs ARKODE ERKStep of order 8 and CVODE Adams of SUNDIALS (libsundials-dev). Not symplectic. */
 #include "baseline.h"
 
 #ifdef BASELINES_SUNDIALS
@@ -31,7 +31,7 @@ static tvi_status watched(sundials *s, double t)
 
 /* ---- ERKStep ----------------------------------------------------------------------------------------------------- */
 
-/* Fehlberg's 13 stages, the default of order 8. Where the last node is 1, the ERKStep of Debian 12 (SUNDIALS 6.4.1)
+/* Fehlberg's 13 stages, the default of order 8. If the last node is 1, the ERKStep of Debian 12 (SUNDIALS 6.4.1)
  * takes the last stage's slope for that at the end of the step, which it is not, and the order falls below 7
  * (github.com/LLNL/sundials, issue 311). A node a little off 1 avoids it, and means nothing to a force without time. */
 static bool erkstep_set_table(void *memory)

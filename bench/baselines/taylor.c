@@ -1,5 +1,5 @@
-/* taylor.c - the explicit Taylor method with hand-written recurrences, for Kepler and the Solar System: what a Taylor
- * series costs when nothing is recorded. Not symplectic.
+/* taylor.c - Runs the explicit Taylor method with hand-written recurrences, for Kepler and the Solar System: what a
+ * Taylor series costs when nothing is recorded. Not symplectic.
  *
  * Coefficients are scaled by the step: x_k = h^k x^(k)/k!, so that a curve's value at t + h is their plain sum.
  *   (k+1) q_{k+1} = h v_k,  (k+1) v_{k+1} = h a_k,  k = 0..N-1, with a as in series_by_hand.h.

@@ -1,5 +1,5 @@
-/* chaos.c - order and chaos of the three Henon-Heiles orbits of docs/method.md section 9, by the tangent map: the
- * largest Lyapunov exponent and MEGNO, for docs/chaos.md; and what a column costs.
+/* chaos.c - Measures order and chaos of the three Henon-Heiles orbits of docs/method.md section 9, by the tangent map:
+ * the largest Lyapunov exponent and MEGNO, for docs/chaos.md; and what a column costs.
  *
  *   chaos DIR */
 #include "experiments/experiment.h"
@@ -111,7 +111,7 @@ static void write_exponents(const experiment *e, const tvi_system *system)
 /* ---- Steps that adapt -------------------------------------------------------------------------------------------- */
 
 static const struct {
-    const hard_scene *of;
+    const hard_scene *problem;
     const char *label;
     double q0; /* in the place of the scene's q[0]; 0: not */
     double h, t_end;
@@ -125,7 +125,7 @@ enum { ADAPTED = sizeof adapted / sizeof *adapted, ADAPTED_N = 2 };
 /* D starts as in measure; a row of the table. */
 static void write_orbit(FILE *table, int i)
 {
-    const scene *s = &adapted[i].of->scene;
+    const scene *s = &adapted[i].problem->scene;
     tvi_system *system = experiment_system(s), *rescaled;
     tvi_integrator *integrator;
     double t = 0, q[ADAPTED_N], p[ADAPTED_N], D[2 * ADAPTED_N] = {0.5, 0.5, 0.5, 0.5};
@@ -134,7 +134,7 @@ static void write_orbit(FILE *table, int i)
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
     memcpy(p, s->p, (size_t)s->n * sizeof *p);
     if (adapted[i].q0 > 0) q[0] = adapted[i].q0;
-    experiment_insist(tvi_system_rescaled(&rescaled, system, adapted[i].of->scale, NULL), s->name);
+    experiment_insist(tvi_system_rescaled(&rescaled, system, adapted[i].problem->scale, NULL), s->name);
     experiment_insist(tvi_integrator_create(&integrator, rescaled, NULL), s->name);
     while (t < adapted[i].t_end) {
         experiment_insist(tvi_step_tangent(integrator, adapted[i].h, &t, q, p, D, 1), s->name);
@@ -161,7 +161,7 @@ static void write_adapted(const experiment *e)
 
 /* ---- What a column costs --------------------------------------------------------------------------------------- */
 
-/* Of n/2 planets of mass 1/1000 on circles in a plane, about a Sun of mass 1 that stands still. */
+/* Times n/2 planets of mass 1/1000 on circles in a plane, about a Sun of mass 1 that stands still. */
 enum { COLUMNS = 4, TIMED_STEPS = 24000, REPETITIONS = 3, MOST = 24 };
 static const int dimensions[] = {2, 6, MOST};
 enum { DIMENSIONS = sizeof dimensions / sizeof *dimensions };

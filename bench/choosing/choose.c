@@ -1,5 +1,5 @@
-/* choose.c - which method for which problem: the fastest of each method and order over the steps of every scene, for
- * given position errors. Writes the tables of docs/choosing.md and README.md to a folder.
+/* choose.c - Finds which method for which problem: the fastest of each method and order over the steps of every scene,
+ * for given position errors. Writes the tables of docs/choosing.md and README.md to a folder.
  *
  *   choose DIR [BUDGET in seconds] */
 #include "runs/sweep.h"
@@ -86,7 +86,7 @@ static void write_methods(const report *r, FILE *out)
         for (const scene *const *s = lists[list]; *s; s++) report_methods(r, *s, names, METHODS, out);
 }
 
-/* What README.md says. */
+/* The table of README.md. */
 static void write_advice(const report *r, FILE *out)
 {
     static const struct {

@@ -1,6 +1,6 @@
-/* suggest.c - what runs reach with the step of tvi_suggest_step, and what it costs to find: one method on every scene,
- * hard ones rescaled with their own time scale. Writes a table of docs/choosing.md, and says of how many of its cells
- * what was wanted holds. Each says so:
+/* suggest.c - Measures what runs reach with the step of tvi_suggest_step, and what it costs to find: one method on
+ * every scene, hard ones rescaled with their own time scale. Writes a table of docs/choosing.md, and says of how many
+ * of its cells what was wanted holds. Each says so:
  *   held     the error is at most the wanted one, and a step twice as long is refused, or makes more
  *   short    it is that, and a step twice as long keeps the error, too
  *   refused  no step is suggested, with a reason
@@ -27,11 +27,11 @@ typedef struct {
     double end[2 * MOST], size[2];
 } trip;
 
-/* Of cells. */
+/* Counts of cells. */
 enum { HELD, SHORT, REFUSED, MISSED, VERDICTS };
 static const char *const verdicts[] = {"held", "short", "refused", "missed"};
 typedef struct {
-    int of[VERDICTS];
+    int count[VERDICTS];
 } count;
 
 static int take_sizes(long step, double t, const double q[], const double p[], void *ctx)
@@ -92,12 +92,12 @@ static void write_cell(const trip *to, double error, count *cells, FILE *out)
     tvi_status status = tvi_suggest(to->system, to->options, 0, to->s->q, to->s->p, to->s->t_end, error, &found);
     if (status != TVI_OK) {
         fprintf(out, " refused: %s |", tvi_last_error());
-        cells->of[REFUSED]++;
+        cells->count[REFUSED]++;
         return;
     }
     const double reached = reached_with(to, found.h, &steps, &status);
     const int verdict = judge(to, found.h, error, reached);
-    cells->of[verdict]++;
+    cells->count[verdict]++;
     fprintf(out, " %s: ", verdicts[verdict]);
     if (status == TVI_OK) fprintf(out, "%.1e ", reached);
     else fprintf(out, "%s ", tvi_status_string(status));
@@ -131,7 +131,7 @@ static bool write_scene(const scene *s, tvi_rescale_fn *scale, const tvi_options
 static void print_count(const char *what, const count *cells)
 {
     printf("%s:", what);
-    for (int i = 0; i < VERDICTS; i++) printf(" %s %d", verdicts[i], cells->of[i]);
+    for (int i = 0; i < VERDICTS; i++) printf(" %s %d", verdicts[i], cells->count[i]);
     printf("\n");
 }
 

@@ -1,6 +1,6 @@
-/* tails.c - how well tvi_stats.tail tells wrong runs from right ones: each method over eccentric Kepler orbits, the
- * Pythagorean three bodies, a pendulum near its separatrix and the scenes of the bench, at many steps. Writes a table
- * of docs/choosing.md.
+/* tails.c - Measures how well tvi_stats.tail tells wrong runs from right ones: each method over eccentric Kepler
+ * orbits, the Pythagorean three bodies, a pendulum near its separatrix and the scenes of the bench, at many steps.
+ * Writes a table of docs/choosing.md.
  *
  *   tails DIR */
 #include "stability/cases.h"

@@ -1,6 +1,6 @@
-/* almost_symplectic.c - the paper's "almost symplectic" figure: the energy of the pendulum, h = 0.1, when the corrector
- * stops early: at a tolerance, or after a fixed number of passes. And the same for the on-curve forms with as many
- * derivatives. */
+/* almost_symplectic.c - Makes the paper's "almost symplectic" figure: the energy of the pendulum, h = 0.1, when the
+ * corrector stops early: at a tolerance, or after a fixed number of passes. And the same for the on-curve forms with as
+ * many derivatives. */
 #include "experiment.h"
 
 #include <math.h>

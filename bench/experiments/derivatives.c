@@ -1,5 +1,5 @@
-/* derivatives.c - the paper's figure of the cost of derivatives: the curve to its j-th coefficient, which makes all
- * lower ones too, and the Jacobians of them all with respect to the 2n numbers at the centre. */
+/* derivatives.c - Makes the paper's figure of the cost of derivatives: the curve to its j-th coefficient, which makes
+ * all lower ones too, and the Jacobians of them all with respect to the 2n numbers at the centre. */
 #include "generating/curve.h"
 #include "experiment.h"
 #include "runs/run.h"

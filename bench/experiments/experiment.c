@@ -1,3 +1,4 @@
+/* experiment.c - Opens files, creates methods and makes runs for the programs of the paper's figures (experiment.h). */
 #include "experiment.h"
 #include "runs/report.h"
 

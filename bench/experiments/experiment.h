@@ -1,6 +1,6 @@
-/* experiment.h - what the programs of the paper's figures share: files with a head, methods by name, runs, and the
- * energy along them. Each program takes one argument, the folder for its CSV files and for the tables of
- * docs/experiments.md. What fails ends the program, with a message. */
+/* experiment.h - Declares what the programs of the paper's figures share: files with a head, methods by name, runs, and
+ * the energy along them. Each program takes one argument, the folder for its CSV files and for the tables of
+ * docs/experiments.md. A failure ends the program, with a message. */
 #ifndef EXPERIMENT_H
 #define EXPERIMENT_H
 
@@ -72,7 +72,8 @@ double experiment_distance(int n, const double q[], const double q_exact[]);
 
 /* ---- The energy along a run ----------------------------------------------------------------------------------- */
 
-/* Of the relative errors e = (H - H0)/max(|H0|, scale) at times t. A value that is not finite makes all infinite. */
+/* Statistics of the relative errors e = (H - H0)/max(|H0|, scale) at times t. A value that is not finite makes all
+ * infinite. */
 typedef struct {
     const tvi_system *system;
     double start, scale;

@@ -1,5 +1,5 @@
-/* fpu.c - the paper's Fermi-Pasta-Ulam chain, w = 50: the energies I_1, I_2, I_3 of the stiff springs and their sum I
- * at h = 0.03 and 0.01 to t = 200. */
+/* fpu.c - Runs the paper's Fermi-Pasta-Ulam chain, w = 50: the energies I_1, I_2, I_3 of the stiff springs and their
+ * sum I at h = 0.03 and 0.01 to t = 200. */
 #include "experiment.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* henon_heiles.c - the paper's Henon-Heiles model at H = 1/12 (regular) and 1/8 (chaotic): Poincare sections, and the
- * errors against CPU time. */
+/* henon_heiles.c - Runs the paper's Henon-Heiles model at H = 1/12 (regular) and 1/8 (chaotic): Poincare sections, and
+ * the errors against CPU time. */
 #include "experiment.h"
 
 #include <math.h>
@@ -29,7 +29,7 @@ static const struct {
              {1.0 / 8, {0.25, 0.375}, {0.1875, 0}}};
 enum { NAMED = sizeof named / sizeof *named };
 
-/* Where x = 0 in the last step, by bisection on the step's own curve; x < 0 before and >= 0 after it. */
+/* Finds where x = 0 in the last step, by bisection on the step's own curve; x < 0 before and >= 0 after it. */
 static bool cross(tvi_integrator *integrator, double q[2], double p[2])
 {
     double low = 0, high = 1;
@@ -88,7 +88,7 @@ static void sections(const experiment *e)
 
 /* ---- Errors against CPU time ---------------------------------------------------------------------------------- */
 
-/* Where the scene is at its end: two methods that must agree. */
+/* The scene's state at its end: two methods that must agree. */
 static void find_reference(const scene *s, double q[2])
 {
     const experiment_method methods[] = {experiment_find("midpoint", 20), experiment_find("taylor", 28)};

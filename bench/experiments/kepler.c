@@ -1,5 +1,5 @@
-/* kepler.c - the paper's Kepler problem: orbits at h = 0.25 to t = 250 by variational and Taylor methods of one order,
- * and Stormer-Verlet against SVHd. */
+/* kepler.c - Runs the paper's Kepler problem: orbits at h = 0.25 to t = 250 by variational and Taylor methods of one
+ * order, and Stormer-Verlet against SVHd. */
 #include "experiment.h"
 
 #include <math.h>
@@ -85,7 +85,7 @@ static void verlet(const experiment *e, const tvi_system *system)
     experiment_close(csv);
 }
 
-/* Where H does not separate: ((q^2 + 1)(p^2 + 1))/2, on which Stormer-Verlet is no method of the library. */
+/* An H that does not separate: ((q^2 + 1)(p^2 + 1))/2, on which Stormer-Verlet is no method of the library. */
 static void nonseparable(const experiment *e)
 {
     const experiment_method methods[] = {experiment_find("svhd", 2), experiment_find("right", 2),

@@ -1,5 +1,5 @@
-/* pendulum.c - the paper's pendulum: level sets of the energy and the orbits of TVI2 (example 2: degree 2, trapezoid),
- * TVI6 and Taylor 6 at h = 0.5, energy error against CPU time. */
+/* pendulum.c - Runs the paper's pendulum: level sets of the energy and the orbits of TVI2 (example 2: degree 2,
+ * trapezoid), TVI6 and Taylor 6 at h = 0.5, energy error against CPU time. */
 #include "experiment.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* solar.c - the paper's outer Solar System: 200,000 days at h = 400, orders 4 and 6; the planets
+/* solar.c - Runs the paper's outer Solar System: 200,000 days at h = 400, orders 4 and 6; the planets
  * relative to the Sun. */
 #include "experiment.h"
 

@@ -1,4 +1,4 @@
-/* lines.c - the rows of the table of docs/roundoff.md. */
+/* lines.c - Lists the rows of the table of docs/roundoff.md. */
 #include "longrun.h"
 
 /* ---- Scenes ------------------------------------------------------------------------------------------------------ */

@@ -1,5 +1,5 @@
-/* longrun.c - the table and the picture of docs/roundoff.md: longrun DIR MINUTES [SCENE]. Status 1 where a row does not
- * do what it must.
+/* longrun.c - Writes the table and the picture of docs/roundoff.md: longrun DIR MINUTES [SCENE]. Status 1 where a row
+ * does not do what it must.
  *
  * Brouwer's law: errors of random sign add up to an energy error that grows as t^(1/2); errors with a sign of their own
  * make it grow as t. Fitted is log rms = log c + a log t, the rms over the orbits of e_i = (H - H0_i) / |H0_i|, at

@@ -1,5 +1,5 @@
-/* longrun.h - how roundoff grows: runs of many orbits that differ by 1e-12, and what their energies and angular momenta
- * say (docs/roundoff.md). */
+/* longrun.h - Declares how roundoff grows: runs of many orbits that differ by 1e-12, and what their energies and
+ * angular momenta say (docs/roundoff.md). */
 #ifndef LONGRUN_H
 #define LONGRUN_H
 
@@ -15,7 +15,7 @@ typedef enum { LONGRUN_ENERGY, LONGRUN_MOMENTUM, LONGRUN_QUANTITIES } longrun_qu
  * longrun/sooner.h. */
 typedef enum { LONGRUN_COMPENSATED, LONGRUN_PLAIN, LONGRUN_ROUNDED, LONGRUN_SOONER } longrun_sums;
 
-/* What `make longrun` insists on: all bounds, one bound at least missed, or nothing. */
+/* The bounds that `make longrun` insists on: all bounds, one bound at least missed, or nothing. */
 typedef enum { LONGRUN_HOLDS, LONGRUN_FAILS, LONGRUN_SHOWN } longrun_duty;
 
 typedef struct {

@@ -1,3 +1,4 @@
+/* orbits.c - Runs many orbits of one scene in threads, and samples their energies (longrun.h). */
 #include "longrun.h"
 #include "rounded.h"
 #include "sooner.h"
@@ -20,7 +21,7 @@ typedef struct {
     double t, q[LONGRUN_N_MAX], p[LONGRUN_N_MAX];
 } orbit;
 
-/* What the threads share. */
+/* The data that the threads share. */
 typedef struct {
     longrun_series *series;
     const tvi_system *system, *stepped;
@@ -75,8 +76,8 @@ static void orbit_end(orbit *o)
 
 /* ---- Steps ------------------------------------------------------------------------------------------------------- */
 
-/* Without its low-order parts a step is the plain sum of state and increment. What else it has learnt is forgotten
- * too. */
+/* Without its low-order parts a step is the plain sum of state and increment. Everything else that it has learnt is
+ * forgotten, too. */
 static tvi_status without_low_parts(orbit *o, double h, long steps)
 {
     tvi_status status = TVI_OK;

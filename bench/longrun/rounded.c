@@ -1,3 +1,4 @@
+/* rounded.c - Makes steps of Gauss collocation with coefficients that are rounded one by one (rounded.h). */
 #include "rounded.h"
 #include "baselines/gauss_tableau.h"
 #include "system/system.h"

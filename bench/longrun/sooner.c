@@ -1,4 +1,4 @@
-/* sooner.c - see sooner.h. */
+/* sooner.c - Implements sooner.h. */
 #include "sooner.h"
 
 _Thread_local bool passes_end_sooner;

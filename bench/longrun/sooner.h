@@ -1,6 +1,6 @@
-/* sooner.h - the control of the rule that ends the passes: steps of this thread whose passes end as soon as one moves
- * nothing, or is small and moves no less than the one before it. The program has the library's steps with this rule
- * (longrun.mk). */
+/* sooner.h - Declares the control of the rule that ends the passes: steps of this thread whose passes end as soon as
+ * one moves nothing, or is small and moves no less than the one before it. The program has the library's steps with
+ * this rule (longrun.mk). */
 #ifndef SOONER_H
 #define SOONER_H
 

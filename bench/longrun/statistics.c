@@ -1,3 +1,4 @@
+/* statistics.c - Fits the growth of the energy errors of many orbits, with its standard error (longrun.h). */
 #include "longrun.h"
 
 #include <math.h>
@@ -5,7 +6,7 @@
 /* The fit begins where the rms is so many times the scatter of the values; their means over a window scatter less. */
 static const double ABOVE_SCATTER = 0.25;
 
-/* Of the standard errors of the mean, of the exponent about 1/2. */
+/* The number of standard errors of the mean, for the exponent about 1/2. */
 static const double BIAS_MOST = 3, EXPONENT_MOST = 0.15;
 
 /* The 97.5 % point of Student's distribution (Abramowitz and Stegun 26.7.5). */

@@ -1,5 +1,5 @@
-/* maps.c - two maps of order and chaos, by ensembles: Henon and Heiles' problem at H = 1/8, on the surface x = 0, and a
- * small planet inside of a giant's orbit, over its semimajor axis and eccentricity. For docs/ensembles.md: writes
+/* maps.c - Makes two maps of order and chaos, by ensembles: Henon and Heiles' problem at H = 1/8, on the surface x = 0,
+ * and a small planet inside of a giant's orbit, over its semimajor axis and eccentricity. For docs/ensembles.md: writes
  * DIR/section.csv, DIR/henon_heiles.csv, DIR/planet.csv and DIR/maps.md.
  *
  *   maps DIR */
@@ -126,9 +126,9 @@ static int note(long step, int members, const double t[], const double q[], cons
     return tvi_progress(step, t[0], q, p, &o->bar);
 }
 
-static orbits start_orbits(const map *of)
+static orbits start_orbits(const map *drawn)
 {
-    const int most = of->side * of->side;
+    const int most = drawn->side * drawn->side;
     const size_t room = (size_t)most;
     orbits o = {.t = doubles(room),
                 .q = doubles(N * room),
@@ -136,17 +136,17 @@ static orbits start_orbits(const map *of)
                 .D = doubles(ROWS * room),
                 .status = calloc(room, sizeof *o.status),
                 .places = calloc(room, sizeof *o.places),
-                .bar = {.steps = of->steps}};
+                .bar = {.steps = drawn->steps}};
     double *start = doubles(ROWS * room);
     if (!o.status || !o.places) abort();
     for (int k = 0; k < most; k++) {
         place *at = &o.places[o.members];
         double *x = start + ROWS * o.members;
         for (int axis = 0; axis < 2; axis++) {
-            const double part = (axis == 0 ? k % of->side : k / of->side) + 0.5;
-            at->at[axis] = of->from[axis] + (of->to[axis] - of->from[axis]) * part / of->side;
+            const double part = (axis == 0 ? k % drawn->side : k / drawn->side) + 0.5;
+            at->at[axis] = drawn->from[axis] + (drawn->to[axis] - drawn->from[axis]) * part / drawn->side;
         }
-        if (of->start(at->at, x, x + N)) o.members++;
+        if (drawn->start(at->at, x, x + N)) o.members++;
     }
     for (int k = 0; k < ROWS * o.members; k++) {
         const int row = k / o.members, m = k % o.members;
@@ -160,20 +160,20 @@ static orbits start_orbits(const map *of)
 static void end_orbits(orbits *o) { free(o->t), free(o->q), free(o->p), free(o->D), free(o->status), free(o->places); }
 
 /* A row of the table: members, of which failed and chaotic, and the time on the wall. */
-static void write_map(FILE *table, const experiment *e, const map *of)
+static void write_map(FILE *table, const experiment *e, const map *drawn)
 {
     tvi_system *system;
     tvi_ensemble *ensemble;
-    orbits o = start_orbits(of);
+    orbits o = start_orbits(drawn);
     int failed = 0, chaotic = 0;
-    experiment_insist(tvi_system_potential(&system, N, NULL, of->potential, NULL), of->name);
-    experiment_insist(tvi_ensemble_create(&ensemble, system, NULL, o.members, 0), of->name);
+    experiment_insist(tvi_system_potential(&system, N, NULL, drawn->potential, NULL), drawn->name);
+    experiment_insist(tvi_ensemble_create(&ensemble, system, NULL, o.members, 0), drawn->name);
     const tvi_ensemble_plan plan = {
-        .h = of->h, .steps = of->steps, .D = o.D, .columns = 1, .observer = note, .ctx = &o};
+        .h = drawn->h, .steps = drawn->steps, .D = o.D, .columns = 1, .observer = note, .ctx = &o};
     const double begin = seconds();
-    experiment_insist(tvi_ensemble_run(ensemble, &plan, o.t, o.q, o.p, o.status), of->name);
+    experiment_insist(tvi_ensemble_run(ensemble, &plan, o.t, o.q, o.p, o.status), drawn->name);
     const double taken = seconds() - begin;
-    FILE *csv = experiment_csv(e, of->name, of->columns);
+    FILE *csv = experiment_csv(e, drawn->name, drawn->columns);
     for (int m = 0; m < o.members; m++) {
         const place *at = &o.places[m];
         const double megno = o.status[m] == TVI_OK ? at->area / at->t : NAN;
@@ -182,8 +182,9 @@ static void write_map(FILE *table, const experiment *e, const map *of)
         chaotic += megno > 3;
     }
     experiment_close(csv);
-    fprintf(table, "| %s | %d | %ld | %d | %d | %.0f |\n", of->title, o.members, of->steps, chaotic, failed, taken);
-    experiment_progress("maps: %s, %.0f s", of->name, taken);
+    fprintf(table, "| %s | %d | %ld | %d | %d | %.0f |\n", drawn->title, o.members, drawn->steps, chaotic, failed,
+            taken);
+    experiment_progress("maps: %s, %.0f s", drawn->name, taken);
     tvi_ensemble_free(ensemble);
     tvi_system_free(system);
     end_orbits(&o);

@@ -1,5 +1,5 @@
-/* order_doubling.c - on-curve nodes against the paper's truncated ones at the same number of derivatives. Writes the
- * tables of docs/order-doubling.md to a folder, and errors.csv for its picture.
+/* order_doubling.c - Compares on-curve nodes against the paper's truncated ones at the same number of derivatives.
+ * Writes the tables of docs/order-doubling.md to a folder, and errors.csv for its picture.
  *
  *   order_doubling DIR */
 #include "runs/run.h"

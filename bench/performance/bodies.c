@@ -1,3 +1,4 @@
+/* bodies.c - Creates systems of any size (bodies.h). */
 #include "bodies.h"
 
 #include "experiments/experiment.h"

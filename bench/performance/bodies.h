@@ -1,4 +1,4 @@
-/* bodies.h - systems of any size. */
+/* bodies.h - Declares systems of any size. */
 #ifndef BODIES_H
 #define BODIES_H
 

@@ -1,3 +1,4 @@
+/* by_hand.c - Computes the series by hand, compiled once for each instruction set (by_hand.h). */
 #include "by_hand.h"
 
 #ifndef JET_ISA

@@ -1,5 +1,5 @@
-/* by_hand.h - the series of baselines/series_by_hand.h compiled with the library's own flags, once for each of its
- * instruction sets. */
+/* by_hand.h - Declares the series of baselines/series_by_hand.h compiled with the library's own flags, once for each of
+ * its instruction sets. */
 #ifndef BY_HAND_H
 #define BY_HAND_H
 

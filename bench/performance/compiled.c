@@ -1,4 +1,4 @@
-/* compiled.c - generated code beside the tape and beside what is written by hand. Writes DIR/compiled.md,
+/* compiled.c - Times generated code beside the tape and beside what is written by hand. Writes DIR/compiled.md,
  * for which it compiles some dozens of systems: the cache is DIR/generated.
  *
  *   compiled DIR */
@@ -64,7 +64,7 @@ static const baseline *rival_of(const race *r)
     return baseline_find(r->rival, r->rival_order);
 }
 
-/* Of so many rounds of both in turns, the least times. */
+/* The least times over several rounds of both in turns. */
 static void time_pair(const tvi_system *system, const run *a, const run *b, double least[2])
 {
     double cpu[2];

@@ -1,4 +1,4 @@
-/* compiling.c - how long the compiler takes for bodies that attract each other, and what that gains. Writes
+/* compiling.c - Measures how long the compiler takes for bodies that attract each other, and what that gains. Writes
  * DIR/compiling.md.
  *
  *   compiling DIR */

@@ -1,8 +1,7 @@
-/* cost.c - what a step of type I at the midpoint costs: against n, with Jacobians as matrices and as products, and
- * against N. Linked with --wrap=tvi_curve_jacobians_for, so that both can be had at every n.
- * Writes DIR/cost_n.md, cost_n.csv and cost_degree.csv.
- *
- *   cost DIR */
+/* cost.c - Measures what a step of type I at the midpoint costs: against n, with Jacobians as matrices and as products,
+ * and against N. Linked with --wrap=tvi_curve_jacobians_for, so that both can be had at every n. Writes DIR/cost_n.md,
+ * cost_n.csv and cost_degree.csv.
+ *     cost DIR */
 #include "curves.h"
 #include "experiments/experiment.h"
 #include "stepping.h"

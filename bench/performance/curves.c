@@ -1,3 +1,4 @@
+/* curves.c - Opens a curve of the library outside of an integrator (curves.h). */
 #include "curves.h"
 
 #include "experiments/experiment.h"

@@ -1,4 +1,5 @@
-/* curves.h - expands a curve of the library about the middle of a step, as a step of type I at the midpoint does. */
+/* curves.h - Declares a curve of the library about the middle of a step, and the gradient of the discrete action along
+ * it: the parts of a step of type I at the midpoint. */
 #ifndef CURVES_H
 #define CURVES_H
 
@@ -10,7 +11,8 @@ typedef struct {
     double tau, *z; /* z [2n] */
 } open_curve;
 
-/* Of degree N, from (q, p) as the middle of a step h; Jacobians as products. What fails ends the program. */
+/* Opens a curve of degree N, from (q, p) as the middle of a step h; Jacobians as products. A failure ends the program.
+ */
 open_curve *curve_open(const tvi_system *system, int N, const double q[], const double p[], double h);
 void curve_close(open_curve *c);
 

@@ -1,4 +1,4 @@
-/* dispatch.c - times a step of the default method with each instruction set. Writes DIR/dispatch.md.
+/* dispatch.c - Times a step of the default method with each instruction set. Writes DIR/dispatch.md.
  *
  *   dispatch DIR */
 #include "experiments/experiment.h"

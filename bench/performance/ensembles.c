@@ -1,5 +1,5 @@
-/* ensembles.c - what a step of an orbit costs in an ensemble, beside that of an integrator, for docs/ensembles.md: the
- * same orbits, taken in turns. Writes DIR/ensembles.md; the compiler's cache is DIR/generated.
+/* ensembles.c - Measures what a step of an orbit costs in an ensemble, beside that of an integrator, for
+ * docs/ensembles.md: the same orbits, taken in turns. Writes DIR/ensembles.md; the compiler's cache is DIR/generated.
  *
  *   ensembles DIR */
 #include "experiments/experiment.h"
@@ -39,18 +39,18 @@ enum { ROWS = sizeof rows / sizeof *rows };
 /* ---- The orbits -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
-    const row *of;
+    const row *entry;
     tvi_integrator *alone;
     tvi_ensemble *together;
     double t[MEMBERS], q[N_MOST * MEMBERS], p[N_MOST * MEMBERS];
     tvi_status status[MEMBERS];
 } orbits;
 
-static orbits *open_orbits(const row *of, const tvi_system *system, const tvi_options *options, int threads)
+static orbits *open_orbits(const row *entry, const tvi_system *system, const tvi_options *options, int threads)
 {
     orbits *o = calloc(1, sizeof *o);
     if (!o) abort();
-    o->of = of;
+    o->entry = entry;
     experiment_insist(tvi_integrator_create(&o->alone, system, options), "an integrator");
     experiment_insist(tvi_ensemble_create(&o->together, system, options, MEMBERS, threads), "an ensemble");
     return o;
@@ -63,29 +63,29 @@ static void close_orbits(orbits *o)
     free(o);
 }
 
-/* Of member m: the scene's, a little apart. */
+/* Start of member m: the scene's, a little apart. */
 static double spread(int m) { return 1 + SPREAD * m / MEMBERS; }
 
 static void run_alone(void *ctx)
 {
     const orbits *o = ctx;
-    const scene *s = o->of->scene;
+    const scene *s = o->entry->scene;
     for (int m = 0; m < MEMBERS; m++) {
         double t = 0, q[N_MOST], p[N_MOST];
         for (int i = 0; i < s->n; i++) q[i] = spread(m) * s->q[i], p[i] = s->p[i];
-        experiment_insist(tvi_integrate(o->alone, o->of->h, STEPS, &t, q, p, NULL, NULL), o->of->method);
+        experiment_insist(tvi_integrate(o->alone, o->entry->h, STEPS, &t, q, p, NULL, NULL), o->entry->method);
     }
 }
 
-/* So many steps, after which a member may be anywhere. */
+/* Makes STEPS steps, after which a member may be anywhere. */
 static void run_steps(orbits *o, long steps)
 {
-    const scene *s = o->of->scene;
+    const scene *s = o->entry->scene;
     for (int m = 0; m < MEMBERS; m++) {
         o->t[m] = 0;
         for (int i = 0; i < s->n; i++) o->q[i * MEMBERS + m] = spread(m) * s->q[i], o->p[i * MEMBERS + m] = s->p[i];
     }
-    experiment_insist(tvi_ensemble_integrate(o->together, o->of->h, steps, o->t, o->q, o->p, o->status, NULL, NULL),
+    experiment_insist(tvi_ensemble_integrate(o->together, o->entry->h, steps, o->t, o->q, o->p, o->status, NULL, NULL),
                       "a run");
 }
 
@@ -113,31 +113,31 @@ static double speedup(orbits *one, orbits *two, double cost)
     return least[0] / least[1];
 }
 
-static void write_row(FILE *table, const experiment *e, const row *of)
+static void write_row(FILE *table, const experiment *e, const row *entry)
 {
     tvi_options options;
-    tvi_system *system = experiment_system(of->scene);
-    experiment_insist(tvi_options_named(of->method, of->order, &options), of->method);
+    tvi_system *system = experiment_system(entry->scene);
+    experiment_insist(tvi_options_named(entry->method, entry->order, &options), entry->method);
     tvi_options compiled = options;
     tvi_compiled *code = experiment_compile(e, system, &options);
     compiled.compiled = code;
-    orbits *plain = open_orbits(of, system, &options, 1), *own = open_orbits(of, system, &compiled, 1);
-    orbits *two = open_orbits(of, system, &options, 2);
+    orbits *plain = open_orbits(entry, system, &options, 1), *own = open_orbits(entry, system, &compiled, 1);
+    orbits *two = open_orbits(entry, system, &options, 2);
     turn t[] = {{.work = run_alone, .ctx = plain},
                 {.work = run_together, .ctx = plain},
                 {.work = run_alone, .ctx = own},
                 {.work = run_together, .ctx = own}};
     turns_time(4, t);
     const double ratio = t[0].seconds / t[1].seconds;
-    fprintf(table, "| %s | %s %d | %g | %.0f | %.0f | %.2f |", of->title, of->method, of->order, of->h, cost_of(&t[0]),
-            cost_of(&t[1]), ratio);
+    fprintf(table, "| %s | %s %d | %g | %.0f | %.0f | %.2f |", entry->title, entry->method, entry->order, entry->h,
+            cost_of(&t[0]), cost_of(&t[1]), ratio);
     fprintf(table, " %.0f | %.0f | %.2f |\n", cost_of(&t[2]), cost_of(&t[3]), speedup(plain, two, cost_of(&t[1])));
     close_orbits(plain);
     close_orbits(own);
     close_orbits(two);
     tvi_compiled_free(code);
     tvi_system_free(system);
-    experiment_progress("ensembles: %s, %s", of->title, of->method);
+    experiment_progress("ensembles: %s, %s", entry->title, entry->method);
 }
 
 int main(int argc, char *argv[])

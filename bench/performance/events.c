@@ -1,4 +1,4 @@
-/* events.c - what it costs a run to look for events. Writes DIR/events.md.
+/* events.c - Measures what it costs a run to look for events. Writes DIR/events.md.
  *
  *   events DIR */
 #include "bodies.h"
@@ -12,7 +12,7 @@
 enum { EVENTS_MOST = 64, ROUNDS = 10 };
 static const double FAR = 1000; /* where no orbit comes */
 
-/* What a run looks for: nothing, what never comes, events. */
+/* The events a run looks for: nothing, what never comes, events. */
 typedef enum { WITHOUT, IN_VAIN, WITH, WAYS } way;
 
 /* A run from its start, and events: those of the run, and the same functions shifted far off. */

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the sweeps: s for all; for one measurement. */
+/* Times of the sweeps: s for all; for one measurement. */
 static const double BUDGET = 150, LONGEST = 10;
 
 static const char *const gauss[] = {"gauss", "gauss-by-hand", NULL};

@@ -1,3 +1,4 @@
+/* stepping.c - Makes steps of a system for timing (stepping.h). */
 #include "stepping.h"
 
 #include "experiments/experiment.h"

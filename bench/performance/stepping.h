@@ -1,4 +1,4 @@
-/* stepping.h - steps of a system as a turn of turns.h. */
+/* stepping.h - Declares steps of a system as a turn of turns.h. */
 #ifndef STEPPING_H
 #define STEPPING_H
 
@@ -14,7 +14,7 @@ typedef struct {
     double passes; /* of a step, in the last turn */
 } stepping;
 
-/* What fails ends the program. q and p must live as long. */
+/* A failure ends the program. q and p must live as long. */
 stepping stepping_open(const tvi_system *system, const tvi_options *options, const double q[], const double p[],
                        double h);
 void stepping_close(stepping *s);

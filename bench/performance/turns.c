@@ -1,3 +1,4 @@
+/* turns.c - Times pieces of work in turns (turns.h). */
 #include "turns.h"
 
 #include "runs/run.h"

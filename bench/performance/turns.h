@@ -1,4 +1,4 @@
-/* turns.h - pieces of work timed in turns, so that what else the machine does meets all of them. */
+/* turns.h - Declares pieces of work timed in turns, so that what else the machine does meets all of them. */
 #ifndef TURNS_H
 #define TURNS_H
 

@@ -1,4 +1,4 @@
-/* cost.c - makes the runs of cost.py in C. `cost STEPS REPETITIONS` prints the least CPU time, in seconds, that an
+/* cost.c - Makes the runs of cost.py in C. `cost STEPS REPETITIONS` prints the least CPU time, in seconds, that an
  * integrator takes for so many steps of Kepler's problem; it keeps the state of each step if they are few. */
 #include <math.h>
 #include <stdio.h>

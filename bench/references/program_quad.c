@@ -1,4 +1,4 @@
-/* program_quad.c - see program_quad.h. */
+/* program_quad.c - Implements program_quad.h. */
 #include "program_quad.h"
 
 #include <quadmath.h>

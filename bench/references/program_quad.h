@@ -1,4 +1,4 @@
-/* program_quad.h - a recorded function as a list of instructions, each of which computes a power series. */
+/* program_quad.h - Declares a recorded function as a list of instructions, each of which computes a power series. */
 #ifndef TVI_BENCH_PROGRAM_QUAD_H
 #define TVI_BENCH_PROGRAM_QUAD_H
 
@@ -26,7 +26,7 @@ typedef struct {
     int *output; /* [outputs] series */
 } quad_program;
 
-/* Of zeros; ends the program without memory. */
+/* Allocates zeros; ends the program without memory. */
 void *quad_allocate(size_t count, size_t size);
 quad *quad_vector(int count);
 

@@ -1,4 +1,4 @@
-/* quad.c - the systems of quad.h, and their curves. type1_quad.c has the methods. */
+/* quad.c - Computes the systems of quad.h, and their curves. type1_quad.c has the methods. */
 #include "system_quad.h"
 
 #include <quadmath.h>

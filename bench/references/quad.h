@@ -1,9 +1,9 @@
-/* quad.h - a reference in quadruple precision (libquadmath, gcc only) that shares nothing with the library but the
- * recording of the user's function and its gradient: series by naive recurrences, Jacobians by differences, methods
+/* quad.h - Declares a reference in quadruple precision (libquadmath, gcc only) that shares nothing with the library but
+ * the recording of the user's function and its gradient: series by naive recurrences, Jacobians by differences, methods
  * from their definition.
  *
  * Letters as in docs/method.md. Every coordinate array has n entries; c[k * n + i] is coefficient k of coordinate i.
- * Where the function has no value the results are NaN. Aborts without memory. */
+ * The results are NaN if the function has no value. Aborts without memory. */
 #ifndef TVI_BENCH_QUAD_H
 #define TVI_BENCH_QUAD_H
 

@@ -1,4 +1,4 @@
-/* recurrences_quad.c - see recurrences_quad.h. */
+/* recurrences_quad.c - Implements recurrences_quad.h. */
 #include "recurrences_quad.h"
 
 #include <quadmath.h>

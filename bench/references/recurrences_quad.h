@@ -1,5 +1,5 @@
-/* recurrences_quad.h - coefficient k of a power series by comparing coefficients, and linear equations, in quadruple
- * precision: what the references and the definitions of tests/fuzz_steps share. */
+/* recurrences_quad.h - Declares coefficient k of a power series by comparing coefficients, and linear equations, in
+ * quadruple precision: what the references and the definitions of tests/fuzz_steps share. */
 #ifndef TVI_BENCH_RECURRENCES_QUAD_H
 #define TVI_BENCH_RECURRENCES_QUAD_H
 

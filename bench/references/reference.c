@@ -1,4 +1,4 @@
-/* reference.c - prints scenes/references.h: where each scene is at t_end, to 26 digits, in quadruple precision.
+/* reference.c - Prints scenes/references.h: where each scene is at t_end, to 26 digits, in quadruple precision.
  *
  * Two runs of the Taylor method of different degree and step, chosen from the series at each step, are refined until
  * they agree to DIGITS digits in q and in p, each relative to its largest component. LEAST_DIGITS will do where the
@@ -113,7 +113,7 @@ static bool make_reference(const scene *problem)
     return true;
 }
 
-/* Where it is the one that is asked for, or all are. Ends the program where it has no reference. */
+/* Runs the scene if it is the one that is asked for, or all are. Ends the program where it has no reference. */
 static bool print_if_asked(const scene *problem, const char *only)
 {
     if (only && strcmp(only, problem->name) != 0) return false;
@@ -128,7 +128,8 @@ int main(int count, char **arguments)
     const char *only = count > 1 ? arguments[1] : NULL;
     bool made = false;
     if (!only)
-        printf("/* references.h - q then p of each scene at its t_end. Printed by bench/references/reference.c: do not "
+        printf("/* references.h - Lists q then p of each scene at its t_end. Printed by bench/references/reference.c: "
+               "do not "
                "edit. "
                "*/\n#ifndef REFERENCES_H\n#define REFERENCES_H\n/* clang-format off */\n");
     for (const scene *const *s = scenes; *s; s++) made |= print_if_asked(*s, only);

@@ -1,4 +1,4 @@
-/* system_quad.h - what the methods of quad.h need of its systems. */
+/* system_quad.h - Declares what the methods of quad.h need of its systems. */
 #ifndef TVI_BENCH_SYSTEM_QUAD_H
 #define TVI_BENCH_SYSTEM_QUAD_H
 

@@ -1,4 +1,4 @@
-/* type1_quad.c - Gauss quadrature, and the type I step from its definition: see quad.h. */
+/* type1_quad.c - Computes Gauss quadrature, and the type I step from its definition (quad.h). */
 #include "system_quad.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* contenders.c - Lists the methods and baselines of a sweep (contenders.h). */
 #include "contenders.h"
 
 #include <stdlib.h>

@@ -1,4 +1,5 @@
-/* contenders.h - who takes part in a sweep: methods of the library over ranges of orders, and the baselines. */
+/* contenders.h - Declares who takes part in a sweep: methods of the library over ranges of orders, and the baselines.
+ */
 #ifndef CONTENDERS_H
 #define CONTENDERS_H
 

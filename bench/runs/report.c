@@ -1,3 +1,4 @@
+/* report.c - Writes the results of sweeps (report.h). */
 #include "report.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* report.h - what the sweeps measured: rows of the CSV file, remarks, and tables of the fastest runs. */
+/* report.h - Declares what the sweeps measured: rows of the CSV file, remarks, and tables of the fastest runs. */
 #ifndef REPORT_H
 #define REPORT_H
 

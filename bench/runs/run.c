@@ -1,3 +1,4 @@
+/* run.c - Makes one measured run (run.h). */
 #include "run.h"
 
 #include <math.h>
@@ -10,7 +11,7 @@ static const double shortest = 0.01, longest = 0.1;
 /* Turns of a pair: seven and 30 ms at least, or three where they are long. */
 static const int turns = 7, least_turns = 3;
 static const double shortest_pair = 0.03, longest_pair = 0.4;
-/* What is timed at once: a run, or as many as take this long, beside which reading the clock takes nothing. */
+/* The runs timed at once: a run, or as many as take this long, beside which reading the clock takes nothing. */
 static const double shortest_timing = 1e-4;
 
 const double run_before_timing = 3e-3;

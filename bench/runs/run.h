@@ -1,11 +1,11 @@
-/* run.h - one measured run: a scene from its start to its end with one method and one step. */
+/* run.h - Declares one measured run: a scene from its start to its end with one method and one step. */
 #ifndef RUN_H
 #define RUN_H
 
 #include "baselines/baseline.h"
 #include "scenes/scene.h"
 
-/* What runs a scene: a method of the library, or a baseline. */
+/* The program that runs a scene: a method of the library, or a baseline. */
 typedef struct {
     const char *name; /* of the method, in tables */
     int order;
@@ -38,9 +38,9 @@ enum { RUN_SAMPLES = 1000 };
 
 double run_clock(void); /* CPU time of this process, s */
 
-/* What runs in turns begins each of them with so long that is not timed, s: the clocks of some processors fall by a
- * fifth a millisecond after vectors of 512 bits are first multiplied, and rise half a millisecond after the last ones.
- * Without it each would have a part of the other's clock. */
+/* A run that takes turns begins each turn with this time that is not counted, s: the clocks of some processors fall by
+ * a fifth a millisecond after vectors of 512 bits are first multiplied, and rise half a millisecond after the last
+ * ones. Without it each would have a part of the other's clock. */
 extern const double run_before_timing;
 
 /* A contender before the start of a scene: h and steps, or tolerance, from the setting. */

@@ -1,3 +1,4 @@
+/* sweep.c - Runs a contender over a scene's ladder of steps (sweep.h). */
 #include "sweep.h"
 
 #include <math.h>
@@ -5,7 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Of a baseline that chooses its own steps. */
+/* The settings of a baseline that chooses its own steps. */
 static const double tolerances[] = {1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 0};
 
 enum { LADDER_MOST = 32 };
@@ -60,8 +61,8 @@ static bool outdone(const sweep *b, const run *r)
     return false;
 }
 
-/* What the next rung will take, from the last one that ended well: the time is proportional to the steps, or half as
- * much again for a tenth of the tolerance. */
+/* The time the next rung will take, from the last one that ended well: the time is proportional to the steps, or half
+ * as much again for a tenth of the tolerance. */
 static double expected(const run *last, double setting)
 {
     const bool adaptive = last->who->baseline && last->who->baseline->adaptive;

@@ -1,4 +1,4 @@
-/* sweep.h - lines of runs: a contender over a scene's ladder of steps, within a budget of time. */
+/* sweep.h - Declares lines of runs: a contender over a scene's ladder of steps, within a budget of time. */
 #ifndef SWEEP_H
 #define SWEEP_H
 

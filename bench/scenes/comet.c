@@ -1,3 +1,4 @@
+/* comet.c - Defines the scene of a comet that passes the Sun and Jupiter. */
 #include "hard.h"
 #include "references.h"
 

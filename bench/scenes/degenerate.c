@@ -1,3 +1,4 @@
+/* degenerate.c - Defines a scene whose Hamiltonian has no Lagrangian. */
 #include "scene.h"
 
 /* H = p sin q + cos q: H_pp = 0, so that it has no Lagrangian. */

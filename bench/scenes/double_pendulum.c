@@ -1,3 +1,4 @@
+/* double_pendulum.c - Defines the scene of a double pendulum. */
 #include "scene.h"
 
 /* Two pendulums, one below the other, with angles q from the vertical:

@@ -1,3 +1,4 @@
+/* fpu.c - Defines the scene of a Fermi-Pasta-Ulam chain. */
 #include "references.h"
 #include "scene.h"
 

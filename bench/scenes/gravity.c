@@ -1,3 +1,4 @@
+/* gravity.c - Computes potentials and time scales of bodies that attract each other, for the scenes (gravity.h). */
 #include "gravity.h"
 
 #include <math.h>

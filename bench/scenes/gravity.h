@@ -1,4 +1,4 @@
-/* gravity.h - bodies that attract each other with G = 1, body i at q[axes i], ..., q[axes i + axes - 1]. */
+/* gravity.h - Declares bodies that attract each other with G = 1, body i at q[axes i], ..., q[axes i + axes - 1]. */
 #ifndef GRAVITY_H
 #define GRAVITY_H
 

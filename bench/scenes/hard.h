@@ -1,4 +1,4 @@
-/* hard.h - scenes that no fixed step is good at, each with a time scale for tvi_system_rescaled. They are not
+/* hard.h - Declares scenes that no fixed step is good at, each with a time scale for tvi_system_rescaled. They are not
  * among the scenes of the sweeps. */
 #ifndef HARD_H
 #define HARD_H

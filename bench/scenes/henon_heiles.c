@@ -1,3 +1,4 @@
+/* henon_heiles.c - Defines the scenes of Henon and Heiles' problem. */
 #include "references.h"
 #include "scene.h"
 

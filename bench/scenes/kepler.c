@@ -1,3 +1,4 @@
+/* kepler.c - Defines the scene of Kepler's problem with e = 0.36. */
 #include "references.h"
 #include "scene.h"
 

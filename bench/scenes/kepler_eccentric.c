@@ -1,3 +1,4 @@
+/* kepler_eccentric.c - Defines the scenes of Kepler's problem with large eccentricities. */
 #include "hard.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* magnetic.c - Defines the scene of a charge in a magnetic bottle. */
 #include "scene.h"
 
 /* A charge in a magnetic bottle, B = (-x z, -y z, 1 + z^2), of the vector potential A = (1 + z^2)/2 (-y, x, 0):

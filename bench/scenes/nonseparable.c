@@ -1,3 +1,4 @@
+/* nonseparable.c - Defines a scene whose Hamiltonian is not separable. */
 #include "scene.h"
 
 /* H = (q^2 + 1)(p^2 + 1)/2: no sum of a part of q and a part of p. */

@@ -1,3 +1,4 @@
+/* pendulum.c - Defines the scene of a pendulum. */
 #include "references.h"
 #include "scene.h"
 

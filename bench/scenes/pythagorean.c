@@ -1,3 +1,4 @@
+/* pythagorean.c - Defines the scene of the Pythagorean three bodies. */
 #include "gravity.h"
 #include "hard.h"
 #include "references.h"

@@ -1,4 +1,4 @@
-/* references.h - q then p of each scene at its t_end. Printed by bench/references/reference.c: do not edit. */
+/* references.h - Lists q then p of each scene at its t_end. Printed by bench/references/reference.c: do not edit. */
 #ifndef REFERENCES_H
 #define REFERENCES_H
 /* clang-format off */

@@ -1,5 +1,5 @@
-/* scene.h - the problems of the bench and the tests: a potential, a Lagrangian or a Hamiltonian, a start, an end, and
- * where the exact solution is then. */
+/* scene.h - Declares the problems of the bench and the tests: a potential, a Lagrangian or a Hamiltonian, a start, an
+ * end, and where the exact solution is then. */
 #ifndef SCENE_H
 #define SCENE_H
 
@@ -22,8 +22,9 @@ typedef struct {
 
 extern const scene scene_pendulum, scene_kepler, scene_henon_heiles_12, scene_henon_heiles_8, scene_fpu, scene_solar;
 
-/* What a potential does not state: a mass that is no constant diagonal, velocities in the force, no mass at all. */
-extern const scene scene_planets; /* of bench/peers */
+extern const scene scene_planets; /* a scene of bench/peers */
+/* Properties that a potential does not state: a mass that is no constant diagonal, velocities in the force, no mass at
+ * all. */
 extern const scene scene_double_pendulum, scene_magnetic, scene_nonseparable, scene_vortices, scene_degenerate;
 
 extern const scene *const scenes[]; /* those with a potential, for the order sweeps: the cheapest first; NULL ends */

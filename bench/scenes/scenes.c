@@ -1,3 +1,4 @@
+/* scenes.c - Lists the scenes, and finds one by its name. */
 #include "hard.h"
 
 #include <string.h>

@@ -1,3 +1,4 @@
+/* sitnikov.c - Defines the scene of Sitnikov's problem. */
 #include "hard.h"
 #include "references.h"
 

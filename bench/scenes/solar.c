@@ -1,3 +1,4 @@
+/* solar.c - Defines the scene of the outer Solar System. */
 #include "references.h"
 #include "scene.h"
 

@@ -1,3 +1,4 @@
+/* three_planets.c - Defines the scene of three planets with a close encounter. */
 #include "gravity.h"
 #include "hard.h"
 #include "references.h"

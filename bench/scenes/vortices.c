@@ -1,3 +1,4 @@
+/* vortices.c - Defines the scene of four point vortices. */
 #include "scene.h"
 
 /* Four point vortices of circulations G_i at (x_i, y_i), Kirchhoff's equations G_i x_i' = H_{y_i}, G_i y_i' = -H_{x_i}

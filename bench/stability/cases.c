@@ -1,3 +1,4 @@
+/* cases.c - Defines problems on which methods break (cases.h). */
 #include "cases.h"
 #include "gravity.h"
 

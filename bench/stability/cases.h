@@ -1,5 +1,5 @@
-/* cases.h - problems on which methods break: close encounters, separatrices, stiffness, chaos, sizes at the ends of the
- * range of doubles. The bench and the tests take them from here. */
+/* cases.h - Declares problems on which methods break: close encounters, separatrices, stiffness, chaos, sizes at the
+ * ends of the range of doubles. The bench and the tests take them from here. */
 #ifndef STABILITY_CASES_H
 #define STABILITY_CASES_H
 

@@ -1,3 +1,4 @@
+/* gauss_recorded.c - Runs Gauss collocation on a recorded force (gauss_recorded.h). */
 #include "gauss_recorded.h"
 #include "baselines/forces.h"
 #include "baselines/gauss_tableau.h"
@@ -14,7 +15,7 @@ static const double ROUNDOFF = 1e-13; /* as in gauss.c */
 #define LANES 8
 #include "baselines/gauss_lanes.h"
 
-/* What the force of gauss_lanes.h, which has no context, is at the moment. */
+/* The current force of gauss_lanes.h, which has no context. */
 static const tvi_system *recorded;
 static double *block; /* of its tape */
 

@@ -1,5 +1,5 @@
-/* gauss_recorded.h - the Gauss collocation of bench/baselines on the force that the library has recorded, so that every
- * system with a force has it. Its times are worth nothing. */
+/* gauss_recorded.h - Declares the Gauss collocation of bench/baselines on the force that the library has recorded, so
+ * that every system with a force has it. Its times are worth nothing. */
 #ifndef STABILITY_GAUSS_RECORDED_H
 #define STABILITY_GAUSS_RECORDED_H
 

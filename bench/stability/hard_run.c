@@ -1,3 +1,4 @@
+/* hard_run.c - Runs a hard case until it fails or ends (hard_run.h). */
 #include "hard_run.h"
 #include "gauss_recorded.h"
 
@@ -7,7 +8,7 @@
 enum { N_MOST = BASELINE_N_MAX };
 
 typedef struct {
-    const hard_case *of;
+    const hard_case *problem;
     const tvi_system *system;
     double start, scale;
     hard_run *run;
@@ -21,7 +22,7 @@ static int watch(long step, double t, const double q[], const double p[], void *
     if (tvi_energy(m->system, t, q, p, &energy) == TVI_OK) error = fabs(energy - m->start) / m->scale;
     m->run->steps = step;
     m->run->energy_error = fmax(m->run->energy_error, isnan(error) ? INFINITY : error);
-    return !(error <= m->of->bound);
+    return !(error <= m->problem->bound);
 }
 
 bool hard_options(const hard_method *m, tvi_options *options)
@@ -52,7 +53,7 @@ static tvi_status run_library(const hard_method *m, monitor *w, double h, long s
 
 static tvi_status run_gauss(const hard_method *m, monitor *w, double h, long steps, double q[], double p[])
 {
-    const baseline_task task = {.scene = &w->of->scene, .h = h, .steps = steps, .observer = watch, .ctx = w};
+    const baseline_task task = {.scene = &w->problem->scene, .h = h, .steps = steps, .observer = watch, .ctx = w};
     baseline_counts counts;
     const tvi_status status = gauss_recorded(w->system, m->order, &task, q, p, &counts);
     w->run->passes = w->run->steps > 0 ? (double)counts.passes / (double)w->run->steps : NAN;
@@ -73,7 +74,7 @@ hard_run hard_run_make(const hard_case *c, const tvi_system *system, const hard_
 {
     const scene *s = &c->scene;
     hard_run run = {.h = s->t_end / (double)steps, .position_error = NAN};
-    monitor w = {.of = c, .system = system, .run = &run};
+    monitor w = {.problem = c, .system = system, .run = &run};
     double q[N_MOST], p[N_MOST];
     memcpy(q, s->q, (size_t)s->n * sizeof *q);
     memcpy(p, s->p, (size_t)s->n * sizeof *p);

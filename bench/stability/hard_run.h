@@ -1,4 +1,4 @@
-/* hard_run.h - one run of a hard case, of the library or of Gauss collocation, until it fails or ends. */
+/* hard_run.h - Declares one run of a hard case, of the library or of Gauss collocation, until it fails or ends. */
 #ifndef STABILITY_HARD_RUN_H
 #define STABILITY_HARD_RUN_H
 

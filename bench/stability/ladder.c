@@ -1,3 +1,4 @@
+/* ladder.c - Makes steps from far too large to small, with and without the guard (ladder.h). */
 #include "ladder.h"
 #include "baselines/baseline.h"
 #include "scenes/hard.h"
@@ -18,7 +19,7 @@ const ladder_case ladder_cases[] = {
     {"Stiff spring pendulum", &spring_pendulum.scene, 2},
     {"Three planets, an encounter", &hard_three_planets.scene, REVOLUTION},
     {"Pythagorean, first encounter", &hard_pythagorean.scene, 2},
-    {.of = NULL},
+    {.problem = NULL},
 };
 
 typedef struct {
@@ -28,7 +29,7 @@ typedef struct {
 typedef struct {
     tvi_system *system;
     tvi_integrator *looks, *blind, *exact; /* exact: Taylor's method to a tolerance */
-    const scene *of;
+    const scene *problem;
     double scale; /* of the energy */
     ladder_counts counts;
 } climber;
@@ -61,7 +62,7 @@ static double energy_of(const climber *c, const state *x)
     return tvi_energy(c->system, x->t, x->q, x->p, &H) == TVI_OK ? H : INFINITY;
 }
 
-static void begin(climber *c, const state *x) { c->scale = fmax(fabs(energy_of(c, x)), c->of->energy_scale); }
+static void begin(climber *c, const state *x) { c->scale = fmax(fabs(energy_of(c, x)), c->problem->energy_scale); }
 
 static double relative(int n, const double a[], const double b[])
 {
@@ -90,8 +91,8 @@ static void judge(climber *c, const state *made, const state *solution, double c
         c->counts.unread += made != NULL;
         return;
     }
-    const bool is_near = relative(c->of->n, made->q, solution->q) < LADDER_RIGHT &&
-                         relative(c->of->n, made->p, solution->p) < LADDER_RIGHT;
+    const bool is_near = relative(c->problem->n, made->q, solution->q) < LADDER_RIGHT &&
+                         relative(c->problem->n, made->p, solution->p) < LADDER_RIGHT;
     const bool keeps_energy = change < LADDER_RIGHT;
     c->counts.right += is_near && keeps_energy;
     c->counts.near += is_near && !keeps_energy;
@@ -137,10 +138,10 @@ static bool open_climber(climber *c, const scene *s, const hard_method *m)
            open_integrator(c, m, -1, &c->blind) && open_integrator(c, &taylor, -1, &c->exact);
 }
 
-ladder_counts ladder_climb(const ladder_case *of, const hard_method *m, double h, int steps)
+ladder_counts ladder_climb(const ladder_case *problem, const hard_method *m, double h, int steps)
 {
-    const scene *s = of->of;
-    climber c = {.of = s};
+    const scene *s = problem->problem;
+    climber c = {.problem = s};
     state x = {0};
     memcpy(x.q, s->q, (size_t)s->n * sizeof *x.q);
     memcpy(x.p, s->p, (size_t)s->n * sizeof *x.p);

@@ -1,5 +1,5 @@
-/* ladder.h - steps from far too large to small, each beside one that the guard does not look at: which are refused, and
- * which of these were right. */
+/* ladder.h - Declares steps from far too large to small, each beside one that the guard does not look at: which are
+ * refused, and which of these were right. */
 #ifndef STABILITY_LADDER_H
 #define STABILITY_LADDER_H
 
@@ -8,7 +8,7 @@
 /* A start, and the time that is cut into 6 to 3200 steps. */
 typedef struct {
     const char *title;
-    const scene *of;
+    const scene *problem;
     double period;
 } ladder_case;
 extern const ladder_case ladder_cases[]; /* of NULL ends */
@@ -30,8 +30,7 @@ typedef struct {
 void ladder_add(ladder_counts *sum, const ladder_counts *more);
 
 /* steps steps of size h from the start; after one that is not accepted a new run goes on
- * from the solution. Where the
- * method does not serve the system, nothing. */
+ * from the solution. Does nothing if the method does not serve the system. */
 ladder_counts ladder_climb(const ladder_case *c, const hard_method *m, double h, int steps);
 
 /* The method called name, at its orders 8 and 16 (or 2), or 0 where it has no order at that place. */

@@ -1,3 +1,4 @@
+/* linear.c - Measures the linear stability of methods (linear.h). */
 #include "linear.h"
 
 #include <math.h>
@@ -42,7 +43,7 @@ static double growth_at(search *s, double z, step_matrix *M)
     return NAN;
 }
 
-/* Where b, or c, changes its sign between z and z + CELL: its zero; z where it does not. */
+/* The zero of b, or c, if it changes its sign between z and z + CELL; otherwise z. */
 static double zero_between(search *s, double z, bool of_c)
 {
     step_matrix M;

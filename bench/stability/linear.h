@@ -1,4 +1,5 @@
-/* linear.h - linear stability: the step of the harmonic oscillator (cases.h) as a matrix, and how far it is stable. */
+/* linear.h - Declares linear stability: the step of the harmonic oscillator (cases.h) as a matrix, and how far it is
+ * stable. */
 #ifndef STABILITY_LINEAR_H
 #define STABILITY_LINEAR_H
 

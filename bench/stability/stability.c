@@ -1,4 +1,4 @@
-/* stability.c - where methods break: the tables of docs/stability.md and the data of its pictures, in DIR.
+/* stability.c - Finds where methods break: the tables of docs/stability.md and the data of its pictures, in DIR.
  *
  *   stability --out DIR [--only linear|survive|fpu|guard|large] [--case NAME] */
 #include "linear.h"

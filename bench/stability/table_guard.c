@@ -1,3 +1,4 @@
+/* table_guard.c - Writes the table of refused steps of docs/stability.md. */
 #include "ladder.h"
 #include "method/list.h"
 #include "tables.h"
@@ -33,18 +34,18 @@ static ladder_counts climb_all(const ladder_case *c, FILE *csv)
     for (int i = 0; i < count * LADDER_ORDERS; i++) {
         const hard_method m = ladder_method(names[i / LADDER_ORDERS], i % LADDER_ORDERS);
         if (m.order == 0) continue;
-        const ladder_counts of = climb(c, &m);
-        fprintf(csv, "%s,%s,%d,%ld,%ld,%.3e,%ld,%ld,%ld,%ld,%ld\n", c->of->name, m.name, m.order, of.accepted, of.wrong,
-                of.most, of.refused, of.right, of.near, of.unread, of.failed);
-        ladder_add(&sum, &of);
+        const ladder_counts counts = climb(c, &m);
+        fprintf(csv, "%s,%s,%d,%ld,%ld,%.3e,%ld,%ld,%ld,%ld,%ld\n", c->problem->name, m.name, m.order, counts.accepted,
+                counts.wrong, counts.most, counts.refused, counts.right, counts.near, counts.unread, counts.failed);
+        ladder_add(&sum, &counts);
     }
     return sum;
 }
 
-static void write_row(FILE *md, const char *title, const ladder_counts *of)
+static void write_row(FILE *md, const char *title, const ladder_counts *counts)
 {
-    fprintf(md, "| %s | %ld | %.3f | %ld | %ld | %ld | %ld | %ld |\n", title, of->accepted, of->most, of->wrong,
-            of->failed, of->refused, of->right, of->near);
+    fprintf(md, "| %s | %ld | %.3f | %ld | %ld | %ld | %ld | %ld |\n", title, counts->accepted, counts->most,
+            counts->wrong, counts->failed, counts->refused, counts->right, counts->near);
 }
 
 bool table_guard(const table_command *at)
@@ -57,11 +58,11 @@ bool table_guard(const table_command *at)
             "(chaotic) | TVI_ETOOLARGE (chaotic) | of these right | right but for the energy (chaotic) |\n"
             "|---|---|---|---|---|---|---|---|\n");
     fprintf(csv, "case,method,order,accepted,wrong,most,refused,right,near,unread,failed\n");
-    for (const ladder_case *c = ladder_cases; c->of; c++) {
+    for (const ladder_case *c = ladder_cases; c->problem; c++) {
         table_progress("guard", c->title);
-        const ladder_counts of = climb_all(c, csv);
-        write_row(md, c->title, &of);
-        ladder_add(&all, &of);
+        const ladder_counts counts = climb_all(c, csv);
+        write_row(md, c->title, &counts);
+        ladder_add(&all, &counts);
     }
     write_row(md, "all", &all);
     return fclose(md) == 0 && fclose(csv) == 0;

@@ -1,3 +1,4 @@
+/* tables.c - Formats numbers and names for the tables of docs/stability.md (tables.h). */
 #include "tables.h"
 
 #include <errno.h>

@@ -1,4 +1,4 @@
-/* tables.h - what the tables of docs/stability.md are written with. */
+/* tables.h - Declares what the tables of docs/stability.md are written with. */
 #ifndef STABILITY_TABLES_H
 #define STABILITY_TABLES_H
 

@@ -1,4 +1,4 @@
-/* steps.c - steps of a scene for a profiler to look at: ten to begin with, then ten in measured_steps.
+/* steps.c - Makes steps of a scene for a profiler to look at: ten to begin with, then ten in measured_steps.
  *
  *   steps SCENE METHOD ORDER H */
 #include "scenes/scene.h"
@@ -21,7 +21,7 @@ static tvi_status make_steps(state *x, int count)
     return status;
 }
 
-/* What callgrind --toggle-collect counts. */
+/* The function that callgrind --toggle-collect counts. */
 __attribute__((noinline)) tvi_status measured_steps(state *x);
 tvi_status measured_steps(state *x) { return make_steps(x, MEASURED); }
 

@@ -1,5 +1,5 @@
-/* bench.c - the order sweep: every scene with a potential, every method of the library and every baseline, over the
- * scene's ladder of steps, within a budget of time.
+/* bench.c - Runs the order sweep: every scene with a potential, every method of the library and every baseline, over
+ * the scene's ladder of steps, within a budget of time.
  *
  *   sweep [--scene NAME] [--method NAME] [--baselines] [--out DIR] [--budget SECONDS]
  *
@@ -26,7 +26,7 @@ enum { METHODS = sizeof methods / sizeof *methods };
 /* The share of the time that the sweeps may take: the rest is for the runs in turns of the summary. */
 static const double SWEEPS = 0.94;
 
-/* Of its share of the time: a step costs more the more bodies there are. */
+/* Share of the time: a step costs more the more bodies there are. */
 static double weight(const scene *s) { return s->n + 2; }
 
 typedef struct {

@@ -1,3 +1,4 @@
+/* summary.c - Compares the library with the baselines, for each scene and error (summary.h). */
 #include "summary.h"
 
 #include <errno.h>

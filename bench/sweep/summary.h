@@ -1,5 +1,5 @@
-/* summary.h - the library against the baselines: for each scene and error the fastest of each, and the ratio of their
- * times. */
+/* summary.h - Declares the library against the baselines: for each scene and error the fastest of each, and the ratio
+ * of their times. */
 #ifndef SUMMARY_H
 #define SUMMARY_H
 

@@ -1,5 +1,5 @@
-/* arena.h - all memory of an integrator, in one piece. The layout is walked twice: first to measure (base NULL), then
- * to hand out. With the address sanitizer, a gap that nobody may touch follows each piece. */
+/* arena.h - Hands out the memory of an integrator from one piece. The layout is walked twice: first to measure, with
+ * base NULL, then to hand out. With the address sanitizer a gap that may not be accessed follows each piece. */
 #ifndef TVI_SRC_ARENA_H
 #define TVI_SRC_ARENA_H
 
@@ -17,18 +17,20 @@
 #endif
 #endif
 
-/* What one step leaves to the next stands apart, in one region of its own: the history. All zeros are the history of no
- * step, so that whoever owns the memory can mark, undo, forget and save it without knowing what it means. At its end
- * stand pieces that are not marked, and that undoing the last step does not touch: what is set where a run begins, and
- * those that steps fill in turns. The rest of the history knows which: a step writes into one that nobody reads. */
+/* The arena. The history is a region of its own, which holds all that one step leaves to the next. All zeros are the
+ * history of no step, so that the owner of the memory can mark, undo, clear and save it without knowing its contents.
+ * At the end of the history stand the rings. They are not marked, and undoing a step leaves them alone. They hold what
+ * is set at the start of a run, and buffers that steps fill in turn; the marked history says which buffer is the
+ * current one. */
 typedef struct tvi_block tvi_block;
 typedef struct {
-    char *base, *history, *turns;
-    size_t used, marked, in_turns; /* of what the history has before those pieces, and of them */
-    const tvi_block *blocks;       /* block.h */
+    char *base, *history, *rings;
+    /* Bytes so far: of the rest of the memory, of the marked history, and of the rings. */
+    size_t used, marked, ring_bytes;
+    const tvi_block *blocks; /* block.h */
 } tvi_arena;
 
-/* Of what is marked pieces stand closer, since each step copies it. */
+/* The alignment of pieces. Marked pieces stand closer, since each step copies them. */
 enum { ARENA_ALIGNMENT = 64, ARENA_MARKED_ALIGNMENT = 16 };
 
 #ifdef ARENA_HAS_GAPS
@@ -46,18 +48,19 @@ static inline size_t tvi_arena_rounded(size_t bytes, size_t alignment)
     return (bytes + alignment - 1) / alignment * alignment;
 }
 
-/* Of the history, */
-static inline size_t tvi_arena_remembered(const tvi_arena *arena)
+/* The bytes of the history. */
+static inline size_t tvi_arena_history_bytes(const tvi_arena *arena)
 {
-    return tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT) + arena->in_turns;
+    return tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT) + arena->ring_bytes;
 }
-/* and of all memory, which has what is marked once more, as it was before. */
+/* All bytes. The marked history stands there twice, now and as it was before the last step. */
 static inline size_t tvi_arena_bytes(const tvi_arena *arena)
 {
-    return arena->used + tvi_arena_remembered(arena) + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
+    return arena->used + tvi_arena_history_bytes(arena) + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
 }
 
-/* Memory for all that was measured, zeros, which is to be freed; then the arena hands it out. NULL without memory. */
+/* Allocates zeros for all that was measured, from which the arena then hands out. The memory is to be freed. NULL
+ * without memory. */
 static inline void *tvi_arena_open(tvi_arena *arena)
 {
     const size_t bytes = tvi_arena_bytes(arena);
@@ -65,12 +68,12 @@ static inline void *tvi_arena_open(tvi_arena *arena)
     if (!memory) return NULL;
     memset(memory, 0, bytes);
     char *const history = memory + arena->used;
-    char *const turns = history + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
-    *arena = (tvi_arena){.base = memory, .history = history, .turns = turns};
+    char *const rings = history + tvi_arena_rounded(arena->marked, ARENA_ALIGNMENT);
+    *arena = (tvi_arena){.base = memory, .history = history, .rings = rings};
     return memory;
 }
 
-/* The piece of so many bytes at region + used; NULL where there is no region. */
+/* The piece of `bytes` bytes at region + used; NULL if there is no region. */
 static inline void *tvi_arena_cut(char *region, size_t *used, size_t bytes, size_t alignment)
 {
     const size_t room = tvi_arena_rounded(bytes, alignment) + ARENA_GAP;
@@ -90,10 +93,10 @@ static inline void *tvi_arena_history(tvi_arena *arena, size_t bytes)
     return tvi_arena_cut(arena->history, &arena->marked, bytes, ARENA_MARKED_ALIGNMENT);
 }
 
-/* One of the pieces that steps fill in turns, or leave alone. */
-static inline void *tvi_arena_turn(tvi_arena *arena, size_t bytes)
+/* Takes a piece of the rings. */
+static inline void *tvi_arena_ring(tvi_arena *arena, size_t bytes)
 {
-    return tvi_arena_cut(arena->turns, &arena->in_turns, bytes, ARENA_ALIGNMENT);
+    return tvi_arena_cut(arena->rings, &arena->ring_bytes, bytes, ARENA_ALIGNMENT);
 }
 
 static inline double *tvi_arena_doubles(tvi_arena *arena, size_t count)
@@ -101,7 +104,7 @@ static inline double *tvi_arena_doubles(tvi_arena *arena, size_t count)
     return tvi_arena_take(arena, count * sizeof(double));
 }
 
-/* to = from, or zeros where that is NULL: a whole history, which has gaps that memcpy must not touch. */
+/* Copies a whole history, or clears it if `from` is NULL. The gaps of a history must not be touched by memcpy. */
 ARENA_UNCHECKED static inline void tvi_arena_copy(char *to, const char *from, size_t bytes)
 {
 #ifdef ARENA_HAS_GAPS

@@ -1,4 +1,4 @@
-/* block.c - see block.h. */
+/* block.c - Takes and fills blocks of tapes (block.h). */
 #include "algebra/block.h"
 
 double *tvi_arena_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t more)
@@ -21,5 +21,5 @@ void tvi_blocks_prepare(const tvi_block *first)
 void tvi_blocks_set_parameters(const tvi_block *first, int count, int width, const double value[])
 {
     for (const tvi_block *block = first; block; block = block->next)
-        jet_tape_place_parameters(block->tape, block->x, block->lanes, count, width, value);
+        jet_tape_set_parameters(block->tape, block->x, block->lanes, count, width, value);
 }

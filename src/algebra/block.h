@@ -1,4 +1,5 @@
-/* block.h - blocks of tapes in the arena: the numbers that a system recorded stand in them, and are changed there. */
+/* block.h - Takes blocks for sweeps of tapes in the arena, and fills them with the constants and parameters that a
+ * system has recorded. */
 #ifndef TVI_SRC_ALGEBRA_BLOCK_H
 #define TVI_SRC_ALGEBRA_BLOCK_H
 
@@ -12,12 +13,12 @@ struct tvi_block {
     const tvi_block *next;
 };
 
-/* A block of the tape, with room for `more` numbers behind it; the arena keeps a list of them. */
+/* Takes a block of the tape, with room for `more` numbers after it. The arena keeps a list of the blocks. */
 double *tvi_arena_block(tvi_arena *arena, const jet_tape *tape, int orders, int lanes, size_t more);
 
-/* Fills all blocks of the list with the constants of their tapes, once the memory, all zeros, is there. */
+/* Fills all blocks of the list with the constants of their tapes. The memory has to be there, all zeros. */
 void tvi_blocks_prepare(const tvi_block *first);
-/* value[i][width] of parameter i, i < count, in all blocks that are prepared, every width lanes again. */
+/* Sets parameter i to value[i][width], i < count, in all prepared blocks. The values repeat after `width` lanes. */
 void tvi_blocks_set_parameters(const tvi_block *first, int count, int width, const double value[]);
 
 #endif

@@ -1,25 +1,28 @@
-/* judge.h - the rule of passes.h: one text over numbers, of one iteration, or over vectors, of several. Read for each
- * kind of REAL, whose comparisons are a TRUTH; JUDGED names what it
- * defines. These macros, ABOVE, AT_MOST, SAME, NOT and IF are the reader's, and end here. */
+/* judge.h - Applies the rule of passes.h to the corrections of an iteration. It is one text for numbers and for
+ * vectors, and is included for each kind of REAL, whose comparisons are a TRUTH. JUDGED names what it defines. The
+ * macros ABOVE, AT_MOST, SAME, NOT and IF come from the including file, and are undefined at the end. */
 
 typedef struct {
     int count;
-    REAL size, before, earlier; /* of the corrections of the last three passes */
-    REAL part, slowest; /* what the last loud pass left of the correction before, and the larger of the last two such
-                           parts, at first that of an earlier iteration; 0: not known. Loud is what is above roundoff */
-    REAL shown;         /* the last correction without its roundoff, */
-    REAL next;          /* what the next one should be, */
-    REAL slack;         /* and how much more it is taken to be: 1, but for Newton's method (generating/newton.h) */
-    REAL roundoff;      /* a correction of at most this is roundoff, as measured; 0: not measured */
+    REAL size, before, earlier; /* the corrections of the last three passes */
+    /* `part` is the fraction that the last loud pass left of the correction before. `slowest` is the larger of the last
+     * two fractions, at first that of an earlier iteration. 0: not known. A correction above roundoff is loud. */
+    REAL part, slowest;
+    REAL shown; /* the last correction without its roundoff */
+    REAL next;  /* the expected next correction */
+    /* The factor of `next`: 1, but for Newton's method (generating/newton.h). */
+    REAL slack;
+    /* Corrections up to this are roundoff, as was measured; 0: not measured. */
+    REAL roundoff;
 } JUDGED(passes);
 
-/* Adds a pass, whose correction is so large: whether it may be the last; *is_stuck: otherwise, whether it is one of
- * those that no longer shrink.
+/* Adds a pass with a correction of this size. Returns whether it may be the last pass. *is_stuck: it may not, and the
+ * corrections no longer shrink.
  *
- * A correction before that is larger than 1 counts as 1: it says more of the unknown's size than of the passes. Once
- * corrections are roundoff, they no longer show how passes contract: then they are taken to go on as the loud ones did,
- * and that they grow does not mean that they are stuck. Of a first correction that is loud nothing is known. In a cycle
- * the last bits go to and fro, and nothing else moves. */
+ * A previous correction larger than 1 counts as 1: it says more of the unknown's size than of the passes. Corrections
+ * at the level of roundoff do not show how passes contract. They are assumed to contract as the loud ones did, and
+ * their growth does not mean that the passes are stuck. The contraction of a first loud correction is unknown. In a
+ * cycle the last bits alternate, and nothing else changes. */
 static inline TRUTH JUDGED(judge)(JUDGED(passes) * passes, const tvi_passes_rule *rule, REAL size, TRUTH *is_stuck)
 {
     const REAL none = {0}, one = 1 - none, before = passes->size, earlier = passes->before;
@@ -44,8 +47,8 @@ static inline TRUTH JUDGED(judge)(JUDGED(passes) * passes, const tvi_passes_rule
     const TRUTH is_cycle = SAME(size, before) & SAME(size, earlier) & NOT(is_loud);
     const TRUTH is_at_goal = AT_MOST(passes->next, rule->goal - none), is_roundoff = AT_MOST(size, passes->roundoff);
     const TRUTH grows = ABOVE(size, rule->stuck * before) &
-                        (rule->turns < 2 ? all : (TRUTH)ABOVE(size, rule->stuck * rule->stuck * earlier));
-    *is_stuck = count > rule->turns ? (TRUTH)(NOT(is_asked) & grows & (is_loud | NOT(is_known))) : no;
+                        (rule->period < 2 ? all : (TRUTH)ABOVE(size, rule->stuck * rule->stuck * earlier));
+    *is_stuck = count > rule->period ? (TRUTH)(NOT(is_asked) & grows & (is_loud | NOT(is_known))) : no;
     if (rule->exactly > 0) return count == rule->exactly ? all : no;
     return is_at_goal | is_roundoff | is_cycle;
 }

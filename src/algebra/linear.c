@@ -1,4 +1,5 @@
-/* linear.c - the only file that calls LAPACK; the smallest systems do without (linear_small.h). */
+/* linear.c - Factors and solves dense systems by LAPACK. No other file calls LAPACK; the smallest systems do without it
+ * (linear_small.h). */
 #include "algebra/linear.h"
 #include "algebra/linear_small.h"
 #include "algebra/sizes.h"
@@ -14,8 +15,8 @@ void dgetf2_(const int *m, const int *n, double *a, const int *lda, int *ipiv, i
 void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, const int *lda, const int *ipiv,
              double *b, const int *ldb, int *info, size_t trans_length);
 
-/* Below this size OpenBLAS factors with one thread, so that dgetrf gives the same bits for any number of threads; above
- * it dgetf2 does. */
+/* Below this size OpenBLAS factors with one thread, so that dgetrf gives the same bits for any number of threads. Above
+ * it dgetf2 is called. */
 enum { DGETRF_BELOW = 100 };
 
 void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n)
@@ -27,7 +28,7 @@ void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n)
     factor->pivot = tvi_arena_take(arena, (size_t)n * sizeof(int));
     factor->matrix = tvi_arena_doubles(arena, (size_t)n * (size_t)n);
     factor->given = tvi_arena_doubles(arena, (size_t)n);
-    factor->lack = tvi_arena_doubles(arena, (size_t)n);
+    factor->residual = tvi_arena_doubles(arena, (size_t)n);
 }
 
 tvi_status tvi_factor_compute(tvi_factor *factor)
@@ -55,7 +56,7 @@ static void apply(int n, const tvi_factor *factor, bool transposed, double x[])
     dgetrs_(transposed ? "N" : "T", &n, &one, factor->lu, &n, factor->pivot, x, &n, &info, 1);
 }
 
-/* A^-1 = C (R A C)^-1 R. */
+/* Solves with A^-1 = C (R A C)^-1 R. */
 static void solve(const tvi_factor *factor, bool transposed, double x[])
 {
     const int n = factor->n;

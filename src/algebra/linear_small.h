@@ -1,6 +1,6 @@
-/* linear_small.h - what is made of a factor, and factor and solve of systems so small that a call of LAPACK costs more
- * than its arithmetic: what dgetf2 and dgetrs do, on the same data. Matrices are column-major, pivots count from 1.
- * Part of the text of generated code, where the sizes are constants. */
+/* linear_small.h - Factors and solves systems that are so small that a call of LAPACK costs more than their arithmetic.
+ * It does what dgetf2 and dgetrs do, on the same data. Matrices are column-major, pivots count from 1. It is part of
+ * the text of generated code, where the sizes are constants. */
 #ifndef TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 #define TVI_SRC_ALGEBRA_LINEAR_SMALL_H
 
@@ -13,12 +13,12 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The n up to which whole steps are faster with this: 1.2 to 1.5 times on pendulum, Kepler, Henon-Heiles and double
- * pendulum, 1.2 times on FPU, whose matrices have 12 rows, than with the reference LAPACK. Few curves have larger ones:
- * products.c. */
+/* The largest n for which whole steps are faster with this: 1.2 to 1.5 times on pendulum, Kepler, Henon-Heiles and
+ * double pendulum, 1.2 times on FPU, whose matrices have 12 rows, than with the reference LAPACK. Few curves have
+ * larger matrices: products.c. */
 enum { LINEAR_SMALL = 16 };
 
-/* call(n) with n known to the compiler where it can be. */
+/* Expands call(n) with a constant for small n, so that the compiler knows n. */
 #define LINEAR_BY_SIZE(n, call)                                                                                        \
     switch (n) {                                                                                                       \
     case 1: call(1); break;                                                                                            \
@@ -35,8 +35,9 @@ JET_INLINE void linear_swap(double *x, double *y)
     *y = kept;
 }
 
-/* Column j of what follows. A pivot on the diagonal stays where no other is twice as large: an exchange mixes rows of
- * different units where these are scaled alike by chance, and the small unknown gets the roundoff of the large one. */
+/* Eliminates below the diagonal in column j. The pivot on the diagonal stays if no other is twice as large. An exchange
+ * would mix rows of different units that are scaled alike by chance, and the small unknown would get the roundoff of
+ * the large one. */
 JET_INLINE void linear_small_eliminate(int n, int j, double a[], int pivot[])
 {
     int largest = j;
@@ -55,8 +56,8 @@ JET_INLINE void linear_small_eliminate(int n, int j, double a[], int pivot[])
         for (int i = j + 1; i < n; i++) a[i + k * n] -= a[i + j * n] * a[j + k * n];
 }
 
-/* P L U in place of a, partial pivoting; a pivot that is 0 is left so. No loop over the first columns, so that all
- * places are known with a small n. */
+/* Factors P L U in place, with partial pivoting; a pivot that is 0 is left so. The first columns have no loop, so that
+ * all indices are constants for a small n. */
 JET_INLINE void linear_small_factor(int n, double a[], int pivot[])
 {
     if (n > 0) linear_small_eliminate(n, 0, a, pivot);
@@ -66,7 +67,7 @@ JET_INLINE void linear_small_factor(int n, double a[], int pivot[])
     for (int j = 4; j < n; j++) linear_small_eliminate(n, j, a, pivot);
 }
 
-/* x <- A^-1 x. */
+/* x <- A^-1 x */
 JET_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) linear_swap(&x[i], &x[pivot[i] - 1]);
@@ -78,7 +79,7 @@ JET_INLINE void linear_small_solve(int n, const double lu[], const int pivot[], 
     }
 }
 
-/* x <- A^-T x. */
+/* x <- A^-T x */
 JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const int pivot[], double x[])
 {
     for (int i = 0; i < n; i++) {
@@ -92,7 +93,7 @@ JET_INLINE void linear_small_solve_transposed(int n, const double lu[], const in
 
 /* ---- Factors of all sizes ---------------------------------------------------------------------------------------- */
 
-/* The power of two next to 1/size, so that scaling rounds nothing; 1 for 0. */
+/* The power of two next to 1/size, so that scaling rounds nothing; 1 if size is 0. */
 JET_INLINE double linear_inverse_power(double size)
 {
     uint64_t bits;
@@ -106,11 +107,11 @@ JET_INLINE double linear_inverse_power(double size)
     return power;
 }
 
-/* A row that is scaled so many times as much as another has another unit. */
+/* Two rows have different units if their scales differ by this factor. */
 enum { LINEAR_OTHER_UNIT = 8 };
 
-/* A <- R A C with columns, then rows, of size about 1. The rows of the ends' Jacobians (closure.h) are coordinates, so
- * that the columns, first, take the units out: the pivots do not depend on them. */
+/* A <- R A C, with columns, then rows, of size about 1. The rows of the Jacobian matrices of a curve's ends (closure.h)
+ * are coordinates. The columns are scaled first, which removes the units: the pivots do not depend on them. */
 JET_INLINE void linear_equilibrate(int n, tvi_factor *factor)
 {
     double least = INFINITY, largest = 0;
@@ -153,47 +154,48 @@ JET_INLINE double linear_least_pivot(int n, const tvi_factor *factor)
     return least;
 }
 
-/* Of the factor of what was made of size 1. */
+/* The status of a factor of a matrix with rows and columns of size 1. */
 JET_INLINE tvi_status linear_verdict(int n, bool is_factored, tvi_factor *factor)
 {
     factor->is_refined = factor->is_refined && linear_is_exchanged(n, factor);
     return is_factored && linear_least_pivot(n, factor) > n * DBL_EPSILON ? TVI_OK : TVI_ESINGULAR;
 }
 
-/* x <- scale x, component by component. */
+/* x <- scale x, component by component */
 JET_INLINE void linear_rescale(int n, const double scale[], double x[])
 {
     for (int i = 0; i < n; i++) x[i] *= scale[i];
 }
 
-/* One step of iterative refinement of (R A C)^-1 given: where the pivots mix unknowns of different units, it takes from
- * the small ones the roundoff of the large (Skeel, Math. Comp. 35, 1980). What is solved for in between: */
-JET_INLINE void linear_find_lack(int n, const tvi_factor *factor, bool transposed, const double x[])
+/* One step of iterative refinement of (R A C)^-1 given. If pivots mix unknowns of different units, it removes the
+ * roundoff of the large unknowns from the small ones (Skeel, Math. Comp. 35, 1980). This function computes the
+ * residual. */
+JET_INLINE void linear_compute_residual(int n, const tvi_factor *factor, bool transposed, const double x[])
 {
-    const int of_row = transposed ? 1 : n, of_column = transposed ? n : 1;
+    const int row_stride = transposed ? 1 : n, column_stride = transposed ? n : 1;
     for (int i = 0; i < n; i++) {
-        double lack = factor->given[i];
-        for (int j = 0; j < n; j++) lack -= factor->matrix[i * of_row + j * of_column] * x[j];
-        factor->lack[i] = lack;
+        double residual = factor->given[i];
+        for (int j = 0; j < n; j++) residual -= factor->matrix[i * row_stride + j * column_stride] * x[j];
+        factor->residual[i] = residual;
     }
 }
 
 JET_INLINE void linear_refine(int n, const tvi_factor *factor, double x[])
 {
-    for (int i = 0; i < n; i++) x[i] += factor->lack[i];
+    for (int i = 0; i < n; i++) x[i] += factor->residual[i];
 }
 
 typedef void linear_apply(int n, const tvi_factor *factor, bool transposed, double x[]);
 
-/* x <- A^-1 x or A^-T x, A^-1 = C (R A C)^-1 R. */
+/* x <- A^-1 x or A^-T x, with A^-1 = C (R A C)^-1 R */
 JET_INLINE void linear_solve_scaled(int n, const tvi_factor *factor, bool transposed, linear_apply *apply, double x[])
 {
     linear_rescale(n, transposed ? factor->column_scale : factor->row_scale, x);
     if (factor->is_refined) memcpy(factor->given, x, (size_t)n * sizeof *x);
     apply(n, factor, transposed, x);
     if (factor->is_refined) {
-        linear_find_lack(n, factor, transposed, x);
-        apply(n, factor, transposed, factor->lack);
+        linear_compute_residual(n, factor, transposed, x);
+        apply(n, factor, transposed, factor->residual);
         linear_refine(n, factor, x);
     }
     linear_rescale(n, transposed ? factor->row_scale : factor->column_scale, x);
@@ -209,7 +211,7 @@ JET_INLINE tvi_status linear_small_compute(int n, tvi_factor *factor)
     return linear_verdict(n, true, factor);
 }
 
-/* A row-major matrix is the transpose of a column-major one. */
+/* Solves by the factor. A row-major matrix is the transpose of a column-major one. */
 JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transposed, double x[])
 {
     if (transposed) linear_small_solve(n, factor->lu, factor->pivot, x);
@@ -218,36 +220,36 @@ JET_INLINE void linear_small_apply(int n, const tvi_factor *factor, bool transpo
 
 /* ---- Without exchanges of rows, of matrices that are I + O(h) in some units -------------------------------------- */
 
-/* Pivots that are so much smaller or larger than what stood on the diagonal are left to those that exchange rows; and a
- * diagonal of a row in the unit of its column that is so small. */
+/* A pivot that is smaller or larger by this factor than what stood on the diagonal needs the factor with exchanges of
+ * rows. The same holds for a pivot below this in a row in the units of its columns. */
 static const double LINEAR_LEAST_PIVOT = 0x1p-10;
-/* The same of an inverse, which rounds more than a factor does. */
+/* The limit for an inverse, which rounds more than a factor does. */
 static const double LINEAR_LEAST_INVERTED = 1.0 / 16;
 
 #define LINEAR_ELIMINATE(V, S) JET_AT(V, other, 0) -= part * JET_OF(V, row, 0);
 
-/* A pivot, by what stood in its place. */
-JET_INLINE bool linear_is_plain(double pivot, double before, double least)
+/* Tells whether a pivot needs no exchange of rows, compared with what stood in its place before. */
+JET_INLINE bool linear_is_safe_pivot(double pivot, double before, double least)
 {
     const double size = fabs(pivot), most = fabs(before);
     return size > least * most && least * size < most;
 }
 
 /* A = L U, row-major: U in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
- * factor->row_scale, so that no row is written to but as a whole. The first rows, so many, are in the units of their
- * columns. false: a pivot is not plain, or no number. */
-JET_INLINE bool linear_plain_factor(int n, int in_units, tvi_factor *factor)
+ * factor->row_scale. In this layout rows are only written as a whole. The first `in_units` rows are in the units of
+ * their columns. Returns false if a pivot needs an exchange of rows, or is no number. */
+JET_INLINE bool linear_unpivoted_factor(int n, int in_units, tvi_factor *factor)
 {
     const size_t stride = (size_t)n;
-    bool is_plain = true;
+    bool is_safe = true;
     double before[LINEAR_SMALL] = {0};
     JET_UNROLLED
     for (int j = 0; j < n; j++) before[j] = factor->lu[j * n + j];
     JET_UNROLLED
     for (int j = 0; j < n; j++) {
         const double *row = factor->lu + j * n, pivot = row[j], inverse = 1 / pivot;
-        is_plain &= linear_is_plain(pivot, before[j], LINEAR_LEAST_PIVOT);
-        if (j < in_units) is_plain &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
+        is_safe &= linear_is_safe_pivot(pivot, before[j], LINEAR_LEAST_PIVOT);
+        if (j < in_units) is_safe &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
         factor->row_scale[j] = inverse;
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
@@ -259,11 +261,11 @@ JET_INLINE bool linear_plain_factor(int n, int in_units, tvi_factor *factor)
             for (int k = j + 1; n < 4 && k < n; k++) other[k] -= part * row[k];
         }
     }
-    return is_plain;
+    return is_safe;
 }
 
-/* x <- A^-1 x; what is known last is subtracted last. */
-JET_INLINE void linear_plain_solve(int n, const tvi_factor *factor, double x[])
+/* x <- A^-1 x. The last known unknown is subtracted last. */
+JET_INLINE void linear_unpivoted_solve(int n, const tvi_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
@@ -277,8 +279,8 @@ JET_INLINE void linear_plain_solve(int n, const tvi_factor *factor, double x[])
     }
 }
 
-/* x <- A^-T x. */
-JET_INLINE void linear_plain_solve_transposed(int n, const tvi_factor *factor, double x[])
+/* x <- A^-T x */
+JET_INLINE void linear_unpivoted_solve_transposed(int n, const tvi_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
@@ -292,11 +294,11 @@ JET_INLINE void linear_plain_solve_transposed(int n, const tvi_factor *factor, d
     for (int j = n - 1; j > i; j--) x[i] -= l[j * n + i] * x[j];
 }
 
-/* A <- A^-1, row-major; false: pivots are not plain, and what stands there is nothing. */
-JET_INLINE bool linear_plain_invert(int n, double a[])
+/* A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; then the contents of A are undefined. */
+JET_INLINE bool linear_unpivoted_invert(int n, double a[])
 {
     const size_t stride = (size_t)n;
-    bool is_plain = true;
+    bool is_safe = true;
     double before[LINEAR_SMALL] = {0};
     JET_UNROLLED
     for (int j = 0; j < n; j++) before[j] = a[j * n + j];
@@ -304,7 +306,7 @@ JET_INLINE bool linear_plain_invert(int n, double a[])
     for (int j = 0; j < n; j++) {
         double *row = a + j * n;
         const double pivot = row[j], inverse = 1 / pivot;
-        is_plain &= linear_is_plain(pivot, before[j], LINEAR_LEAST_INVERTED);
+        is_safe &= linear_is_safe_pivot(pivot, before[j], LINEAR_LEAST_INVERTED);
         row[j] = 1;
         for (int k = 0; k < n; k++) row[k] *= inverse;
         JET_UNROLLED
@@ -316,7 +318,7 @@ JET_INLINE bool linear_plain_invert(int n, double a[])
             JET_BLOCKS(n, LINEAR_ELIMINATE, );
         }
     }
-    return is_plain;
+    return is_safe;
 }
 
 #undef JET_UNROLLED

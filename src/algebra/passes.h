@@ -1,5 +1,6 @@
-/* passes.h - when the passes of an iteration may end: one rule for Newton's method, the Galerkin passes, the Legendre
- * transforms and the solutions inside a step, which differ in its numbers (docs/method.md section 5 has them all). */
+/* passes.h - Decides when the passes of an iteration may end. Newton's method, the Galerkin passes, the Legendre
+ * transforms and the solutions inside a step use this rule with different numbers (docs/method.md section 5 has them
+ * all). */
 #ifndef TVI_SRC_ALGEBRA_PASSES_H
 #define TVI_SRC_ALGEBRA_PASSES_H
 
@@ -7,29 +8,35 @@
 
 #include <float.h>
 
-/* As a part that is left: all of it, or more. */
+/* The largest fraction that a pass may leave without counting as stuck. */
 #define TVI_PASSES_ALL (1 - DBL_EPSILON)
 
-/* What an iteration asks of its passes. Sizes of corrections are in the unit in which they are judged: absolute or
- * relative; the parts that passes leave are ratios of them. What is left out is 0, and asks for nothing. */
+/* The rule of an iteration. Corrections are in the unit in which they are judged, absolute or relative. Fractions are
+ * the ratios of successive corrections. A number that is 0 has no effect. */
 typedef struct {
-    int most, exactly;  /* passes; exactly so many, whatever they show; 0: as many as needed */
-    double goal;        /* they end where the next correction is expected to be at most this */
-    double noise;       /* corrections up to this may be roundoff, and do not show how passes contract */
-    double contraction; /* passes that leave this part of a correction, or more, are expected to leave all of it */
-    double stuck;       /* they no longer shrink where more than this part is left of the correction before, */
-    int turns;          /* and, of 2, of the one before that: those that follow from one another may be small and large
-                           in turns */
-    bool is_quadratic;  /* Newton's method: the part that a pass leaves is the square of what the one before it left */
+    /* The most passes, and the exact number of passes whatever they show; 0: as many as needed. */
+    int most, exactly;
+    double goal; /* passes end if the next correction is expected to be at most this */
+    /* Corrections up to this may be roundoff, and do not show how passes contract. */
+    double noise;
+    /* Passes that leave at least this fraction of a correction are expected to leave all of it. */
+    double contraction;
+    /* Passes are stuck if they leave more than this fraction of the correction before. */
+    double stuck;
+    /* With 2, they also have to leave as much of the correction before that one: corrections may be alternately small
+     * and large. */
+    int period;
+    /* The fraction that a pass leaves is the square of the one before, as in Newton's method. */
+    bool is_quadratic;
 } tvi_passes_rule;
 
 typedef enum {
     TVI_PASSES_GO_ON,
     TVI_PASSES_MAY_END, /* at the goal, or at roundoff */
-    TVI_PASSES_STUCK    /* they have come to roundoff, or do not converge: the caller measures */
+    TVI_PASSES_STUCK    /* at roundoff, or without convergence: the caller measures */
 } tvi_passes_verdict;
 
-/* The passes so far: tvi_passes, and tvi_judge adds one. */
+/* Defines tvi_passes, the passes so far, and tvi_judge, which adds one. */
 #define JUDGED(name)       tvi_##name
 #define REAL               double
 #define TRUTH              int
@@ -40,8 +47,8 @@ typedef enum {
 #define IF(which, yes, no) ((which) ? (yes) : (no))
 #include "algebra/judge.h"
 
-/* Member by member: compilers clear a struct by an instruction that takes long to begin. slowest: 0 where it is not
- * known of an earlier iteration. */
+/* Begins an iteration. The members are set one by one, since compilers clear a struct by an instruction that is slow to
+ * start. slowest is 0 if no earlier iteration has measured it. */
 static inline void tvi_passes_begin(tvi_passes *passes, double slowest)
 {
     passes->count = 0;
@@ -51,7 +58,7 @@ static inline void tvi_passes_begin(tvi_passes *passes, double slowest)
     passes->slowest = slowest;
 }
 
-/* Adds a pass, whose correction is so large. */
+/* Adds a pass with a correction of this size. */
 static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_passes_rule *rule, double size)
 {
     int is_stuck;
@@ -59,7 +66,8 @@ static inline tvi_passes_verdict tvi_passes_judge(tvi_passes *passes, const tvi_
     return is_stuck ? TVI_PASSES_STUCK : TVI_PASSES_GO_ON;
 }
 
-/* Those that were stuck: the roundoff is so large, as was measured since. */
+/* Records the roundoff that was measured after the passes were stuck. Returns whether the last correction is
+ * roundoff. */
 static inline bool tvi_passes_are_roundoff(tvi_passes *passes, double roundoff)
 {
     passes->roundoff = roundoff;

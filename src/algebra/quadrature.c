@@ -1,4 +1,4 @@
-/* quadrature.c - Gauss, Lobatto, trapezoid and rectangles, for any number of nodes. */
+/* quadrature.c - Computes Gauss, Lobatto, trapezoid and rectangle rules, for any number of nodes. */
 #include "algebra/quadrature.h"
 
 #include <math.h>
@@ -39,7 +39,7 @@ tvi_quadrature tvi_quadrature_mirrored(tvi_quadrature rule)
     }
 }
 
-/* P_n(x) and P_{n-1}(x) by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
+/* Computes P_n(x) and P_{n-1}(x) by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
 static void legendre(int n, long double x, long double *P, long double *P_before)
 {
     long double now = 1, before = 0;
@@ -52,9 +52,9 @@ static void legendre(int n, long double x, long double *P, long double *P_before
     *P_before = before;
 }
 
-enum { NEWTON_STEPS = 60 }; /* never reached: it stops at roundoff */
+enum { NEWTON_STEPS = 60 }; /* never reached: the iteration stops at roundoff */
 
-/* The root of P_n near x; (1 - x^2) P_n' = n (P_{n-1} - x P_n). Weight 2 / ((1 - x^2) P_n'^2). */
+/* The root of P_n near x, by (1 - x^2) P_n' = n (P_{n-1} - x P_n). Its weight is 2 / ((1 - x^2) P_n'^2). */
 static long double gauss_root(int n, long double x, long double *weight)
 {
     long double P, before, slope = 1;
@@ -71,7 +71,8 @@ static long double gauss_root(int n, long double x, long double *weight)
     return x;
 }
 
-/* The root of P_n' near x, n = points - 1; (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n. Weight 2 / (n (n+1) P_n^2). */
+/* The root of P_n' near x, n = points - 1, by (1 - x^2) P_n'' = 2 x P_n' - n (n+1) P_n. Its weight is 2 / (n (n+1)
+ * P_n^2). */
 static long double lobatto_root(int n, long double x, long double *weight)
 {
     long double P, before;
@@ -88,7 +89,7 @@ static long double lobatto_root(int n, long double x, long double *weight)
     return x;
 }
 
-/* Half of the nodes by Newton's method, the others by symmetry. */
+/* Computes half of the nodes by Newton's method, the others by symmetry. */
 static void symmetric_nodes(tvi_quadrature rule, int points, long double node[], long double weight[])
 {
     const long double pi = 3.141592653589793238462643383279502884L;

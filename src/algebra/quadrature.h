@@ -1,4 +1,4 @@
-/* quadrature.h - nodes and weights on [-1, 1]. */
+/* quadrature.h - Computes nodes and weights of quadratures on [-1, 1]. */
 #ifndef TVI_SRC_ALGEBRA_QUADRATURE_H
 #define TVI_SRC_ALGEBRA_QUADRATURE_H
 
@@ -18,8 +18,8 @@ int tvi_quadrature_order(tvi_quadrature rule, int points);
 /* The rule whose nodes are those of this one with their signs changed. */
 tvi_quadrature tvi_quadrature_mirrored(tvi_quadrature rule);
 
-/* Nodes in ascending order and weights, which sum to 2; a node at an end is exactly -1 or 1, and symmetric nodes and
- * weights are equal bit for bit. */
+/* Computes nodes in ascending order, and weights with the sum 2. A node at an end is exactly -1 or 1; symmetric nodes
+ * and weights are equal bit for bit. */
 void tvi_quadrature_nodes(tvi_quadrature rule, int points, long double node[], long double weight[]);
 
 #endif

@@ -1,4 +1,4 @@
-/* sizes.h - the sizes of numbers and arrays. */
+/* sizes.h - Measures the sizes of numbers and arrays, and tests whether they are finite. */
 #ifndef TVI_SRC_SIZES_H
 #define TVI_SRC_SIZES_H
 
@@ -17,10 +17,10 @@ static inline uint64_t tvi_bits(double x)
     return bits;
 }
 
-/* 0 for a finite x, whose x - x is 0, and only for such a one. */
+/* 0 if and only if x is finite, as then x - x is 0. */
 static inline uint64_t tvi_bits_of_infinite(double x) { return tvi_bits(x - x); }
 
-/* Whether all rows [n] are finite: the bits are gathered in any order. */
+/* Tells whether all rows [n] are finite. The bits are combined in any order. */
 static inline bool tvi_rows_are_finite(int rows, size_t stride, int n, const double x[])
 {
     uint64_t any = 0;
@@ -31,7 +31,7 @@ static inline bool tvi_rows_are_finite(int rows, size_t stride, int n, const dou
 
 static inline bool tvi_all_finite(int n, const double x[]) { return tvi_rows_are_finite(1, 0, n, x); }
 
-/* max |x_i| over every stride-th of the array, n of them. */
+/* max |x_i| over n numbers, `stride` apart. */
 static inline double tvi_largest(int n, const double x[], int stride)
 {
     double size = 0;
@@ -42,13 +42,13 @@ static inline double tvi_largest(int n, const double x[], int stride)
     return size;
 }
 
-/* Unlike fmax and fmin no calls: b where one is no number. */
+/* The larger and the smaller of two numbers without a call, unlike fmax and fmin; b if one is no number. */
 static inline double tvi_larger(double a, double b) { return a > b ? a : b; }
 static inline double tvi_smaller(double a, double b) { return a < b ? a : b; }
-/* The one nearer to 0. */
+/* The number nearer to 0. */
 static inline double tvi_shorter(double a, double b) { return fabs(a) < fabs(b) ? a : b; }
 
-/* part / whole, where 0 is no part of 0. */
+/* part / whole; 0 if part is 0. */
 static inline double tvi_ratio(double part, double whole) { return part == 0 ? 0 : part / whole; }
 
 #endif

@@ -1,15 +1,19 @@
-/* subsystems.h - the parts of a system that know nothing of each other: nothing is a size in the one for the other. */
+/* subsystems.h - Lists the subsystems of a system that do not interact. Tails compare components of one subsystem
+ * only. */
 #ifndef TVI_SRC_ALGEBRA_SUBSYSTEMS_H
 #define TVI_SRC_ALGEBRA_SUBSYSTEMS_H
 
-/* Components, each with its momentum, in the order of the subsystems that they belong to. */
+/* Components, each with its momentum, in the order of their subsystems. */
 typedef struct {
     int count;
-    int *member; /* [n] of the first subsystem, in their order; then of the second one, ... */
-    int *end;    /* [count] of each among the members */
+    /* [n] the components of the first subsystem, then those of the second one, and so on. */
+    int *member;
+    /* [count] the end of each subsystem in `member`. */
+    int *end;
 } tvi_subsystems;
 
-/* Number k of them all, and the end of subsystem k, of n components; of one subsystem compilers know both. */
+/* Component number k of this list, and the end of subsystem k, of n components. With one subsystem compilers know
+ * both. */
 static inline int tvi_subsystems_member(const tvi_subsystems *parts, int k)
 {
     return parts->count == 1 ? k : parts->member[k];

@@ -1,6 +1,6 @@
-/* tail.h - what tvi_stats.tail is made of: how much of what drives a component is in the last term of its polynomial
- * (docs/method.md section 3). A ratio of one component each, so that it depends neither on the units nor on where the
- * origin is; the largest counts. */
+/* tail.h - Computes tvi_stats.tail: the share of the last term in the polynomial of the forces (docs/method.md section
+ * 3). It is a ratio for each component, so that it depends neither on units nor on the origin; the largest one
+ * counts. */
 #ifndef TVI_SRC_TAIL_H
 #define TVI_SRC_TAIL_H
 
@@ -11,24 +11,26 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Of one component, all over the step and without sign. */
+/* The sizes of one component over the step, without signs. */
 typedef struct {
     double momentum; /* p and its change */
     double movement; /* of q */
-    double last_p;   /* the last term of p', times what makes it a momentum */
-    double last_q;   /* that of q', where it is not p' that makes it: of a Hamiltonian or a Lagrangian */
-    double place;    /* q */
+    double last_p;   /* the last term of p', times the factor that makes it a momentum */
+    /* The last term of q', for a Hamiltonian or a Lagrangian, where q' does not follow from p. */
+    double last_q;
+    double position;                   /* q */
     double per_momentum, per_movement; /* 1 / momentum, 1 / movement */
 } tvi_tail_part;
 
-/* A component that does less than a hundredth of what another one does that it knows is measured by the other one: as
- * the end of a chain that a wave has not reached, whose first motion is always of the highest power of t, however small
- * h is. That is the square of what components have in common: velocity, so that a light body is not less than a heavy
- * one, or momentum times velocity where there are no masses. */
+/* A component whose share is less than this part of the largest share in its subsystem counts in proportion to its
+ * share. An example is the end of a chain that a wave has not reached: its first motion has the highest power of t,
+ * however small h is. The limit corresponds to a hundredth of the motion, as a share is a product of two of these:
+ * squared velocity, so that a light body counts as much as a heavy one, or momentum times velocity if there are no
+ * masses. */
 #define TVI_TAIL_LEAST 1e-4
 
-/* All that one look at the components of a subsystem shows: the largest ratio, the share of the component
- * that has it, and the largest share. */
+/* The result of looking at the components of a subsystem: the largest ratio, the share of its component, and the
+ * largest share. */
 typedef struct {
     double ratio, share, largest;
 } tvi_tail_survey;
@@ -38,14 +40,14 @@ static inline double tvi_tail_share(const tvi_tail_part *part, bool has_masses)
     return (has_masses ? part->movement : part->momentum) * part->movement;
 }
 
-/* Less the roundoff of a force, which is that of the positions that it is made of, relative to how far they move. What
- * is 0 / 0 counts as 0. No branches: which of two is the larger changes from step to step. */
+/* The ratio without the roundoff of a force, which is that of the positions, relative to their movement. 0 / 0 counts
+ * as 0. There are no branches, since the larger of two numbers changes from step to step. */
 static inline double tvi_tail_ratio(const tvi_tail_part *part)
 {
-    const double of_p = part->last_p * part->per_momentum, of_q = part->last_q * part->per_movement;
-    const double known_q = part->last_q > 0 ? of_q : 0, ratio = of_p >= known_q ? of_p : known_q;
-    const double of_place = 32 * DBL_EPSILON * part->place * part->per_movement;
-    const double rest = ratio - (part->place > 0 ? of_place : 0);
+    const double ratio_p = part->last_p * part->per_momentum, ratio_q = part->last_q * part->per_movement;
+    const double known_q = part->last_q > 0 ? ratio_q : 0, ratio = ratio_p >= known_q ? ratio_p : known_q;
+    const double roundoff = 32 * DBL_EPSILON * part->position * part->per_movement;
+    const double rest = ratio - (part->position > 0 ? roundoff : 0);
     return rest > 0 ? rest : 0;
 }
 
@@ -58,7 +60,7 @@ static inline void tvi_tail_look(tvi_tail_survey *survey, const tvi_tail_part *p
     survey->share = share;
 }
 
-/* Whether the largest ratio is the tail: a component that does little does not have it. */
+/* Tells whether the largest ratio is the tail: its component has a share that counts in full. */
 static inline bool tvi_tail_is_known(const tvi_tail_survey *survey)
 {
     return survey->share >= TVI_TAIL_LEAST * survey->largest;
@@ -70,7 +72,7 @@ static inline double tvi_tail_of(double ratio, double share, double largest)
     return ratio * (share < least ? part : 1);
 }
 
-/* out[width] = the tails of several members, of share and ratio [n][width]. */
+/* Computes out[width], the tails of several members, from share and ratio [n][width]. */
 enum { TVI_TAIL_MOST_WIDTH = 64 };
 static inline void tvi_tails_of_members(const tvi_subsystems *parts, int n, int width, const double *share,
                                         const double *ratio, double *out)

@@ -1,11 +1,11 @@
-/* weigh.h - sums of rows, and of their sizes. */
+/* weigh.h - Adds weighted rows, or the sizes of rows. The sums of series use it. */
 #ifndef TVI_SRC_ALGEBRA_WEIGH_H
 #define TVI_SRC_ALGEBRA_WEIGH_H
 
 #include <math.h>
 #include <stddef.h>
 
-/* A block of components, in registers; where it is small, in chains of rows that do not wait for each other. */
+/* Sums a block of components in registers. Small blocks use several chains of rows that do not wait for each other. */
 #define TVI_WEIGH_BLOCK(width, chains, OF)                                                                             \
     for (; first + (width) <= components; first += (width)) {                                                          \
         double sum[chains][width] = {{0}};                                                                             \
@@ -26,15 +26,15 @@
     TVI_WEIGH_BLOCK(2, 2, OF)                                                                                          \
     TVI_WEIGH_BLOCK(1, 4, OF)
 
-/* out[components] += sum_r weight[r] row[r * stride ..], from the last row to the first: the small terms of a series
- * come first. What has no weight is not read. */
+/* out[components] += sum_r weight[r] row[r * stride ..], from the last row to the first, so that the small terms of a
+ * series come first. Rows without weight are not read. */
 static inline void tvi_add_rows(size_t count, const double weight[], size_t stride, size_t components,
                                 const double row[], double out[])
 {
     TVI_WEIGH()
 }
 
-/* The same of |row|. */
+/* The sum of |row|. */
 static inline void tvi_add_sizes(size_t count, const double weight[], size_t stride, size_t components,
                                  const double row[], double out[])
 {

@@ -1,4 +1,4 @@
-/* attach.c - generated code as another instruction set of a system's tapes: whoever runs one runs the code. */
+/* attach.c - Attaches generated code to a system's tapes, as another instruction set that sweeps call. */
 #include "compiled/compiled.h"
 #include "method/fingerprint.h"
 
@@ -22,9 +22,9 @@ typedef struct {
     tvi_system system;
     jet_tape tape[TVI_CODE_TAPES];
     jet_sweeps sweeps[TVI_CODE_TAPES];
-} clothed;
+} compiled_tapes;
 
-static void clothe(clothed *c, tvi_code_tape which, jet_tape **tape, const jet_sweeps *code)
+static void clothe(compiled_tapes *c, tvi_code_tape which, jet_tape **tape, const jet_sweeps *code)
 {
     if (!*tape || !code) return;
     c->tape[which] = **tape;
@@ -35,7 +35,7 @@ static void clothe(clothed *c, tvi_code_tape which, jet_tape **tape, const jet_s
 const tvi_system *tvi_compiled_system(tvi_arena *arena, const tvi_system *stepped, const tvi_compiled *compiled)
 {
     if (!compiled) return stepped;
-    clothed *c = tvi_arena_take(arena, sizeof *c);
+    compiled_tapes *c = tvi_arena_take(arena, sizeof *c);
     if (!c) return stepped;
     const tvi_code *code = compiled->code;
     tvi_system *system = &c->system;
@@ -43,7 +43,7 @@ const tvi_system *tvi_compiled_system(tvi_arena *arena, const tvi_system *steppe
     clothe(c, TVI_CODE_SERIES, &system->field_series, code->sweeps[TVI_CODE_SERIES]);
     clothe(c, TVI_CODE_VALUES, &system->field_values, code->sweeps[TVI_CODE_VALUES]);
     clothe(c, TVI_CODE_BEND, &system->bend_values, code->sweeps[TVI_CODE_BEND]);
-    clothe(c, TVI_CODE_SECOND, &system->second_values, code->sweeps[TVI_CODE_SECOND]);
+    clothe(c, TVI_CODE_HESSIAN, &system->hessian_values, code->sweeps[TVI_CODE_HESSIAN]);
     system->code = code;
     return system;
 }

@@ -1,11 +1,11 @@
-/* compile.c - tvi_compile and tvi_compiled_write. */
+/* compile.c - Defines tvi_compile and tvi_compiled_write. */
 #include "compiled/compiled.h"
 #include "compiled/files.h"
 #include "refusal.h"
 
 #include <stdlib.h>
 
-/* The options as an integrator has them. */
+/* Resolves the options as an integrator does. */
 static tvi_status resolve(const tvi_system *system, const tvi_options *options, tvi_options *resolved)
 {
     if (!system) return jet_refuse(TVI_EINVAL, "system is NULL");

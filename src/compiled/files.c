@@ -1,4 +1,4 @@
-/* files.c - see files.h. */
+/* files.c - Reads and writes the files of generated code, and starts the compiler (files.h). */
 #define _GNU_SOURCE /* posix_spawn_file_actions_addclosefrom_np */
 #include "compiled/files.h"
 
@@ -68,7 +68,7 @@ static char *read_all(int file, size_t *size)
 
 char *tvi_file_read(const char *path, size_t *size)
 {
-    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); /* a pipe is not waited for */
+    const int file = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK); /* does not wait for a pipe */
     if (file < 0) return NULL;
     char *data = read_all(file, size);
     close(file);
@@ -83,12 +83,12 @@ bool tvi_file_move(const char *from, const char *to) { return rename(from, to) =
 
 typedef bool directory_fn(const char *path);
 
-/* Of all directories above this one, from the top, which is written to for a while. */
-static bool is_true_above(char *path, directory_fn *of)
+/* Tells whether all directories above this one pass the check, from the top. The path is written to for a while. */
+static bool is_true_above(char *path, directory_fn *check)
 {
     for (char *at = path + 1; (at = strchr(at, '/')); at++) {
         *at = 0;
-        const bool is_true = of(path);
+        const bool is_true = check(path);
         *at = '/';
         if (!is_true) return false;
     }
@@ -148,11 +148,11 @@ static int wait_for(pid_t child)
 {
     int status;
     while (waitpid(child, &status, 0) < 0)
-        if (errno != EINTR) return 0; /* nobody waits here for what ends; what it made is looked at anyway */
+        if (errno != EINTR) return 0; /* the caller judges the compiler by its output */
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-/* The program's own files are not the compiler's, nor of a server that it may leave behind. */
+/* Closes the program's own files for the compiler, and for a server that the compiler may leave behind. */
 static bool closes_others(posix_spawn_file_actions_t *actions)
 {
 #if defined __GLIBC__ && __GLIBC_PREREQ(2, 34)

@@ -1,6 +1,6 @@
-/* load.c - from the text of generated code to code that runs: compiled in a directory of its own, moved into the cache
- * under a name that says what it is made of, and loaded. What is in the cache ends with a seal, by which a file that is
- * damaged or another's is known and made anew. */
+/* load.c - Compiles the text of generated code, and loads it. It compiles in a directory of its own, and moves the
+ * library to the cache, under a name that hashes all that it was made of. A file in the cache ends with a seal, so that
+ * a damaged or foreign file is detected and made anew. */
 #include "compiled/compiled.h"
 #include "compiled/files.h"
 #include "refusal.h"
@@ -18,29 +18,30 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The flags of the library's own instruction sets. */
+/* The compiler flags of the library's own instruction sets. */
 static const char *const flags_of[JET_ISA_COUNT] = {TVI_COMPILED_FLAGS};
 
-/* What comes behind all else. */
-static char *const words_behind[] = {"-w", "-shared", "-fPIC", TVI_COMPILED_SLEEF "-lm"};
-enum { WORDS_BEHIND = sizeof words_behind / sizeof *words_behind };
+/* The arguments after all others. */
+static char *const last_words[] = {"-w", "-shared", "-fPIC", TVI_COMPILED_SLEEF "-lm"};
+enum { LAST_WORDS = sizeof last_words / sizeof *last_words };
 
-/* What a compilation is, in 128 bits. */
+/* The key of a compilation, a hash of 128 bits. */
 typedef struct {
-    uint64_t of[2];
+    uint64_t hash[2];
 } tvi_key;
 
 /* The last bytes of a file in the cache. */
 typedef struct {
     char magic[8];
     tvi_key key;
-    uint64_t checksum; /* of all before it */
+    uint64_t checksum; /* of all bytes before it */
 } seal;
 
-/* What is asked for: the compiler and its flags as the user, the environment or the library has them. */
+/* A request: the compiler and its flags, as the user, the environment or the library gives them. */
 typedef struct {
     const char *compiler, *flags;
-    jet_text directory; /* of the cache, or of temporary files where there is none */
+    /* The directory of the cache, or of temporary files if there is none. */
+    jet_text directory;
     bool keeps;
     tvi_key key;
 } request;
@@ -48,11 +49,11 @@ typedef struct {
 /* The files of one compilation. */
 typedef struct {
     jet_text directory, source, library, output;
-} workshop;
+} compilation_files;
 
 /* ---- Requests ---------------------------------------------------------------------------------------------------- */
 
-/* What is below a directory, as a path that no compiler takes for an option. */
+/* Adds a path below a directory, in a form that no compiler takes for an option. */
 static void add_below(jet_text *path, const char *directory, const char *below)
 {
     jet_text_add(path, "%s%s%s", *directory == '/' ? "" : "./", directory, below);
@@ -80,10 +81,10 @@ static void find_directory(request *r, const char *cache)
 
 static void hash(tvi_key *key, const void *data, size_t size)
 {
-    for (int i = 0; i < 2; i++) key->of[i] = jet_hash(key->of[i], data, size);
+    for (int i = 0; i < 2; i++) key->hash[i] = jet_hash(key->hash[i], data, size);
 }
 
-/* What "native" among the flags means. */
+/* Hashes what the flag "native" stands for on this processor. */
 static void hash_processor(tvi_key *key)
 {
 #ifdef JET_ISA_X86
@@ -111,7 +112,7 @@ static request request_of(const jet_text *text, const tvi_compiler *how, jet_isa
     hash(&r.key, text->data, text->size);
     hash(&r.key, r.compiler, strlen(r.compiler) + 1);
     hash(&r.key, r.flags, strlen(r.flags) + 1);
-    for (int i = 0; i < WORDS_BEHIND; i++) hash(&r.key, words_behind[i], strlen(words_behind[i]) + 1);
+    for (int i = 0; i < LAST_WORDS; i++) hash(&r.key, last_words[i], strlen(last_words[i]) + 1);
     hash_processor(&r.key);
     return r;
 }
@@ -136,7 +137,7 @@ static bool is_sealed(const char *path, const tvi_key *key)
     return is_there;
 }
 
-/* Whether all of a library is there: what the linker writes last is the table of its sections. */
+/* Tells whether a library is complete: its table of sections is what the linker writes last. */
 static bool is_whole(const char *data, size_t size)
 {
 #ifdef __ELF__
@@ -165,7 +166,7 @@ static bool put_seal(const char *path, const tvi_key *key)
 
 enum { WORDS_MOST = 128 };
 
-/* Cuts a text at its blanks; false where there are too many words. */
+/* Splits a text at its blanks. Returns false if there are too many words. */
 static bool add_words(char *text, char *words[], int *count)
 {
     for (char *at = text; *at;) {
@@ -179,7 +180,7 @@ static bool add_words(char *text, char *words[], int *count)
     return true;
 }
 
-/* The first line that names an error, or the first one of all. */
+/* Refuses with the first line of the compiler's output that names an error, or with the first line. */
 static tvi_status quote_output(const char *compiler, const char *path)
 {
     size_t size = 0;
@@ -192,25 +193,25 @@ static tvi_status quote_output(const char *compiler, const char *path)
     return status;
 }
 
-static tvi_status run_compiler(const request *r, const workshop *w)
+static tvi_status run_compiler(const request *r, const compilation_files *w)
 {
-    char *words[WORDS_MOST + WORDS_BEHIND + 4];
+    char *words[WORDS_MOST + LAST_WORDS + 4];
     int count = 0;
     jet_text text = {0};
     jet_text_add(&text, "%s %s", r->compiler, r->flags);
     bool is_split = !text.failed && add_words(text.data, words, &count) && count > 0;
     char *const files[] = {"-o", w->library.data, w->source.data};
     memcpy(words + count, files, sizeof files);
-    memcpy(words + count + 3, words_behind, sizeof words_behind);
-    words[count + 3 + WORDS_BEHIND] = NULL;
+    memcpy(words + count + 3, last_words, sizeof last_words);
+    words[count + 3 + LAST_WORDS] = NULL;
     const int failed = is_split ? tvi_process_run(words, w->output.data) : -1;
     free(text.data);
     if (failed < 0) return jet_refuse(TVI_ECOMPILE, "%s could not be started", r->compiler);
     return failed > 0 ? quote_output(r->compiler, w->output.data) : TVI_OK;
 }
 
-/* Writes the source and compiles it; the library is sealed where it is to be kept. */
-static tvi_status make_library(const request *r, const workshop *w, const jet_text *text)
+/* Writes the source and compiles it. A library for the cache gets its seal. */
+static tvi_status make_library(const request *r, const compilation_files *w, const jet_text *text)
 {
     if (!tvi_file_write(w->source.data, text->data, text->size))
         return jet_refuse(TVI_ECOMPILE, "%s cannot be written", w->source.data);
@@ -239,9 +240,9 @@ static tvi_status open_library(tvi_compiled **out, const char *path)
     return *out ? TVI_OK : TVI_ENOMEM;
 }
 
-/* What cannot be loaded is not kept. */
-static tvi_status compile_and_open(tvi_compiled **out, const request *r, const workshop *w, const jet_text *text,
-                                   const char *kept)
+/* Compiles the library and opens it. One that cannot be loaded is not kept. */
+static tvi_status compile_and_open(tvi_compiled **out, const request *r, const compilation_files *w,
+                                   const jet_text *text, const char *kept)
 {
     tvi_status status = make_library(r, w, text);
     if (status != TVI_OK) return status;
@@ -254,7 +255,7 @@ static tvi_status compile_and_open(tvi_compiled **out, const request *r, const w
 
 static tvi_status make_and_open(tvi_compiled **out, const request *r, const jet_text *text, const char *kept)
 {
-    workshop w = {.directory = {0}};
+    compilation_files w = {.directory = {0}};
     tvi_status status;
     jet_text_add(&w.directory, "%s/make-XXXXXX", r->directory.data);
     if (w.directory.failed) return TVI_ENOMEM;
@@ -284,7 +285,7 @@ static tvi_status find_or_make(tvi_compiled **out, const request *r, const jet_t
         return jet_refuse(TVI_ECOMPILE,
                           "%s is not a directory of the user's own that no other may write to or exchange",
                           r->directory.data);
-    jet_text_add(&kept, "%s/%016" PRIx64 "%016" PRIx64 ".so", r->directory.data, r->key.of[0], r->key.of[1]);
+    jet_text_add(&kept, "%s/%016" PRIx64 "%016" PRIx64 ".so", r->directory.data, r->key.hash[0], r->key.hash[1]);
     if (kept.failed) return TVI_ENOMEM;
     const bool is_there = r->keeps && is_sealed(kept.data, &r->key);
     const tvi_status status = is_there ? open_library(out, kept.data) : make_and_open(out, r, text, kept.data);

@@ -1,5 +1,5 @@
-/* name.c - which names the function of generated code may have: all but those that C, C++ and the text itself have a
- * use for. Other words of the text are renamed where they are the function's (generate.c). */
+/* name.c - Checks the name for the function of generated code. All names are allowed, except those that C, C++ and the
+ * text itself use. Other words of the text are renamed if they equal the function's name (generate.c). */
 #include "compiled/compiled.h"
 
 #include <string.h>
@@ -7,7 +7,7 @@
 static const char small[] = "abcdefghijklmnopqrstuvwxyz", large[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ",
                   digits[] = "0123456789";
 
-/* Each between blanks. */
+/* The keywords, each between blanks. */
 static const char words[] =
     " alignas aligned alignof always_inline and and_eq asm auto bitand bitor bool break case catch char class compl"
     " const const_cast constexpr continue decltype default defined delete do double dynamic_cast else enum explicit"
@@ -16,8 +16,8 @@ static const char words[] =
     " signed sizeof static static_assert static_cast std struct switch template this thread_local throw true try "
     "typedef"
     " typeid typename typeof union unsigned using vector_size virtual void volatile wchar_t while xor xor_eq ";
-/* The names that the C library has for types, macros and functions, those of POSIX among them that programs use most;
- * and the functions that it has with f and l behind their names, too. */
+/* The names of types, macros and functions in the C library and much of POSIX; then the functions that also exist with
+ * f and l at the end of their names. */
 static const char library[] =
     " abort abs accept access alarm aligned_alloc alloca asctime assert at_quick_exit atexit atof atoi atol atoll"
     " bcopy bind brk bsearch btowc bzero c16rtomb c32rtomb call_once calloc char16_t char32_t chdir chmod chown"

@@ -1,4 +1,4 @@
-/* coefficients.c - see coefficients.h. */
+/* coefficients.c - Computes the coefficients of Gauss collocation (coefficients.h). */
 #include "galerkin/coefficients.h"
 #include "algebra/quadrature.h"
 
@@ -21,8 +21,8 @@ void tvi_galerkin_coefficients_take(galerkin_coefficients *w, tvi_arena *arena, 
 
 static double on_grid(long double x, int bits) { return (double)ldexpl(rintl(ldexpl(x, bits)), -bits); }
 
-/* c and b are on the grid 2^-53, where differences are exact; c_i + c_{m-1-i} = 1, b_i = b_{m-1-i} and sum b_j = 1 hold
- * as they stand. */
+/* Sets the nodes and weights. c and b are on the grid 2^-53, where differences are exact: c_i + c_{m-1-i} = 1, b_i =
+ * b_{m-1-i} and sum b_j = 1 hold for the doubles themselves. */
 static void set_nodes(galerkin_coefficients *w)
 {
     const int m = w->points;
@@ -43,8 +43,8 @@ static void set_nodes(galerkin_coefficients *w)
     for (int i = m; i < w->lanes; i++) w->c[i] = w->c[m - 1];
 }
 
-/* The last one is that of the tail. What drives an unknown is sum_k f_k P_k(x), x in [-1, 1], P_k Legendre's
- * polynomials; f_k, k = m - 1, is the last term at the ends. */
+/* Sets the weights of the sums at the end of a step. The last one is that of the tail. The rate of an unknown is sum_k
+ * f_k P_k(x), x in [-1, 1], with P_k Legendre's polynomials; f_k, k = m - 1, is the last term at the ends. */
 static void set_weights(galerkin_coefficients *w, const galerkin_dense *dense)
 {
     const int m = w->points;
@@ -54,8 +54,8 @@ static void set_weights(galerkin_coefficients *w, const galerkin_dense *dense)
     }
 }
 
-/* Element (i, j), i >= j, of what multiplies impulses: (a a)_ij / b_j of a separable system, else a_ij / b_j, from
- * ab = a_ij / b_j. The product a a is not the double integral, whose method is not symplectic. */
+/* The factor (i, j), i >= j, of impulses: (a a)_ij / b_j of a separable system, otherwise a_ij / b_j, from ab = a_ij /
+ * b_j. The product a a is not the double integral, whose method is not symplectic. */
 static long double impulse_factor(const galerkin_coefficients *w, bool is_second_order, long double ab[][MAX_LANES],
                                   int i, int j)
 {
@@ -65,9 +65,9 @@ static long double impulse_factor(const galerkin_coefficients *w, bool is_second
     return square;
 }
 
-/* The elements nu_ij are on a grid, too, and those above the diagonal follow from the condition of symplecticity, which
- * so holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, else nu_ij + nu_ji = 1; and that of symmetry,
- * nu_ij = nu_{m-1-j, m-1-i}. */
+/* Sets the matrix. The elements nu_ij are on a grid, too. The entries above the diagonal follow from the condition of
+ * symplecticity, which then holds exactly: nu_ij - nu_ji = c_i - c_j of a separable system, otherwise nu_ij + nu_ji =
+ * 1; and from that of symmetry, nu_ij = nu_{m-1-j, m-1-i}. */
 static void set_matrix(galerkin_coefficients *w, const galerkin_dense *dense, bool is_second_order)
 {
     long double ab[MAX_LANES][MAX_LANES];

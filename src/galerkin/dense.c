@@ -1,4 +1,4 @@
-/* dense.c - see dense.h. */
+/* dense.c - Computes polynomials through the nodes, and their integrals (dense.h). */
 #include "galerkin/dense.h"
 
 enum { MAX_POINTS = TVI_GALERKIN_MAX_LANES };
@@ -13,7 +13,7 @@ void tvi_galerkin_dense_take(galerkin_dense *dense, tvi_arena *arena, int points
     dense->twice = tvi_arena_doubles(arena, (size_t)lanes * TVI_SAMPLES);
 }
 
-/* P_0 .. P_top of x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
+/* Computes P_0 .. P_top of x = 2 s - 1, top >= 1, by (k+1) P_{k+1} = (2k+1) x P_k - k P_{k-1}. */
 static void set_legendre(const galerkin_dense *dense, int top, long double s, long double P[])
 {
     const long double x = 2 * s - 1;
@@ -22,7 +22,7 @@ static void set_legendre(const galerkin_dense *dense, int top, long double s, lo
     for (int k = 1; k < top; k++) P[k + 1] = ((2 * k + 1) * x * P[k] - k * P[k - 1]) * dense->inverse[k + 1];
 }
 
-/* shape_kj = (2 k + 1) P_k(2 c_j - 1), since the Gauss rule is exact for l_j P_k. */
+/* Computes shape_kj = (2 k + 1) P_k(2 c_j - 1), since the Gauss rule is exact for l_j P_k. */
 static void set_shape(galerkin_dense *dense, int lanes, const long double node[])
 {
     const int m = dense->points;
@@ -41,7 +41,7 @@ void tvi_galerkin_dense_prepare(galerkin_dense *dense, int lanes, const long dou
     for (int k = 1; k < MAX_POINTS + 1; k++) dense->integral[k] = 1 / (long double)(4 * k + 2);
     set_shape(dense, lanes, node);
     for (int place = 0; place < TVI_SAMPLES; place++) {
-        tvi_galerkin_dense_integrate(dense, tvi_sample_place[place], once, twice);
+        tvi_galerkin_dense_integrate(dense, tvi_sample_theta[place], once, twice);
         for (int j = 0; j < dense->points; j++) {
             dense->once[j * TVI_SAMPLES + place] = once[j];
             dense->twice[j * TVI_SAMPLES + place] = twice[j];
@@ -60,7 +60,7 @@ void tvi_galerkin_dense_legendre(const galerkin_dense *dense, int lanes, const d
     }
 }
 
-/* I_k = int_0^s P_k(2 r - 1) dr, k <= points: I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2). */
+/* Computes I_k = int_0^s P_k(2 r - 1) dr, k <= points: I_0 = s, I_k = (P_{k+1} - P_{k-1})(2 s - 1) / (4 k + 2). */
 static void set_integrals(const galerkin_dense *dense, long double s, long double I[])
 {
     long double P[MAX_POINTS + 2];
@@ -80,8 +80,8 @@ void tvi_galerkin_dense_once(const galerkin_dense *dense, long double s, const l
     }
 }
 
-/* The integral of I_k in turn is s^2 / 2, (I_{k+1} - I_{k-1}) / (4 k + 2). Where s is small these differences lose
- * digits, which a double has not. */
+/* Computes the integrals once and twice. The integral of I_k is s^2 / 2 or (I_{k+1} - I_{k-1}) / (4 k + 2). For a small
+ * s these differences lose digits beyond those of a double. */
 void tvi_galerkin_dense_integrate(const galerkin_dense *dense, double s, double once[], double twice[])
 {
     const int m = dense->points;

@@ -1,5 +1,5 @@
-/* emit.c - generated steps: the sizes of one system as constants, the loops of kernel.h for them, and the steps of
- * steps.h by the passes of the field's form. */
+/* emit.c - Writes generated steps: the sizes of one system as constants, the loops of kernel.h for them, and the steps
+ * of steps.h by the passes of the field's form. */
 #include "galerkin/field.h"
 
 extern const char *const tvi_embedded_galerkin[];
@@ -17,9 +17,9 @@ static void emit_rule(jet_text *text, const tvi_passes_rule *r)
 {
     const struct {
         const char *name;
-        double value; /* of integers, too */
-    } field[] = {{FIELD(most)},        {FIELD(exactly)}, {FIELD(goal)},  {FIELD(noise)},
-                 {FIELD(contraction)}, {FIELD(stuck)},   {FIELD(turns)}, {FIELD(is_quadratic)}};
+        double value; /* also for integers */
+    } field[] = {{FIELD(most)},        {FIELD(exactly)}, {FIELD(goal)},   {FIELD(noise)},
+                 {FIELD(contraction)}, {FIELD(stuck)},   {FIELD(period)}, {FIELD(is_quadratic)}};
     jet_text_add(text, "static const tvi_passes_rule galerkin_rule = {");
     for (size_t i = 0; i < sizeof field / sizeof *field; i++)
         jet_text_add(text, ".%s = %a, ", field[i].name, field[i].value);

@@ -1,4 +1,4 @@
-/* field.c - the field of a separable system and of a Hamiltonian: F, or (H_p, -H_q), whose sign is in the
+/* field.c - Evaluates the field of a separable system and of a Hamiltonian: F, or (H_p, -H_q), whose sign is in the
  * nodes' scale. The unknowns are the inputs of the tape. */
 #include "galerkin/field.h"
 
@@ -10,8 +10,8 @@ static void take(galerkin_field *field, tvi_arena *arena)
     field->ahead = field->matrix;
 }
 
-/* The outputs that drive the unknowns: F; or H_p, then H_q. */
-static int driving_slot(const tvi_system *system, int unknown)
+/* The output slot with the rate of an unknown: F; or H_p, then H_q. */
+static int rate_slot(const tvi_system *system, int unknown)
 {
     const int n = system->n, output = system->form == TVI_SEPARABLE ? unknown : unknown < n ? unknown + n : unknown - n;
     return system->field_values->output[output];
@@ -19,7 +19,7 @@ static int driving_slot(const tvi_system *system, int unknown)
 
 static void prepare(galerkin_field *field)
 {
-    for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = driving_slot(field->system, u);
+    for (int u = 0; u < field->nodes.unknowns; u++) field->slot[u] = rate_slot(field->system, u);
 }
 
 void tvi_galerkin_displace(const galerkin_field *field, const jet_tape *tape, double *x)

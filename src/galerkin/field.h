@@ -1,5 +1,5 @@
-/* field.h - what drives the unknowns of the Galerkin curve, where they are: all in which the forms of systems
- * differ, but for the order of the equations (galerkin.c). */
+/* field.h - Declares the field at the nodes of the Galerkin curve: the rates of its unknowns. It contains all
+ * differences between the forms of systems except the order of the equations (galerkin.c). */
 #ifndef TVI_SRC_GALERKIN_FIELD_H
 #define TVI_SRC_GALERKIN_FIELD_H
 
@@ -13,49 +13,53 @@
 
 typedef struct galerkin_form galerkin_form;
 
-/* The unknowns are Q of a separable system, else Q and P; F, or V and F, drives them. */
+/* The field at the nodes. The unknowns are Q of a separable system, otherwise Q and P; their rates are F, or V and
+ * F. */
 typedef struct {
     const tvi_system *system;
     const galerkin_form *form;
     const galerkin_loops *loops;
     int points; /* of the lanes; the others repeat the last one */
     galerkin_nodes nodes;
-    int rows;            /* of nodes.x that a pass begins with */
-    double h;            /* of the nodes' weights and scales; 0: none yet */
-    double *b;           /* [lanes] */
-    int *slot;           /* [unknowns] where in nodes.x what drives each unknown is */
-    double *inputs;      /* block of the field's tape, which has the time */
-    double *matrix;      /* of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system */
-    double *ahead;       /* [j][i] what `predict` wants extrapolations multiplied by */
-    tvi_roundoff *noise; /* what the values of the field are displaced by; NULL: they are not */
-    void *own;           /* of the form */
+    int rows;       /* of nodes.x at the start of a pass */
+    double h;       /* of the nodes' weights and scales; 0: none yet */
+    double *b;      /* [lanes] */
+    int *slot;      /* [unknowns] the row of nodes.x with the rate of each unknown */
+    double *inputs; /* block of the field's tape, which has the time */
+    /* Matrix of coefficients.h: [j][i] a_ij / b_j, or (a a)_ij / b_j of a separable system. */
+    double *matrix;
+    /* [j][i] The matrix that extrapolations are multiplied by for `predict`. */
+    double *ahead;
+    /* The displacements of the field's values when roundoff is measured; NULL otherwise. */
+    tvi_roundoff *noise;
+    void *own; /* of the form */
 } galerkin_field;
 
 struct galerkin_form {
-    int force_sign;              /* P' is this times what drives P */
-    const tvi_passes_rule *rule; /* of a movement's part in one unknown at one node */
+    int force_sign;              /* P' is this times the rate of P */
+    const tvi_passes_rule *rule; /* for a movement's part in one unknown at one node */
     void (*take)(galerkin_field *field, tvi_arena *arena);
-    /* Once the matrix is there. */
+    /* Prepares the form, once the matrix is there. */
     void (*prepare)(galerkin_field *field);
-    /* The unknowns by what drives them at the start of the step, for all nodes. */
+    /* Sets the unknowns of all nodes by the rates at the start of the step. */
     tvi_status (*start)(galerkin_field *field, const tvi_origin *origin);
-    /* The unknowns by the impulses of earlier steps: tables times ahead. */
+    /* Predicts the unknowns from the impulses of earlier steps, by tables times `ahead`. */
     void (*predict)(galerkin_field *field, const galerkin_extrapolation *by);
-    /* See tvi_galerkin_pass; NULL: by galerkin_evaluate. Not counted. */
+    /* Does what tvi_galerkin_pass does, without counting; NULL: galerkin_evaluate is called. */
     tvi_status (*pass)(galerkin_field *field, double *moved, tvi_stats *stats);
-    /* Defines its constants in generated code; and the text of its steps (generated_*.h). */
+    /* Writes the form's constants in generated code; `text` is that of its steps (generated_*.h). */
     void (*emit)(jet_text *text, const galerkin_field *field);
     const char *const *text;
 };
 
-/* When the passes of a fixed point, of a method whose Jacobian stays and of Newton's may end: probe.c. */
+/* The rules for the end of passes: of a fixed point, of a method whose Jacobian is kept, and of Newton's (probe.c). */
 extern const tvi_passes_rule tvi_galerkin_fixed_point, tvi_galerkin_quasi_newton, tvi_galerkin_newton;
 
-/* A tape's inputs are the unknowns, and its outputs drive them; those that know second derivatives. */
+/* The forms of the field: with the tape's outputs as rates, and with second derivatives. */
 extern const galerkin_form tvi_galerkin_form_plain, tvi_galerkin_form_lagrangian, tvi_galerkin_form_hamiltonian,
     tvi_galerkin_form_product;
 
-/* Whether Q'' is driven, by the force, and not Q' and P'. */
+/* Tells whether the equations are Q'' = F, and not Q' = V and P' = F. */
 static inline bool galerkin_is_second_order(const galerkin_field *field)
 {
     return field->system->form == TVI_SEPARABLE;
@@ -68,7 +72,7 @@ void tvi_galerkin_emit(jet_text *text, const galerkin_field *field, const tvi_pa
 void tvi_galerkin_emit_ints(jet_text *text, const char *what, int count, const int value[]);
 extern const char *const tvi_embedded_galerkin_plain[], *const tvi_embedded_galerkin_lagrangian[];
 extern const char *const tvi_embedded_galerkin_hamiltonian[];
-/* Of a block of the tape the rows that a sweep of it does not set. */
+/* The rows of a block of the tape that a sweep does not set. */
 static inline int galerkin_rows_kept(const jet_tape *tape) { return tape->inputs + tape->constants; }
 
 /* Displaces the outputs of a tape of the field in its block. */
@@ -84,7 +88,7 @@ static inline tvi_status galerkin_evaluate(galerkin_field *field)
     return TVI_OK;
 }
 
-/* The unknowns moved by what drives them, as far as `move` says. */
+/* Moves the unknowns by their rates. Returns the movement, as `move` measures it. */
 static inline double galerkin_move(const galerkin_field *field)
 {
     double moved;
@@ -92,7 +96,8 @@ static inline double galerkin_move(const galerkin_field *field)
     return moved;
 }
 
-/* A pass: what drives the unknowns where they are, and they moved by it, as far as `move` says. Counts. */
+/* Makes a pass: it evaluates the rates of the unknowns, moves the unknowns by them, and counts. *moved is the movement,
+ * as `move` measures it. */
 static inline tvi_status tvi_galerkin_pass(galerkin_field *field, double *moved, tvi_stats *stats)
 {
     stats->force_evaluations += field->points;

@@ -1,10 +1,10 @@
-/* galerkin.c - the Galerkin curve: free values at m Gauss nodes, which is Gauss collocation (docs/method.md section 4).
- * With a, b, c its coefficients and F_j the field at node j,
- *     separable:    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
- *                   q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
- *     else:         (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
- * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Solved by passes, which begin with what
- * the steps before lead to. The nodes are lanes of one sweep of the field's tape. */
+/* galerkin.c - Makes steps of the Galerkin curve: free values at m Gauss nodes, which is Gauss collocation
+ * (docs/method.md section 4). With a, b, c its coefficients and F_j the field at node j,
+ *    separable:    Q_i = q0 + c_i h M^-1 p0 + h^2 sum_j (a a)_ij M^-1 F_j,
+ *                  q1 = q0 + h M^-1 (p0 + h sum_j b_j (1 - c_j) F_j),   p1 = p0 + h sum_j b_j F_j;
+ *    otherwise:    (Q, P)_i = (q0, p0) + h sum_j a_ij (V, F)_j,   (q1, p1) = (q0, p0) + h sum_j b_j (V, F)_j,
+ * with (V, F) = (H_p, -H_q), or L_v(Q, V) = P and F = L_q (field.h). Passes solve these equations. They begin with a
+ * prediction from earlier steps. The nodes are lanes of one sweep of the field's tape. */
 #include "compiled/code.h"
 #include "galerkin/step.h"
 
@@ -22,15 +22,15 @@ static int lanes_for(int points)
     return points <= lanes ? lanes : MAX_LANES;
 }
 
-/* Where the loops for so many lanes stand among all. */
-static int place_of(int lanes)
+/* The index of the loops for this number of lanes. */
+static int loops_index(int lanes)
 {
-    int place = 0;
-    while (1 << place < lanes) place++;
-    return place;
+    int index = 0;
+    while (1 << index < lanes) index++;
+    return index;
 }
 
-/* Those of the instruction set that the system's tapes run with. */
+/* The loops of the instruction set that the system's tapes run with. */
 static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
     [jet_isa_base] = tvi_galerkin_loops_base,
 #ifdef JET_ISA_X86
@@ -41,16 +41,16 @@ static const galerkin_loops *const *const loops_of[JET_ISA_COUNT] = {
 
 static const galerkin_form *form_of(const tvi_system *system)
 {
-    return !system->second_values           ? &tvi_galerkin_form_plain
+    return !system->hessian_values          ? &tvi_galerkin_form_plain
            : system->form == TVI_LAGRANGIAN ? &tvi_galerkin_form_lagrangian
-           : system->second_is_whole        ? &tvi_galerkin_form_hamiltonian
+           : system->hessian_is_complete    ? &tvi_galerkin_form_hamiltonian
                                             : &tvi_galerkin_form_product;
 }
 
 bool tvi_galerkin_is_plain(const tvi_system *system) { return form_of(system) == &tvi_galerkin_form_plain; }
 
-/* The last coordinates that H does not have, as the time of a rescaled system whose forces do not have it: what nothing
- * depends on is a quadrature, which needs no movement, and their momenta do not move. */
+/* Counts the last coordinates that H does not depend on, as the time of a rescaled system whose forces do not depend on
+ * it. Such a coordinate is a quadrature, which needs no movement, and its momentum does not move. */
 static int cyclic_at_end(const tvi_system *system)
 {
     const int *force = system->field_values->output;
@@ -66,7 +66,7 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     field->system = system;
     field->points = points;
     const int lanes_needed = lanes_for(points);
-    field->loops = loops_of[system->field_values->sweeps->isa][place_of(lanes_needed)];
+    field->loops = loops_of[system->field_values->sweeps->isa][loops_index(lanes_needed)];
     field->form = form_of(system);
     nodes->unknowns = system->inputs;
     nodes->lanes = lanes_needed;
@@ -87,18 +87,18 @@ static void take_field(galerkin_field *field, tvi_arena *arena, const tvi_system
     field->slot = tvi_arena_take(arena, unknowns * sizeof(int));
 }
 
-static void take_motion(galerkin_motion *motion, tvi_arena *arena, const tvi_system *system, double *scale)
+static void take_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, const tvi_system *system, double *scale)
 {
-    galerkin_sums *sums = &motion->sums;
+    galerkin_sums *sums = &inputs->sums;
     double **const vectors[] = {&sums->once,  &sums->twice,    &sums->last,
                                 &sums->reach, &sums->once_low, &sums->twice_low};
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
-    motion->n = system->n;
-    motion->is_separable = system->form == TVI_SEPARABLE;
-    motion->has_masses = system->has_masses;
-    motion->parts = system->parts;
-    motion->scale = scale;
-    motion->per_scale = tvi_arena_doubles(arena, (size_t)system->n);
+    inputs->n = system->n;
+    inputs->is_separable = system->form == TVI_SEPARABLE;
+    inputs->has_masses = system->has_masses;
+    inputs->parts = system->parts;
+    inputs->scale = scale;
+    inputs->per_scale = tvi_arena_doubles(arena, (size_t)system->n);
 }
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -117,7 +117,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.share = tvi_arena_doubles(arena, (size_t)w.n);
     w.ratio = tvi_arena_doubles(arena, (size_t)w.n);
     w.rise = tvi_arena_doubles(arena, 2 * (size_t)w.n);
-    take_motion(&w.motion, arena, system, w.field.nodes.scale);
+    take_tail_inputs(&w.tail_inputs, arena, system, w.field.nodes.scale);
     w.field.form->take(&w.field, arena);
     tvi_galerkin_probe_take(&w.probe, arena, &w.field);
     if (taken) *taken = w;
@@ -131,20 +131,20 @@ static void prepare(void *work)
     w->field.form->prepare(&w->field);
     const int numbers = w->field.nodes.unknowns * w->field.nodes.lanes;
     tvi_galerkin_predictor_prepare(&w->predictor, &w->coefficients, &w->field);
-    w->motion.per_weight = w->coefficients.inverse_b;
+    w->tail_inputs.per_weight = w->coefficients.inverse_b;
     w->rule = tvi_galerkin_rule(w->field.form->rule, numbers, w->options);
     const bool iterates = w->options->passes != TVI_PREDICT_ONLY;
     w->code = w->field.system->code && iterates ? w->field.system->code->galerkin : NULL;
     w->frame = (galerkin_frame){.loops = w->field.loops,
                                 .nodes = &w->field.nodes,
-                                .motion = &w->motion,
+                                .tail_inputs = &w->tail_inputs,
                                 .weights = &w->coefficients.weights,
                                 .rule = &w->rule,
                                 .matrix = w->field.matrix,
                                 .c = w->coefficients.c,
                                 .from_two = w->predictor.from_two,
                                 .from_last = w->predictor.from_last,
-                                .rough = w->predictor.rough,
+                                .rough_limit = w->predictor.rough_limit,
                                 .impulses = w->predictor.impulses,
                                 .drift = w->drift,
                                 .drift_low = w->drift_low,
@@ -168,13 +168,13 @@ void tvi_galerkin_set_size(galerkin *w, double h)
                                                               : w->field.form->force_sign;
     for (int i = 0; i < w->n; i++) {
         w->rise[i] = nodes->scale[i];
-        w->motion.per_scale[i] = 1 / fabs(nodes->scale[i]);
+        w->tail_inputs.per_scale[i] = 1 / fabs(nodes->scale[i]);
         nodes->per_movement[i] = w->field.system->has_masses ? w->field.system->mass[i] / fabs(h) : INFINITY;
         w->rise[w->n + i] = galerkin_is_second_order(&w->field) ? 1 : nodes->scale[w->n + i];
     }
 }
 
-/* The times of the nodes of a step of size h. */
+/* Sets the times of the nodes of a step of size h. */
 static void set_times(galerkin *w, const tvi_origin *origin, double h)
 {
     double t[MAX_LANES];
@@ -183,8 +183,8 @@ static void set_times(galerkin *w, const tvi_origin *origin, double h)
     tvi_system_set_time(w->field.system, w->field.inputs, w->field.nodes.lanes, t);
 }
 
-/* The unknowns of a step that no step of its size leads to: by the last one, beginning after `part` of it; NULL: by
- * the field at the start. */
+/* Sets the unknowns of a step that continues no step of its size: by the last step, beginning after `part` of it; NULL:
+ * by the field at the start. */
 static tvi_status begin(galerkin *w, const tvi_origin *origin, const double *part, tvi_stats *stats)
 {
     galerkin_field *field = &w->field;
@@ -205,14 +205,15 @@ static tvi_status begin(galerkin *w, const tvi_origin *origin, const double *par
 typedef struct {
     galerkin *w;
     const tvi_origin *origin;
-    tvi_stats *stats, counted; /* counted: of the steps that were made */
+    /* Counts of the steps that were made. */
+    tvi_stats *stats, counted;
 } in_library;
 
 /* The roundoff of passes that no longer shrink is measured where their movement may be roundoff, or where the nodes are
  * near the start: far away, loud movements that go to and fro are those of a step that is too large. */
-JET_INLINE tvi_status pass(void *of, const galerkin_nodes *nodes, double *moved, double *roundoff)
+JET_INLINE tvi_status pass(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
 {
-    const in_library *step = of;
+    const in_library *step = work;
     galerkin_field *field = &step->w->field;
     (void)nodes;
     if (roundoff && (*moved <= step->w->rule.noise || tvi_galerkin_is_near(field, step->origin)))
@@ -220,29 +221,29 @@ JET_INLINE tvi_status pass(void *of, const galerkin_nodes *nodes, double *moved,
     return tvi_galerkin_pass(field, moved, step->stats);
 }
 
-JET_INLINE void predict(void *of, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+JET_INLINE void predict(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
 {
-    const in_library *step = of;
+    const in_library *step = work;
     (void)nodes;
     step->w->field.form->predict(&step->w->field, by);
 }
 
-static void count(void *of)
+static void count(void *work)
 {
-    in_library *step = of;
+    in_library *step = work;
     step->counted = *step->stats;
 }
 
-static void make_in_library(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+static void make_in_library(galerkin *w, const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
                             galerkin_outcome *to, tvi_stats *stats)
 {
     in_library step = {.w = w, .origin = origin, .stats = stats};
-    galerkin_make_steps(&w->frame, &w->field.nodes, &(galerkin_drive){pass, predict, count, &step}, row, origin, now,
+    galerkin_make_steps(&w->frame, &w->field.nodes, &(galerkin_solver){pass, predict, count, &step}, row, origin, now,
                         to);
     if (to->made > 0) *stats = step.counted;
 }
 
-static void make_by_code(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+static void make_by_code(galerkin *w, const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
                          galerkin_outcome *to, tvi_stats *stats)
 {
     w->code->steps(&w->frame, row, origin, now, to);
@@ -254,21 +255,24 @@ static void make_by_code(galerkin *w, const tvi_row *row, const tvi_origin *orig
 
 static void remember(galerkin_history *last, double h, const galerkin_outcome *to)
 {
-    *last = (galerkin_history){
-        .h = h, .h_before = to->made > 1 ? h : last->h, .t = to->t, .pace = to->pace, .turn = to->turn};
+    *last = (galerkin_history){.h = h,
+                               .h_before = to->made > 1 ? h : last->h,
+                               .t = to->t,
+                               .convergence = to->convergence,
+                               .ring_index = to->ring_index};
 }
 
-typedef void make_steps(galerkin *w, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+typedef void make_steps(galerkin *w, const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
                         galerkin_outcome *to, tvi_stats *stats);
 
-/* Steps of the field's size, of which the first is predicted by the steps before, or by the state alone. */
-static galerkin_outcome make(galerkin *w, make_steps *by, bool follows, const tvi_row *row, const tvi_origin *origin,
-                             const tvi_run_state *now, tvi_stats *stats)
+/* Makes steps of the field's size. The first one is predicted from earlier steps, or from the state alone. */
+static galerkin_outcome make(galerkin *w, make_steps *by, bool follows, const tvi_step_run *row,
+                             const tvi_origin *origin, const tvi_run_state *now, tvi_stats *stats)
 {
     galerkin_history *last = w->predictor.last;
-    galerkin_outcome to = {.turn = (int)last->turn, .largest_tail = stats->largest_tail};
+    galerkin_outcome to = {.ring_index = (int)last->ring_index, .largest_tail = stats->largest_tail};
     double part;
-    if (w->field.h == last->h) to.pace = last->pace;
+    if (w->field.h == last->h) to.convergence = last->convergence;
     follows = follows && tvi_galerkin_can_extrapolate(&w->predictor, &w->field, origin->t, &part);
     to.known = follows ? tvi_galerkin_known(&w->predictor, &w->field, part) : 0;
     if (to.known == 0) to.status = begin(w, origin, follows ? &part : NULL, stats);
@@ -284,11 +288,11 @@ static galerkin_outcome make(galerkin *w, make_steps *by, bool follows, const tv
 
 static bool iterates(const galerkin *w) { return w->rule.most > 0; }
 
-/* From the steps before, else from the state alone. */
+/* Makes a step from a prediction by earlier steps, or from the state alone. */
 static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
 {
     galerkin *w = work;
-    const tvi_row row = {.h = h, .steps = 1, .by = *by};
+    const tvi_step_run row = {.h = h, .steps = 1, .increments = *by};
     double part;
     tvi_galerkin_set_size(w, h);
     if (w->code && make(w, make_by_code, true, &row, origin, NULL, stats).made > 0) return TVI_OK;
@@ -298,14 +302,14 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi
     return to.made > 0 ? TVI_OK : to.status;
 }
 
-static long run(void *work, const tvi_row *row, const tvi_run_state *now, tvi_stats *stats)
+static long run(void *work, const tvi_step_run *row, const tvi_run_state *now, tvi_stats *stats)
 {
     galerkin *w = work;
     const tvi_origin origin = {now->q[w->n], now->q_low[w->n], now->q, now->q_low, now->p, now->p_low};
     tvi_stats counted = *stats;
     if (!iterates(w) || w->field.system->uses_time) return 0;
     tvi_galerkin_set_size(w, row->h);
-    row->by.dq[w->n] = row->h;
+    row->increments.dq[w->n] = row->h;
     const galerkin_outcome to = make(w, w->code ? make_by_code : make_in_library, true, row, &origin, now, &counted);
     if (to.made < 1) return 0;
     *stats = counted;
@@ -336,7 +340,7 @@ static tvi_uses uses(const tvi_system *system, const tvi_options *options)
         .values = {.name = "tvi_values", .lanes = {lanes, of_batch}, .is_force = system->form == TVI_SEPARABLE},
         .member = "galerkin",
         .emit_loops = emit_loops};
-    if (system->second_values) used.second = (jet_emission){.name = "tvi_second", .lanes = {lanes}};
+    if (system->hessian_values) used.hessian = (jet_emission){.name = "tvi_hessian", .lanes = {lanes}};
     return used;
 }
 

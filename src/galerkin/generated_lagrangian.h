@@ -1,56 +1,56 @@
-/* generated_lagrangian.h - generated steps of a Lagrangian (lagrangian.c). */
+/* generated_lagrangian.h - Makes generated steps of a Lagrangian (lagrangian.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_LAGRANGIAN_H
 #define TVI_SRC_GALERKIN_GENERATED_LAGRANGIAN_H
 
-#include "galerkin/generated_second.h"
+#include "galerkin/generated_hessian.h"
 #include "galerkin/lagrangian_passes.h"
 
-/* The library measures the roundoff of passes that are stuck. */
-JET_INLINE tvi_status galerkin_pass_lagrangian(void *of, const galerkin_nodes *nodes, double *moved, double *roundoff)
+/* Makes a pass. The library measures the roundoff of passes that are stuck. */
+JET_INLINE tvi_status galerkin_pass_lagrangian(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
 {
-    lagrangian_passes *w = of;
+    lagrangian_passes *w = work;
     (void)nodes;
     if (roundoff || lagrangian_pass(w, galerkin_generated_sweep) != LAGRANGIAN_PASSED) return TVI_ENOCONV;
     *moved = w->moved;
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_lagrangian(void *of, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+JET_INLINE void galerkin_predict_lagrangian(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
 {
     (void)nodes;
-    lagrangian_predict(of, by);
+    lagrangian_predict(work, by);
 }
 
-static void galerkin_steps(const galerkin_frame *of, const tvi_row *row, const tvi_origin *origin,
+static void galerkin_steps(const galerkin_frame *given, const tvi_step_run *row, const tvi_origin *origin,
                            const tvi_run_state *now, galerkin_outcome *to)
 {
     enum { N = GALERKIN_N, ALL = GALERKIN_IS_OWN ? N * GALERKIN_LANES : 1 };
-    galerkin_room own;
-    _Alignas(64) double ways[ALL], rise[2 * ALL], gradient[2 * ALL], moved[2 * ALL];
+    galerkin_local_blocks own;
+    _Alignas(64) double displacements[ALL], rise[2 * ALL], gradient[2 * ALL], moved[2 * ALL];
     _Alignas(64) double lu[N * ALL], inverse[N * ALL], scale[2 * ALL], x[ALL];
     int pivot[ALL];
-    const galerkin_motion motion = galerkin_sized_motion(of->motion);
-    galerkin_frame frame = *of;
-    galerkin_nodes nodes = galerkin_sized(of->nodes);
-    lagrangian_passes w = *(const lagrangian_passes *)of->own;
-    frame.motion = &motion;
+    const galerkin_tail_inputs inputs = galerkin_sized_tail_inputs(given->tail_inputs);
+    galerkin_frame frame = *given;
+    galerkin_nodes nodes = galerkin_sized(given->nodes);
+    lagrangian_passes w = *(const lagrangian_passes *)given->own;
+    frame.tail_inputs = &inputs;
     w.factors = 0;
     w.nodes = &nodes;
     w.blocks = galerkin_own_blocks(&w.blocks, &nodes, &own);
-    if (GALERKIN_IS_OWN) galerkin_keep_rows(own.x, of->nodes->x, 0, to->known > 0 ? 0 : 3 * N);
-    w.drives = galerkin_sized(&w.drives);
-    w.drives.x = nodes.x + 2 * N * GALERKIN_LANES;
+    if (GALERKIN_IS_OWN) galerkin_keep_rows(own.x, given->nodes->x, 0, to->known > 0 ? 0 : 3 * N);
+    w.rates = galerkin_sized(&w.rates);
+    w.rates.x = nodes.x + 2 * N * GALERKIN_LANES;
     w.slot = galerkin_slot;
-    w.output[false] = galerkin_of_values;
-    w.output[true] = galerkin_of_second;
+    w.output[false] = galerkin_value_slot;
+    w.output[true] = galerkin_hessian_slot;
     w.model.n = w.mass.n = N;
     w.model.lanes = w.mass.lanes = GALERKIN_LANES;
-    w.model.second = w.blocks.second;
+    w.model.hessian = w.blocks.hessian;
     w.model.term = galerkin_term;
     w.model.end = galerkin_end;
     if (GALERKIN_IS_OWN) {
-        galerkin_keep_rows(ways, w.ways, 0, to->known > 0 ? 0 : N);
-        w.ways = ways;
+        galerkin_keep_rows(displacements, w.displacements, 0, to->known > 0 ? 0 : N);
+        w.displacements = displacements;
         w.rise[0] = rise;
         w.rise[1] = rise + ALL;
         w.model.gradient = w.gradient = gradient;
@@ -62,8 +62,8 @@ static void galerkin_steps(const galerkin_frame *of, const tvi_row *row, const t
         w.mass.pivot = pivot;
         w.mass.x = x;
     }
-    const galerkin_drive drive = {galerkin_pass_lagrangian, galerkin_predict_lagrangian, NULL, &w};
-    galerkin_make_steps(&frame, &nodes, &drive, row, origin, now, to);
+    const galerkin_solver solver = {galerkin_pass_lagrangian, galerkin_predict_lagrangian, NULL, &w};
+    galerkin_make_steps(&frame, &nodes, &solver, row, origin, now, to);
     to->factors = w.factors;
 }
 

@@ -1,11 +1,10 @@
-/* generated_plain.h - generated steps of a system whose passes know the field alone (field.c). */
+/* generated_plain.h - Makes generated steps of a system whose passes know the field alone (field.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 #define TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 
 #include "galerkin/generated.h"
 
-/* A tape whose operations stand alone is run at one register's nodes after the other, and nothing of it is kept but
- * the impulses. */
+/* A tape whose operations stand alone runs at the nodes of one register after the other. Only the impulses are kept. */
 enum { GALERKIN_WIDTH = GALERKIN_LANES % WIDEST == 0 ? WIDEST : 4 };
 
 #define TAKE(V, blocks) BLOCK_AT(V, y, 0) = BLOCK_OF(V, x, 0);
@@ -23,14 +22,14 @@ JET_INLINE void galerkin_give_impulses(double *impulse, const double *weight, co
     for (int u = 0; u < GALERKIN_UNKNOWNS; u++, impulse += GALERKIN_LANES) ALL_LANES(GALERKIN_WIDTH, GIVE)
 }
 
-/* Sets the impulses; false outside the field's domain. */
+/* Sets the impulses. Returns false outside the field's domain. */
 JET_INLINE bool galerkin_sweep_nodes(const galerkin_nodes *nodes)
 {
     bool is_inside = true;
     if (!tvi_values_is_split) {
         const galerkin_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
         is_inside = GALERKIN_VALUES(nodes->x);
-        NAME(weigh)(nodes, nodes->x, galerkin_slot, s, 0);
+        NAME(set_impulses)(nodes, nodes->x, galerkin_slot, s, 0);
     }
     for (int first = 0; tvi_values_is_split && first < GALERKIN_LANES; first += GALERKIN_WIDTH) {
         _Alignas(64) double y[tvi_values_slots * GALERKIN_WIDTH];
@@ -41,39 +40,39 @@ JET_INLINE bool galerkin_sweep_nodes(const galerkin_nodes *nodes)
     return is_inside;
 }
 
-/* The library measures the roundoff of passes that are stuck. */
-JET_INLINE tvi_status galerkin_pass_plain(void *of, const galerkin_nodes *nodes, double *moved, double *roundoff)
+/* Makes a pass. The library measures the roundoff of passes that are stuck. */
+JET_INLINE tvi_status galerkin_pass_plain(void *work, const galerkin_nodes *nodes, double *moved, double *roundoff)
 {
-    const galerkin_frame *frame = of;
+    const galerkin_frame *frame = work;
     const galerkin_shape s = {GALERKIN_POINTS, GALERKIN_LANES, 1};
     if (roundoff) return TVI_ENOCONV;
     if (!galerkin_sweep_nodes(nodes)) return TVI_EDOMAIN;
-    *moved = NAME(follow)(nodes, frame->matrix, NULL, s, 0);
+    *moved = NAME(move_unknowns)(nodes, frame->matrix, NULL, s, 0);
     return TVI_OK;
 }
 
-JET_INLINE void galerkin_predict_plain(void *of, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+JET_INLINE void galerkin_predict_plain(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by)
 {
-    (void)of;
+    (void)work;
     NAME(predict)(nodes, by);
 }
 
-static void galerkin_steps(const galerkin_frame *of, const tvi_row *row, const tvi_origin *origin,
+static void galerkin_steps(const galerkin_frame *given, const tvi_step_run *row, const tvi_origin *origin,
                            const tvi_run_state *now, galerkin_outcome *to)
 {
     enum { IS_OWN = tvi_values_is_split && GALERKIN_KEPT * GALERKIN_LANES <= GALERKIN_MOST_OWN };
     _Alignas(64) double x[IS_OWN ? GALERKIN_KEPT * GALERKIN_LANES : 1];
-    const galerkin_motion motion = galerkin_sized_motion(of->motion);
-    galerkin_frame frame = *of;
-    galerkin_nodes nodes = galerkin_sized(of->nodes);
-    frame.motion = &motion;
+    const galerkin_tail_inputs inputs = galerkin_sized_tail_inputs(given->tail_inputs);
+    galerkin_frame frame = *given;
+    galerkin_nodes nodes = galerkin_sized(given->nodes);
+    frame.tail_inputs = &inputs;
     frame.rule = &galerkin_rule;
     if (IS_OWN) {
         nodes.x = x;
-        galerkin_keep_rows(x, of->nodes->x, to->known > 0 ? GALERKIN_UNKNOWNS : 0, GALERKIN_KEPT);
+        galerkin_keep_rows(x, given->nodes->x, to->known > 0 ? GALERKIN_UNKNOWNS : 0, GALERKIN_KEPT);
     }
-    const galerkin_drive drive = {galerkin_pass_plain, galerkin_predict_plain, NULL, &frame};
-    galerkin_make_steps(&frame, &nodes, &drive, row, origin, now, to);
+    const galerkin_solver solver = {galerkin_pass_plain, galerkin_predict_plain, NULL, &frame};
+    galerkin_make_steps(&frame, &nodes, &solver, row, origin, now, to);
 }
 
 #endif

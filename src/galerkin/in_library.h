@@ -8,7 +8,7 @@
 /* a b + c: of members, and of nodes, rounded alike. */
 #define FUSED(V, a, b, c) JET_FUSED(V, a, b, c)
 
-/* What the compiler knows of one number of lanes spares it the registers of the others: functions of their own. */
+/* Each number of lanes has functions of its own, which spares the compiler the registers of the others. */
 #define OWN              JET_APART
 #define POINTS_OF(nodes) ((nodes)->points)
 

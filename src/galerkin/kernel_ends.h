@@ -1,15 +1,15 @@
-/* kernel_ends.h - the part of kernel.h's text with which passes and steps end. */
+/* kernel_ends.h - Defines the part of kernel.h with which passes and steps end. */
 
 /* ---- The sums that a step ends with ------------------------------------------------------------------------------ */
 
-/* A column has members of one unknown, or unknowns of one member. Sums are compensated by two-sums: what an addition
- * loses is added up by itself, and what the sum of both loses is its second part. Nodes in turns make two chains,
- * which do not wait for each other. */
+/* A column has members of one unknown, or unknowns of one member. Sums are compensated by two-sums: the losses of the
+ * additions are summed by themselves, and the loss of the sum of both is its second part. Odd and even nodes make two
+ * chains, which do not wait for each other. */
 typedef struct {
     COLUMN total[2], lost[2];
 } NAME(two_chains);
 
-/* *total += weight *term; *lost += what that loses. */
+/* *total += weight *term; *lost += the rounding error of that. */
 JET_INLINE void NAME(add_two_sum)(COLUMN *total, COLUMN *lost, double weight, const COLUMN *term)
 {
     const COLUMN by = weight - (COLUMN){0}, next = FUSED(COLUMN, by, *term, *total), added = next - *total;
@@ -17,15 +17,15 @@ JET_INLINE void NAME(add_two_sum)(COLUMN *total, COLUMN *lost, double weight, co
     *total = next;
 }
 
-JET_INLINE void NAME(end_chains)(NAME(two_chains) *of, double *whole, double *low)
+JET_INLINE void NAME(end_chains)(NAME(two_chains) *chains, double *whole, double *low)
 {
-    NAME(add_two_sum)(&of->total[0], &of->lost[0], 1, &of->total[1]);
-    const COLUMN less = of->lost[0] + of->lost[1], both = of->total[0] + less;
+    NAME(add_two_sum)(&chains->total[0], &chains->lost[0], 1, &chains->total[1]);
+    const COLUMN less = chains->lost[0] + chains->lost[1], both = chains->total[0] + less;
     *(COLUMN *)whole = both;
-    *(COLUMN *)low = less - (both - of->total[0]);
+    *(COLUMN *)low = less - (both - chains->total[0]);
 }
 
-/* The rows of a column from unknown u on; behind the last unknown there are its own. */
+/* Lists the rows of a column from unknown u on; after the last unknown its row is repeated. */
 enum { NAME(rows) = MEMBERS ? 1 : NUMBERS_OF(COLUMN) };
 JET_INLINE void NAME(set_rows)(const galerkin_nodes *nodes, int u, const double *row[], galerkin_shape s, size_t here)
 {
@@ -47,10 +47,10 @@ JET_INLINE COLUMN NAME(column)(const double *const row[], int j, galerkin_shape 
 #endif
 }
 
-JET_INLINE void NAME(integrate_all)(const galerkin_nodes *of, const galerkin_weights *weights,
+JET_INLINE void NAME(integrate_all)(const galerkin_nodes *given, const galerkin_weights *weights,
                                     const galerkin_sums *sums, galerkin_shape s, size_t here)
 {
-    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     const int count = MEMBERS ? s.points : s.lanes;
     for (int u = 0; u < nodes->unknowns; u += NAME(rows)) {

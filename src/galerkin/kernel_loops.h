@@ -1,4 +1,4 @@
-/* kernel_loops.h - the part of kernel.h's text that loops.h names. */
+/* kernel_loops.h - Defines the part of kernel.h that loops.h names. */
 
 OWN void NAME(start)(const galerkin_nodes *nodes, int n, const tvi_origin *origin)
 {
@@ -19,9 +19,9 @@ OWN void NAME(start_drifting)(const galerkin_nodes *nodes, const double *c, cons
         EACH_VECTOR(NAME(start_drift)(nodes, u, c, origin, drift, drift_low, s, here));
 }
 
-OWN void NAME(predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *by)
+OWN void NAME(predict)(const galerkin_nodes *nodes, const galerkin_extrapolation *steps)
 {
-    EACH_VECTOR(NAME(predict_all)(nodes, by, s, here));
+    EACH_VECTOR(NAME(predict_all)(nodes, steps, s, here));
 }
 
 OWN void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
@@ -33,10 +33,10 @@ OWN void NAME(set_sizes)(const galerkin_nodes *nodes, int n)
     }
 }
 
-OWN void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const double *drives, const int slot[],
+OWN void NAME(move)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
                     double moved[])
 {
-    EACH_VECTOR(NAME(move_all)(nodes, matrix, drives, slot, moved, s, here));
+    EACH_VECTOR(NAME(move_all)(nodes, matrix, rates, slot, moved, s, here));
 }
 
 OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_weights *weights, const galerkin_sums *sums)
@@ -45,99 +45,101 @@ OWN void NAME(integrate)(const galerkin_nodes *nodes, const galerkin_weights *we
 }
 
 OWN void NAME(end_drifting)(const galerkin_nodes *nodes, const galerkin_sums *sums, const double *drift,
-                            const double *drift_low, const tvi_increments *by)
+                            const double *drift_low, const tvi_increments *increments)
 {
     const int width = MEMBERS ? nodes->width : 1;
     for (int u = 0; u < nodes->unknowns; u++)
         for (int at = u * width; at < (u + 1) * width; at++) {
-            by->dq[at] = galerkin_rise(drift[at], drift_low[at], nodes->scale[u], sums->twice[at], sums->twice_low[at],
-                                       &by->dq_low[at]);
-            by->dp[at] = sums->once[at];
-            by->dp_low[at] = sums->once_low[at];
+            increments->dq[at] = galerkin_rise(drift[at], drift_low[at], nodes->scale[u], sums->twice[at],
+                                               sums->twice_low[at], &increments->dq_low[at]);
+            increments->dp[at] = sums->once[at];
+            increments->dp_low[at] = sums->once_low[at];
         }
 }
 
-OWN void NAME(end)(const galerkin_nodes *nodes, const galerkin_sums *sums, int n, const tvi_increments *by)
+OWN void NAME(end)(const galerkin_nodes *nodes, const galerkin_sums *sums, int n, const tvi_increments *increments)
 {
     const int width = MEMBERS ? nodes->width : 1, half = n * width;
     for (int i = 0; i < n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            by->dq[at] = nodes->scale[i] * sums->once[at];
-            by->dq_low[at] = nodes->scale[i] * sums->once_low[at];
-            by->dp[at] = nodes->scale[n + i] * sums->once[half + at];
-            by->dp_low[at] = nodes->scale[n + i] * sums->once_low[half + at];
+            increments->dq[at] = nodes->scale[i] * sums->once[at];
+            increments->dq_low[at] = nodes->scale[i] * sums->once_low[at];
+            increments->dp[at] = nodes->scale[n + i] * sums->once[half + at];
+            increments->dp_low[at] = nodes->scale[n + i] * sums->once_low[half + at];
         }
 }
 
-OWN void NAME(tail)(const galerkin_motion *motion, int members, double *restrict share, double *restrict ratio,
-                    double tail[])
+OWN void NAME(tail)(const galerkin_tail_inputs *tail_inputs, int members, double *restrict share,
+                    double *restrict ratio, double tail[])
 {
-    const galerkin_motion of = *motion;
+    const galerkin_tail_inputs inputs = *tail_inputs;
     const int width = MEMBERS ? members : 1;
-    for (int i = 0; i < of.n; i++)
+    for (int i = 0; i < inputs.n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            const size_t momentum = (size_t)(of.is_separable ? at : at + of.n * width);
-            const tvi_tail_part part =
-                galerkin_tail_part(&of, of.is_separable, of.scale[i], of.per_scale[i], (size_t)at, momentum);
-            share[at] = tvi_tail_share(&part, of.is_separable || of.has_masses);
+            const size_t momentum = (size_t)(inputs.is_separable ? at : at + inputs.n * width);
+            const tvi_tail_part part = galerkin_tail_part(&inputs, inputs.is_separable, inputs.scale[i],
+                                                          inputs.per_scale[i], (size_t)at, momentum);
+            share[at] = tvi_tail_share(&part, inputs.is_separable || inputs.has_masses);
             ratio[at] = tvi_tail_ratio(&part);
         }
-    tvi_tails_of_members(&of.parts, of.n, width, share, ratio, tail);
+    tvi_tails_of_members(&inputs.parts, inputs.n, width, share, ratio, tail);
 }
 
 #if MEMBERS
-OWN int NAME(judge)(galerkin_verdicts *of, const tvi_passes_rule *by, int width, int count)
+OWN int NAME(judge)(galerkin_verdicts *verdicts, const tvi_passes_rule *given, int width, int count)
 {
-    const tvi_passes_rule rule = *by;
+    const tvi_passes_rule rule = *given;
     long long left = 0;
     for (int m = 0; m < width; m += NUMBERS_OF(V)) {
-        const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(of->is_moving + m);
-        const V moved = *(const V *)(of->moved + m), infinite = INFINITY - (V){0}, slowest = *(V *)(of->slowest + m);
+        const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(verdicts->is_moving + m);
+        const V moved = *(const V *)(verdicts->moved + m), infinite = INFINITY - (V){0},
+                slowest = *(V *)(verdicts->slowest + m);
         members_passes passes = {.count = count - 1,
-                                 .size = *(V *)(of->size + m),
-                                 .before = *(V *)(of->before + m),
-                                 .part = *(V *)(of->part + m),
+                                 .size = *(V *)(verdicts->size + m),
+                                 .before = *(V *)(verdicts->before + m),
+                                 .part = *(V *)(verdicts->part + m),
                                  .slowest = slowest,
-                                 .shown = *(V *)(of->shown + m),
+                                 .shown = *(V *)(verdicts->shown + m),
                                  .slack = 1 - (V){0},
                                  .roundoff = {0}};
         JET_MASK(jet_widest) is_stuck;
         const JET_MASK(jet_widest) may_end = members_judge(&passes, &rule, moved, &is_stuck),
                                    is_finite = moved < infinite;
-        *(V *)(of->size + m) = passes.size;
-        *(V *)(of->before + m) = passes.before;
-        *(V *)(of->part + m) = passes.part;
-        *(V *)(of->shown + m) = passes.shown;
-        *(V *)(of->slowest + m) = JET_CHOOSE(V, moves, passes.slowest, slowest);
-        if (count == 1) *(V *)(of->first + m) = moved;
-        *(V *)(of->count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(of->count + m));
-        *(JET_MASK(jet_widest) *)(of->has_ended + m) |= moves & is_finite & may_end;
-        *(JET_MASK(jet_widest) *)(of->is_moving + m) = moves & is_finite & ~(may_end | is_stuck);
+        *(V *)(verdicts->size + m) = passes.size;
+        *(V *)(verdicts->before + m) = passes.before;
+        *(V *)(verdicts->part + m) = passes.part;
+        *(V *)(verdicts->shown + m) = passes.shown;
+        *(V *)(verdicts->slowest + m) = JET_CHOOSE(V, moves, passes.slowest, slowest);
+        if (count == 1) *(V *)(verdicts->first + m) = moved;
+        *(V *)(verdicts->count + m) = JET_CHOOSE(V, moves, count - (V){0}, *(V *)(verdicts->count + m));
+        *(JET_MASK(jet_widest) *)(verdicts->has_ended + m) |= moves & is_finite & may_end;
+        *(JET_MASK(jet_widest) *)(verdicts->is_moving + m) = moves & is_finite & ~(may_end | is_stuck);
     }
-    for (int m = 0; m < width; m++) left -= of->is_moving[m];
+    for (int m = 0; m < width; m++) left -= verdicts->is_moving[m];
     return (int)left;
 }
 #endif
 
 #if !MEMBERS
-OWN double NAME(move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *drives,
-                               const int slot[], double *ways)
+OWN double NAME(move_in_parts)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
+                               double *displacements)
 {
-    NAME(weigh)(nodes, drives, slot, SHAPE_OF(nodes), 0);
-    return NAME(follow)(nodes, matrix, ways, SHAPE_OF(nodes), 0);
+    NAME(set_impulses)(nodes, rates, slot, SHAPE_OF(nodes), 0);
+    return NAME(move_unknowns)(nodes, matrix, displacements, SHAPE_OF(nodes), 0);
 }
 
-OWN double NAME(move_both)(const galerkin_nodes *nodes, const double *matrix, const double *drives,
+OWN double NAME(move_both)(const galerkin_nodes *nodes, const double *matrix, const double *rates,
                            const double *changes, const int slot[])
 {
     for (int u = 0; u < nodes->unknowns; u++)
-        weigh_both(nodes->weight, drives + slot[u] * LANES, changes + u * LANES, nodes->impulse + u * LANES, LANES);
-    return NAME(follow)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
+        set_impulses_with_changes(nodes->weight, rates + slot[u] * LANES, changes + u * LANES,
+                                  nodes->impulse + u * LANES, LANES);
+    return NAME(move_unknowns)(nodes, matrix, NULL, SHAPE_OF(nodes), 0);
 }
 
-OWN void NAME(place)(const galerkin_places *p, const double *table, const double *impulses, double *out)
+OWN void NAME(evaluate)(const galerkin_evaluation *p, const double *table, const double *impulses, double *out)
 {
-    place_lanes(p, table, impulses, out, LANES);
+    evaluate_lanes(p, table, impulses, out, LANES);
 }
 #endif
 

@@ -139,9 +139,10 @@ JET_INLINE void NAME(invert_column)(lanes_inverse *f, int column)
 
 /* ---- Without scales and exchanges, of matrices that are plain ---------------------------------------------------- */
 
-/* Gauss and Jordan's, in the inverse's place; false: some pivot is not plain, and nothing stands there. What stood on
- * the diagonal is, as a part of the pivot, between LANES_LEAST_PLAIN and its inverse, as in algebra/linear_small.h. */
-JET_INLINE bool NAME(invert_plainly)(lanes_inverse *f)
+/* Gauss and Jordan's, in the inverse's place; false: some pivot is not plain, and nothing stands there. The former
+ * element of the diagonal is, as a part of the pivot, between LANES_LEAST_PLAIN and its inverse, as in
+ * algebra/linear_small.h. */
+JET_INLINE bool NAME(invert_unpivoted)(lanes_inverse *f)
 {
     const int n = f->n;
     double worst[LANES];
@@ -175,7 +176,7 @@ JET_INLINE bool NAME(invert_plainly)(lanes_inverse *f)
 
 OWN double NAME(invert)(lanes_inverse *f)
 {
-    if (NAME(invert_plainly)(f)) return 1;
+    if (NAME(invert_unpivoted)(f)) return 1;
     const double smallest = NAME(factor)(f);
     for (int column = 0; column < f->n; column++) NAME(invert_column)(f, column);
     return smallest;
@@ -200,7 +201,7 @@ OWN void NAME(correct)(const lanes_inverse *f, const double *P, const double *p,
         }
 }
 
-/* What is small is added up first. Unrolled where the model is of constants; then the sums are, too. */
+/* Small terms are added up first. Unrolled where the model is of constants; then the sums are, too. */
 OWN void NAME(linearise)(const lanes_model *m, double *out)
 {
     JET_UNROLL(8) for (int i = 0; i < 2 * m->n; i++) EACH_VECTOR_OF_LANES(v)
@@ -208,7 +209,7 @@ OWN void NAME(linearise)(const lanes_model *m, double *out)
         V sum = {0};
         for (int k = i > 0 ? m->end[i - 1] : 0; k < m->end[i]; k++)
             if (i < m->n || m->term[k].column < m->n)
-                sum += BLOCK_OF(V, m->second + m->term[k].slot * LANES, v) * LANE_AT(m->moved, m->term[k].column, v);
+                sum += BLOCK_OF(V, m->hessian + m->term[k].slot * LANES, v) * LANE_AT(m->moved, m->term[k].column, v);
         if (i < m->n) sum += BLOCK_OF(V, m->gradient + i * LANES, v);
         LANE_AT(out, i, v) = sum;
     }

@@ -1,12 +1,12 @@
-/* kernel_nodes.h - the part of kernel.h's text that moves the unknowns at the nodes. */
+/* kernel_nodes.h - Defines the part of kernel.h that moves the unknowns at the nodes. */
 
 /* ---- The start of a step ----------------------------------------------------------------------------------------- */
 
-/* Unknowns first .. first + count - 1 begin at q + q_low, and would stay there. */
-JET_INLINE void NAME(start_half)(const galerkin_nodes *of, int first, int count, const double *q, const double *q_low,
-                                 galerkin_shape s, size_t here)
+/* Starts unknowns first .. first + count - 1 at q + q_low, where they would stay without rates. */
+JET_INLINE void NAME(start_half)(const galerkin_nodes *given, int first, int count, const double *q,
+                                 const double *q_low, galerkin_shape s, size_t here)
 {
-    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     for (int u = 0; u < count; u++) {
         double *high = ROW(nodes->high, first + u);
@@ -20,14 +20,14 @@ JET_INLINE void NAME(start_half)(const galerkin_nodes *of, int first, int count,
     }
 }
 
-/* high + base = q + q_low + c (drift + drift_low) of unknown u. Rounded products with one and the same h repeat their
- * errors, whose mean many steps show, if h is nearly a ratio of small numbers, such as 0.1. So the drift is exact. The
- * sum of the impulses is rounded with `base`, with far smaller bits, which is why `base` is not added to `high`: that
- * ends on a grid, and its product with h near the same few places of another. */
-JET_INLINE void NAME(start_drift)(const galerkin_nodes *of, int u, const double *c, const tvi_origin *origin,
+/* Starts unknown u at high + base = q + q_low + c (drift + drift_low). Rounded products with one and the same h repeat
+ * their errors, whose mean many steps show, if h is nearly a ratio of small numbers, such as 0.1. For this reason the
+ * drift is exact. The sum of the impulses is rounded together with `base`, with far smaller bits. `base` is not added
+ * to `high`: the sum would end on a grid, and its product with h near the same few points of another. */
+JET_INLINE void NAME(start_drift)(const galerkin_nodes *given, int u, const double *c, const tvi_origin *origin,
                                   const double *drifts, const double *drifts_low, galerkin_shape s, size_t here)
 {
-    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     double *high = ROW(nodes->high, u);
     double *base = ROW(nodes->base, u);
@@ -44,7 +44,7 @@ JET_INLINE void NAME(start_drift)(const galerkin_nodes *of, int u, const double 
 
 /* ---- Sums over the nodes ----------------------------------------------------------------------------------------- */
 
-/* A table as the sums over the nodes have it: in registers where its rows are one vector. */
+/* A table for the sums over the nodes, in registers if its rows are one vector. */
 typedef struct {
 #if ONE_VECTOR
     V row[LANES];
@@ -56,15 +56,15 @@ typedef struct {
 JET_INLINE NAME(table) NAME(table_of)(const double *number)
 {
 #if ONE_VECTOR
-    NAME(table) of;
-    for (int j = 0; j < LANES; j++) of.row[j] = OF_NODE(number + j * LANES, 0);
-    return of;
+    NAME(table) table;
+    for (int j = 0; j < LANES; j++) table.row[j] = OF_NODE(number + j * LANES, 0);
+    return table;
 #else
     return (NAME(table)){number};
 #endif
 }
 
-/* Adds sum_j (row j of the table) x_j, of vector v, in chains that do not wait for each other. */
+/* Adds sum_j (row j of the table) x_j, for vector v, in chains that do not wait for each other. */
 enum { NAME(chains) = 4 };
 JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v, galerkin_shape s)
 {
@@ -74,7 +74,7 @@ JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBE
         sum[j % NAME(chains)] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % NAME(chains)]);
 }
 
-/* The numbers of a row, of members in registers. */
+/* The numbers of a row; those of members are in registers. */
 #if MEMBERS
 #define NUMBERS_IN(name, row)                                                                                          \
     V name[LANES];                                                                                                     \
@@ -90,8 +90,7 @@ JET_INLINE void NAME(clear)(V *x, int count)
     for (int i = 0; i < count; i++) x[i] = (V){0};
 }
 
-/* The sum over the lanes of one member, of which those behind the nodes repeat the last one: by fours, then by halves.
- */
+/* The sum over the lanes of one member, by fours, then by halves. Lanes after the nodes repeat the last one. */
 JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_shape s)
 {
 #if MEMBERS
@@ -113,26 +112,26 @@ JET_INLINE MEMBER NAME(sum_of)(const V x[LANES], galerkin_shape s)
 
 /* ---- Movements --------------------------------------------------------------------------------------------------- */
 
-/* L_j = weight_j F_j. */
-JET_INLINE void NAME(weigh)(const galerkin_nodes *of, const double *drives, const int slot[], galerkin_shape s,
-                            size_t here)
+/* Sets the impulses L_j = weight_j F_j. */
+JET_INLINE void NAME(set_impulses)(const galerkin_nodes *given, const double *rates, const int slot[], galerkin_shape s,
+                                   size_t here)
 {
-    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     for (int u = 0; u < nodes->unknowns; u++) {
-        const double *drive = ROW(drives, slot[u]);
+        const double *rate = ROW(rates, slot[u]);
         double *impulse = ROW(nodes->impulse, u);
         for (int v = 0; v < VECTORS; v++)
-            AT(impulse, v) = KEPT(OF_NODE(nodes->weight, v) * AT(drive, v), AT(impulse, v));
+            AT(impulse, v) = KEPT(OF_NODE(nodes->weight, v) * AT(rate, v), AT(impulse, v));
     }
 }
 
-/* x = high + (base + scale sum_j matrix_ji L_j), once all impulses are there. ways: [unknowns][lanes] how far x is
- * from high; or NULL. Returns the sum of the squares of (change of x) inverse_size. */
-JET_INLINE MEMBER NAME(follow)(const galerkin_nodes *of, const double *matrix, double *ways, galerkin_shape s,
-                               size_t here)
+/* Sets x = high + (base + scale sum_j matrix_ji L_j), from the impulses of all nodes. displacements [unknowns][lanes]
+ * gets x - high, if it is not NULL. Returns the sum of the squares of (change of x) inverse_size. */
+JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *given, const double *matrix, double *displacements,
+                                      galerkin_shape s, size_t here)
 {
-    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     const int moving = nodes->moving, all = moving < nodes->unknowns ? 2 * moving : nodes->unknowns;
     const NAME(table) table = NAME(table_of)(matrix);
@@ -149,25 +148,25 @@ JET_INLINE MEMBER NAME(follow)(const galerkin_nodes *of, const double *matrix, d
             V sum[NAME(chains)];
             NAME(clear)(sum, NAME(chains));
             NAME(add_product)(sum, &table, impulse, v, s);
-            const V way = FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v)), place = AT(high, v) + way;
-            const V change = (place - AT(x, v)) * inverse_size;
+            const V way = FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v)), moved_to = AT(high, v) + way;
+            const V change = (moved_to - AT(x, v)) * inverse_size;
             squares[v] = FUSED(V, change, change, squares[v]);
-            AT(x, v) = place;
-            if (ways) AT(ROW(ways, u), v) = way;
+            AT(x, v) = moved_to;
+            if (displacements) AT(ROW(displacements, u), v) = way;
         }
     }
     return NAME(sum_of)(squares, s);
 }
 
-JET_INLINE void NAME(move_all)(const galerkin_nodes *nodes, const double *matrix, const double *drives,
-                               const int slot[], double moved[], galerkin_shape s, size_t here)
+JET_INLINE void NAME(move_all)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const int slot[],
+                               double moved[], galerkin_shape s, size_t here)
 {
-    NAME(weigh)(nodes, drives, slot, s, here);
-    MEMBER_AT(moved, 0) = NAME(follow)(nodes, matrix, NULL, s, here);
+    NAME(set_impulses)(nodes, rates, slot, s, here);
+    MEMBER_AT(moved, 0) = NAME(move_unknowns)(nodes, matrix, NULL, s, here);
 }
 
 #if MEMBERS
-/* By the tables of each member. */
+/* Adds the extrapolation of each member by its tables. */
 JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int u, int v, galerkin_shape s,
                                   size_t here)
 {
@@ -186,17 +185,17 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int
 }
 #endif
 
-/* The step that is known last is added last. */
-JET_INLINE void NAME(predict_all)(const galerkin_nodes *of, const galerkin_extrapolation *steps, galerkin_shape s,
+/* Predicts the unknowns. The latest step is added last. */
+JET_INLINE void NAME(predict_all)(const galerkin_nodes *given, const galerkin_extrapolation *steps, galerkin_shape s,
                                   size_t here)
 {
-    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const galerkin_nodes copy = *given, *const nodes = &copy;
     (void)here;
     const galerkin_extrapolation by = *steps;
 #if !MEMBERS
     const bool is_rough = *by.is_rough;
     const NAME(table) of_last = NAME(table_of)(is_rough ? by.from_last : by.from_two);
-    /* A rough extrapolation has one table, and this is then not used. */
+    /* A rough extrapolation has one table, and this one is not used. */
     const NAME(table) of_before = NAME(table_of)(by.from_two + (is_rough ? 0 : LANES * LANES));
 #endif
     for (int u = 0; u < nodes->unknowns; u++) {
@@ -218,7 +217,7 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *of, const galerkin_extra
     }
 }
 
-/* |start| + |x at the last node - start|. */
+/* |start| + |x at the last node - start| */
 JET_INLINE MEMBER NAME(size_of)(const galerkin_nodes *nodes, int u, galerkin_shape s, size_t here)
 {
     const MEMBER start = MEMBER_AT(nodes->start, u);
@@ -233,12 +232,13 @@ JET_INLINE MEMBER NAME(least_of)(MEMBER largest)
     return IF_ABOVE(largest, none, TVI_GALERKIN_LEAST_SHARE * largest, 1 - none);
 }
 
-/* 1 / size of the unknowns of a subsystem, whose components are these. Where masses are known, a momentum that is small
- * as its body is light is not small beside the others: it is measured by how far it moves its coordinate. No branches:
- * which is the larger changes from step to step. */
-JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *of, int n, int first, int end, galerkin_shape s, size_t here)
+/* Sets 1 / size of the unknowns of a subsystem with these components. With masses, the momentum of a light body is not
+ * small beside the others: it is measured by the movement of its coordinate. There are no branches, since the larger
+ * number changes from step to step. */
+JET_INLINE void NAME(set_sizes_of)(const galerkin_nodes *given, int n, int first, int end, galerkin_shape s,
+                                   size_t here)
 {
-    const galerkin_nodes copy = *of, *const nodes = &copy;
+    const galerkin_nodes copy = *given, *const nodes = &copy;
     const bool has_momenta = nodes->unknowns > n;
     MEMBER largest_q = {0}, largest_p = {0};
     for (int k = first; k < end; k++) {

@@ -27,23 +27,23 @@ JET_INLINE int NAME(pack_groups)(const galerkin_nodes *nodes, const lanes_rounds
 {
     const int count = rounds->count;
     for (; first + group <= end; first += group) {
-        const int *place = rounds->place + first * count;
+        const int *index = rounds->index + first * count;
         float *packed = rounds->packed + first * count * LANES;
-        for (int column = 0; column < count; column++, place += group, packed += group * LANES)
+        for (int column = 0; column < count; column++, index += group, packed += group * LANES)
             for (int v = 0; v < NAME(vectors); v++) {
                 const V by_column =
                     (nodes->scale[rounds->unknown[column]] * rounds->size[column]) * BLOCK_OF(V, nodes->weight, v);
                 for (int i = 0; i < group; i++) {
                     const V factor = rounds->per_size[first + i] * by_column;
                     SINGLE_AT(packed + i * LANES, v) =
-                        KERNEL_NAME(NARROW, V)(factor * BLOCK_OF(V, rounds->second + place[i], v));
+                        KERNEL_NAME(NARROW, V)(factor * BLOCK_OF(V, rounds->hessian + index[i], v));
                 }
             }
     }
     return first;
 }
 
-/* What drives a row by the movement of a column, from the second derivatives, group by group. */
+/* Packs the rate of a row by the movement of a column, from the second derivatives, group by group. */
 JET_INLINE void NAME(pack)(const galerkin_nodes *nodes, const lanes_rounds *rounds)
 {
     int first = 0;
@@ -76,7 +76,7 @@ JET_INLINE int NAME(drive_groups)(const lanes_rounds *rounds, const float *chang
 }
 
 /* The impulses by a change, of all rows or of those that move. */
-JET_INLINE void NAME(drive_rows)(const lanes_rounds *rounds, const float *change, bool all, float *out)
+JET_INLINE void NAME(compute_impulses)(const lanes_rounds *rounds, const float *change, bool all, float *out)
 {
     int first = 0;
     for (int which = 0; which < (all ? 2 : 1); which++) {
@@ -116,15 +116,15 @@ JET_INLINE double NAME(change_by_impulses)(const lanes_rounds *rounds)
 }
 
 /* The impulses by the drives less those of the last movement, in the unit of the rounds. */
-JET_INLINE void NAME(begin_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives,
+JET_INLINE void NAME(begin_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *rates,
                                    const int slot[])
 {
     for (int i = 0; i < rounds->count; i++) {
         const int u = rounds->unknown[i];
-        const double *drive = drives + slot[u] * LANES, *old = nodes->impulse + u * LANES;
+        const double *solver = rates + slot[u] * LANES, *old = nodes->impulse + u * LANES;
         const double factor = rounds->per_size[i] / ROUNDS_UNIT;
         for (int v = 0; v < NAME(vectors); v++) {
-            const V impulse = BLOCK_OF(V, nodes->weight, v) * BLOCK_OF(V, drive, v);
+            const V impulse = BLOCK_OF(V, nodes->weight, v) * BLOCK_OF(V, solver, v);
             SINGLE_AT(rounds->impulse + i * LANES, v) =
                 KERNEL_NAME(NARROW, V)(factor * (impulse - BLOCK_OF(V, old, v)));
             SINGLE_AT(rounds->total + i * LANES, v) = (SINGLE){0};
@@ -141,13 +141,13 @@ JET_INLINE void NAME(end_rounds)(const lanes_rounds *rounds, double *changes)
                 ROUNDS_UNIT * rounds->size[i] * KERNEL_NAME(WIDEN, V)(SINGLE_AT(rounds->all + i * LANES, v));
 }
 
-OWN void NAME(go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *drives, const int slot[],
-                        bool is_new, double moved, double least, double *changes)
+OWN void NAME(run_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *rates,
+                          const int slot[], bool is_new, double moved, double least, double *changes)
 {
     double before = INFINITY, earlier;
     int count = 0;
     if (is_new) NAME(pack)(nodes, rounds);
-    NAME(begin_rounds)(nodes, rounds, drives, slot);
+    NAME(begin_rounds)(nodes, rounds, rates, slot);
     const double first = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
     const double left_out = ROUNDS_LEFT_OUT * first * (is_new ? first : moved) / (nodes->unknowns * LANES);
     const double last = tvi_larger(left_out, least);
@@ -155,11 +155,11 @@ OWN void NAME(go_round)(const galerkin_nodes *nodes, const lanes_rounds *rounds,
     do {
         earlier = before;
         before = now;
-        NAME(drive_rows)(rounds, rounds->change, false, rounds->impulse);
+        NAME(compute_impulses)(rounds, rounds->change, false, rounds->impulse);
         now = ROUNDS_UNIT * ROUNDS_UNIT * NAME(change_by_impulses)(rounds);
     } while (++count < MOST_ROUNDS && (now * now > last * before || now * before > last * earlier) &&
              (now < before || now < earlier));
-    NAME(drive_rows)(rounds, rounds->total, true, rounds->all);
+    NAME(compute_impulses)(rounds, rounds->total, true, rounds->all);
     if (now <= first) NAME(end_rounds)(rounds, changes);
     else memset(changes, 0, (size_t)(nodes->unknowns * LANES) * sizeof *changes);
 }

@@ -14,8 +14,8 @@ static const galerkin_loops NAME(loops) = {
 #else
     .move_in_parts = NAME(move_in_parts),
     .move_both = NAME(move_both),
-    .go_round = NAME(go_round),
-    .place = NAME(place),
+    .run_rounds = NAME(run_rounds),
+    .evaluate = NAME(evaluate),
     .invert = NAME(invert),
     .correct = NAME(correct),
     .linearise = NAME(linearise),

@@ -1,10 +1,10 @@
-/* lagrangian.c - the field of a Lagrangian L(q, v, t): V, with L_v(Q, V) = P, drives Q, and F = L_q(Q, V)
- * drives P (docs/method.md sections 4 and 5).
+/* lagrangian.c - Evaluates the field of a Lagrangian L(q, v, t): the rate of Q is V, with L_v(Q, V) = P, and the rate
+ * of P is F = L_q(Q, V) (docs/method.md sections 4 and 5).
  *
- * A pass evaluates the gradient (L_q, L_v) at places (Q*, V*) near the nodes, and its derivatives, too, where those at
- * hand were taken too far away. Then it iterates, with F to first order from there,
+ * A pass evaluates the gradient (L_q, L_v) at points (Q*, V*) near the nodes, and its derivatives, too, if the last
+ * ones were computed too far away. Then it iterates, with F to first order from there,
  *
- *     P = p0 + h a F,    V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)),    Q = q0 + h a V. */
+ *    P = p0 + h a F,    V = V* + L_vv^-1 ((P - L_v) - L_vq (Q - Q*)),    Q = q0 + h a V. */
 #include "galerkin/lagrangian_passes.h"
 #include "galerkin/model.h"
 #include "system/legendre.h"
@@ -16,16 +16,16 @@ typedef struct {
     double *velocity; /* [n] at the start */
 } lagrangian;
 
-static void take_inverse(lanes_inverse *of, tvi_arena *arena, int n, int lanes)
+static void take_inverse(lanes_inverse *matrix, tvi_arena *arena, int n, int lanes)
 {
     const size_t numbers = (size_t)n * (size_t)lanes;
-    *of = (lanes_inverse){.n = n, .lanes = lanes};
-    of->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
-    of->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
-    of->row_scale = tvi_arena_doubles(arena, numbers);
-    of->column_scale = tvi_arena_doubles(arena, numbers);
-    of->pivot = tvi_arena_take(arena, numbers * sizeof(int));
-    of->x = tvi_arena_doubles(arena, numbers);
+    *matrix = (lanes_inverse){.n = n, .lanes = lanes};
+    matrix->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
+    matrix->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
+    matrix->row_scale = tvi_arena_doubles(arena, numbers);
+    matrix->column_scale = tvi_arena_doubles(arena, numbers);
+    matrix->pivot = tvi_arena_take(arena, numbers * sizeof(int));
+    matrix->x = tvi_arena_doubles(arena, numbers);
 }
 
 static void take(galerkin_field *field, tvi_arena *arena)
@@ -40,16 +40,16 @@ static void take(galerkin_field *field, tvi_arena *arena)
     tvi_galerkin_model_take(&w.model, arena, field);
     field->inputs = w.model.blocks.values;
     field->ahead = tvi_arena_doubles(arena, lanes * lanes);
-    double **const rows[] = {&w.passes.ways, &w.passes.rise[0], &w.passes.rise[1]};
+    double **const rows[] = {&w.passes.displacements, &w.passes.rise[0], &w.passes.rise[1]};
     for (size_t i = 0; i < 3; i++) *rows[i] = tvi_arena_doubles(arena, half_size);
     w.passes.gradient = tvi_arena_doubles(arena, 2 * half_size);
     w.velocity = tvi_arena_doubles(arena, (size_t)n);
     tvi_legendre_take(&w.legendre, arena, system);
     take_inverse(&w.passes.mass, arena, n, field->nodes.lanes);
-    w.passes.drives = field->nodes;
-    w.passes.drives.x = field->nodes.x ? lagrangian_row(&field->nodes, unknowns) : NULL;
-    w.passes.drives.high = tvi_arena_doubles(arena, (size_t)unknowns * lanes);
-    w.passes.drives.scale = tvi_arena_doubles(arena, (size_t)unknowns);
+    w.passes.rates = field->nodes;
+    w.passes.rates.x = field->nodes.x ? lagrangian_row(&field->nodes, unknowns) : NULL;
+    w.passes.rates.high = tvi_arena_doubles(arena, (size_t)unknowns * lanes);
+    w.passes.rates.scale = tvi_arena_doubles(arena, (size_t)unknowns);
     if (taken) *taken = w;
 }
 
@@ -61,7 +61,7 @@ static void prepare_passes(lagrangian_passes *w, const galerkin_field *field, co
     w->slot = field->slot;
     w->blocks = model->blocks;
     w->output[false] = system->field_values->output;
-    w->output[true] = system->second_values->output;
+    w->output[true] = system->hessian_values->output;
     w->model = model->lanes;
     w->model.gradient = w->gradient;
 }
@@ -83,7 +83,7 @@ static void fill(const galerkin_nodes *nodes, int n, int first, const double val
         for (int lane = 0; lane < nodes->lanes; lane++) lagrangian_row(nodes, first + i)[lane] = value[i];
 }
 
-/* V by the Legendre transform, from rest. */
+/* Sets V by the Legendre transform, from rest. */
 static tvi_status start(galerkin_field *field, const tvi_origin *origin)
 {
     lagrangian *w = field->own;
@@ -133,8 +133,8 @@ static void emit(jet_text *text, const galerkin_field *field)
     const lagrangian *w = field->own;
     const int unknowns = field->nodes.unknowns;
     tvi_galerkin_model_emit(text, &w->model);
-    tvi_galerkin_emit_ints(text, "of_values", unknowns, w->passes.output[false]);
-    tvi_galerkin_emit_ints(text, "of_second", unknowns, w->passes.output[true]);
+    tvi_galerkin_emit_ints(text, "value_slot", unknowns, w->passes.output[false]);
+    tvi_galerkin_emit_ints(text, "hessian_slot", unknowns, w->passes.output[true]);
     tvi_galerkin_emit_ints(text, "slot", unknowns, field->slot);
 }
 

@@ -1,5 +1,5 @@
-/* lagrangian_passes.h - the passes of a Lagrangian's Galerkin curve (lagrangian.c), which the library runs with the
- * loops of its tables, and generated code with its own, where all sizes are constants. */
+/* lagrangian_passes.h - Makes the passes of a Lagrangian's Galerkin curve (lagrangian.c). The library runs them with
+ * the loops of its tables, and generated code with its own, where all sizes are constants. */
 #ifndef TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 #define TVI_SRC_GALERKIN_LAGRANGIAN_PASSES_H
 
@@ -11,39 +11,41 @@
 #include <math.h>
 #include <string.h>
 
-/* The rows of nodes->x, n each: Q, P, V, F, and L_v behind F. */
+/* The work of the passes. The rows of nodes->x, n each, are Q, P, V, F, and L_v after F. */
 typedef struct {
     const galerkin_loops *loops;
     const galerkin_nodes *nodes;
-    galerkin_nodes drives; /* V and F as unknowns, which begin at 0 */
-    const double *matrix;  /* of a movement, and which row drives each unknown */
+    galerkin_nodes rates; /* V and F as unknowns that begin at 0 */
+    const double *matrix; /* of a movement */
     const int *slot;
     galerkin_blocks blocks;
-    const int *output[2]; /* [2n] where the gradient is there */
-    double *ways;         /* [n][lanes] how far Q is from the nodes' high, */
-    double *rise[2];      /* [n][lanes] and that from where the gradient was evaluated, in two parts */
-    double *gradient;     /* [2n][lanes] as evaluated */
-    lanes_model model;    /* of it, */
-    lanes_inverse mass;   /* and of L_vv */
-    int factors;          /* so often was it inverted */
-    double moved;         /* by the last pass, as `move` says; infinite before the first one of a step */
+    const int *output[2];  /* [2n] slots of the gradient */
+    double *displacements; /* [n][lanes] Q less the nodes' high */
+    /* [n][lanes] The nodes' high less the points where the gradient was evaluated, in two parts. */
+    double *rise[2];
+    double *gradient;   /* [2n][lanes] as evaluated */
+    lanes_model model;  /* of the gradient */
+    lanes_inverse mass; /* of L_vv */
+    int factors;        /* number of inversions */
+    /* Movement of the last pass, as `move` measures it; infinite before the first one of a step. */
+    double moved;
 } lagrangian_passes;
 
 typedef enum { LAGRANGIAN_PASSED, LAGRANGIAN_OUTSIDE, LAGRANGIAN_NO_NUMBER, LAGRANGIAN_SINGULAR } lagrangian_passed;
 
-/* Of a pass. More save less than they cost, as measured; after one alone F would not follow V, and the energy would
- * drift by what the pass before has left of V. */
+/* The iterations of a pass. More would save less than they cost, as measured. After a single one F would not follow V,
+ * and the energy would drift by the error that the pass before has left in V. */
 enum { LAGRANGIAN_ITERATIONS = 3, LAGRANGIAN_LEAST_ITERATIONS = 2 };
 /* The square of a relative movement after which second derivatives serve again. */
 #define LAGRANGIAN_SERVES 1e-8
-/* That of one which is roundoff: no other one follows from it. */
+/* The square of a relative movement that is roundoff: no other one follows from it. */
 #define LAGRANGIAN_NOTHING (0.25 * DBL_EPSILON * DBL_EPSILON)
 
 static inline double *lagrangian_row(const galerkin_nodes *nodes, int i) { return nodes->x + i * nodes->lanes; }
 
-static inline galerkin_nodes lagrangian_half(const galerkin_nodes *of, int first)
+static inline galerkin_nodes lagrangian_half(const galerkin_nodes *given, int first)
 {
-    galerkin_nodes nodes = *of;
+    galerkin_nodes nodes = *given;
     const int offset = first * nodes.lanes;
     nodes.unknowns /= 2;
     nodes.moving = nodes.unknowns;
@@ -69,10 +71,10 @@ static inline double lagrangian_move_momenta(const lagrangian_passes *w)
 static inline double lagrangian_move_positions(const lagrangian_passes *w)
 {
     const galerkin_nodes positions = lagrangian_half(w->nodes, 0);
-    return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->ways);
+    return GALERKIN_LOOP(w->loops, move_in_parts, &positions, w->matrix, w->nodes->x, w->slot, w->displacements);
 }
 
-/* By V and F that are there. */
+/* Sets the unknowns by the V and F that are there. */
 static inline void lagrangian_place(lagrangian_passes *w)
 {
     (void)lagrangian_move_momenta(w);
@@ -82,13 +84,14 @@ static inline void lagrangian_place(lagrangian_passes *w)
 
 static inline void lagrangian_predict(lagrangian_passes *w, const galerkin_extrapolation *by)
 {
-    galerkin_predict_drives(w->loops, &w->drives, by);
+    galerkin_predict_rates(w->loops, &w->rates, by);
     lagrangian_place(w);
 }
 
-/* The gradient is taken at places without the last bits, and from there to first order: at the same ones in the last
- * passes of a step. Were it taken at the nodes themselves, its roundoff would change with their last bits, and they
- * would rest where it happens to be small, first on the side that they come from: the energy would drift. */
+/* Rounds the points where the gradient is evaluated by their last bits. The last passes of a step then use the same
+ * points, with the gradient to first order from there. At the nodes themselves the roundoff of the gradient would
+ * change with their last bits. The nodes would rest where that roundoff happens to be small, first on the side that
+ * they come from, and the energy would drift. */
 enum { LAGRANGIAN_LAST_BITS = 6 };
 static inline void lagrangian_set_places(int count, const double *nodes, double *places)
 {
@@ -99,20 +102,20 @@ static inline void lagrangian_set_places(int count, const double *nodes, double 
     }
 }
 
-static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_second)
+static inline bool lagrangian_evaluate(lagrangian_passes *w, galerkin_sweep *sweep, bool with_hessian)
 {
     const galerkin_nodes *nodes = w->nodes;
-    const int lanes = nodes->lanes, half = nodes->unknowns / 2 * lanes, *output = w->output[with_second];
+    const int lanes = nodes->lanes, half = nodes->unknowns / 2 * lanes, *output = w->output[with_hessian];
     lagrangian_set_places(half, nodes->x, w->blocks.values);
     lagrangian_set_places(half, lagrangian_row(nodes, nodes->unknowns), w->blocks.values + half);
-    const double *x = galerkin_sweep_there(&w->blocks, sweep, with_second);
+    const double *x = galerkin_sweep_there(&w->blocks, sweep, with_hessian);
     if (!x) return false;
     for (int i = 0; i < nodes->unknowns; i++)
         memcpy(w->gradient + i * lanes, x + output[i] * lanes, (size_t)lanes * sizeof *x);
     return true;
 }
 
-/* L_vv of the block of second derivatives, inverted. */
+/* Inverts L_vv from the block of second derivatives. */
 static inline lagrangian_passed lagrangian_invert(lagrangian_passes *w)
 {
     const lanes_model *model = &w->model;
@@ -123,16 +126,16 @@ static inline lagrangian_passed lagrangian_invert(lagrangian_passes *w)
         for (int k = model->end[i - 1]; k < model->end[i]; k++) {
             const lanes_term *term = &model->term[k];
             double *element = a + ((i - n) * n + term->column - n) * lanes;
-            if (term->column >= n) memcpy(element, w->blocks.second + term->slot * lanes, (size_t)lanes * sizeof *a);
+            if (term->column >= n) memcpy(element, w->blocks.hessian + term->slot * lanes, (size_t)lanes * sizeof *a);
         }
     w->factors++;
     if (GALERKIN_LOOP(w->loops, invert, &w->mass) > n * DBL_EPSILON) return LAGRANGIAN_PASSED;
     for (int k = model->end[n - 1]; k < model->end[2 * n - 1]; k++)
-        if (!tvi_all_finite(lanes, w->blocks.second + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
+        if (!tvi_all_finite(lanes, w->blocks.hessian + model->term[k].slot * lanes)) return LAGRANGIAN_NO_NUMBER;
     return LAGRANGIAN_SINGULAR;
 }
 
-/* The unknowns, by the gradient at hand. */
+/* Moves the unknowns by the current gradient. */
 static inline double lagrangian_iterate(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
@@ -143,7 +146,7 @@ static inline double lagrangian_iterate(lagrangian_passes *w)
     return moved + lagrangian_move_positions(w);
 }
 
-/* From where the gradient was evaluated to the nodes' high. */
+/* Sets `rise` to the nodes' high less the points where the gradient was evaluated. */
 static inline void lagrangian_set_rise(lagrangian_passes *w)
 {
     const int half = w->nodes->unknowns / 2 * w->nodes->lanes;
@@ -155,20 +158,20 @@ static inline void lagrangian_set_rise(lagrangian_passes *w)
     }
 }
 
-/* The gradient to first order, where Q and V have moved from where it was evaluated. What a movement has made of Q is
- * known before it is rounded. */
+/* Computes the gradient to first order at Q and V, which have moved from the points where it was evaluated. The
+ * movement of Q is known before it is rounded. */
 static inline void lagrangian_linearise(lagrangian_passes *w)
 {
     const galerkin_nodes *nodes = w->nodes;
     const int half = nodes->unknowns / 2 * nodes->lanes;
     const double *V = nodes->x + 2 * half, *from = w->blocks.values;
     double *moved = w->model.moved;
-    for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->ways[i]) + w->rise[1][i];
+    for (int i = 0; i < half; i++) moved[i] = (w->rise[0][i] + w->displacements[i]) + w->rise[1][i];
     for (int i = 0; i < half; i++) moved[half + i] = V[i] - from[half + i];
     GALERKIN_LOOP(w->loops, linearise, &w->model, nodes->x + 3 * half);
 }
 
-/* New second derivatives are taken where those at hand do not serve. */
+/* Makes a pass. It evaluates new second derivatives if the last ones do not serve. */
 static inline lagrangian_passed lagrangian_pass(lagrangian_passes *w, galerkin_sweep *sweep)
 {
     const galerkin_nodes *nodes = w->nodes;

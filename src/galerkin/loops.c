@@ -1,4 +1,4 @@
-/* loops.c - the loops of loops.h, for each number of lanes and for members: the text of kernel.h. */
+/* loops.c - Compiles the loops of loops.h, for each number of lanes and for members, from the text of kernel.h. */
 #include "algebra/sizes.h"
 #include "algebra/tail.h"
 #include "galerkin/one_member.h"

@@ -1,4 +1,4 @@
-/* method.c - the Galerkin curve as a method: type I with free values at Gauss nodes (galerkin.c). */
+/* method.c - Describes the Galerkin curve as a method: type I with free values at Gauss nodes (galerkin.c). */
 #include "method/list.h"
 
 const tvi_descriptor tvi_galerkin = {

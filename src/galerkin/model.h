@@ -1,5 +1,5 @@
-/* model.h - the gradient that drives the unknowns, with its derivatives at the nodes: passes that know them solve the
- * equations to first order about where the gradient was evaluated (docs/method.md section 5). */
+/* model.h - Prepares the gradient of L or K and its derivatives at the nodes. Passes that know these solve the
+ * equations to first order about the points where the gradient was evaluated (docs/method.md section 5). */
 #ifndef TVI_SRC_GALERKIN_MODEL_H
 #define TVI_SRC_GALERKIN_MODEL_H
 
@@ -9,18 +9,18 @@
 typedef struct {
     galerkin_blocks blocks;
     lanes_model lanes;
-    lanes_term *term; /* [2 seconds] its terms, */
-    int *end;         /* [2n] and rows */
+    lanes_term *term; /* [2 hessian_entries] terms of the gradient */
+    int *end;         /* [2n] ends of its rows */
 } galerkin_model;
 
 void tvi_galerkin_model_take(galerkin_model *model, tvi_arena *arena, const galerkin_field *field);
-/* Sets what `predict` wants, drives, too. */
+/* Sets the tables for `predict`, also those of the rates. */
 void tvi_galerkin_model_prepare(galerkin_model *model, const galerkin_field *field);
 
-/* The tapes of the field that the blocks are of, with its noise. */
+/* Runs the tapes of the field in the blocks, with its noise. */
 galerkin_sweep tvi_galerkin_sweep;
 
-/* Defines what of the model is constant in generated code. */
+/* Writes the constants of the model in generated code. */
 void tvi_galerkin_model_emit(jet_text *text, const galerkin_model *model);
 
 #endif

@@ -1,4 +1,5 @@
-/* one_member.h - loops that only a member by itself has: the impulses of two parts, and the curve at other places. */
+/* one_member.h - Defines the loops that only a single member has: impulses in two parts, and the curve at other
+ * points. */
 #ifndef TVI_SRC_GALERKIN_ONE_MEMBER_H
 #define TVI_SRC_GALERKIN_ONE_MEMBER_H
 
@@ -7,7 +8,7 @@
 
 #include <math.h>
 
-/* a b + c, rounded once where c is small beside a b; without fused operations by Dekker's product. */
+/* a b + c, rounded once if c is small beside a b; without fused operations by Dekker's product. */
 JET_INLINE double product_and(double a, double b, double c)
 {
 #ifdef __FMA__
@@ -19,16 +20,16 @@ JET_INLINE double product_and(double a, double b, double c)
 #endif
 }
 
-/* The impulses L = weight F + change. If drives and changes were added first, a change of less than a unit of the
- * drive would be rounded by what repeats itself from step to step (docs/method.md section 6). */
-JET_INLINE void weigh_both(const double *weight, const double *drive, const double *change, double *restrict impulse,
-                           int lanes)
+/* Sets the impulses L = weight F + change. If rates and changes were added first, a change of less than a unit of the
+ * rate would be rounded in the same way from step to step (docs/method.md section 6). */
+JET_INLINE void set_impulses_with_changes(const double *weight, const double *rate, const double *change,
+                                          double *restrict impulse, int lanes)
 {
     JET_IN_VECTORS
-    for (int i = 0; i < lanes; i++) impulse[i] = product_and(weight[i], drive[i], change[i]);
+    for (int i = 0; i < lanes; i++) impulse[i] = product_and(weight[i], rate[i], change[i]);
 }
 
-#define PLACE(V, S)                                                                                                    \
+#define EVALUATE(V, S)                                                                                                 \
     {                                                                                                                  \
         const V theta = *(const V *)(p->theta + here);                                                                 \
         V row[TVI_GALERKIN_MAX_LANES];                                                                                 \
@@ -42,19 +43,19 @@ JET_INLINE void weigh_both(const double *weight, const double *drive, const doub
         }                                                                                                              \
     }
 
-JET_INLINE void place_count(const galerkin_places *p, const double *table, const double *impulses, double *restrict out,
-                            int lanes, int places)
+JET_INLINE void evaluate_count(const galerkin_evaluation *p, const double *table, const double *impulses,
+                               double *restrict out, int lanes, int places)
 {
     const double *start = p->start, *drift = p->drift, *scale = p->scale;
     const int count = p->count;
-    JET_BLOCKS(places, PLACE, );
+    JET_BLOCKS(places, EVALUATE, );
 }
 
-JET_INLINE void place_lanes(const galerkin_places *p, const double *table, const double *impulses, double *out,
-                            int lanes)
+JET_INLINE void evaluate_lanes(const galerkin_evaluation *p, const double *table, const double *impulses, double *out,
+                               int lanes)
 {
-    if (p->places == TVI_SAMPLES) place_count(p, table, impulses, out, lanes, TVI_SAMPLES);
-    else place_count(p, table, impulses, out, lanes, p->places);
+    if (p->places == TVI_SAMPLES) evaluate_count(p, table, impulses, out, lanes, TVI_SAMPLES);
+    else evaluate_count(p, table, impulses, out, lanes, p->places);
 }
 
 #endif

@@ -1,4 +1,4 @@
-/* predictor.c - see predictor.h. */
+/* predictor.c - Predicts the unknowns of a step from earlier steps (predictor.h). */
 #include "galerkin/predictor.h"
 
 #include <math.h>
@@ -10,20 +10,20 @@ void tvi_galerkin_predictor_take(galerkin_predictor *w, tvi_arena *arena, const 
     const int unknowns = field->nodes.unknowns, lanes = field->nodes.lanes;
     const size_t count = (size_t)unknowns, width = (size_t)lanes;
     w->last = tvi_arena_history(arena, sizeof *w->last);
-    w->rough = unknowns * lanes * (1e-2 * 1e-2);
-    for (int i = 0; i < GALERKIN_TURNS; i++) w->impulses[i] = tvi_arena_turn(arena, count * width * sizeof(double));
+    w->rough_limit = unknowns * lanes * (1e-2 * 1e-2);
+    for (int i = 0; i < GALERKIN_RING; i++) w->impulses[i] = tvi_arena_ring(arena, count * width * sizeof(double));
     w->from_two = tvi_arena_doubles(arena, 2 * width * width);
     w->from_last = tvi_arena_doubles(arena, 2 * width * width);
     w->from_one = tvi_arena_doubles(arena, width * width);
-    w->led = tvi_arena_doubles(arena, count * width);
+    w->extrapolated = tvi_arena_doubles(arena, count * width);
     w->none = tvi_arena_doubles(arena, count + width);
     w->one = tvi_arena_doubles(arena, count + width);
 }
 
 /* ---- Tables ------------------------------------------------------------------------------------------------------ */
 
-/* [k][i] of basis: polynomials of degree k, orthonormal on the first `fitted` of 3 m points: the nodes of the last
- * step, of the one before it, and of the next one. */
+/* Computes basis[k][i]: polynomials of degree k, orthonormal on the first `fitted` of 3 m points, which are the nodes
+ * of the last step, of the one before it, and of the next one. */
 static void set_basis(const galerkin_coefficients *a, int fitted, int degree, long double basis[][3 * MAX_LANES])
 {
     const int m = a->points;
@@ -43,8 +43,8 @@ static void set_basis(const galerkin_coefficients *a, int fitted, int degree, lo
     }
 }
 
-/* ahead [point][next], of 2 m points and m: the drives of the next step by those of `steps` steps, as polynomials of
- * least squares have it, sum_k pi_k(1 + c_next) pi_k(s_point). */
+/* Computes ahead [point][next], of 2 m points and m: the factors of the rates of `steps` steps in those of the next
+ * step, for polynomials of least squares, sum_k pi_k(1 + c_next) pi_k(s_point). */
 static void set_ahead(const galerkin_coefficients *a, int steps, int degree, long double ahead[][MAX_LANES])
 {
     long double basis[2 * MAX_LANES][3 * MAX_LANES];
@@ -71,8 +71,8 @@ static void set_polynomial(const galerkin_coefficients *a, const galerkin_field 
         }
 }
 
-/* Of all degrees from two steps, 3m/2 was seen to save the most passes: above it roundoff grows by more than truncation
- * falls. */
+/* Prepares the tables. The degree 3m/2 for two steps saved the most passes: above it roundoff grows by more than
+ * truncation falls. */
 void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_field *field)
 {
     const int degree = a->points > 1 ? 3 * a->points / 2 : 1;
@@ -81,7 +81,8 @@ void tvi_galerkin_predictor_prepare(galerkin_predictor *w, const galerkin_coeffi
     for (int i = 0; i < field->nodes.unknowns + a->lanes; i++) w->one[i] = 1;
 }
 
-/* From a step of size h / ratio to one that begins after a part of it: node i is at part + ratio c_i there. */
+/* Computes the table from a step of size h / ratio to one that begins after a part of it: its node i is at part + ratio
+ * c_i there. */
 static void set_from_one(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                          const galerkin_loops *loops, double ratio, double part)
 {
@@ -89,11 +90,11 @@ static void set_from_one(galerkin_predictor *w, const galerkin_coefficients *a, 
     w->ratio = ratio;
     w->part = part;
     const int lanes = a->lanes;
-    const galerkin_places of_nodes = {lanes, lanes, a->points, a->c, w->none, w->none, w->one};
+    const galerkin_evaluation at_nodes = {lanes, lanes, a->points, a->c, w->none, w->none, w->one};
     double place[MAX_LANES] = {0}, P[MAX_LANES * MAX_LANES] = {0};
     for (int i = 0; i < lanes; i++) place[i] = part + ratio * a->c[i];
     tvi_galerkin_dense_legendre(dense, lanes, place, P);
-    loops->place(&of_nodes, P, dense->of_node, w->from_one);
+    loops->evaluate(&at_nodes, P, dense->of_node, w->from_one);
     for (int j = 0; j < a->points; j++)
         for (int i = 0; i < lanes; i++) w->from_one[j * lanes + i] *= ratio * a->b[i];
 }
@@ -120,10 +121,10 @@ int tvi_galerkin_known(const galerkin_predictor *w, const galerkin_field *field,
 void tvi_galerkin_extrapolate(galerkin_predictor *w, const galerkin_coefficients *a, const galerkin_dense *dense,
                               galerkin_field *field, double part)
 {
-    const galerkin_places to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};
+    const galerkin_evaluation to = {a->lanes, a->lanes, field->nodes.unknowns, a->c, w->none, w->none, w->one};
     const long long last_alone = -1;
     set_from_one(w, a, dense, field->loops, field->h / w->last->h, part);
-    field->loops->place(&to, w->from_one, tvi_galerkin_impulses(w, 0), w->led);
-    field->form->predict(field,
-                         &(galerkin_extrapolation){field->h, field->ahead, field->ahead, w->led, w->led, &last_alone});
+    field->loops->evaluate(&to, w->from_one, tvi_galerkin_impulses(w, 0), w->extrapolated);
+    field->form->predict(field, &(galerkin_extrapolation){field->h, field->ahead, field->ahead, w->extrapolated,
+                                                          w->extrapolated, &last_alone});
 }

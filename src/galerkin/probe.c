@@ -1,7 +1,7 @@
-/* probe.c - the rules of the passes, and the roundoff of one, measured. Where the force is that at a position of size
- * 1, for instance, the momenta of a small motion have no more digits than the force. */
+/* probe.c - Defines the rules of the passes, and measures the roundoff of a pass. As an example, a force at a position
+ * of size 1 gives the momenta of a small motion no more digits than the force has. */
 #include "galerkin/probe.h"
-#include "method/asked.h"
+#include "method/passes_rule.h"
 
 #include <float.h>
 #include <math.h>
@@ -10,16 +10,17 @@
 
 /* ---- The rules --------------------------------------------------------------------------------------------------- */
 
-/* Sizes are squares, summed over all unknowns and lanes, relative to the sizes of the unknowns; here of one of them.
- * What a step leaves out has the same sign in the next one, where roundoff changes its sign: it stays below the
- * roundoff of N steps if it is that of one step / sqrt(N), with 2^-80 for more than 10^9 of them. A Newton method,
- * whose passes cost more, does so for 2^16 times fewer. Passes of a small step soon do no more than roundoff, which
- * does not show how far they contract: then they do as those of an earlier step did. In the equations of a Hamiltonian
- * the passes of Q may contract as little as those of P contract much, in turns. */
+/* The rules of the passes. Sizes are squares, summed over all unknowns and lanes, relative to the sizes of the
+ * unknowns; here they are for a single one. The error that a step leaves has the same sign in the next step, but
+ * roundoff changes its sign. The error stays below the roundoff of N steps if it is that of one step / sqrt(N), with
+ * 2^-80 for more than 10^9 steps. A Newton method, whose passes cost more, allows 2^16 times fewer. Passes of a small
+ * step soon do no more than roundoff, which does not show how far they contract: they are then assumed to contract as
+ * those of an earlier step did. In the equations of a Hamiltonian the passes of Q may contract little and those of P
+ * much, alternately. */
 #define SQUARE(x) ((x) * (x))
 #define RULE(GOAL)                                                                                                     \
     .most = 100, .goal = SQUARE(GOAL), .noise = SQUARE(32 * DBL_EPSILON), .contraction = SQUARE(0.5),                  \
-    .stuck = TVI_PASSES_ALL, .turns = 2
+    .stuck = TVI_PASSES_ALL, .period = 2
 const tvi_passes_rule tvi_galerkin_fixed_point = {RULE(0x1p-80)};
 const tvi_passes_rule tvi_galerkin_quasi_newton = {RULE(0x1p-72)};
 const tvi_passes_rule tvi_galerkin_newton = {RULE(0x1p-72), .is_quadratic = true};
@@ -29,15 +30,15 @@ tvi_passes_rule tvi_galerkin_rule(const tvi_passes_rule *of_one, int numbers, co
     tvi_passes_rule rule = *of_one;
     rule.goal *= numbers;
     rule.noise *= numbers;
-    rule = tvi_passes_rule_asked(&rule, o, SQUARE(o->tolerance));
+    rule = tvi_passes_rule_with_options(&rule, o, SQUARE(o->tolerance));
     if (o->passes == TVI_PREDICT_ONLY) rule.most = 0;
     return rule;
 }
 
 /* ---- Roundoff ---------------------------------------------------------------------------------------------------- */
 
-/* A movement is roundoff if unknowns and values of the field that are displaced by so many units of theirs move as far.
- */
+/* A movement is roundoff if displacing the unknowns and the values of the field by this many units of roundoff moves
+ * them as far. */
 enum { UNITS = 16 };
 
 static size_t numbers(const galerkin_field *field, int rows) { return (size_t)rows * (size_t)field->nodes.lanes; }
@@ -51,8 +52,8 @@ void tvi_galerkin_probe_take(galerkin_probe *probe, tvi_arena *arena, const gale
     probe->impulse = tvi_arena_doubles(arena, numbers(field, field->nodes.unknowns));
 }
 
-/* Moves the unknowns, and what the passes bring them back to, by some units of the roundoff that a pass leaves in them,
- * up or down as the bits of a sequence have it. */
+/* Displaces the unknowns, and the values that passes bring them back to, by some units of the roundoff of a pass, up or
+ * down by the bits of a sequence. */
 static void displace(galerkin_nodes *nodes)
 {
     uint64_t bits = UINT64_C(0x9e3779b97f4a7c15);
@@ -77,7 +78,7 @@ static double distance(const galerkin_nodes *nodes, const double *x)
     return sum;
 }
 
-/* A pass from displaced unknowns; then all is as it was. */
+/* Makes a pass from displaced unknowns, and restores everything. */
 static tvi_status pass_displaced(galerkin_field *field, galerkin_probe *probe, double *moved, tvi_stats *stats)
 {
     galerkin_nodes *nodes = &field->nodes;
@@ -96,8 +97,8 @@ static tvi_status pass_displaced(galerkin_field *field, galerkin_probe *probe, d
     return status;
 }
 
-/* The rounds of a pass may move the unknowns to and fro: what counts is how far they have moved from where they were to
- * where they are. */
+/* Measures a pass and its roundoff. The rounds of a pass may move the unknowns back and forth, so that only the
+ * distance from their old to their new values counts. */
 tvi_status tvi_galerkin_measure(galerkin_field *field, galerkin_probe *probe, double *moved, double *roundoff,
                                 tvi_stats *stats)
 {

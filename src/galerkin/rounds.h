@@ -1,18 +1,19 @@
-/* rounds.h - the rounds of a pass that knows second derivatives (kernel_rounds.h): their numbers, which are in single
- * precision, and when they end. */
+/* rounds.h - Declares the rounds of a pass that knows second derivatives (kernel_rounds.h): their numbers, which are in
+ * single precision, and when they end. */
 #ifndef TVI_SRC_GALERKIN_ROUNDS_H
 #define TVI_SRC_GALERKIN_ROUNDS_H
 
 #include "galerkin/lanes.h"
 
 enum { MOST_ROUNDS = 32 };
-/* They end where the next movement is as small as twice what the first order leaves out; a square, as sizes are. Half
+/* Rounds end when the next movement is as small as twice the error of the first order; a square, as sizes are. Half
  * of that takes more time, and twice as much more passes. */
 #define ROUNDS_LEFT_OUT 4
 /* The unit of relative movements, whose squares, from 2^-144 on, are single numbers in it. */
 #define ROUNDS_UNIT 0x1p-40
 
-/* What stood on the diagonal is no smaller a part of the pivot of a plain matrix than this (kernel_matrices.h). */
+/* In a matrix factored without exchanges, the former element of the diagonal is no smaller a part of the pivot than
+ * this (kernel_matrices.h). */
 #define LANES_LEAST_PLAIN (1.0 / 16)
 
 typedef float single_jet_v8 JET_VECTOR(float, 8);
@@ -20,7 +21,7 @@ typedef float single_jet_v4 JET_VECTOR(float, 4);
 typedef float single_jet_v2 JET_VECTOR(float, 2);
 typedef float single_jet_v1;
 
-/* From the one precision to the other. */
+/* Convert from one precision to the other. */
 #define NARROW_jet_v8(x) JET_CONVERT(single_jet_v8, x)
 #define NARROW_jet_v4(x) JET_CONVERT(single_jet_v4, x)
 #define NARROW_jet_v2(x) JET_CONVERT(single_jet_v2, x)

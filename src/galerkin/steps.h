@@ -1,6 +1,6 @@
-/* steps.h - the steps of the Galerkin curve (docs/method.md section 5): one text. The library compiles it for any
- * system, and for several members, with the loops of its tables (galerkin.c, batch.c); generated code for one system,
- * whose sizes are constants (generated_*.h). */
+/* steps.h - Makes the steps of the Galerkin curve (docs/method.md section 5), in one text. The library compiles it for
+ * any system, and for several members, with the loops of its tables (galerkin.c, batch.c). Generated code compiles it
+ * for one system, whose sizes are constants (generated_*.h). */
 #ifndef TVI_SRC_GALERKIN_STEPS_H
 #define TVI_SRC_GALERKIN_STEPS_H
 
@@ -9,51 +9,57 @@
 #include "tvi.h"
 #include "vector.h"
 
-/* What all steps share. */
+/* The data that all steps share. */
 typedef struct galerkin_frame {
     const galerkin_loops *loops;
     const galerkin_nodes *nodes;
-    const galerkin_motion *motion;
+    const galerkin_tail_inputs *tail_inputs;
     const galerkin_weights *weights;
     const tvi_passes_rule *rule;
     const double *matrix, *c;
     const double *from_two, *from_last; /* of galerkin_extrapolation */
-    double rough;              /* the size of a first movement behind which the last step alone predicts better */
+    /* The size of a first movement beyond which the last step alone predicts better. */
+    double rough_limit;
     double *drift, *drift_low; /* [unknowns][width] h M^-1 p0 of a separable system, in two parts */
     double *share, *ratio;     /* [n][width] of the tail */
-    double *const *impulses;   /* [GALERKIN_TURNS] of steps, in turns; in the history */
+    double *const *impulses;   /* [GALERKIN_RING] of steps; in the history */
     void *own;                 /* of the form of the field: lagrangian_passes, hamiltonian_passes */
     const double *h;           /* the size of the step */
 } galerkin_frame;
 
-/* The field, as passes have it. */
+/* The functions that evaluate the field for the passes of a step. */
 typedef struct {
-    /* The next pass from the unknowns where they are: moved as that of loops.h, [width]. Where roundoff is given, the
-     * passes no longer shrink: sets it to what the roundoff of a pass moves, if that can be measured. */
-    tvi_status (*pass)(void *of, const galerkin_nodes *nodes, double moved[], double *roundoff);
-    void (*predict)(void *of, const galerkin_nodes *nodes, const galerkin_extrapolation *by);
-    void (*made)(void *of); /* a step in a row; NULL: nothing is done */
-    void *of;
-} galerkin_drive;
+    /* Makes the next pass from the current unknowns. moved [width] is measured as in loops.h. A roundoff that is not
+     * NULL asks, for passes that no longer shrink, for the movement by the roundoff of a pass, if it can be
+     * measured. */
+    tvi_status (*pass)(void *work, const galerkin_nodes *nodes, double moved[], double *roundoff);
+    void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by);
+    void (*made)(void *work); /* called after each step of a run; NULL: nothing */
+    void *work;
+} galerkin_solver;
 
-/* How the passes of one member go. */
+/* The passes of one member in a step. */
 typedef struct {
-    tvi_status status; /* TVI_ENOCONV where they are stuck, or too many */
+    tvi_status status; /* TVI_ENOCONV if they are stuck, or too many */
     int count;
     tvi_passes passes;
-    galerkin_pace pace; /* of an earlier step of the same size, then of this one */
+    galerkin_convergence convergence; /* of an earlier step of the same size, then of this one */
 } galerkin_trial;
 
-/* What steps in a row have made, but for what they added to the state. */
+/* The results of several steps, apart from the increments of the state. */
 typedef struct galerkin_outcome {
-    tvi_status status;   /* of the step behind them, where they are less than asked for */
-    int tried;           /* passes of the step that ended the row, which is made in another way */
-    long made, count;    /* steps, and passes of all of them, */
-    long factors;        /* in which so many took second derivatives at the nodes; of generated code */
-    int turn, known;     /* where the impulses of the last one are; so many of the last two have this size */
-    galerkin_pace pace;  /* of the last one, */
-    double t;            /* where it began, */
-    double moved, tail;  /* its last movement, a square as passes have it, and its tail */
+    tvi_status status; /* of the step after them, if fewer were made than asked for */
+    /* Passes of the step that ended the run, which is made in another way. */
+    int tried;
+    long made, count; /* steps, and passes of all of them */
+    /* How many of the passes evaluated second derivatives at the nodes, in generated code. */
+    long factors;
+    /* The index of the impulses of the last step in the ring, and how many of the last two steps have this size. */
+    int ring_index, known;
+    galerkin_convergence convergence; /* of the last step */
+    double t;                         /* where the last step began */
+    /* The last movement of the last step, a square as passes have it, and its tail. */
+    double moved, tail;
     double largest_tail; /* of these steps, and of those before */
 } galerkin_outcome;
 
@@ -61,69 +67,76 @@ typedef struct galerkin_outcome {
 
 JET_INLINE void galerkin_start(const galerkin_frame *frame, const galerkin_nodes *nodes, const tvi_origin *origin)
 {
-    if (frame->motion->is_separable)
+    if (frame->tail_inputs->is_separable)
         GALERKIN_LOOP(frame->loops, start_drifting, nodes, frame->c, origin, frame->drift, frame->drift_low);
-    else GALERKIN_LOOP(frame->loops, start, nodes, frame->motion->n, origin);
+    else GALERKIN_LOOP(frame->loops, start, nodes, frame->tail_inputs->n, origin);
 }
 
-JET_INLINE double *galerkin_turn(const galerkin_frame *frame, int turn)
+JET_INLINE double *galerkin_ring_buffer(const galerkin_frame *frame, int ring_index)
 {
-    return frame->impulses[turn < 0 ? turn + GALERKIN_TURNS : turn < GALERKIN_TURNS ? turn : turn - GALERKIN_TURNS];
+    return frame->impulses[ring_index < 0               ? ring_index + GALERKIN_RING
+                           : ring_index < GALERKIN_RING ? ring_index
+                                                        : ring_index - GALERKIN_RING];
 }
 
-/* Whether the last step alone is to predict the unknowns of a member, as a mask: all bits, or none. */
+/* Tells whether the last step alone predicts the unknowns of a member, as a mask: all bits, or none. */
 JET_INLINE long long galerkin_is_rough(const galerkin_frame *frame, int known, double first)
 {
-    return known < 2 || first > frame->rough ? -1 : 0;
+    return known < 2 || first > frame->rough_limit ? -1 : 0;
 }
 
-JET_INLINE galerkin_extrapolation galerkin_from_steps(const galerkin_frame *frame, int turn, const long long *is_rough)
+JET_INLINE galerkin_extrapolation galerkin_from_steps(const galerkin_frame *frame, int ring_index,
+                                                      const long long *is_rough)
 {
-    return (galerkin_extrapolation){
-        *frame->h, frame->from_two, frame->from_last, galerkin_turn(frame, turn), galerkin_turn(frame, turn - 1),
-        is_rough};
+    return (galerkin_extrapolation){*frame->h,
+                                    frame->from_two,
+                                    frame->from_last,
+                                    galerkin_ring_buffer(frame, ring_index),
+                                    galerkin_ring_buffer(frame, ring_index - 1),
+                                    is_rough};
 }
 
-/* Adds a pass of a member, which moved it by so much. */
+/* Adds a pass of a member, with its movement. */
 JET_INLINE tvi_passes_verdict galerkin_judge(const tvi_passes_rule *rule, galerkin_trial *trial, double moved)
 {
     const tvi_passes_verdict verdict = tvi_passes_judge(&trial->passes, rule, moved);
-    if (trial->count++ == 0) trial->pace.first = moved;
-    trial->pace.slowest = trial->passes.slowest;
+    if (trial->count++ == 0) trial->convergence.first = moved;
+    trial->convergence.slowest = trial->passes.slowest;
     trial->status = !(moved < INFINITY) ? TVI_ENONFINITE : verdict == TVI_PASSES_MAY_END ? TVI_OK : TVI_ENOCONV;
     return trial->status == TVI_ENONFINITE ? TVI_PASSES_MAY_END : verdict;
 }
 
-/* Passes of the members that move, until the rule lets them end; one whose passes are stuck moves no more. */
+/* Makes passes of the members that move, until the rule lets them end. A member whose passes are stuck moves no
+ * more. */
 JET_INLINE void galerkin_solve_members(const galerkin_frame *frame, const galerkin_nodes *nodes,
-                                       const galerkin_drive *drive, galerkin_verdicts *of)
+                                       const galerkin_solver *solver, galerkin_verdicts *verdicts)
 {
     int left = 0;
     for (int m = 0; m < nodes->width; m++) {
-        of->size[m] = of->before[m] = INFINITY;
-        of->part[m] = of->shown[m] = of->count[m] = 0;
-        of->has_ended[m] = 0;
-        left -= (int)of->is_moving[m];
+        verdicts->size[m] = verdicts->before[m] = INFINITY;
+        verdicts->part[m] = verdicts->shown[m] = verdicts->count[m] = 0;
+        verdicts->has_ended[m] = 0;
+        left -= (int)verdicts->is_moving[m];
     }
     for (int count = 1; left > 0 && count <= frame->rule->most; count++) {
-        (void)drive->pass(drive->of, nodes, of->moved, NULL);
-        left = frame->loops->judge(of, frame->rule, nodes->width, count);
+        (void)solver->pass(solver->work, nodes, verdicts->moved, NULL);
+        left = frame->loops->judge(verdicts, frame->rule, nodes->width, count);
     }
 }
 
-/* Those of one, whose roundoff is measured where they are stuck. */
-JET_INLINE void galerkin_solve(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_drive *drive,
+/* Makes the passes of one member. Their roundoff is measured if they are stuck. */
+JET_INLINE void galerkin_solve(const galerkin_frame *frame, const galerkin_nodes *nodes, const galerkin_solver *solver,
                                galerkin_trial *trial, double *moved)
 {
     const int most = frame->rule->most;
     bool is_stuck = false;
-    tvi_passes_begin(&trial->passes, trial->pace.slowest);
+    tvi_passes_begin(&trial->passes, trial->convergence.slowest);
     trial->count = 0;
     trial->status = most > 0 ? TVI_ENOCONV : TVI_OK;
     *moved = 0;
     while (trial->count < most) {
         const bool suspects = is_stuck && trial->passes.roundoff == 0 && trial->count + 1 < most;
-        const tvi_status status = drive->pass(drive->of, nodes, moved, suspects ? &trial->passes.roundoff : NULL);
+        const tvi_status status = solver->pass(solver->work, nodes, moved, suspects ? &trial->passes.roundoff : NULL);
         if (status != TVI_OK) {
             trial->status = status;
             return;
@@ -135,20 +148,20 @@ JET_INLINE void galerkin_solve(const galerkin_frame *frame, const galerkin_nodes
     }
 }
 
-/* The increments of a step, by its impulses, and its tail, [width]. */
+/* Computes the increments of a step from its impulses, and its tail, [width]. */
 JET_INLINE void galerkin_end_step(const galerkin_frame *frame, const galerkin_nodes *nodes, const tvi_origin *origin,
                                   const tvi_increments *by, double tail[])
 {
-    galerkin_motion motion = *frame->motion;
-    motion.q = origin->q;
-    motion.p = origin->p;
-    motion.dp = by->dp;
-    GALERKIN_LOOP(frame->loops, integrate, nodes, frame->weights, &motion.sums);
-    if (motion.is_separable)
-        GALERKIN_LOOP(frame->loops, end_drifting, nodes, &motion.sums, frame->drift, frame->drift_low, by);
-    else GALERKIN_LOOP(frame->loops, end, nodes, &motion.sums, motion.n, by);
+    galerkin_tail_inputs inputs = *frame->tail_inputs;
+    inputs.q = origin->q;
+    inputs.p = origin->p;
+    inputs.dp = by->dp;
+    GALERKIN_LOOP(frame->loops, integrate, nodes, frame->weights, &inputs.sums);
+    if (inputs.is_separable)
+        GALERKIN_LOOP(frame->loops, end_drifting, nodes, &inputs.sums, frame->drift, frame->drift_low, by);
+    else GALERKIN_LOOP(frame->loops, end, nodes, &inputs.sums, inputs.n, by);
     for (int m = 0; m < nodes->width; m++) tail[m] = 0;
-    if (nodes->points > 1) GALERKIN_LOOP(frame->loops, tail, &motion, nodes->width, frame->share, frame->ratio, tail);
+    if (nodes->points > 1) GALERKIN_LOOP(frame->loops, tail, &inputs, nodes->width, frame->share, frame->ratio, tail);
 }
 
 /* ---- Steps in a row ---------------------------------------------------------------------------------------------- */
@@ -160,50 +173,50 @@ JET_INLINE bool galerkin_sums_are_finite(int count, const double *x, const doubl
     return any == 0;
 }
 
-/* Adds the step to the state; false where it is not sure, or not finite. */
-JET_INLINE bool galerkin_advance(int n, const tvi_row *row, const tvi_run_state *now, double tail, int passes)
+/* Adds the step to the state. Returns false if its energy has to be checked, or if it is not finite. */
+JET_INLINE bool galerkin_advance(int n, const tvi_step_run *row, const tvi_run_state *now, double tail, int passes)
 {
-    if (!(tail <= row->sure.tail && passes <= row->sure.passes)) return false;
-    if (!tvi_row_is_in_time(row, now->q)) return false;
-    if (!galerkin_sums_are_finite(n + 1, now->q, row->by.dq)) return false;
-    if (!galerkin_sums_are_finite(n, now->p, row->by.dp)) return false;
-    (void)tvi_add_all_compensated(n + 1, now->q, now->q_low, row->by.dq, row->by.dq_low);
-    (void)tvi_add_all_compensated(n, now->p, now->p_low, row->by.dp, row->by.dp_low);
+    if (!(tail <= row->skip_limits.tail && passes <= row->skip_limits.passes)) return false;
+    if (!tvi_step_ends_before(row, now->q)) return false;
+    if (!galerkin_sums_are_finite(n + 1, now->q, row->increments.dq)) return false;
+    if (!galerkin_sums_are_finite(n, now->p, row->increments.dp)) return false;
+    (void)tvi_add_all_compensated(n + 1, now->q, now->q_low, row->increments.dq, row->increments.dq_low);
+    (void)tvi_add_all_compensated(n, now->p, now->p_low, row->increments.dp, row->increments.dp_low);
     return true;
 }
 
-/* Steps of one member from the origin, which is `now` and moves on, or NULL: one, which is not added. Where none is
- * known before the first one, `begin` of galerkin.c has set its unknowns. */
-JET_INLINE void galerkin_make_steps(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_drive *drive,
-                                    const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
+/* Makes steps of one member from the origin, which is `state` and is updated. NULL: it makes one step, which is not
+ * added. If no step precedes the first one, `begin` of galerkin.c has set its unknowns. */
+JET_INLINE void galerkin_make_steps(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_solver *solver,
+                                    const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
                                     galerkin_outcome *to)
 {
-    const int n = frame->motion->n;
+    const int n = frame->tail_inputs->n;
     while (to->made < row->steps) {
         const double t = now ? now->q[n] : origin->t;
-        galerkin_trial trial = {.pace = to->pace};
+        galerkin_trial trial = {.convergence = to->convergence};
         double moved, tail;
-        nodes->impulse = galerkin_turn(frame, to->turn + 1);
+        nodes->impulse = galerkin_ring_buffer(frame, to->ring_index + 1);
         galerkin_start(frame, nodes, origin);
         if (to->known > 0) {
-            const long long is_rough = galerkin_is_rough(frame, to->known, to->pace.first);
-            const galerkin_extrapolation by = galerkin_from_steps(frame, to->turn, &is_rough);
-            drive->predict(drive->of, nodes, &by);
+            const long long is_rough = galerkin_is_rough(frame, to->known, to->convergence.first);
+            const galerkin_extrapolation by = galerkin_from_steps(frame, to->ring_index, &is_rough);
+            solver->predict(solver->work, nodes, &by);
         }
         GALERKIN_LOOP(frame->loops, set_sizes, nodes, n);
-        galerkin_solve(frame, nodes, drive, &trial, &moved);
+        galerkin_solve(frame, nodes, solver, &trial, &moved);
         to->status = trial.status;
-        if (trial.status == TVI_OK) galerkin_end_step(frame, nodes, origin, &row->by, &tail);
+        if (trial.status == TVI_OK) galerkin_end_step(frame, nodes, origin, &row->increments, &tail);
         if (trial.status != TVI_OK || (now && !galerkin_advance(n, row, now, tail, trial.count))) {
             to->tried = trial.count;
             return;
         }
         to->made++;
-        if (drive->made) drive->made(drive->of);
+        if (solver->made) solver->made(solver->work);
         to->count += trial.count;
-        to->turn = (to->turn + 1) % GALERKIN_TURNS;
+        to->ring_index = (to->ring_index + 1) % GALERKIN_RING;
         to->known += to->known < 2;
-        to->pace = trial.pace;
+        to->convergence = trial.convergence;
         to->t = t;
         to->moved = moved;
         to->tail = tail;
@@ -211,10 +224,10 @@ JET_INLINE void galerkin_make_steps(const galerkin_frame *frame, galerkin_nodes 
     }
 }
 
-/* Those of generated code: galerkin_make_steps. */
+/* The steps of generated code: galerkin_make_steps. */
 typedef struct galerkin_code {
-    void (*steps)(const galerkin_frame *frame, const tvi_row *row, const tvi_origin *origin, const tvi_run_state *now,
-                  galerkin_outcome *to);
+    void (*steps)(const galerkin_frame *frame, const tvi_step_run *row, const tvi_origin *origin,
+                  const tvi_run_state *now, galerkin_outcome *to);
 } galerkin_code;
 
 #endif

@@ -274,8 +274,8 @@ static void finish(batch *w, const tvi_batch_end *end, tvi_stats *stats)
     for (int m = 0; m < of->width; m++) {
         if (w->now[m] != TVI_DONE) continue;
         for (int at = m; at < half; at += of->width) {
-            end->by.dq[at] = w->dq[at];
-            end->by.dp[at] = w->dp[at];
+            end->increments.dq[at] = w->dq[at];
+            end->increments.dp[at] = w->dp[at];
         }
         end->tail[m] = stats->tail = w->tail[m];
         end->passes[m] = w->passes[m].of_each.count;
@@ -314,5 +314,10 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
         if (w->now[m] == TVI_BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
 }
 
-const tvi_batch_stepper tvi_curve_batch = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put, .forget = forget};
+const tvi_batch_stepper tvi_curve_batch = {.width = width_of,
+                                           .take = take,
+                                           .prepare = prepare,
+                                           .step = step,
+                                           .lane_to_scalar = get,
+                                           .scalar_to_lane = put,
+                                           .forget = forget};

@@ -128,9 +128,9 @@ static inline bool step_factor(step_quick *a, const double z[])
     matrices_take(c, z);
     matrices_join(c, &c->q_mean, has_momenta ? &c->u_mean : &c->q_rise, full->lu);
     const bool has_back = matrices_jacobian(c, back->lu);
-    const bool is_plain = linear_plain_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, full);
+    const bool is_safe = linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, full);
     a->factorisations += 1 + has_back;
-    return is_plain && (!has_back || linear_plain_factor(size, form != TVI_LAGRANGIAN ? size : n, back));
+    return is_safe && (!has_back || linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, back));
 }
 
 /* The correction of a pass at x, and its size; false: it is not one that the quick step makes, as where anything on the
@@ -148,7 +148,7 @@ static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_fi
     if (a->by->seed(&w->action, &c->curve, c->seed_Q, c->seed_U) != TVI_OK) return false;
     if (is_due && !step_factor(a, x)) return false;
     CURVE_CALL(pull, &c->curve, c->seed_Q, c->seed_U, c->D);
-    linear_plain_solve_transposed(size, &matrices_of(c)->full, c->D);
+    linear_unpivoted_solve_transposed(size, &matrices_of(c)->full, c->D);
     closure_correct_ends(c);
     step_form_residual(w, origin, r);
     if (is_first) {
@@ -156,7 +156,7 @@ static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_fi
         newton_fill_scale(newton);
     }
     for (int i = 0; i < size; i++) r[i] = -r[i];
-    linear_plain_solve(size, &newton->factor, r);
+    linear_unpivoted_solve(size, &newton->factor, r);
     *correction = newton_measure(newton, newton->scale);
     return tvi_all_finite(size, r);
 }

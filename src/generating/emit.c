@@ -49,7 +49,7 @@ static void emit_followers(jet_text *text, const tvi_system *system)
     text->failed |= !follows;
     if (!follows) return;
     for (int i = system->n; i < 2 * system->n; i++) follows[i] = true;
-    jet_tape_follow(tape, follows);
+    jet_tape_mark_dependents(tape, follows);
     jet_text_add(text, "static const bool code_follows[] = {");
     for (int slot = 0; slot < tape->slots; slot++) jet_text_add(text, "%d, ", follows[slot]);
     jet_text_add(text, "};\n#define CURVE_FOLLOWS(slot) code_follows[slot]\n");

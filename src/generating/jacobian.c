@@ -73,7 +73,7 @@ tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, in
                      .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
-    used.series.beside = used.series.has_adjoints ? 0 : (directions + TVI_CURVE_LANES - 1) / TVI_CURVE_LANES;
+    used.series.tangent_vectors = used.series.has_adjoints ? 0 : (directions + TVI_CURVE_LANES - 1) / TVI_CURVE_LANES;
     if (used.series.has_adjoints) used.series.directions[0] = 1;
     else if (is_whole) used.series.directions[0] = 0;
     else if (directions < TVI_CURVE_LANES) used.series.directions[0] = left;

@@ -46,7 +46,7 @@ static inline tvi_status orders_solve_slope(tvi_curve *curve)
 {
     orders_find_columns(curve);
     orders_place_slope(curve);
-    curve->has_inverse = curve_n(curve) <= LINEAR_SMALL && linear_plain_invert(curve_n(curve), curve->slope.lu);
+    curve->has_inverse = curve_n(curve) <= LINEAR_SMALL && linear_unpivoted_invert(curve_n(curve), curve->slope.lu);
     if (curve->has_inverse) return TVI_OK;
     orders_place_slope(curve);
     return CURVE_FACTOR(&curve->slope);

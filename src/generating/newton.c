@@ -1,7 +1,7 @@
 /* newton.c - the corrector. */
 #include "generating/newton.h"
 #include "algebra/sizes.h"
-#include "method/asked.h"
+#include "method/passes_rule.h"
 #include "system/roundoff.h"
 
 #include <float.h>
@@ -16,11 +16,11 @@ enum { MAX_REFRESHES = 3 };
 /* This judges the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just contract
  * are there after 53. */
 static const tvi_passes_rule of_each = {
-    .most = 64, .goal = DBL_EPSILON / 2, .contraction = 1, .stuck = CONTRACTION, .turns = 1};
+    .most = 64, .goal = DBL_EPSILON / 2, .contraction = 1, .stuck = CONTRACTION, .period = 1};
 /* This judges the largest correction of a group against the largest unknown. Without a matrix passes are not stuck as
  * long as these settle: what one body hands on to the next in each pass, to bodies that had nothing before, is the last
  * to do so. */
-static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .turns = 2};
+static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .period = 2};
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix)
 {
@@ -96,9 +96,9 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
  * contraction tells little. */
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough)
 {
-    tvi_newton_rules rules = {tvi_passes_rule_asked(&of_each, options, options->tolerance), of_largest};
-    if (has_matrix) rules.of_largest = (tvi_passes_rule){.turns = 1};
-    if (!has_matrix || is_rough) rules.of_each.turns = 2;
+    tvi_newton_rules rules = {tvi_passes_rule_with_options(&of_each, options, options->tolerance), of_largest};
+    if (has_matrix) rules.of_largest = (tvi_passes_rule){.period = 1};
+    if (!has_matrix || is_rough) rules.of_each.period = 2;
     return rules;
 }
 

@@ -62,7 +62,7 @@ static inline tvi_status momenta_solve_slope(const tvi_action *action, tvi_curve
     momenta_find_slope(action, curve);
     for (int node = 0; node < points && status == TVI_OK; node++) {
         momenta_place_slope(action, curve, node);
-        if (n <= LINEAR_SMALL && linear_plain_invert(n, curve->slope.lu)) {
+        if (n <= LINEAR_SMALL && linear_unpivoted_invert(n, curve->slope.lu)) {
             for (int i = 0; i < n * n; i++) action->H_pp[i * points + node] = curve->slope.lu[i];
         } else {
             momenta_place_slope(action, curve, node);
@@ -110,7 +110,7 @@ static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
     tvi_passes_begin(&passes, 0);
     memcpy(p, action->momentum, (size_t)count * sizeof *p);
     const double size = tvi_largest(count, p, 1);
-    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 0.5, .stuck = TVI_PASSES_ALL, .turns = 1};
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 0.5, .stuck = TVI_PASSES_ALL, .period = 1};
     for (int step = 0; step < MOMENTA_STEPS; step++) {
         tvi_status status = seeds_run_field(action);
         if (status == TVI_OK && (step == 0 || !(passes.size <= MOMENTA_SERVES * passes.before)))

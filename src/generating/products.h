@@ -265,7 +265,7 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
         const double size = products_measure(c, s);
         if (!isfinite(size)) return TVI_ENONFINITE;
         if (step == 0) goal = tvi_larger(PRODUCTS_ENOUGH, PRODUCTS_ROUGH * size);
-        const tvi_passes_rule rule = {.goal = goal, .contraction = 0.5, .stuck = 0.5, .turns = 1};
+        const tvi_passes_rule rule = {.goal = goal, .contraction = 0.5, .stuck = 0.5, .period = 1};
         const tvi_passes_verdict verdict = tvi_passes_judge(&passes, &rule, size);
         const bool may_end = verdict == TVI_PASSES_MAY_END ||
                              (verdict == TVI_PASSES_STUCK && size <= PRODUCTS_STALLED * products_measure(c, it->x));

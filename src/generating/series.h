@@ -258,7 +258,7 @@ static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
                            .movement = movement,
                            .last_p = p_degree * fabs(tvi_curve_U(curve, p_degree, i)),
                            .last_q = has_masses ? 0 : q_degree * fabs(tvi_curve_Q(curve, q_degree)[i]),
-                           .place = fabs(tvi_curve_Q(curve, 0)[i]),
+                           .position = fabs(tvi_curve_Q(curve, 0)[i]),
                            .per_momentum = 1 / momentum,
                            .per_movement = 1 / movement};
 }

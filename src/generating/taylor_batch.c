@@ -138,8 +138,8 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
             continue;
         }
         for (int at = m; at < n * width; at += width) {
-            end->by.dq[at] = w->sums.rise[at];
-            end->by.dp[at] = w->sums.slope[at];
+            end->increments.dq[at] = w->sums.rise[at];
+            end->increments.dp[at] = w->sums.slope[at];
         }
         end->tail[m] = stats->tail = w->tail[m];
         end->passes[m] = 0;
@@ -160,4 +160,4 @@ static void put(void *work, int lane, const void *one)
 }
 
 const tvi_batch_stepper tvi_taylor_batch = {
-    .width = width_of, .take = take, .prepare = prepare, .step = step, .get = get, .put = put};
+    .width = width_of, .take = take, .prepare = prepare, .step = step, .lane_to_scalar = get, .scalar_to_lane = put};

@@ -34,7 +34,7 @@ static void advance(const tvi_taylor_lanes *curve, int k)
 
 JET_INLINE void sum_sizes(const tvi_taylor_lanes *curve, int i, int from, int to, bool of_slope, double *out)
 {
-    JET_EIGHTS(curve->width, SUM_SIZES, )
+    JET_BLOCKS_OF_8(curve->width, SUM_SIZES, )
 }
 
 static void measure(const tvi_taylor_lanes *curve, int q_degree, int p_degree, const tvi_taylor_sums *sums)
@@ -65,7 +65,7 @@ JET_INLINE void tails_of(const tvi_taylor_lanes *curve, int q_degree, int p_degr
                                   .movement = sums->size[at],
                                   .last_p = p_degree * fabs(of_p * last_p[m]),
                                   .last_q = has_masses ? 0 : q_degree * fabs(last_q[m]),
-                                  .place = fabs(q0[m])};
+                                  .position = fabs(q0[m])};
             part.per_momentum = 1 / part.momentum;
             part.per_movement = 1 / part.movement;
             share[m] = tvi_tail_share(&part, has_masses || curve->system->has_masses);

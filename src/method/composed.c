@@ -1,4 +1,5 @@
-/* composed.c - half a step of a method, then half a step of its adjoint: symmetric whatever the method is. */
+/* composed.c - Makes a step as half a step of a method and half a step of its adjoint, which is symmetric for every
+ * method. */
 #include "method/method.h"
 #include "method/stepper.h"
 
@@ -10,8 +11,9 @@ typedef struct {
     tvi_options options[2]; /* the method and its adjoint */
     const tvi_stepper *stepper[2];
     void *work[2];
-    double *q, *q_low, *p, *p_low; /* [n] the state between the halves */
-    tvi_increments half;           /* the first half's */
+    /* [n] the state between the halves. */
+    double *q, *q_low, *p, *p_low;
+    tvi_increments half; /* of the first half */
 } composed;
 
 static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
@@ -34,10 +36,10 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 static void prepare(void *work)
 {
     composed *c = work;
-    for (int half = 0; half < 2; half++) c->stepper[half]->prepare(c->work[half]); /* of curves */
+    for (int half = 0; half < 2; half++) c->stepper[half]->prepare(c->work[half]); /* tables of the halves */
 }
 
-/* (sum, low) of (x, x_low) + (d, d_low). */
+/* Computes (sum, low) = (x, x_low) + (d, d_low). */
 static void add(int n, const double x[], const double x_low[], const double d[], const double d_low[], double sum[],
                 double low[])
 {
@@ -47,7 +49,8 @@ static void add(int n, const double x[], const double x_low[], const double d[],
     }
 }
 
-static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *increments,
+                       tvi_stats *stats)
 {
     composed *c = work;
     const tvi_increments *half = &c->half;
@@ -59,10 +62,10 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi
     add(n, origin->p, origin->p_low, half->dp, half->dp_low, c->p, c->p_low);
     tvi_origin middle = {origin->t, origin->t_low, c->q, c->q_low, c->p, c->p_low};
     middle.t = tvi_add_compensated(middle.t, &middle.t_low, h / 2, 0);
-    status = c->stepper[1]->step(c->work[1], h / 2, &middle, by, stats);
+    status = c->stepper[1]->step(c->work[1], h / 2, &middle, increments, stats);
     stats->tail = fmax(stats->tail, first_tail);
-    add(n, by->dq, by->dq_low, half->dq, half->dq_low, by->dq, by->dq_low);
-    add(n, by->dp, by->dp_low, half->dp, half->dp_low, by->dp, by->dp_low);
+    add(n, increments->dq, increments->dq_low, half->dq, half->dq_low, increments->dq, increments->dq_low);
+    add(n, increments->dp, increments->dp_low, half->dp, half->dp_low, increments->dp, increments->dp_low);
     return status;
 }
 
@@ -78,7 +81,7 @@ static void dense(void *work, double theta, double dq[], double dp[])
     }
 }
 
-/* Those of a half: its adjoint runs the same. */
+/* The tapes that generated code needs for a half; its adjoint runs the same ones. */
 static tvi_uses uses(const tvi_system *system, const tvi_options *options)
 {
     tvi_options half = *options;

@@ -1,12 +1,12 @@
-/* descriptor.h - what a method is, as data: nothing else in the library asks which method it is. A file of its own
- * defines each, and list.h names it. */
+/* descriptor.h - Declares what a method is, as data. Each method is defined in a file of its own, and listed in list.h;
+ * no other code asks which method it runs. */
 #ifndef TVI_SRC_METHOD_DESCRIPTOR_H
 #define TVI_SRC_METHOD_DESCRIPTOR_H
 
 #include "method/closing.h"
 #include "method/stepper.h"
 
-/* The forms of systems that a method serves, and what it says to the others. */
+/* The forms of systems that a method serves. */
 enum {
     TVI_SERVES_SEPARABLE = 1,
     TVI_SERVES_LAGRANGIAN = 2,
@@ -14,16 +14,17 @@ enum {
     TVI_SERVES_DEGENERATE = 8,
     TVI_SERVES_DRIVEN = 16
 };
+/* The forms that a method serves, and the text that refuses the others. */
 typedef struct {
     int forms;
-    const char *refusal; /* static text; NULL where all forms are served */
+    const char *refusal; /* NULL if all forms are served */
 } tvi_service;
 
-/* Every system; those with an L; those with an H. (method.c) */
+/* Serves every system; systems with an L; systems with an H (method.c). */
 extern const tvi_service tvi_serves_all, tvi_serves_type1, tvi_serves_hamilton;
 
-/* A method with one node rule. The order of degree N is slope N + offset, rounded up to an even number where the method
- * is symmetric or composed. slope = offset = 0: there is no such method. */
+/* One node rule of a method. The order of degree N is slope N + offset, rounded up to an even number if the method is
+ * symmetric or composed. slope = offset = 0: the method does not have this rule. */
 typedef struct {
     const char *name; /* for tvi_options_named; NULL: none */
     int slope, offset;
@@ -40,14 +41,16 @@ typedef enum {
     TVI_ACTION_HAMILTON  /* h sum b_i [p_i . q'_i - H(q_i, p_i, t_i)]  */
 } tvi_action_kind;
 
-/* A Taylor curve, and what a generating function adds to it. */
+/* A Taylor curve, and the generating function that corrects it. */
 typedef struct {
     tvi_span span;
     tvi_action_kind action;
-    bool has_top_momentum; /* p is used to degree N, as q is, else to N - 1 */
-    tvi_close_fn *close;   /* NULL: nothing is added */
+    /* p is used up to degree N, as q is; otherwise up to N - 1. */
+    bool has_top_momentum;
+    tvi_close_fn *close;   /* NULL: the curve is not corrected */
     tvi_mean_closing mean; /* of tvi_close_mean */
-    bool is_rough;         /* the first pass gains by much the most, and tells little of the others */
+    /* The first pass gains much more than the others, and tells little about them. */
+    bool is_rough;
 } tvi_expanded;
 
 typedef struct tvi_descriptor tvi_descriptor;
@@ -58,10 +61,12 @@ struct tvi_descriptor {
     tvi_node_rule nodes[TVI_NODES_TRUNCATED + 1]; /* by tvi_nodes */
     int least_degree, most_degree;
     const tvi_service *serves;
-    const tvi_descriptor *adjoint; /* (Phi_-h)^-1, but for the quadrature, which is mirrored; itself: symmetric; NULL:
-                                      no generating function, and nothing to compose it with */
+    /* The adjoint (Phi_-h)^-1, with the mirrored quadrature. The method itself: it is symmetric. NULL: there is none,
+     * and no composition. */
+    const tvi_descriptor *adjoint;
     tvi_quadrature_use quadrature;
-    bool pairs_momenta; /* with coordinates: its tangent map is that of the paired lift (docs/method.md section 10) */
+    /* Momenta are paired with coordinates: the tangent map is that of the paired lift (docs/method.md section 10). */
+    bool pairs_momenta;
     const tvi_stepper *stepper;
     const tvi_stepper *predictor; /* with TVI_PREDICT_ONLY; NULL: the stepper itself */
     tvi_expanded curve;           /* of tvi_stepper_curve */

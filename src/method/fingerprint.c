@@ -1,4 +1,4 @@
-/* fingerprint.c - see fingerprint.h. */
+/* fingerprint.c - Computes fingerprints of systems and options (fingerprint.h). */
 #include "method/fingerprint.h"
 
 #define COUNT(list) (sizeof(list) / sizeof *(list))
@@ -7,19 +7,19 @@ uint64_t tvi_system_fingerprint(const tvi_system *system)
 {
     const int numbers[] = {system->n, (int)system->form, system->inputs, system->uses_time, system->is_driven};
     const jet_tape *const tapes[] = {system->field_series, system->field_values, system->bend_values,
-                                     system->second_values};
+                                     system->hessian_values};
     uint64_t sum = jet_hash(JET_HASH_OF_NOTHING, numbers, sizeof numbers);
     for (size_t i = 0; i < COUNT(tapes); i++) sum = jet_tape_hash(sum, tapes[i]);
-    for (int i = 0; i < system->seconds; i++) {
-        const int place[] = {system->second[i].row, system->second[i].column};
-        sum = jet_hash(sum, place, sizeof place);
+    for (int i = 0; i < system->hessian_entries; i++) {
+        const int entry[] = {system->hessian[i].row, system->hessian[i].column};
+        sum = jet_hash(sum, entry, sizeof entry);
     }
     const bool has_masses = system->form == TVI_SEPARABLE;
     return jet_hash(sum, system->mass, has_masses ? (size_t)system->n * sizeof *system->mass : 0);
 }
 
-/* The fields in their order; the options have gaps between them. One that is left out is a missing initialiser. What
- * they are compiled to is none of theirs. */
+/* Lists the fields in their order, since the options have gaps between them. The compiler reports one that is missing
+ * as a missing initialiser. `compiled` is not part of the fingerprint. */
 #define OPTION_FIELDS(field)                                                                                           \
     field(method) field(expansion) field(nodes) field(order) field(degree) field(compose_adjoint) field(quadrature)    \
         field(quadrature_points) field(tolerance) field(passes) field(max_passes) field(max_tail)

@@ -1,5 +1,5 @@
-/* fingerprint.h - what decides a step, in 64 bits: whoever keeps what belongs to a system and a method beyond their
- * life asks by these whether it belongs to the ones at hand. */
+/* fingerprint.h - Computes a hash in 64 bits of all that decides a step. Saved states and generated code compare it
+ * with the system and the method at hand. */
 #ifndef TVI_SRC_METHOD_FINGERPRINT_H
 #define TVI_SRC_METHOD_FINGERPRINT_H
 
@@ -7,10 +7,10 @@
 
 #include <stdint.h>
 
-/* The form, the masses, and all that the tapes of the field do: not the energy. */
+/* A hash of the form, the masses, and all operations of the field's tapes, without the energy. */
 uint64_t tvi_system_fingerprint(const tvi_system *system);
 
-/* Every field of the options, as they are: those of an integrator are resolved. */
+/* A hash of every field of the options; those of an integrator are resolved. */
 uint64_t tvi_options_fingerprint(const tvi_options *options);
 
 #endif

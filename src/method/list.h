@@ -1,4 +1,5 @@
-/* list.h - the methods, a line each: one that is symmetric or has no adjoint, or one and its adjoint. */
+/* list.h - Lists the methods, one a line. A method with an adjoint stands beside it; the others are symmetric or have
+ * none. */
 #ifndef TVI_SRC_METHOD_LIST_H
 #define TVI_SRC_METHOD_LIST_H
 
@@ -19,9 +20,9 @@
 #define TVI_DECLARE_WITH_ADJOINT(method, adjoint) extern const tvi_descriptor method, adjoint;
 TVI_METHOD_LIST(TVI_DECLARE_ONE, TVI_DECLARE_WITH_ADJOINT)
 
-extern const tvi_descriptor *const tvi_methods[]; /* all of them; NULL ends */
+extern const tvi_descriptor *const tvi_methods[]; /* all methods, and NULL at the end */
 
-/* "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
+/* The preset "svhd" is a composition: type II at the start, N = 1, with the trapezoid (docs/method.md section 7). */
 extern const tvi_preset tvi_svhd;
 
 #endif

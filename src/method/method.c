@@ -1,4 +1,4 @@
-/* method.c - the list of methods, and what options make of them. */
+/* method.c - Finds the method of given options, and completes the options. */
 #include "method/method.h"
 #include "algebra/quadrature.h"
 #include "method/list.h"
@@ -58,7 +58,7 @@ const tvi_descriptor *tvi_method_of(const tvi_options *options)
     return NULL;
 }
 
-/* Values of the two types that belong to no method at all. */
+/* Refuses values of the two types that belong to no method. */
 static tvi_status check_method(const tvi_options *options, const char **why)
 {
     bool has_method = false, has_expansion = false;
@@ -89,7 +89,7 @@ static tvi_status check_ranges(const tvi_options *options, const char **why)
     return TVI_OK;
 }
 
-/* Why the method does not serve the system, NULL where it does. */
+/* The reason why the method does not serve the system, or NULL. */
 static const char *misfit(const tvi_descriptor *descriptor, const tvi_system *system)
 {
     const int forms = descriptor->serves->forms;
@@ -121,7 +121,7 @@ static tvi_status resolve_degree(tvi_options *options, const tvi_descriptor *des
     return refuse(TVI_EINVAL, "no degree gives the method this order", why);
 }
 
-/* The Galerkin curve has its values at the nodes of the quadrature. */
+/* Sets the Gauss quadrature with as many nodes as the degree, which the Galerkin curve uses. */
 static tvi_status resolve_gauss_of_degree(tvi_options *options, const char **why)
 {
     if (options->quadrature != TVI_QUADRATURE_AUTO && options->quadrature != TVI_GAUSS)
@@ -133,8 +133,8 @@ static tvi_status resolve_gauss_of_degree(tvi_options *options, const char **why
     return TVI_OK;
 }
 
-/* The quadrature, and the order that is left with it: min(order of the curve, order of the quadrature). Without a
- * number of points, one more than the order needs. */
+/* Sets the quadrature, and the order that is left with it: min(order of the curve, order of the quadrature). By default
+ * it has one point more than the order needs. */
 static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_asked, const char **why)
 {
     if (options->quadrature == TVI_QUADRATURE_AUTO) options->quadrature = TVI_GAUSS;
@@ -157,8 +157,8 @@ static tvi_status resolve_any_quadrature(tvi_options *options, bool order_was_as
     return TVI_OK;
 }
 
-/* The automatic g does not know all that an orbit meets: 1/32 from order 16 on, below which right steps have larger
- * tails (docs/adaptive.md). */
+/* The default of max_tail. The automatic g does not know all that an orbit meets. For that reason the limit falls to
+ * 1/32 from order 16 on, below which right steps have larger tails (docs/adaptive.md). */
 static double default_max_tail(const tvi_options *options, const tvi_system *system)
 {
     if (!system || !system->is_automatic) return TVI_MAX_TAIL;
@@ -243,7 +243,7 @@ static tvi_status named(const tvi_descriptor *descriptor, tvi_nodes nodes, int o
 
 static bool is_called(const char *own, const char *name) { return own && strcmp(own, name) == 0; }
 
-/* With the names that there are. */
+/* Refuses a name, with the list of the names that there are. */
 static tvi_status refuse_name(const char *name)
 {
     tvi_status status = jet_refuse(TVI_EINVAL, "no method is called \"%.40s\"; there are", name);
@@ -270,7 +270,8 @@ tvi_status tvi_options_named(const char *name, int order, tvi_options *options)
     return refuse_name(name);
 }
 
-enum { DEFAULT_ORDER = 16 }; /* of least cost over the scenes (docs/choosing.md) */
+/* The order of least cost over the scenes (docs/choosing.md). */
+enum { DEFAULT_ORDER = 16 };
 
 tvi_options tvi_options_default(void)
 {

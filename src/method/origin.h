@@ -1,4 +1,4 @@
-/* origin.h - where a step starts, and how it is added; the places where a search looks at it. */
+/* origin.h - Declares the start of a step, its increments, and how increments are added by compensated summation. */
 #ifndef TVI_SRC_METHOD_ORIGIN_H
 #define TVI_SRC_METHOD_ORIGIN_H
 
@@ -8,51 +8,52 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* The start of a step. The low-order parts of the compensated sums belong to it: it is (t + t_low, q + q_low, p +
+/* The start of a step. It includes the low-order parts of the compensated sums: the state is (t + t_low, q + q_low, p +
  * p_low). */
 typedef struct {
     double t, t_low;
     const double *q, *q_low, *p, *p_low;
 } tvi_origin;
 
-/* A state as the steps have it, N = n of the system that they are made of: the user's q[n], p[n] and the time are q[i],
- * p[i], i < n, and q[n]. What the steps move in is q[N]: the time, or the s of a rescaled system, whose p[n] is e. Low:
- * low-order parts. */
+/* A state of the stepped system with N = n degrees of freedom. The user's q[n], p[n] and time are q[i], p[i], i < n,
+ * and q[n]. q[N] is the independent variable of the steps: the time, or s of a rescaled system, whose p[n] is e. `_low`
+ * are low-order parts. */
 typedef struct {
     double *q, *q_low; /* [N + 1] */
     double *p, *p_low; /* [N] */
 } tvi_run_state;
 
-/* What a step adds to the state, in two parts: dq + dq_low and dp + dp_low, as far as the method knows them; where its
- * increments are rounded to one number, the second parts are 0. */
+/* The increments of a step, in two parts: dq + dq_low and dp + dp_low. The second parts are 0 if the method rounds its
+ * increments to one number. */
 typedef struct {
-    double *dq, *dp, *dq_low, *dp_low; /* dq and dq_low [N + 1], dp and dp_low [N] */
+    double *dq, *dp, *dq_low, *dp_low; /* dq, dq_low [N + 1]; dp, dp_low [N] */
 } tvi_increments;
 
-/* Steps without series are to be returned, whatever their energies, up to this tail and so many passes. */
+/* Limits of the tail and of the passes, up to which a step without series needs no check of its energy. */
 typedef struct {
     double tail;
     int passes;
-} tvi_sure;
-/* Steps in a row: at most so many of size h, each of them sure; `by` has the increments of the last one. Of a rescaled
- * system q[time] is the time, which goes the way of h in each of them and comes to t_end in none; else time is -1. */
+} tvi_skip_limits;
+/* Steps that are made without checks between them: at most `steps` of size h, each within `skip_limits`. `increments`
+ * gets those of the last step. In a rescaled system q[time] is the time, which has to move in the direction of h and to
+ * stay before t_end; otherwise `time` is -1. */
 typedef struct {
     double h;
     long steps;
-    tvi_sure sure;
+    tvi_skip_limits skip_limits;
     int time;
     double t_end;
-    tvi_increments by;
-} tvi_row;
+    tvi_increments increments;
+} tvi_step_run;
 
-/* Below the roundoff of its low-order part the time does not move, and no run would ever end. */
+/* The least change of the time in a step, the roundoff of its low-order part. With less a run would never end. */
 static inline double tvi_least_time(double t) { return DBL_EPSILON * DBL_EPSILON * fabs(t); }
 
-/* Whether a step from q is one of these by its time. */
-static inline bool tvi_row_is_in_time(const tvi_row *row, const double q[])
+/* Tells whether the time moves in the direction of h in a step from q, and stays before t_end. */
+static inline bool tvi_step_ends_before(const tvi_step_run *row, const double q[])
 {
     if (row->time < 0) return true;
-    const double t = q[row->time], way = row->h > 0 ? 1 : -1, dt = way * row->by.dq[row->time];
+    const double t = q[row->time], way = row->h > 0 ? 1 : -1, dt = way * row->increments.dq[row->time];
     return dt > tvi_least_time(t) && dt < way * (row->t_end - t);
 }
 
@@ -64,7 +65,7 @@ static inline double tvi_two_sum(double a, double b, double *rest)
     return sum;
 }
 
-/* (x, low) <- x + low + d + d_low: what is lost is of the size of low's roundoff. */
+/* (x, low) <- x + low + d + d_low. The error is of the size of low's roundoff. */
 static inline double tvi_add_compensated(double x, double *low, double d, double d_low)
 {
     double rest;
@@ -73,7 +74,7 @@ static inline double tvi_add_compensated(double x, double *low, double d, double
     return sum;
 }
 
-/* The same of all components. 0 where all of them are finite then, and only there. */
+/* Adds all components in this way. The result is 0 if and only if all sums are finite. */
 static inline uint64_t tvi_add_all_compensated(int count, double *restrict x, double *restrict low,
                                                const double *restrict d, const double *restrict d_low)
 {
@@ -94,8 +95,8 @@ typedef struct {
     const double *q, *q_low, *p, *p_low;
 } tvi_batch_origin;
 
-/* Where a search for events looks at a step: at the ends of equal parts of it, but its start. */
+/* The number of points at which a search for events samples a step: the ends of equal parts of the step. */
 enum { TVI_SAMPLES = 8 };
-extern const double tvi_sample_place[TVI_SAMPLES]; /* dense.c */
+extern const double tvi_sample_theta[TVI_SAMPLES]; /* dense.c */
 
 #endif

@@ -1,4 +1,4 @@
-/* single.c - see single.h. */
+/* single.c - Makes the step of one member of a batch by the stepper's own step (single.h). */
 #include "method/single.h"
 
 void tvi_single_take(tvi_single *single, tvi_arena *arena, const tvi_stepper *stepper, const tvi_system *system,
@@ -12,11 +12,11 @@ void tvi_single_take(tvi_single *single, tvi_arena *arena, const tvi_stepper *st
     single->blocks = arena->blocks;
     arena->blocks = others;
     single->parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(system));
-    tvi_increments *by = &single->by;
-    double **const vectors[] = {&single->q, &single->q_low, &single->p,  &single->p_low,
-                                &by->dq,    &by->dp,        &by->dq_low, &by->dp_low};
+    tvi_increments *increments = &single->increments;
+    double **const vectors[] = {&single->q,      &single->q_low,  &single->p,          &single->p_low,
+                                &increments->dq, &increments->dp, &increments->dq_low, &increments->dp_low};
     for (size_t i = 0; i < 8; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->n);
-    single->inside = tvi_arena_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
+    single->block = tvi_arena_doubles(arena, (size_t)(slots[0] > slots[1] ? slots[0] : slots[1]) * (size_t)points);
 }
 
 void tvi_single_prepare(tvi_single *single)
@@ -37,8 +37,8 @@ void tvi_scatter(int rows, int width, const double from[], int member, double *t
 
 bool tvi_single_is_inside(const tvi_single *single, const jet_tape *tape, const double *x, int points, int member)
 {
-    tvi_gather(tape->slots * points, single->width, x, member, single->inside);
-    return tape->sweeps->values(tape, single->inside, points);
+    tvi_gather(tape->slots * points, single->width, x, member, single->block);
+    return tape->sweeps->values(tape, single->block, points);
 }
 
 bool tvi_single_step(const tvi_single *single, const jet_tape *tape, const double *x, int points, double h,
@@ -54,12 +54,12 @@ bool tvi_single_step(const tvi_single *single, const jet_tape *tape, const doubl
     tvi_gather(n, width, origin->p_low, member, single->p_low);
     jet_tape_read_parameters(tape, x, points * width, member, single->parameters);
     tvi_blocks_set_parameters(single->blocks, tvi_system_parameters(single->system), 1, single->parameters);
-    end->status[member] = single->stepper->step(single->work, h, &from, &single->by, stats);
+    end->status[member] = single->stepper->step(single->work, h, &from, &single->increments, stats);
     if (end->status[member] != TVI_OK) return false;
-    tvi_scatter(n, width, single->by.dq, member, end->by.dq);
-    tvi_scatter(n, width, single->by.dp, member, end->by.dp);
-    tvi_scatter(n, width, single->by.dq_low, member, end->by.dq_low);
-    tvi_scatter(n, width, single->by.dp_low, member, end->by.dp_low);
+    tvi_scatter(n, width, single->increments.dq, member, end->increments.dq);
+    tvi_scatter(n, width, single->increments.dp, member, end->increments.dp);
+    tvi_scatter(n, width, single->increments.dq_low, member, end->increments.dq_low);
+    tvi_scatter(n, width, single->increments.dp_low, member, end->increments.dp_low);
     end->tail[member] = stats->tail;
     end->passes[member] = (int)(stats->passes - passes);
     return true;

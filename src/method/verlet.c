@@ -1,5 +1,5 @@
-/* verlet.c - Stormer-Verlet: half a kick, a drift, half a kick. An integrator is one member; those of an ensemble are
- * lanes: number m of a row is member m. */
+/* verlet.c - Makes steps of Stormer-Verlet: half a kick, a drift, half a kick. An integrator has one member. Members of
+ * an ensemble are lanes: number m of a row is member m. */
 #include "method/list.h"
 #include "method/single.h"
 #include "vector.h"
@@ -11,7 +11,7 @@ enum { MOST_WIDTH = 64, LEAST_WIDTH = 8, MOST_BYTES = 16 << 10 };
 
 typedef struct {
     const tvi_system *system;
-    tvi_single *by_itself; /* of several: makes the steps that fail */
+    tvi_single *single_stepper; /* of several members: makes the steps that fail */
     int width;
     double h;               /* of the last step */
     double *x;              /* block of the force's values */
@@ -25,10 +25,10 @@ static void *take_members(tvi_arena *arena, const tvi_system *system, const tvi_
     verlet *taken = tvi_arena_take(arena, sizeof *taken);
     verlet w = {.system = system, .width = width};
     if (width > 1) {
-        tvi_single by_itself;
-        w.by_itself = tvi_arena_take(arena, sizeof by_itself);
-        tvi_single_take(&by_itself, arena, tvi_stormer_verlet.stepper, system, options, width, 1);
-        if (w.by_itself) *w.by_itself = by_itself;
+        tvi_single single_stepper;
+        w.single_stepper = tvi_arena_take(arena, sizeof single_stepper);
+        tvi_single_take(&single_stepper, arena, tvi_stormer_verlet.stepper, system, options, width, 1);
+        if (w.single_stepper) *w.single_stepper = single_stepper;
     }
     w.x = tvi_arena_block(arena, system->field_values, 1, width, 0);
     double **const vectors[] = {&w.before, &w.after, &w.dq, &w.dp};
@@ -39,7 +39,8 @@ static void *take_members(tvi_arena *arena, const tvi_system *system, const tvi_
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* out = F at the coordinates in w->x, at t + (t_low + later); false where no member is left that has had one. */
+/* Computes out = F at the coordinates in w->x, at time t + (t_low + later). Returns false if no member is left in the
+ * domain. */
 JET_INLINE bool kick(verlet *w, int width, const tvi_batch_origin *origin, double later, double *out)
 {
     const jet_tape *tape = w->system->field_values;
@@ -49,14 +50,14 @@ JET_INLINE bool kick(verlet *w, int width, const tvi_batch_origin *origin, doubl
         w->x[n * width + m] = origin->t[m] + (origin->t_low[m] + later);
     if (!tape->sweeps->values(tape, w->x, width))
         for (int m = 0; m < width; m++) {
-            w->is_outside[m] |= width == 1 || !tvi_single_is_inside(w->by_itself, tape, w->x, 1, m);
+            w->is_outside[m] |= width == 1 || !tvi_single_is_inside(w->single_stepper, tape, w->x, 1, m);
             left -= w->is_outside[m];
         }
     for (int i = 0; i < n; i++) memcpy(out + i * width, w->x + tape->output[i] * width, (size_t)width * sizeof *out);
     return left > 0;
 }
 
-/* dq = h M^-1 (p0 + h/2 F0),  dp = h/2 (F0 + F1), of all members; how many forces each of them took. */
+/* Computes dq = h M^-1 (p0 + h/2 F0), dp = h/2 (F0 + F1) of all members. Returns the number of forces of each. */
 JET_INLINE int move_members(verlet *w, int width, double h, const tvi_batch_origin *origin)
 {
     const int n = w->system->n;
@@ -76,8 +77,8 @@ JET_INLINE int move_members(verlet *w, int width, double h, const tvi_batch_orig
     return 2;
 }
 
-/* More than the steps change the energies by. The change of T is (F0 + F1)/2 . dq + h/4 (F1 - F0) . M^-1 dp, that of V
- * -F . dq with an F between F0 and F1. */
+/* Bounds the changes of the energies. The change of T is (F0 + F1)/2 . dq + h/4 (F1 - F0) . M^-1 dp, that of V is -F .
+ * dq with an F between F0 and F1. */
 JET_INLINE void most_changes(const verlet *w, int width, double change[])
 {
     for (int m = 0; m < width; m++) change[m] = 0;
@@ -99,7 +100,7 @@ static int width_of(const tvi_system *system, const tvi_options *options)
     return width;
 }
 
-static void prepare_members(void *work) { tvi_single_prepare(((verlet *)work)->by_itself); }
+static void prepare_members(void *work) { tvi_single_prepare(((verlet *)work)->single_stepper); }
 
 static void step_members(void *work, double h, const tvi_batch_origin *origin, const tvi_batch_end *end,
                          tvi_stats *stats)
@@ -110,12 +111,12 @@ static void step_members(void *work, double h, const tvi_batch_origin *origin, c
     for (int m = 0; m < w->width; m++) {
         if (end->status[m] != TVI_OK) continue;
         if (w->is_outside[m]) {
-            (void)tvi_single_step(w->by_itself, tape, w->x, 1, h, origin, end, m, stats);
+            (void)tvi_single_step(w->single_stepper, tape, w->x, 1, h, origin, end, m, stats);
             continue;
         }
         for (int at = m; at < w->system->n * w->width; at += w->width) {
-            end->by.dq[at] = w->dq[at];
-            end->by.dp[at] = w->dp[at];
+            end->increments.dq[at] = w->dq[at];
+            end->increments.dp[at] = w->dp[at];
         }
         end->tail[m] = 0;
         end->passes[m] = 0;
@@ -129,7 +130,7 @@ static void most_changes_of_members(const void *work, double change[])
     most_changes(w, w->width, change);
 }
 
-/* There is no history. */
+/* The stepper of a batch, which leaves no history. */
 static const tvi_batch_stepper members = {.width = width_of,
                                           .take = take_members,
                                           .prepare = prepare_members,
@@ -143,7 +144,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return take_members(arena, system, options, 1);
 }
 
-static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi_increments *increments,
+                       tvi_stats *stats)
 {
     verlet *w = work;
     const tvi_batch_origin of_one = {&origin->t, &origin->t_low, origin->q, origin->q_low, origin->p, origin->p_low};
@@ -153,12 +155,12 @@ static tvi_status step(void *work, double h, const tvi_origin *origin, const tvi
         (void)jet_refuse_sweep(w->system->field_values, w->x, 1);
         return TVI_EDOMAIN;
     }
-    memcpy(by->dq, w->dq, bytes);
-    memcpy(by->dp, w->dp, bytes);
+    memcpy(increments->dq, w->dq, bytes);
+    memcpy(increments->dp, w->dp, bytes);
     return TVI_OK;
 }
 
-/* Polynomials through the ends: dq with the accelerations at the ends of the step as slopes of the momentum. */
+/* Evaluates polynomials through the ends. dq has the accelerations at both ends as slopes of the momentum. */
 static void dense(void *work, double theta, double dq[], double dp[])
 {
     const verlet *w = work;

@@ -1,4 +1,4 @@
-/* advance.c - compiles the loops of advance.h for several members, once for each instruction set. */
+/* advance.c - Compiles the loops of advance.h for several members, once for each instruction set. */
 #include "run/advance.h"
 #include "rule.h"
 

@@ -1,12 +1,12 @@
-/* advance.h - adds the increments of a step to the states of all members by compensated summation. Arrays are
- * [rows][width], the member fastest. */
+/* advance.h - Adds the increments of a step to the states of all members by compensated summation. step.c calls it.
+ * Arrays are [rows][width], the member fastest. */
 #ifndef TVI_SRC_RUN_ADVANCE_H
 #define TVI_SRC_RUN_ADVANCE_H
 
 #include "method/origin.h"
 #include "tvi.h"
 
-/* overflows[member] is no longer 0 where the sum x + (low + dx) is not finite in some row. */
+/* overflows[member] becomes different from 0 if the sum x + (low + dx) is not finite in some row. */
 static inline void tvi_find_overflows(int rows, int width, const double *restrict x, const double *restrict low,
                                       const double *restrict dx, double *restrict overflows)
 {
@@ -17,7 +17,7 @@ static inline void tvi_find_overflows(int rows, int width, const double *restric
         }
 }
 
-/* (x, low) <- x + low + dx + dx_low of the members that are TVI_OK. */
+/* (x, low) <- x + low + dx + dx_low of the members whose status is TVI_OK. */
 static inline void tvi_advance(int rows, int width, double *restrict x, double *restrict low, const double *restrict dx,
                                const double *restrict dx_low, const tvi_status *restrict status)
 {
@@ -30,7 +30,7 @@ static inline void tvi_advance(int rows, int width, double *restrict x, double *
         }
 }
 
-/* The same for several members, compiled once for each instruction set (ad/vector.h). */
+/* The two functions for several members, compiled once for each instruction set (ad/vector.h). */
 typedef struct {
     void (*find_overflows)(int rows, int width, const double *x, const double *low, const double *dx,
                            double *overflows);

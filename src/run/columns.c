@@ -1,5 +1,5 @@
-/* columns.c - moves the tangent vectors of a run by its steps, and by parts of them. The vectors before the last step
- * and after it are kept with the integrator's tangent, so that each part of the step starts from the same ones. */
+/* columns.c - Moves the tangent vectors of a run by its steps, and by parts of them. The integrator's tangent keeps the
+ * vectors before and after the last step, so that every part of the step starts from the same ones. */
 #include "run/columns.h"
 
 #include <string.h>
@@ -11,12 +11,12 @@ static size_t count_of(const tvi_integrator *it, const tvi_columns *c)
 
 static void load(const tvi_integrator *it, const tvi_columns *c, double to[])
 {
-    for (size_t i = 0; i < count_of(it, c); i++) to[i] = c->D[i * c->apart];
+    for (size_t i = 0; i < count_of(it, c); i++) to[i] = c->D[i * c->spacing];
 }
 
 static void store(const tvi_integrator *it, const tvi_columns *c, const double from[])
 {
-    for (size_t i = 0; i < count_of(it, c); i++) c->D[i * c->apart] = from[i];
+    for (size_t i = 0; i < count_of(it, c); i++) c->D[i * c->spacing] = from[i];
 }
 
 bool tvi_columns_have_last_step(const tvi_integrator *it, const tvi_columns *c)
@@ -26,7 +26,7 @@ bool tvi_columns_have_last_step(const tvi_integrator *it, const tvi_columns *c)
     if (!tangent || tangent->step == 0 || tangent->step != it->stats.steps || tangent->moved != c->columns)
         return false;
     for (size_t i = 0; i < count_of(it, c); i++)
-        if (tvi_bits(c->D[i * c->apart]) != tvi_bits(tangent->end[i])) return false;
+        if (tvi_bits(c->D[i * c->spacing]) != tvi_bits(tangent->end[i])) return false;
     return true;
 }
 

@@ -1,4 +1,4 @@
-/* dense.c - the curve of the last step: the state at a place of it, and the states at all sample places. */
+/* dense.c - Evaluates the curve of the last step at one theta, or at all sample points of a search for events. */
 #include "run/integrator.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -8,21 +8,21 @@
 tvi_status tvi_state_at(tvi_integrator *it, double theta, double *t, double q[], double p[])
 {
     const int n = it->system->n;
-    if (theta == 1) { /* with the low-order parts */
-        tvi_state_now(it, t, q, p);
+    if (theta == 1) { /* this state has the low-order parts */
+        tvi_integrator_copy_state(it, t, q, p);
         return TVI_OK;
     }
-    it->stepper->dense(it->work, theta, it->by.dq, it->by.dp);
-    it->by.dq[it->stepped->n] = theta * it->h;
+    it->stepper->dense(it->work, theta, it->increments.dq, it->increments.dp);
+    it->increments.dq[it->stepped->n] = theta * it->h;
     for (int i = 0; i < n; i++) {
-        it->by.dq[i] += it->start.q[i];
-        it->by.dp[i] += it->start.p[i];
+        it->increments.dq[i] += it->start.q[i];
+        it->increments.dp[i] += it->start.p[i];
     }
-    if (!tvi_all_finite(n, it->by.dq) || !tvi_all_finite(n, it->by.dp))
+    if (!tvi_all_finite(n, it->increments.dq) || !tvi_all_finite(n, it->increments.dp))
         return jet_refuse(TVI_ENONFINITE, "the curve of the step overflows at theta = %g", theta);
-    memcpy(q, it->by.dq, (size_t)n * sizeof *q);
-    memcpy(p, it->by.dp, (size_t)n * sizeof *p);
-    *t = it->start.q[n] + (it->start.q_low[n] + it->by.dq[n]);
+    memcpy(q, it->increments.dq, (size_t)n * sizeof *q);
+    memcpy(p, it->increments.dp, (size_t)n * sizeof *p);
+    *t = it->start.q[n] + (it->start.q_low[n] + it->increments.dq[n]);
     return TVI_OK;
 }
 
@@ -37,34 +37,34 @@ tvi_status tvi_dense(tvi_integrator *it, double theta, double q[], double p[])
 
 /* ---- Samples ----------------------------------------------------------------------------------------------------- */
 
-const double tvi_sample_place[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
+const double tvi_sample_theta[TVI_SAMPLES] = {0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1};
 
-/* One after the other. */
+/* Evaluates the samples one after the other. */
 static void sample_by_dense(tvi_integrator *it, double *q, double *p, double *t)
 {
     const int n = it->system->n;
     for (int k = 0; k < TVI_SAMPLES; k++) {
-        it->stepper->dense(it->work, tvi_sample_place[k], it->by.dq, it->by.dp);
-        it->by.dq[it->stepped->n] = tvi_sample_place[k] * it->h;
+        it->stepper->dense(it->work, tvi_sample_theta[k], it->increments.dq, it->increments.dp);
+        it->increments.dq[it->stepped->n] = tvi_sample_theta[k] * it->h;
         for (int i = 0; i < n; i++) {
-            q[i * TVI_SAMPLES + k] = it->start.q[i] + it->by.dq[i];
-            p[i * TVI_SAMPLES + k] = it->start.p[i] + it->by.dp[i];
+            q[i * TVI_SAMPLES + k] = it->start.q[i] + it->increments.dq[i];
+            p[i * TVI_SAMPLES + k] = it->start.p[i] + it->increments.dp[i];
         }
-        t[k] = it->start.q[n] + (it->start.q_low[n] + it->by.dq[n]);
+        t[k] = it->start.q[n] + (it->start.q_low[n] + it->increments.dq[n]);
     }
 }
 
-void tvi_sample(tvi_integrator *it, const tvi_range of[2], double *x)
+void tvi_sample(tvi_integrator *it, const tvi_range used[2], double *x)
 {
     const int n = it->system->n, end = TVI_SAMPLES - 1;
     double *q = x, *p = q + n * TVI_SAMPLES, *t = p + n * TVI_SAMPLES;
     if (it->stepper->sample && !tvi_is_rescaled(it)) {
-        it->stepper->sample(it->work, of, it->start.q, it->start.p, q, p);
-        for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_place[k] * it->h);
+        it->stepper->sample(it->work, used, it->start.q, it->start.p, q, p);
+        for (int k = 0; k < end; k++) t[k] = it->start.q[n] + (it->start.q_low[n] + tvi_sample_theta[k] * it->h);
     } else {
         sample_by_dense(it, q, p, t);
     }
-    for (int i = of[0].first; i < of[0].end; i++) q[i * TVI_SAMPLES + end] = it->now.q[i];
-    for (int i = of[1].first; i < of[1].end; i++) p[i * TVI_SAMPLES + end] = it->now.p[i];
-    t[end] = it->now.q[n];
+    for (int i = used[0].first; i < used[0].end; i++) q[i * TVI_SAMPLES + end] = it->state.q[i];
+    for (int i = used[1].first; i < used[1].end; i++) p[i * TVI_SAMPLES + end] = it->state.p[i];
+    t[end] = it->state.q[n];
 }

@@ -1,21 +1,22 @@
-/* dip.h - whether a function whose size has a least value between places is 0 there. */
+/* dip.h - Decides whether a function whose size has a dip between two points becomes 0 there. search.c calls it. */
 #ifndef TVI_SRC_RUN_DIP_H
 #define TVI_SRC_RUN_DIP_H
 
 #include <stdbool.h>
 
-/* A value of g, and where. */
+/* A value of g, and the theta where g has it. */
 typedef struct {
     double at, g;
-} tvi_place;
+} tvi_dip_point;
 
-/* Five places, of one sign of g in the three in the middle, x[1] < x[2] < x[3], of which |g| is least at x[2]; x[0] and
- * x[4] lie farther out, or are nowhere, with g a NAN. */
+/* Five points. The three in the middle have one sign of g, x[1] < x[2] < x[3], and |g| is least at x[2]. x[0] and x[4]
+ * lie farther out, or are missing, with NAN for g. */
 enum { TVI_DIP = 5 };
 
-/* The next place to look at, after so many looks; false where g is known to have no zero between x[1] and x[3]. */
-bool tvi_dip_next(const tvi_place x[TVI_DIP], int looks, double *at);
-/* Puts what was found there, of the same sign, in the middle of the three, or at an end of them. */
-void tvi_dip_take(tvi_place x[TVI_DIP], tvi_place found);
+/* Sets *at to the next abscissa to sample, after `looks` samples. Returns false if g is known to have no zero between
+ * x[1] and x[3]. */
+bool tvi_dip_next(const tvi_dip_point x[TVI_DIP], int looks, double *at);
+/* Inserts a point with the same sign of g, in the middle of the three or at an end of them. */
+void tvi_dip_insert(tvi_dip_point x[TVI_DIP], tvi_dip_point found);
 
 #endif

@@ -1,8 +1,9 @@
-/* ensemble.c - makes ensembles: many members, and the few integrators that take turns in stepping them. All that the
- * members of a batch are between two steps is an integrator's history (arena.h), their parameters and their stops. */
+/* ensemble.c - Creates and frees ensembles, saves and loads them, and moves members between the ensemble's memory and
+ * the integrators of its threads. The memory of a batch between two steps is an integrator's history (arena.h),
+ * together with the parameters and the stops of its members. */
 #include "run/ensemble.h"
 #include "run/saved.h"
-#include "run/spread.h"
+#include "run/parallel_for.h"
 #include "system/refuse.h"
 
 #include <math.h>
@@ -16,18 +17,18 @@ static size_t parameter_count(const tvi_ensemble *e)
 
 /* ---- Memory ------------------------------------------------------------------------------------------------------ */
 
-/* The first worker's integrator is made by the options, the others are its twins. */
+/* The first worker's integrator is created from the options; the other workers' integrators are like it. */
 static tvi_status make_worker(tvi_worker *w, const tvi_ensemble *e, const tvi_options *options)
 {
-    tvi_status status = w == e->worker ? tvi_integrator_create(&w->one, e->system, options)
-                                       : tvi_integrator_twin(&w->one, e->worker->one, 1);
+    tvi_status status = w == e->worker ? tvi_integrator_create(&w->single, e->system, options)
+                                       : tvi_integrator_create_like(&w->single, e->worker->single, 1);
     if (status != TVI_OK) return status;
     w->q = calloc(2 * (size_t)e->n, sizeof *w->q);
     if (!w->q) return TVI_ENOMEM;
     w->p = w->q + e->n;
-    const int width = tvi_integrator_width(w->one);
-    w->batch = w->one;
-    return width > 1 ? tvi_integrator_twin(&w->batch, w->one, width) : TVI_OK;
+    const int width = tvi_integrator_width(w->single);
+    w->batch = w->single;
+    return width > 1 ? tvi_integrator_create_like(&w->batch, w->single, width) : TVI_OK;
 }
 
 static tvi_status make_members(tvi_ensemble *e)
@@ -35,15 +36,15 @@ static tvi_status make_members(tvi_ensemble *e)
     const tvi_integrator *batch = e->worker->batch;
     e->width = batch->width;
     e->batches = (e->members - 1) / e->width + 1;
-    e->remembered = batch->remembered;
-    e->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)e->batches * e->remembered);
+    e->history_bytes = batch->history_bytes;
+    e->memory = aligned_alloc(ARENA_ALIGNMENT, (size_t)e->batches * e->history_bytes);
     e->parameters = calloc(parameter_count(e) + 1, sizeof *e->parameters);
     e->stops = calloc((size_t)e->members, tvi_stop_bytes(e->n));
     e->failed = calloc((size_t)e->members, sizeof *e->failed);
     if (!e->memory || !e->parameters || !e->stops || !e->failed) return TVI_ENOMEM;
-    memset(e->memory, 0, (size_t)e->batches * e->remembered);
+    memset(e->memory, 0, (size_t)e->batches * e->history_bytes);
     for (size_t i = 0; i < parameter_count(e); i++)
-        e->parameters[i] = e->worker->one->parameters[i / (size_t)e->members];
+        e->parameters[i] = e->worker->single->parameters[i / (size_t)e->members];
     return TVI_OK;
 }
 
@@ -66,14 +67,14 @@ tvi_status tvi_ensemble_create(tvi_ensemble **out, const tvi_system *system, con
     if (threads < 0) return jet_refuse(TVI_EINVAL, "threads = %d is negative", threads);
     tvi_ensemble *e = calloc(1, sizeof *e);
     if (!e) return jet_refuse_memory(TVI_ENOMEM);
-    const int wanted = threads > 0 ? threads : tvi_spread_threads();
-    if (!tvi_spread_can_start(wanted < members ? wanted : members)) {
+    const int wanted = threads > 0 ? threads : tvi_parallel_threads();
+    if (!tvi_parallel_can_start(wanted < members ? wanted : members)) {
         free(e);
         return jet_refuse(TVI_ENOMEM, "so many threads cannot be started");
     }
     *e = (tvi_ensemble){.system = system, .n = system->n, .members = members};
     e->threads = wanted < members ? wanted : members;
-    (void)pthread_mutex_init(&e->told, NULL);
+    (void)pthread_mutex_init(&e->observer_lock, NULL);
     const tvi_status status = make(e, options);
     if (status == TVI_OK) *out = e;
     else tvi_ensemble_free(e);
@@ -84,8 +85,8 @@ void tvi_ensemble_free(tvi_ensemble *e)
 {
     if (!e) return;
     for (int i = 0; e->worker && i < e->threads; i++) {
-        if (e->worker[i].batch != e->worker[i].one) tvi_integrator_free(e->worker[i].batch);
-        tvi_integrator_free(e->worker[i].one);
+        if (e->worker[i].batch != e->worker[i].single) tvi_integrator_free(e->worker[i].batch);
+        tvi_integrator_free(e->worker[i].single);
         free(e->worker[i].q);
     }
     free(e->worker);
@@ -93,42 +94,42 @@ void tvi_ensemble_free(tvi_ensemble *e)
     free(e->parameters);
     free(e->stops);
     free(e->failed);
-    (void)pthread_mutex_destroy(&e->told);
+    (void)pthread_mutex_destroy(&e->observer_lock);
     free(e);
 }
 
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
-static char *memory_of(const tvi_ensemble *e, int batch) { return e->memory + (size_t)batch * e->remembered; }
+static char *memory_of(const tvi_ensemble *e, int batch) { return e->memory + (size_t)batch * e->history_bytes; }
 
 static char *stop_of(const tvi_ensemble *e, int member) { return e->stops + (size_t)member * tvi_stop_bytes(e->n); }
 
 void tvi_worker_load(tvi_worker *w, const tvi_ensemble *e, int batch)
 {
-    tvi_arena_copy(w->batch->history, memory_of(e, batch), e->remembered);
-    tvi_integrator_lend_parameters(w->batch, e->parameters + tvi_first_member(e, batch), (size_t)e->members,
+    tvi_arena_copy(w->batch->history, memory_of(e, batch), e->history_bytes);
+    tvi_integrator_load_parameters(w->batch, e->parameters + tvi_first_member(e, batch), (size_t)e->members,
                                    tvi_members_of(e, batch));
     w->batch->has_dense = false;
 }
 
 void tvi_worker_store(const tvi_worker *w, tvi_ensemble *e, int batch)
 {
-    tvi_arena_copy(memory_of(e, batch), w->batch->history, e->remembered);
+    tvi_arena_copy(memory_of(e, batch), w->batch->history, e->history_bytes);
 }
 
-void tvi_worker_enter(tvi_worker *w, const tvi_ensemble *e, int member)
+void tvi_worker_load_member(tvi_worker *w, const tvi_ensemble *e, int member)
 {
-    if (w->batch != w->one) {
-        tvi_member_copy(w->one, 0, w->batch, member % e->width);
-        tvi_integrator_lend_parameters(w->one, e->parameters + member, (size_t)e->members, 1);
+    if (w->batch != w->single) {
+        tvi_member_copy(w->single, 0, w->batch, member % e->width);
+        tvi_integrator_load_parameters(w->single, e->parameters + member, (size_t)e->members, 1);
     }
-    memcpy(w->one->stop, stop_of(e, member), tvi_stop_bytes(e->n));
+    memcpy(w->single->stop, stop_of(e, member), tvi_stop_bytes(e->n));
 }
 
-void tvi_worker_leave(tvi_worker *w, const tvi_ensemble *e, int member)
+void tvi_worker_store_member(tvi_worker *w, const tvi_ensemble *e, int member)
 {
-    if (w->batch != w->one) tvi_member_copy(w->batch, member % e->width, w->one, 0);
-    memcpy(stop_of(e, member), w->one->stop, tvi_stop_bytes(e->n));
+    if (w->batch != w->single) tvi_member_copy(w->batch, member % e->width, w->single, 0);
+    memcpy(stop_of(e, member), w->single->stop, tvi_stop_bytes(e->n));
 }
 
 /* ---- What is asked of all ---------------------------------------------------------------------------------------- */
@@ -140,7 +141,7 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *e, const double value[])
     for (size_t i = 0; i < parameter_count(e); i++)
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%zu] is not finite", i);
     memmove(e->parameters, value, parameter_count(e) * sizeof *value);
-    memset(e->stops, 0, (size_t)e->members * tvi_stop_bytes(e->n)); /* the events were others */
+    memset(e->stops, 0, (size_t)e->members * tvi_stop_bytes(e->n)); /* the events had other parameters */
     tvi_ensemble_reset(e);
     return TVI_OK;
 }
@@ -148,45 +149,45 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *e, const double value[])
 void tvi_ensemble_reset(tvi_ensemble *e)
 {
     if (!e) return;
-    memset(e->memory, 0, (size_t)e->batches * e->remembered);
+    memset(e->memory, 0, (size_t)e->batches * e->history_bytes);
     memset(e->failed, 0, (size_t)e->members * sizeof *e->failed);
     for (int i = 0; i < e->threads; i++) {
-        e->worker[i].one->stats.largest_tail = 0;
+        e->worker[i].single->stats.largest_tail = 0;
         e->worker[i].batch->stats.largest_tail = 0;
     }
-    e->before.largest_tail = 0;
+    e->loaded.largest_tail = 0;
     e->has_run = false;
 }
 
-static void add_stats(tvi_stats *sum, const tvi_stats *of)
+static void add_stats(tvi_stats *sum, const tvi_stats *stats)
 {
-    sum->steps += of->steps;
-    sum->passes += of->passes;
-    sum->expansions += of->expansions;
-    sum->force_evaluations += of->force_evaluations;
-    sum->factorisations += of->factorisations;
-    sum->largest_tail = fmax(sum->largest_tail, of->largest_tail);
-    sum->bytes += of->bytes;
+    sum->steps += stats->steps;
+    sum->passes += stats->passes;
+    sum->expansions += stats->expansions;
+    sum->force_evaluations += stats->force_evaluations;
+    sum->factorisations += stats->factorisations;
+    sum->largest_tail = fmax(sum->largest_tail, stats->largest_tail);
+    sum->bytes += stats->bytes;
 }
 
 tvi_status tvi_ensemble_stats(const tvi_ensemble *e, tvi_stats *stats)
 {
     if (!e || !stats)
         return tvi_refuse_null(2, (const void *const[]){e, stats}, (const char *const[]){"ensemble", "stats"});
-    *stats = e->before;
-    stats->bytes = sizeof *e + (size_t)e->batches * e->remembered + parameter_count(e) * sizeof *e->parameters +
+    *stats = e->loaded;
+    stats->bytes = sizeof *e + (size_t)e->batches * e->history_bytes + parameter_count(e) * sizeof *e->parameters +
                    (size_t)e->members * (sizeof *e->failed + tvi_stop_bytes(e->n));
     for (int i = 0; i < e->threads; i++) {
-        add_stats(stats, &e->worker[i].one->stats);
-        if (e->worker[i].batch != e->worker[i].one) add_stats(stats, &e->worker[i].batch->stats);
+        add_stats(stats, &e->worker[i].single->stats);
+        if (e->worker[i].batch != e->worker[i].single) add_stats(stats, &e->worker[i].batch->stats);
     }
-    stats->is_compiled = e->worker->one->stats.is_compiled;
+    stats->is_compiled = e->worker->single->stats.is_compiled;
     return TVI_OK;
 }
 
 /* ---- Saved states ------------------------------------------------------------------------------------------------ */
 
-/* identity | counts | statuses | parameters | stops | histories | checksum */
+/* The bytes of a saved ensemble: identity | counts | statuses | parameters | stops | histories | checksum. */
 enum { COUNTS, STATUSES, PARAMETERS, STOPS, HISTORIES };
 
 static void list_pieces(const tvi_ensemble *e, tvi_stats *stats, tvi_pieces *pieces)
@@ -197,12 +198,12 @@ static void list_pieces(const tvi_ensemble *e, tvi_stats *stats, tvi_pieces *pie
     tvi_pieces_add(pieces, e->failed, members * sizeof *e->failed);
     tvi_pieces_add(pieces, e->parameters, parameter_count(e) * sizeof *e->parameters);
     tvi_pieces_add(pieces, e->stops, members * tvi_stop_bytes(e->n));
-    tvi_pieces_add(pieces, e->memory, (size_t)e->batches * e->remembered);
+    tvi_pieces_add(pieces, e->memory, (size_t)e->batches * e->history_bytes);
 }
 
 static tvi_identity identity_of(const tvi_ensemble *e, const tvi_pieces *pieces)
 {
-    tvi_identity who = tvi_identity_of(e->worker->one, tvi_saved_size(pieces));
+    tvi_identity who = tvi_identity_of(e->worker->single, tvi_saved_size(pieces));
     who.has_stepped = e->has_run;
     who.members = e->members;
     who.width = e->width;
@@ -221,7 +222,7 @@ tvi_status tvi_ensemble_save(const tvi_ensemble *e, void *buffer, size_t *size)
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
-/* Whether all that stands in the pieces is what a run can go on from. */
+/* Tells whether a run can go on from the contents of the pieces. */
 static bool are_sound(tvi_ensemble *e, const tvi_pieces *pieces, const void *buffer)
 {
     const char *histories = tvi_saved_piece(pieces, HISTORIES, buffer);
@@ -236,7 +237,7 @@ static bool are_sound(tvi_ensemble *e, const tvi_pieces *pieces, const void *buf
         if (status != TVI_OK && !tvi_status_is_of_member(status)) return false;
     }
     for (int batch = 0; batch < e->batches; batch++) {
-        tvi_arena_copy(it->history, histories + (size_t)batch * e->remembered, e->remembered);
+        tvi_arena_copy(it->history, histories + (size_t)batch * e->history_bytes, e->history_bytes);
         if (!tvi_history_is_sound(it)) return false;
     }
     return true;
@@ -255,9 +256,9 @@ tvi_status tvi_ensemble_load(tvi_ensemble *e, const void *buffer, size_t size)
     if (!are_sound(e, &pieces, buffer)) return jet_refuse(TVI_EINVAL, "the state is damaged");
     memcpy(&who, buffer, sizeof who);
     for (int i = 0; i < pieces.count; i++) tvi_saved_read(&pieces, i, buffer);
-    e->before = stats;
+    e->loaded = stats;
     for (int i = 0; i < e->threads; i++) {
-        tvi_stats *const all[] = {&e->worker[i].one->stats, &e->worker[i].batch->stats};
+        tvi_stats *const all[] = {&e->worker[i].single->stats, &e->worker[i].batch->stats};
         for (int k = 0; k < 2; k++) *all[k] = (tvi_stats){.bytes = all[k]->bytes, .is_compiled = all[k]->is_compiled};
     }
     e->has_run = who.has_stepped != 0;
@@ -273,7 +274,7 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *e, double t[], double q[], doub
     tvi_worker *w = e->worker;
     for (int m = 0; m < e->members; m++) {
         if (m % e->width == 0) tvi_worker_load(w, e, m / e->width);
-        tvi_member_give(w->batch, m % e->width, &t[m], q + m, p + m, (size_t)e->members);
+        tvi_member_copy_state(w->batch, m % e->width, &t[m], q + m, p + m, (size_t)e->members);
         status[m] = e->failed[m];
     }
     return TVI_OK;

@@ -1,75 +1,76 @@
-/* ensemble_run.c - runs all members, batch by batch: each as an integrator of its own runs, or all members of a batch
- * at once. */
+/* ensemble_run.c - Runs all members of an ensemble, batch by batch. A batch is stepped as a whole, or its members run
+ * one after the other as an integrator does. */
 #include "run/ensemble.h"
 #include "run/plan.h"
-#include "run/spread.h"
+#include "run/parallel_for.h"
 #include "method/single.h"
 #include "system/refuse.h"
 
 #include <math.h>
 
-/* What the members do between two calls of the ensemble's observer. */
+/* A piece of a run: what the members do between two calls of the ensemble's observer. */
 typedef struct {
     tvi_ensemble *e;
     tvi_run_plan plan; /* of this piece */
-    tvi_run_way way;
-    bool at_once;    /* steps and nothing else: the members of a batch are stepped together */
-    long steps_told; /* in the pieces before it */
+    tvi_run_mode mode;
+    /* The run consists of steps alone, so that the members of a batch are stepped together. */
+    bool at_once;
+    long steps_reported; /* steps of the pieces before this one */
     double *t, *q, *p;
     tvi_status *status;
-} turn;
+} piece;
 
 /* ---- One member -------------------------------------------------------------------------------------------------- */
 
-static void set_status(const turn *r, int member, tvi_status status)
+static void set_status(const piece *r, int member, tvi_status status)
 {
     r->status[member] = status;
     r->e->failed[member] = tvi_status_is_of_member(status) ? status : TVI_OK;
 }
 
-static void run_member(const turn *r, tvi_worker *w, int member)
+static void run_member(const piece *r, tvi_worker *w, int member)
 {
     const tvi_ensemble *e = r->e;
-    if (r->steps_told > 0 && r->status[member] == TVI_ESTOPPED) return; /* in a piece before this one */
+    if (r->steps_reported > 0 && r->status[member] == TVI_ESTOPPED) return; /* in an earlier piece */
     tvi_gather(e->n, e->members, r->q, member, w->q);
     tvi_gather(e->n, e->members, r->p, member, w->p);
-    tvi_worker_enter(w, e, member);
-    if (e->failed[member] != TVI_OK && tvi_integrator_has(w->one, r->t[member], w->q, w->p)) {
+    tvi_worker_load_member(w, e, member);
+    if (e->failed[member] != TVI_OK && tvi_integrator_has_state(w->single, r->t[member], w->q, w->p)) {
         r->status[member] = e->failed[member];
         return;
     }
     const tvi_member_run run = {.plan = &r->plan,
-                                .way = r->way,
+                                .mode = r->mode,
                                 .member = member,
                                 .members = e->members,
-                                .steps_told = r->steps_told,
-                                .lock = &r->e->told};
-    set_status(r, member, tvi_run_member(w->one, &run, &r->t[member], w->q, w->p));
+                                .steps_reported = r->steps_reported,
+                                .lock = &r->e->observer_lock};
+    set_status(r, member, tvi_run_member(w->single, &run, &r->t[member], w->q, w->p));
     tvi_scatter(e->n, e->members, w->q, member, r->q);
     tvi_scatter(e->n, e->members, w->p, member, r->p);
-    tvi_worker_leave(w, e, member);
+    tvi_worker_store_member(w, e, member);
 }
 
 /* ---- A batch of them --------------------------------------------------------------------------------------------- */
 
-/* Makes the user's state that of the member, and says whether it is to be stepped. */
-static tvi_status begin_member(const turn *r, tvi_integrator *it, int m, int member)
+/* Loads the user's state into the member, and returns the status that says whether the member is stepped. */
+static tvi_status begin_member(const piece *r, tvi_integrator *it, int m, int member)
 {
     const tvi_given_state given = {r->q + member, r->p + member, (size_t)r->e->members, r->t[member]};
     const tvi_status failed = r->e->failed[member];
-    if (failed != TVI_OK && tvi_member_has(it, m, &given)) return failed;
+    if (failed != TVI_OK && tvi_member_has_state(it, m, &given)) return failed;
     return tvi_member_begin(it, m, &given);
 }
 
-/* A lane that has no member holds the first one's state, and is not stepped. */
+/* Fills a lane that has no member with the first lane's state. Such a lane is not stepped. */
 static void fill(tvi_integrator *it, int m)
 {
-    for (int i = 0; i <= it->stepped->n; i++) it->now.q[i * it->width + m] = it->now.q[i * it->width];
-    for (int i = 0; i < it->stepped->n; i++) it->now.p[i * it->width + m] = it->now.p[i * it->width];
+    for (int i = 0; i <= it->stepped->n; i++) it->state.q[i * it->width + m] = it->state.q[i * it->width];
+    for (int i = 0; i < it->stepped->n; i++) it->state.p[i * it->width + m] = it->state.p[i * it->width];
     it->status[m] = TVI_EINVAL;
 }
 
-static void run_together(const turn *r, tvi_integrator *it, int first, int count)
+static void run_together(const piece *r, tvi_integrator *it, int first, int count)
 {
     const size_t members = (size_t)r->e->members;
     tvi_status *begun = r->status + first;
@@ -78,14 +79,14 @@ static void run_together(const turn *r, tvi_integrator *it, int first, int count
     tvi_members_step(it, r->plan.steps, r->plan.h);
     for (int m = 0; m < count; m++) {
         const int at = first + m;
-        if (begun[m] == TVI_OK) tvi_member_give(it, m, &r->t[at], r->q + at, r->p + at, members);
+        if (begun[m] == TVI_OK) tvi_member_copy_state(it, m, &r->t[at], r->q + at, r->p + at, members);
         set_status(r, at, it->status[m]);
     }
 }
 
 static void run_batch(void *ctx, int thread, int batch)
 {
-    const turn *r = ctx;
+    const piece *r = ctx;
     tvi_worker *w = &r->e->worker[thread];
     const int first = tvi_first_member(r->e, batch), count = tvi_members_of(r->e, batch);
     tvi_worker_load(w, r->e, batch);
@@ -97,26 +98,26 @@ static void run_batch(void *ctx, int thread, int batch)
 
 /* ---- The run ----------------------------------------------------------------------------------------------------- */
 
-static tvi_status run_all(const turn *r)
+static tvi_status run_all(const piece *r)
 {
     const tvi_ensemble *e = r->e;
     tvi_status status = TVI_OK;
-    tvi_spread(e->threads, e->batches, run_batch, (void *)r);
+    tvi_parallel_for(e->threads, e->batches, run_batch, (void *)r);
     for (int member = 0; member < e->members; member++)
         if (r->status[member] == TVI_ENOMEM) status = jet_refuse_memory(TVI_ENOMEM);
     r->e->has_run = true;
     return status;
 }
 
-/* All steps at once, or one after the other where an observer wants to see them. */
-static tvi_status run_steps(turn *r)
+/* Makes all steps at once, or one after the other if an observer is called after each. */
+static tvi_status run_steps(piece *r)
 {
     const long steps = r->plan.steps;
     tvi_ensemble_observer *observer = r->plan.observer;
     if (!observer || steps == 0) return run_all(r);
     r->plan.steps = 1;
     for (long step = 1; step <= steps; step++) {
-        r->steps_told = step - 1;
+        r->steps_reported = step - 1;
         const tvi_status status = run_all(r);
         if (status != TVI_OK) return status;
         if (observer(step, r->e->members, r->t, r->q, r->p, r->status, r->plan.ctx) != 0) return TVI_ESTOPPED;
@@ -124,12 +125,12 @@ static tvi_status run_steps(turn *r)
     return TVI_OK;
 }
 
-/* Room for the columns, in each worker. */
+/* Provides memory for the columns in every worker. */
 static tvi_status provide_columns(const tvi_ensemble *e, int columns)
 {
     tvi_status status = TVI_OK;
     for (int i = 0; i < e->threads && columns > 0 && status == TVI_OK; i++)
-        status = tvi_integrator_provide_tangent(e->worker[i].one, columns);
+        status = tvi_integrator_provide_tangent(e->worker[i].single, columns);
     return status;
 }
 
@@ -144,13 +145,13 @@ tvi_status tvi_ensemble_run(tvi_ensemble *e, const tvi_ensemble_plan *plan, doub
                             tvi_status status[])
 {
     if (!e || !t || !q || !p || !status) return refuse_null(e, t, q, p, status);
-    const tvi_status checked = tvi_plan_check(e->worker->one, plan);
+    const tvi_status checked = tvi_plan_check(e->worker->single, plan);
     if (checked != TVI_OK) return checked;
     const tvi_status provided = provide_columns(e, plan->columns);
     if (provided != TVI_OK) return provided;
     const bool at_once = plan->steps > 0 && plan->event_count == 0 && plan->columns == 0 && !plan->at_step;
-    turn r = {e, *plan, tvi_plan_way(plan), at_once, 0, t, q, p, status};
-    return r.way == TVI_SO_MANY_STEPS ? run_steps(&r) : run_all(&r);
+    piece r = {e, *plan, tvi_plan_mode(plan), at_once, 0, t, q, p, status};
+    return r.mode == TVI_RUN_STEPS ? run_steps(&r) : run_all(&r);
 }
 
 tvi_status tvi_ensemble_integrate(tvi_ensemble *e, double h, long steps, double t[], double q[], double p[],
@@ -160,6 +161,6 @@ tvi_status tvi_ensemble_integrate(tvi_ensemble *e, double h, long steps, double 
     if (h == 0 || !isfinite(h)) return jet_refuse(TVI_EINVAL, "h is 0 or not finite");
     if (steps < 0) return jet_refuse(TVI_EINVAL, "steps is negative");
     const tvi_run_plan plan = {.h = h, .steps = steps, .observer = observer, .ctx = ctx};
-    turn r = {e, plan, TVI_SO_MANY_STEPS, true, 0, t, q, p, status};
+    piece r = {e, plan, TVI_RUN_STEPS, true, 0, t, q, p, status};
     return run_steps(&r);
 }

@@ -1,8 +1,9 @@
-/* finder.c - the time and the state of an event.
+/* finder.c - Finds the time and the state of an event to roundoff, for locate.c.
  *
- * Near the place of a root on the curve of the step (search.h) a step of a part of h (between.h) gives a state of the
- * method's own solution, and the slope there a line that is this solution to roundoff, for a short way. The event is
- * where g changes sign on the line: its state is as good as that of a step, whatever slope g has. */
+ * The search (search.h) gives a root on the curve of the step. Near it a step over a part of h (between.h) gives a
+ * state of the method's own solution, and the slope there gives a line that agrees with this solution to roundoff over
+ * a short distance. The event is the sign change of g on that line: its state is as accurate as that of a step,
+ * whatever slope g has. */
 #include "run/finder.h"
 #include "run/start.h"
 #include "algebra/sizes.h"
@@ -12,16 +13,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Half the distance of the points that give the slopes of the curve and of g. */
+/* Half the distance of the two points that give the slopes of the curve and of g. */
 static const double CHORD = 1e-5;
 enum { MOST_LINES = 5 };
-/* A guess is good where the slope leads no further, in parts of the step and of the distance from its ends. */
+/* A guess is good if the slope leads at most LEAST_WAY further, in parts of the step, and at most NEAR of the distance
+ * from the ends of the bracket. */
 static const double LEAST_WAY = 1e-6, NEAR = 1e-3;
-/* How far the curve's slope leads from a state of the method without a step, and by how much more its error may be than
- * that of the curve, relative to the state. */
+/* REACH bounds how far the slope of the curve leads from a state of the method. STEEPER is how much larger the relative
+ * error of the slope may be than that of the curve. */
 static const double REACH = 2e-9, STEEPER = 32;
-/* A change of sign within so little on both sides is the event's place; else it is looked for in so much more, and no
- * farther than this. All in parts of the step. */
+/* A sign change within SURE on both sides of a point is the event. Otherwise the bracket grows by the factor WIDER, up
+ * to FARTHEST. SURE and FARTHEST are parts of the step. */
 static const double SURE = 0x1p-50, WIDER = 16, FARTHEST = 1.0 / 16;
 
 tvi_status tvi_finder_open(tvi_finder *s, tvi_search *search)
@@ -42,8 +44,8 @@ void tvi_finder_close(tvi_finder *s)
     free(s->base);
 }
 
-/* The slopes of the curve, s->rate, and of g along it, at theta, the middle of the chord, s->middle, and how far the
- * zero of g is ahead. */
+/* Sets s->rate to the slope of the curve at theta, and s->middle to the state in the middle of the chord there. *slope
+ * is that of g along the curve, and *ahead the distance to the zero of g. */
 static tvi_status set_slopes(tvi_finder *s, int which, double theta, double *slope, double *ahead)
 {
     const double a = fmax(theta - CHORD, 0), b = fmin(theta + CHORD, 1);
@@ -59,20 +61,20 @@ static tvi_status set_slopes(tvi_finder *s, int which, double theta, double *slo
         s->rate[i] = (high - low) / (b - a);
         s->middle[i] = (low + high) / 2;
     }
-    s->is_inside = a > 0 && b < 1; /* the slope is that at theta to the square of the chord */
+    s->is_inside = a > 0 && b < 1; /* the error of the slope is the square of the chord */
     return status;
 }
 
-/* Whether there is a guess inside, clear of the ends. */
+/* Tells whether the root has a guess that lies inside the bracket, clear of its ends. */
 static bool has_guess(const tvi_root *r) { return r->guess > r->a + CHORD && r->guess < r->b - CHORD; }
 
-/* Whether the way from a place is short, also beside the distance from a and b: then it is good. */
+/* Tells whether the distance `way` from a point is short, also relative to the distance from a and b. */
 static bool is_short(const tvi_root *r, double from, double way)
 {
     return fabs(way) <= fmin(LEAST_WAY, NEAR * fmin(from + way - r->a, r->b - (from + way)));
 }
 
-/* The curve's distance from s->base, relative to the size of what is there. */
+/* The distance of the curve from s->base in these components, relative to the largest of them. */
 static double distance_of(const tvi_finder *s, int from, int count)
 {
     double apart = 0, size = 0;
@@ -83,14 +85,14 @@ static double distance_of(const tvi_finder *s, int from, int count)
     return tvi_ratio(apart, size);
 }
 
-/* The same of the time, which may be 0. */
+/* The relative distance in the time, which may be 0 at s->base. */
 static double time_distance(const tvi_finder *s)
 {
     const int t = s->size - 1;
     return tvi_ratio(fabs(s->base[t] - s->middle[t]), fabs(s->base[t]) + fabs(s->rate[t]));
 }
 
-/* s->base: the last state of s->search->between, at theta. */
+/* Copies the last state of s->search->between, at theta, to s->base. */
 static void copy_between(tvi_finder *s, double theta)
 {
     tvi_between_copy(s->search->between, s->base);
@@ -99,7 +101,7 @@ static void copy_between(tvi_finder *s, double theta)
 
 /* ---- On a line --------------------------------------------------------------------------------------------------- */
 
-/* x [2n + 1] = s->base + way s->rate, and g there. */
+/* Sets x [2n + 1] = s->base + way s->rate, and *g to the value there. */
 static tvi_status value_ahead(tvi_finder *s, int which, double way, double x[], double *g)
 {
     for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
@@ -117,7 +119,8 @@ static tvi_status value_on_line(void *ctx, double way, double *g)
     return value_ahead(line->s, line->which, way, line->s->trial, g);
 }
 
-/* Ways about `way`, no farther than FARTHEST and within the step, between which g changes sign, if it does. */
+/* Brackets the sign change of g around `way`, within the step and no farther than FARTHEST. The bracket has one sign
+ * only if g does not change there. */
 static tvi_status enclose(tvi_finder *s, const tvi_root *r, double way, tvi_bracket *z)
 {
     const double low = fmax(-s->base_at, -FARTHEST), high = fmin(1 - s->base_at, FARTHEST);
@@ -139,8 +142,8 @@ static tvi_status enclose(tvi_finder *s, const tvi_root *r, double way, tvi_brac
     return status;
 }
 
-/* The way from s->base, where g is given, to the root on the line, if s->is_enclosed; slope: that of g along it, or
- * anything. */
+/* Sets *way to the distance from s->base to the root on the line, if s->is_enclosed. g is the value at s->base, and
+ * slope that of g along the line, which may be any number. */
 static tvi_status root_on_line(tvi_finder *s, const tvi_root *r, double g, double slope, double *way)
 {
     double next;
@@ -158,14 +161,14 @@ static tvi_status root_on_line(tvi_finder *s, const tvi_root *r, double g, doubl
     return status;
 }
 
-/* The event at the end of the way. */
+/* Sets the event to the point at this distance on the line. */
 static void settle(const tvi_finder *s, tvi_root *r, double way, double x[])
 {
     r->theta = s->base_at + way;
     for (int i = 0; i < s->size; i++) x[i] = s->base[i] + way * s->rate[i];
 }
 
-/* The event at theta, by a step of a part of h. */
+/* Sets the event to theta, by a step over a part of h. */
 static tvi_status settle_at(tvi_finder *s, tvi_root *r, double theta, double x[])
 {
     const tvi_status status = tvi_between_state(s->search->between, theta * s->search->it->h);
@@ -174,7 +177,8 @@ static tvi_status settle_at(tvi_finder *s, tvi_root *r, double theta, double x[]
     return status;
 }
 
-/* s->base at theta, by a step of a part of h, and how far the curve's slope leads on without an error that shows. */
+/* Sets s->base to the state at theta, by a step over a part of h, and s->reach to the distance over which the slope of
+ * the curve makes no error that shows. */
 static tvi_status set_base(tvi_finder *s, double theta)
 {
     const int n = s->search->it->system->n;
@@ -194,8 +198,8 @@ static tvi_status value_of_step(void *ctx, double theta, double *g)
     return status == TVI_OK ? tvi_search_value(s->search, at->which, s->base, g) : status;
 }
 
-/* The root where no line has it, or lines lead to it slowly: by steps of a part of h between the places where the curve
- * has it, or beside them. */
+/* Finds the root by steps over parts of h in the bracket that the curve gives, or beside it. It is used if no line has
+ * the root, or if lines converge slowly. */
 static tvi_status find_by_steps(tvi_finder *s, tvi_root *r, double x[])
 {
     on_line at = {s, r->which};
@@ -204,12 +208,12 @@ static tvi_status find_by_steps(tvi_finder *s, tvi_root *r, double x[])
     if (status == TVI_OK) status = value_of_step(&at, z.b, &z.gb);
     while (status == TVI_OK && tvi_is_behind(r, z.ga) && z.a > 0) {
         z.b = z.a, z.gb = z.ga;
-        z.a = fmax(z.a - tvi_sample_place[0], 0);
+        z.a = fmax(z.a - tvi_sample_theta[0], 0);
         status = value_of_step(&at, z.a, &z.ga);
     }
     while (status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1) {
         z.a = z.b, z.ga = z.gb;
-        z.b = fmin(z.b + tvi_sample_place[0], 1);
+        z.b = fmin(z.b + tvi_sample_theta[0], 1);
         status = value_of_step(&at, z.b, &z.gb);
     }
     if (status != TVI_OK) return status;
@@ -219,7 +223,8 @@ static tvi_status find_by_steps(tvi_finder *s, tvi_root *r, double x[])
     return status == TVI_OK ? settle_at(s, r, z.b, x) : status;
 }
 
-/* The root on the curve, and then on lines, each from where the one before it has its root, until that is near. */
+/* Finds the root on the curve, and then on lines. Each line starts at the root on the line before, until two roots are
+ * near. */
 static tvi_status polish(tvi_finder *s, tvi_root *r, double x[])
 {
     double theta = r->guess, g = 0, slope, way = 0, ahead = 0;
@@ -244,7 +249,7 @@ static tvi_status polish(tvi_finder *s, tvi_root *r, double x[])
 
 /* ---- By rates ---------------------------------------------------------------------------------------------------- */
 
-/* s->rate, by the part of the step, at a state. */
+/* Sets s->rate to the rates of the field at a state, for a unit of theta. */
 static tvi_status rates_at(tvi_finder *s, const double x[])
 {
     const int last = s->size - 1;
@@ -255,8 +260,8 @@ static tvi_status rates_at(tvi_finder *s, const double x[])
     return status;
 }
 
-/* The event at a guess that is good, where the method's rates are good enough for the way from there: one step of a
- * part of h. Where the way is not nothing, the rates are those of its middle. */
+/* Finds the event from a good guess by one step over a part of h, if the field's rates are accurate enough for the rest
+ * of the way. For a way longer than 0 the rates are taken in its middle. */
 static tvi_status polish_by_rates(tvi_finder *s, tvi_root *r, double x[], bool *is_done)
 {
     double g = 0, before = 0, after = 0, found = 0;
@@ -269,7 +274,8 @@ static tvi_status polish_by_rates(tvi_finder *s, tvi_root *r, double x[], bool *
     if (status == TVI_OK) status = value_ahead(s, r->which, -CHORD, s->trial, &before);
     if (status == TVI_OK) status = value_ahead(s, r->which, CHORD, s->trial, &after);
     const double slope = (after - before) / (2 * CHORD), way = -g / slope;
-    const double tail = fmax(s->search->it->stats.tail, s->search->between->partial->stats.tail), error = tail * tail;
+    const double tail = fmax(s->search->it->stats.tail, s->search->between->partial_integrator->stats.tail),
+                 error = tail * tail;
     if (status != TVI_OK || !(fabs(way) * error <= DBL_EPSILON / 8 && is_short(r, r->guess, way))) return status;
     if (fabs(way) > REACH) {
         for (int i = 0; i < s->size; i++) s->trial[i] = s->base[i] + way / 2 * s->rate[i];
@@ -281,7 +287,7 @@ static tvi_status polish_by_rates(tvi_finder *s, tvi_root *r, double x[], bool *
     return status;
 }
 
-/* Whether the method follows the field, but for the square of the tail. */
+/* Tells whether the method's solution follows the field up to the square of the tail. */
 static bool knows_rates(const tvi_finder *s)
 {
     const tvi_integrator *it = s->search->it;
@@ -290,7 +296,8 @@ static bool knows_rates(const tvi_finder *s)
 
 /* ---- Events ------------------------------------------------------------------------------------------------------ */
 
-/* The rise from the event that the step began on, over the way: nearly linear where the way is short. */
+/* Sets *g to the rise of g since the event that the step began on, divided by theta. The quotient is nearly linear if
+ * theta is small. */
 static tvi_status rise_over_way(void *ctx, double theta, double *g)
 {
     const on_line *at = ctx;
@@ -301,16 +308,17 @@ static tvi_status rise_over_way(void *ctx, double theta, double *g)
     return status;
 }
 
-/* A return to the event that the step began on. The curve may have it sooner than the method's own solution. */
+/* Finds a return to the event that the step began on. The curve may return sooner than the method's own solution
+ * does. */
 static tvi_status find_return(tvi_finder *s, tvi_root *r, double x[])
 {
     on_line at = {s, r->which};
-    const double first = s->search->of[r->which].left_at;
+    const double first = s->search->watch[r->which].left_at;
     tvi_bracket z = {.a = first, .b = fmax(r->b, first)};
     tvi_status status = rise_over_way(&at, z.a, &z.ga);
     if (status == TVI_OK) status = rise_over_way(&at, z.b, &z.gb);
     while (status == TVI_OK && !tvi_is_behind(r, z.gb) && z.b < 1) {
-        z.b = fmin(z.b + tvi_sample_place[0], 1);
+        z.b = fmin(z.b + tvi_sample_theta[0], 1);
         status = rise_over_way(&at, z.b, &z.gb);
     }
     if (status != TVI_OK) return status;

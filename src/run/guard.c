@@ -1,7 +1,7 @@
-/* guard.c - steps that are too large for the orbit. The equations of a step have solutions that are not the problem's,
- * and passes may find one; or the polynomial of the step does not reach what the motion does. Two signs show it: the
- * last term of what drives the motion (tail.h), and the energy, where one is kept. The energy is computed where a step
- * may be wrong, or costs so much that this is nothing beside it. */
+/* guard.c - Refuses steps that are too large for the orbit. The equations of a step have solutions that are not the
+ * problem's, and passes may find one; or the polynomial of the step does not follow the motion. Two signs show it: the
+ * last term of the forces (tail.h), and the energy, if the system conserves one. The energy is computed if the step may
+ * be wrong, and if the step costs so much more that its energy is cheap. */
 #include "run/guard.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -10,29 +10,29 @@
 #include <float.h>
 #include <math.h>
 
-/* With a tail below it and so few passes a step was right in all runs of docs/stability.md: of the Galerkin curve, and
- * of methods with series, whose passes contract faster. Plain Taylor steps bound the change of the energy by their last
- * terms, and Stormer-Verlet, which has no tail, by its forces. */
-static const double SURE_TAIL = 1e-3, SURE_SERIES_TAIL = 1e-4;
-enum { SURE_PASSES = 32, SURE_SERIES_PASSES = 4 };
-/* The part of the energy that a step may change. Near a pericentre steps that are right to 1e-3 were seen to change it
- * by 4 %. */
+/* The limits of tail and passes up to which a step was right in all runs of docs/stability.md: for the Galerkin curve,
+ * and for methods with series, whose passes contract faster. Plain Taylor steps bound the change of the energy by their
+ * last terms, and Stormer-Verlet, which has no tail, bounds it by its forces. */
+static const double SKIP_TAIL = 1e-3, SKIP_SERIES_TAIL = 1e-4;
+enum { SKIP_PASSES = 32, SKIP_SERIES_PASSES = 4 };
+/* The relative change of the energy that a step may make. Steps near a pericentre that are right to 1e-3 changed it by
+ * 4 %. */
 static const double MOST_CHANGE = 0.05;
-/* An energy that is a smaller part of p.dq/dt than this, as that of K = g (H + e), measures nothing; then another part
- * of p.dq/dt does. */
+/* An energy below NO_ENERGY p.dq/dt measures nothing, as that of K = g (H + e). The part PART_OF_ACTION of p.dq/dt then
+ * takes its place. */
 static const double ROUNDOFF = 64 * DBL_EPSILON, NO_ENERGY = 1e-6, PART_OF_ACTION = 1.0 / 64;
 
-static bool keeps_energy(const tvi_integrator *it)
+static bool conserves_energy(const tvi_integrator *it)
 {
-    const bool rescaled = tvi_is_rescaled(it); /* keeps K = g (H + e) */
-    const bool is_kept = rescaled || !(it->system->uses_time || it->system->is_driven);
-    return it->energy.block && it->options.max_tail >= 0 && is_kept;
+    const bool rescaled = tvi_is_rescaled(it); /* conserves K = g (H + e) */
+    const bool is_conserved = rescaled || !(it->system->uses_time || it->system->is_driven);
+    return it->energy.block && it->options.max_tail >= 0 && is_conserved;
 }
 
 /* ---- Energies ---------------------------------------------------------------------------------------------------- */
 
-/* That of the member at (q, p), rows as those of a tvi_run_state; infinite where it overflows, NAN where it has no
- * value. */
+/* The energy of the member at (q, p), whose rows are those of a tvi_run_state. It is infinite if it overflows, and NAN
+ * if it has no value. */
 static double energy_of(tvi_integrator *it, int m, const double *q, const double *p)
 {
     double H;
@@ -40,7 +40,7 @@ static double energy_of(tvi_integrator *it, int m, const double *q, const double
     return status == TVI_OK ? H : status == TVI_ENONFINITE ? INFINITY : NAN;
 }
 
-/* H[width] of the members that are in doubt. */
+/* Computes H[width] of the members whose energy is asked for. */
 static void find_energies(tvi_integrator *it, const double *q, const double *p, double H[])
 {
     if (it->energies.block) {
@@ -48,84 +48,86 @@ static void find_energies(tvi_integrator *it, const double *q, const double *p, 
         return;
     }
     for (int m = 0; m < it->width; m++)
-        if (it->doubts[m]) H[m] = energy_of(it, m, q, p);
+        if (it->needs_energy[m]) H[m] = energy_of(it, m, q, p);
 }
 
-/* Where the runs began; 0: it is not known. */
-static void set_scale(tvi_kept_energy *kept, double H)
+/* Sets the size of the energy where the run began; 0 means that it is not known. */
+static void set_scale(tvi_reference_energy *reference, double H)
 {
-    kept->scale = isfinite(H) ? fabs(H) : 0;
-    kept->has_scale = true;
+    reference->scale = isfinite(H) ? fabs(H) : 0;
+    reference->has_scale = true;
 }
 
 static void find_scales(tvi_integrator *it)
 {
-    const double *q = it->begun, *p = q + (it->system->n + 1) * it->width;
+    const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
     find_energies(it, q, p, it->energy_before);
     for (int m = 0; m < it->width; m++)
-        if (it->doubts[m] && !it->kept[m].has_scale) set_scale(&it->kept[m], it->energy_before[m]);
+        if (it->needs_energy[m] && !it->reference[m].has_scale) set_scale(&it->reference[m], it->energy_before[m]);
 }
 
 void tvi_guard_begin(tvi_integrator *it, int m)
 {
-    const double *q = it->begun, *p = q + (it->system->n + 1) * it->width;
-    if (it->stepper->most_change && keeps_energy(it)) set_scale(&it->kept[m], energy_of(it, m, q, p));
+    const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
+    if (it->stepper->most_change && conserves_energy(it)) set_scale(&it->reference[m], energy_of(it, m, q, p));
 }
 
 /* ---- What a step changes ----------------------------------------------------------------------------------------- */
 
-/* p.dq/dt of the step: 2 T, where there is one. */
+/* p.dq/dt of the step, which is twice the kinetic energy if there is one. */
 static double action_of(const tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
-    const double *p = it->now.p, *dp = it->by.dp, *dq = it->by.dq;
+    const double *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double action = 0;
     for (int k = m; k < end; k += width) action += (fabs(p[k]) + fabs(p[k] + dp[k])) * fabs(dq[k]);
     return action / (2 * fabs(dq[end + m]));
 }
 
-/* What the roundoff of q and p makes of the energy, H_p = dq/dt and -H_q = dp/dt: where terms cancel that are much
- * larger than their sum, as along an unstable direction. */
+/* The roundoff of the energy that the roundoff of q and p causes, by H_p = dq/dt and -H_q = dp/dt. It is large if the
+ * terms of the energy cancel, as along an unstable direction. */
 static double roundoff_of(const tvi_integrator *it, int m)
 {
     const int width = it->width, end = it->system->n * width;
-    const double *q = it->now.q, *p = it->now.p, *dp = it->by.dp, *dq = it->by.dq;
+    const double *q = it->state.q, *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double sum = 0;
     for (int k = m; k < end; k += width) sum += fabs(q[k] * dp[k]) + fabs(p[k] * dq[k]);
     return ROUNDOFF * sum / fabs(dq[end + m]);
 }
 
-/* Whether the energy becomes `after`, by what no step does. Where it has no value nothing is known, and the next step
- * says so. */
+/* Tells whether the energy changes to `after` by more than a right step can change it. If the energy has no value the
+ * answer is false, and the next step fails. */
 static bool loses_energy(tvi_integrator *it, int m, double after)
 {
-    tvi_kept_energy *kept = &it->kept[m];
-    const double before = kept->H;
-    kept->is_known = isfinite(before) && isfinite(after);
-    if (!kept->is_known) return isfinite(before) && isinf(after);
-    kept->H = after;
-    const double action = action_of(it, m), of_e = tvi_is_rescaled(it) ? it->by.dp[it->system->n * it->width + m] : 0;
-    const double size = kept->scale > NO_ENERGY * action ? fmax(kept->scale, fabs(before)) : PART_OF_ACTION * action;
-    return fabs(after - before + of_e) > MOST_CHANGE * size + roundoff_of(it, m);
+    tvi_reference_energy *reference = &it->reference[m];
+    const double before = reference->H;
+    reference->is_known = isfinite(before) && isfinite(after);
+    if (!reference->is_known) return isfinite(before) && isinf(after);
+    reference->H = after;
+    const double action = action_of(it, m),
+                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + m] : 0;
+    const double size =
+        reference->scale > NO_ENERGY * action ? fmax(reference->scale, fabs(before)) : PART_OF_ACTION * action;
+    return fabs(after - before + change_of_e) > MOST_CHANGE * size + roundoff_of(it, m);
 }
 
-/* Refuses the doubtful members whose energy says that the step is too large. */
-static void look_at_energies(tvi_integrator *it)
+/* Refuses the members whose energy says that the step is too large. */
+static void check_energies(tvi_integrator *it)
 {
     const int width = it->width, n = it->system->n;
     bool has_scales = true, knows_all = true;
     for (int m = 0; m < width; m++) {
-        has_scales = has_scales && (it->kept[m].has_scale || !it->doubts[m]);
-        knows_all = knows_all && (it->kept[m].is_known || !it->doubts[m]);
+        has_scales = has_scales && (it->reference[m].has_scale || !it->needs_energy[m]);
+        knows_all = knows_all && (it->reference[m].is_known || !it->needs_energy[m]);
     }
     if (!has_scales) find_scales(it);
-    if (!knows_all) find_energies(it, it->now.q, it->now.p, it->energy_before);
-    for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->now.q[k] + it->by.dq[k];
-    for (int k = 0; k < n * width; k++) it->end.p[k] = it->now.p[k] + it->by.dp[k];
+    if (!knows_all) find_energies(it, it->state.q, it->state.p, it->energy_before);
+    for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->state.q[k] + it->increments.dq[k];
+    for (int k = 0; k < n * width; k++) it->end.p[k] = it->state.p[k] + it->increments.dp[k];
     find_energies(it, it->end.q, it->end.p, it->energy_after);
     for (int m = 0; m < width; m++) {
-        if (!it->doubts[m]) continue;
-        if (!it->kept[m].is_known) it->kept[m].H = it->energy_before[m];
+        if (!it->needs_energy[m]) continue;
+        if (!it->reference[m].is_known) it->reference[m].H = it->energy_before[m];
         if (loses_energy(it, m, it->energy_after[m]))
             it->status[m] = jet_refuse(TVI_ETOOLARGE, "it changes the energy by what no step does");
     }
@@ -135,36 +137,36 @@ static void look_at_energies(tvi_integrator *it)
 
 static bool knows_change(const tvi_integrator *it) { return it->stepper->most_change && !tvi_is_rescaled(it); }
 
-/* The most that the step changes the energy of each member by, as the stepper knows it; else more than it can be. */
+/* Sets energy_change to bounds that the stepper knows of the change of each member's energy; otherwise to infinity. */
 static void find_changes(tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = tvi_batch_of(it);
-    if (!batch) it->change[0] = it->stepper->most_change(it->work);
-    else if (batch->most_change) batch->most_change(it->work, it->change);
+    if (!batch) it->energy_change[0] = it->stepper->most_change(it->work);
+    else if (batch->most_change) batch->most_change(it->work, it->energy_change);
     else
-        for (int m = 0; m < it->width; m++) it->change[m] = INFINITY;
+        for (int m = 0; m < it->width; m++) it->energy_change[m] = INFINITY;
 }
 
-/* Forces of one term, as those of a single node, have the tail 0, which shows nothing. */
-static bool shows_tail(const tvi_integrator *it, bool took_series)
+/* Tells whether the tail means anything: forces of one term, as those of a single node, have the tail 0. */
+static bool shows_tail(const tvi_integrator *it, bool used_series)
 {
-    return it->options.degree > (took_series ? 2 : 1);
+    return it->options.degree > (used_series ? 2 : 1);
 }
 
-/* Whether the energy need not be computed. */
-static bool is_sure(const tvi_integrator *it, int m, bool took_series)
+/* Tells whether the energy of the member need not be computed. */
+static bool may_skip_energy(const tvi_integrator *it, int m, bool used_series)
 {
-    if (knows_change(it)) return it->change[m] <= MOST_CHANGE * it->kept[m].scale;
-    if (!shows_tail(it, took_series)) return false;
-    if (took_series) return it->tail[m] <= SURE_SERIES_TAIL && it->passes[m] <= SURE_SERIES_PASSES;
-    return it->tail[m] <= SURE_TAIL && it->passes[m] <= SURE_PASSES;
+    if (knows_change(it)) return it->energy_change[m] <= MOST_CHANGE * it->reference[m].scale;
+    if (!shows_tail(it, used_series)) return false;
+    if (used_series) return it->tail[m] <= SKIP_SERIES_TAIL && it->passes[m] <= SKIP_SERIES_PASSES;
+    return it->tail[m] <= SKIP_TAIL && it->passes[m] <= SKIP_PASSES;
 }
 
-tvi_sure tvi_guard_sure(const tvi_integrator *it)
+tvi_skip_limits tvi_guard_skip_limits(const tvi_integrator *it)
 {
     const double most = it->options.max_tail;
-    if (most < 0) return (tvi_sure){SURE_TAIL, SURE_PASSES};
-    return (tvi_sure){shows_tail(it, false) ? tvi_smaller(most, SURE_TAIL) : -1, SURE_PASSES};
+    if (most < 0) return (tvi_skip_limits){SKIP_TAIL, SKIP_PASSES};
+    return (tvi_skip_limits){shows_tail(it, false) ? tvi_smaller(most, SKIP_TAIL) : -1, SKIP_PASSES};
 }
 
 static bool has_small_tail(const tvi_integrator *it, double tail)
@@ -173,15 +175,15 @@ static bool has_small_tail(const tvi_integrator *it, double tail)
     return most < 0 || !(tail > most);
 }
 
-JET_INLINE void guard_members(tvi_integrator *it, int width, bool took_series)
+JET_INLINE void guard_members(tvi_integrator *it, int width, bool used_series)
 {
-    const bool keeps = keeps_energy(it);
+    const bool keeps = conserves_energy(it);
     double *largest = &it->stats.largest_tail;
     bool any = false;
     if (knows_change(it)) find_changes(it);
     for (int m = 0; m < width; m++) {
         const double tail = it->tail[m];
-        it->doubts[m] = false;
+        it->needs_energy[m] = false;
         if (it->status[m] != TVI_OK) continue;
         if (tail > *largest) *largest = tail;
         if (!has_small_tail(it, tail)) {
@@ -190,15 +192,15 @@ JET_INLINE void guard_members(tvi_integrator *it, int width, bool took_series)
                 it->stepped->is_automatic ? ": the automatic g is too large here (give a g of your own)" : "");
             continue;
         }
-        it->doubts[m] = keeps && !is_sure(it, m, took_series);
-        any = any || it->doubts[m];
-        if (!it->doubts[m]) it->kept[m].is_known = false;
+        it->needs_energy[m] = keeps && !may_skip_energy(it, m, used_series);
+        any = any || it->needs_energy[m];
+        if (!it->needs_energy[m]) it->reference[m].is_known = false;
     }
-    if (any) look_at_energies(it);
+    if (any) check_energies(it);
 }
 
-void tvi_guard_step(tvi_integrator *it, bool took_series)
+void tvi_guard_step(tvi_integrator *it, bool used_series)
 {
-    if (it->width == 1) guard_members(it, 1, took_series);
-    else guard_members(it, it->width, took_series);
+    if (it->width == 1) guard_members(it, 1, used_series);
+    else guard_members(it, it->width, used_series);
 }

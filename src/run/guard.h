@@ -1,4 +1,5 @@
-/* guard.h - whether a step that was solved is one to return (tvi_options.max_tail). */
+/* guard.h - Decides whether a solved step is returned or refused as too large (tvi_options.max_tail). step.c calls
+ * it. */
 #ifndef TVI_SRC_RUN_GUARD_H
 #define TVI_SRC_RUN_GUARD_H
 
@@ -6,15 +7,15 @@
 
 #include <math.h>
 
-/* Where a member's run begins: the state whose energy its steps are to keep. It is computed when a step first asks for
- * it, or here where every step does. */
+/* Begins the run of a member at its state, whose energy the steps are to conserve. That energy is computed here if
+ * every step asks for it, otherwise when a step first does. */
 void tvi_guard_begin(tvi_integrator *integrator, int member);
 
-/* Which steps need no look at their energies. */
-tvi_sure tvi_guard_sure(const tvi_integrator *integrator);
+/* The limits up to which steps need no check of their energies. */
+tvi_skip_limits tvi_guard_skip_limits(const tvi_integrator *integrator);
 
-/* After the stepper's step, with its increments, tails and passes, before it is added to the states: the members that
- * are TVI_OK and whose tail or energy says that the step is too large become TVI_ETOOLARGE. */
-void tvi_guard_step(tvi_integrator *integrator, bool took_series);
+/* Sets TVI_ETOOLARGE for the members that are TVI_OK and whose tail or energy says that the step is too large. It is
+ * called after the stepper's step, before the increments are added to the states. */
+void tvi_guard_step(tvi_integrator *integrator, bool used_series);
 
 #endif

@@ -1,4 +1,4 @@
-/* integrate_to.c - a run that ends at a time, by a last shorter step. */
+/* integrate_to.c - Runs to a given time, with a shorter last step. */
 #include "run/between.h"
 #include "run/run.h"
 #include "algebra/sizes.h"
@@ -8,16 +8,16 @@
 #include <limits.h>
 #include <math.h>
 
-/* After so many steps at most a run is asked whether it moves. */
+/* The most steps at once before the run is asked whether its time moves. */
 enum { AT_ONCE = 64 };
 
 double tvi_time_left(const tvi_integrator *it, double t_end)
 {
     const int n = it->system->n;
-    return (t_end - it->now.q[n]) - it->now.q_low[n];
+    return (t_end - it->state.q[n]) - it->state.q_low[n];
 }
 
-tvi_status tvi_goes_on(const tvi_integrator *it, double t_end, int *slow)
+tvi_status tvi_run_goes_on(const tvi_integrator *it, double t_end, int *slow)
 {
     const double left = tvi_time_left(it, t_end);
     *slow = fabs(it->covered) < DBL_EPSILON / 2 * fabs(left) ? *slow + 1 : 0;
@@ -26,13 +26,13 @@ tvi_status tvi_goes_on(const tvi_integrator *it, double t_end, int *slow)
                : jet_refuse(TVI_ENOCONV, "the time hardly moves: by %g in a step, with %g left", it->covered, left);
 }
 
-/* From a step that went past t_end, which is taken back, to the part of it that ends there. */
+/* Replaces a step that went past t_end by the part of it that ends there. */
 static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[], double p[])
 {
     tvi_between between;
     const tvi_status opened = tvi_between_open(&between, it, false);
     tvi_status status = opened == TVI_OK ? tvi_between_time(&between, t_end) : opened;
-    tvi_integrator_take_back(it, t, q, p);
+    tvi_integrator_undo(it, t, q, p);
     if (status == TVI_OK && between.part != 0) status = tvi_step(it, between.part, t, q, p);
     if (opened == TVI_OK) tvi_between_close(&between);
     return status;
@@ -41,28 +41,29 @@ static tvi_status shorten(tvi_integrator *it, double t_end, double *t, double q[
 void tvi_end_at(tvi_integrator *it, double t_end, double *t)
 {
     const int n = it->system->n;
-    it->now.q_low[n] += it->now.q[n] - t_end;
-    it->now.q[n] = *t = t_end;
+    it->state.q_low[n] += it->state.q[n] - t_end;
+    it->state.q[n] = *t = t_end;
 }
 
-/* The steps of size h that nobody is told of are made at once. Where they move in the time, all but the last ones, of
- * which roundoff says whether there is one more. */
-static long steps_at_once(const tvi_integrator *it, const tvi_course *course, double rest)
+/* The number of steps of size h that are made at once, since no observer sees them. If the steps' variable is the time,
+ * it leaves out the last steps: roundoff decides whether there is one more. */
+static long steps_at_once(const tvi_integrator *it, const tvi_schedule *schedule, double rest)
 {
-    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / course->plan->h)) - 1;
-    return whole < 1 ? 1 : (long)fmin(whole, (double)course->at_once);
+    const double whole = tvi_is_rescaled(it) ? INFINITY : floor(fabs(rest / schedule->plan->h)) - 1;
+    return whole < 1 ? 1 : (long)fmin(whole, (double)schedule->at_once);
 }
 
-/* Steps of size h, or the last one. Where steps move in the time, its size is the rest of the way. */
-static tvi_status step_to(tvi_integrator *it, const tvi_course *course, double *t, double q[], double p[],
+/* Makes steps of size h, or the last one. If the steps' variable is the time, the size of the last step is what is
+ * left. */
+static tvi_status step_to(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
                           bool *is_last)
 {
-    const double h = course->plan->h, t_end = course->t_end, rest = tvi_time_left(it, t_end);
+    const double h = schedule->plan->h, t_end = schedule->t_end, rest = tvi_time_left(it, t_end);
     const double roundoff = 2 * DBL_EPSILON * fmax(fabs(t_end), fabs(*t));
     const bool ends = !tvi_is_rescaled(it) && fabs(rest) <= fabs(h) + roundoff;
     const double before_end = t_end - copysign(roundoff, h);
     tvi_status status =
-        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, course, rest), h, before_end, t, q, p);
+        ends ? tvi_step(it, rest, t, q, p) : tvi_steps(it, steps_at_once(it, schedule, rest), h, before_end, t, q, p);
     const double left = ends ? 0 : tvi_time_left(it, t_end);
     *is_last = fabs(left) <= roundoff || (left > 0) != (h > 0);
     if (status == TVI_OK && fabs(left) > roundoff && *is_last) status = shorten(it, t_end, t, q, p);
@@ -70,19 +71,19 @@ static tvi_status step_to(tvi_integrator *it, const tvi_course *course, double *
     return status;
 }
 
-tvi_status tvi_set_course_to_time(const tvi_integrator *it, const tvi_run_plan *plan, double t, bool is_told,
-                                  tvi_course *course)
+tvi_status tvi_schedule_to_time(const tvi_integrator *it, const tvi_run_plan *plan, double t, bool is_observed,
+                                tvi_schedule *schedule)
 {
     if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
     if (plan->h > 0 ? plan->t_end < t : plan->t_end > t)
         return jet_refuse(TVI_EINVAL, "h = %g does not go from t = %g to t_end = %g", plan->h, t, plan->t_end);
-    *course = (tvi_course){.step = step_to,
-                           .plan = plan,
-                           .steps = t == plan->t_end ? 0 : LONG_MAX,
-                           .at_once = is_told || !it->stats.is_compiled ? 1 : AT_ONCE,
-                           .begins = true,
-                           .is_to_time = true,
-                           .t_end = plan->t_end};
+    *schedule = (tvi_schedule){.step = step_to,
+                               .plan = plan,
+                               .steps = t == plan->t_end ? 0 : LONG_MAX,
+                               .at_once = is_observed || !it->stats.is_compiled ? 1 : AT_ONCE,
+                               .begins = true,
+                               .is_to_time = true,
+                               .t_end = plan->t_end};
     return TVI_OK;
 }
 
@@ -90,6 +91,6 @@ tvi_status tvi_integrate_to(tvi_integrator *it, double h, double t_end, double *
                             tvi_observer *observer, void *ctx)
 {
     const tvi_run_plan plan = {.h = h, .t_end = t_end};
-    const tvi_audience audience = {.at_step = observer, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_run_of_one){.way = TVI_TO_A_TIME, .plan = &plan, .audience = audience}, t, q, p);
+    const tvi_observers observers = {.at_step = observer, .ctx = ctx};
+    return tvi_run_one(it, &(tvi_run_of_one){.mode = TVI_RUN_TO_TIME, .plan = &plan, .observers = observers}, t, q, p);
 }

@@ -1,4 +1,4 @@
-/* integrate_tolerance.c - a run whose steps have the sizes that serve a tolerance. */
+/* integrate_tolerance.c - Runs to a given time by steps whose sizes serve a tolerance. */
 #include "run/run.h"
 #include "system/refuse.h"
 
@@ -6,7 +6,7 @@
 #include <limits.h>
 #include <math.h>
 
-tvi_status tvi_serves_tolerance(const tvi_integrator *it, double tolerance)
+tvi_status tvi_check_tolerance(const tvi_integrator *it, double tolerance)
 {
     if (!(tolerance >= DBL_EPSILON && tolerance < 1))
         return jet_refuse(TVI_EINVAL, "tolerance is below DBL_EPSILON or not below 1");
@@ -21,30 +21,32 @@ int tvi_taylor_order(double tolerance)
     return (int)fmax(2, ceil(1 - log(tolerance) / 2));
 }
 
-/* A step to t_end at most. One that ends there but for roundoff ends there, so that no step of roundoff follows. */
-static tvi_status step_within(tvi_integrator *it, const tvi_course *course, double *t, double q[], double p[],
+/* Makes a step to t_end at most. A step that ends there up to roundoff ends at t_end, so that no step of the size of
+ * roundoff follows. */
+static tvi_status step_within(tvi_integrator *it, const tvi_schedule *schedule, double *t, double q[], double p[],
                               bool *is_last)
 {
-    const double rest = tvi_time_left(it, course->t_end), largest = course->plan->largest_step;
-    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(course->t_end), fabs(*t));
+    const double rest = tvi_time_left(it, schedule->t_end), largest = schedule->plan->largest_step;
+    const double roundoff = 2 * DBL_EPSILON * fmax(fabs(schedule->t_end), fabs(*t));
     const bool is_limited = largest > 0 && fabs(rest) > largest + roundoff;
     const double farthest = is_limited ? copysign(largest, rest) : rest;
-    const tvi_status status = tvi_step_within(it, course->plan->tolerance, farthest, t, q, p);
-    *is_last = status == TVI_OK && (it->h == rest || *t == course->t_end);
-    if (*is_last) tvi_end_at(it, course->t_end, t);
+    const tvi_status status = tvi_step_within(it, schedule->plan->tolerance, farthest, t, q, p);
+    *is_last = status == TVI_OK && (it->h == rest || *t == schedule->t_end);
+    if (*is_last) tvi_end_at(it, schedule->t_end, t);
     return status;
 }
 
-tvi_status tvi_set_course_by_tolerance(const tvi_integrator *it, const tvi_run_plan *plan, double t, tvi_course *course)
+tvi_status tvi_schedule_to_tolerance(const tvi_integrator *it, const tvi_run_plan *plan, double t,
+                                     tvi_schedule *schedule)
 {
     if (!isfinite(plan->t_end)) return jet_refuse(TVI_EINVAL, "t_end is not finite");
-    *course = (tvi_course){.step = step_within,
-                           .plan = plan,
-                           .steps = t == plan->t_end ? 0 : LONG_MAX,
-                           .begins = true,
-                           .is_to_time = true,
-                           .t_end = plan->t_end};
-    return tvi_serves_tolerance(it, plan->tolerance);
+    *schedule = (tvi_schedule){.step = step_within,
+                               .plan = plan,
+                               .steps = t == plan->t_end ? 0 : LONG_MAX,
+                               .begins = true,
+                               .is_to_time = true,
+                               .t_end = plan->t_end};
+    return tvi_check_tolerance(it, plan->tolerance);
 }
 
 tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, double t_end,
@@ -52,8 +54,9 @@ tvi_status tvi_integrate_tolerance_events(tvi_integrator *it, double tolerance, 
                                           tvi_observer *observer, tvi_event_observer *on_event, void *ctx)
 {
     const tvi_run_plan plan = {.tolerance = tolerance, .t_end = t_end, .events = events, .event_count = count};
-    const tvi_audience audience = {.at_step = observer, .on_event = on_event, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_run_of_one){.way = TVI_BY_TOLERANCE, .plan = &plan, .audience = audience}, t, q, p);
+    const tvi_observers observers = {.at_step = observer, .on_event = on_event, .ctx = ctx};
+    return tvi_run_one(it, &(tvi_run_of_one){.mode = TVI_RUN_TO_TOLERANCE, .plan = &plan, .observers = observers}, t, q,
+                       p);
 }
 
 tvi_status tvi_integrate_tolerance(tvi_integrator *it, double tolerance, double t_end, double *t, double q[],

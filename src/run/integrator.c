@@ -1,4 +1,4 @@
-/* integrator.c - makes integrators, in one piece of memory each, and says what they are made of. */
+/* integrator.c - Creates integrators, each in one piece of memory, and reports their options and counts. */
 #include "run/integrator.h"
 #include "compiled/compiled.h"
 #include "method/method.h"
@@ -7,49 +7,51 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The same of what was before. */
+/* The place in `history_before` that corresponds to a place in the history. */
 static void *before(const tvi_integrator *it, const void *in_history)
 {
-    return it->before + ((const char *)in_history - it->history);
+    return it->history_before + ((const char *)in_history - it->history);
 }
 
-/* The arrays of a state, or of increments, of so many components. */
+/* Takes the four arrays of a state or of increments in a system of this dimension. */
 static void take_rows(tvi_arena *arena, void *(*take)(tvi_arena *, size_t), int dimension, int width,
-                      double **const of[4])
+                      double **const rows[4])
 {
-    for (size_t i = 0; i < 4; i++) /* p, q, p_low, q_low, where q has one row more */
-        *of[i] = take(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
+    for (size_t i = 0; i < 4; i++) /* p, q, p_low, q_low; the arrays of q have one row more */
+        *rows[i] = take(arena, ((size_t)dimension + i % 2) * (size_t)width * sizeof(double));
 }
 
-/* All that is of the members, but the stepper's work. */
+/* Takes all memory of the members except the stepper's work. */
 static void take_members(tvi_integrator *laid, tvi_arena *arena)
 {
     const int n = laid->system->n, dimension = laid->stepped->n, width = laid->width;
     const size_t members = (size_t)width, row = members * sizeof(double);
-    tvi_run_state *now = &laid->now, *end = &laid->end, *alone = &laid->alone;
-    tvi_increments *by = &laid->by;
-    take_rows(arena, tvi_arena_take, dimension, width, (double **[]){&by->dp, &by->dq, &by->dp_low, &by->dq_low});
-    take_rows(arena, tvi_arena_history, dimension, width, (double **[]){&now->p, &now->q, &now->p_low, &now->q_low});
+    tvi_run_state *state = &laid->state, *end = &laid->end, *member_state = &laid->member_state;
+    tvi_increments *increments = &laid->increments;
+    take_rows(arena, tvi_arena_take, dimension, width,
+              (double **[]){&increments->dp, &increments->dq, &increments->dp_low, &increments->dq_low});
+    take_rows(arena, tvi_arena_history, dimension, width,
+              (double **[]){&state->p, &state->q, &state->p_low, &state->q_low});
     laid->continues = tvi_arena_history(arena, members * sizeof *laid->continues);
-    laid->begun = tvi_arena_turn(arena, (2 * (size_t)n + 1) * row);
-    laid->kept = tvi_arena_history(arena, members * sizeof *laid->kept);
+    laid->run_start = tvi_arena_ring(arena, (2 * (size_t)n + 1) * row);
+    laid->reference = tvi_arena_history(arena, members * sizeof *laid->reference);
     laid->status = tvi_arena_take(arena, members * sizeof *laid->status);
-    laid->moves = tvi_arena_take(arena, members * sizeof *laid->moves);
+    laid->is_stepped = tvi_arena_take(arena, members * sizeof *laid->is_stepped);
     laid->passes = tvi_arena_take(arena, members * sizeof *laid->passes);
-    laid->doubts = tvi_arena_take(arena, members * sizeof *laid->doubts);
-    double **const numbers[] = {&laid->tail, &laid->overflows, &laid->change, &laid->energy_before,
+    laid->needs_energy = tvi_arena_take(arena, members * sizeof *laid->needs_energy);
+    double **const numbers[] = {&laid->tail, &laid->overflows, &laid->energy_change, &laid->energy_before,
                                 &laid->energy_after};
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++) *numbers[i] = tvi_arena_take(arena, row);
     end->q = tvi_arena_take(arena, ((size_t)dimension + 1) * row);
     end->p = tvi_arena_take(arena, (size_t)dimension * row);
-    alone->q = tvi_arena_doubles(arena, (size_t)dimension + 1);
-    alone->p = tvi_arena_doubles(arena, (size_t)dimension);
+    member_state->q = tvi_arena_doubles(arena, (size_t)dimension + 1);
+    member_state->p = tvi_arena_doubles(arena, (size_t)dimension);
     laid->parameters = tvi_arena_take(arena, (size_t)tvi_system_parameters(laid->system) * row);
-    laid->lent = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(laid->system));
+    laid->one_lane_parameters = tvi_arena_doubles(arena, (size_t)tvi_system_parameters(laid->system));
     laid->stop = tvi_arena_take(arena, tvi_stop_bytes(n));
 }
 
-/* The blocks of one lane, and that of the energies of all members. */
+/* Takes the blocks of one lane, and the block for the energies of all members. */
 static void take_energies(tvi_integrator *laid, tvi_arena *arena)
 {
     const tvi_system *system = laid->system;
@@ -57,13 +59,13 @@ static void take_energies(tvi_integrator *laid, tvi_arena *arena)
     if (uses_energy) tvi_energy_take(&laid->energy, arena, system);
     if (tvi_is_rescaled(laid)) tvi_energy_take_precise(&laid->transformed, arena, laid->stepped);
     laid->field = tvi_arena_block(arena, laid->stepped->field_values, 1, 1, 0);
-    laid->lone = arena->blocks;
+    laid->one_lane_blocks = arena->blocks;
     arena->blocks = NULL;
     if (uses_energy && laid->width > 1 && system->form != TVI_LAGRANGIAN)
         tvi_energy_lanes_take(&laid->energies, arena, system, laid->width);
 }
 
-/* The integrator of so many members and all it needs, in one piece. */
+/* Lays out an integrator of `width` members with all its memory, in one piece. */
 static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
     tvi_integrator *integrator = tvi_arena_take(arena, sizeof *integrator);
@@ -73,20 +75,20 @@ static tvi_integrator *lay_out(tvi_arena *arena, const tvi_system *system, const
     if (integrator) integrator->options = *options, options = &integrator->options; /* the work refers to them */
     take_members(&laid, arena);
     take_energies(&laid, arena);
-    laid.of_state = arena->marked;
+    laid.state_bytes = arena->marked;
     laid.work = width > 1 ? stepper->batch->take(arena, laid.stepped, options, width)
                           : stepper->take(arena, laid.stepped, options);
     laid.blocks = arena->blocks;
     laid.history = arena->history;
-    laid.marked = width > 1 ? 0 : arena->marked;
-    laid.remembered = tvi_arena_remembered(arena);
-    laid.before = laid.history ? laid.history + laid.remembered : NULL;
+    laid.marked_bytes = width > 1 ? 0 : arena->marked;
+    laid.history_bytes = tvi_arena_history_bytes(arena);
+    laid.history_before = laid.history ? laid.history + laid.history_bytes : NULL;
     laid.stats.is_compiled = options->compiled != NULL;
     laid.stats.bytes = tvi_arena_bytes(arena);
     if (!integrator) return NULL;
-    const tvi_run_state *now = &laid.now;
-    laid.start = (tvi_run_state){before(&laid, now->q), before(&laid, now->q_low), before(&laid, now->p),
-                                 before(&laid, now->p_low)};
+    const tvi_run_state *state = &laid.state;
+    laid.start = (tvi_run_state){before(&laid, state->q), before(&laid, state->q_low), before(&laid, state->p),
+                                 before(&laid, state->p_low)};
     laid.continued = before(&laid, laid.continues);
     *integrator = laid;
     return integrator;
@@ -99,10 +101,10 @@ static tvi_status make(tvi_integrator **out, const tvi_system *system, const tvi
     if (!tvi_arena_open(&arena)) return jet_refuse_memory(TVI_ENOMEM);
     tvi_integrator *it = *out = lay_out(&arena, system, resolved, width);
     tvi_compiled_hold(resolved->compiled);
-    tvi_blocks_prepare(it->lone);
+    tvi_blocks_prepare(it->one_lane_blocks);
     tvi_blocks_prepare(it->blocks);
-    tvi_system_recorded_parameters(system, it->lent);
-    tvi_integrator_lend_parameters(it, it->lent, 1, 1);
+    tvi_system_recorded_parameters(system, it->one_lane_parameters);
+    tvi_integrator_load_parameters(it, it->one_lane_parameters, 1, 1);
     const tvi_batch_stepper *batch = tvi_batch_of(it);
     void (*prepare)(void *) = batch ? batch->prepare : it->stepper->prepare;
     if (prepare) prepare(it->work);
@@ -116,7 +118,7 @@ int tvi_integrator_width(const tvi_integrator *it)
     return batch ? batch->width(it->stepped, &it->options) : 1;
 }
 
-/* Completes the options, or says why they make no integrator. */
+/* Completes the options. Returns a status, with the reason in *why, if they make no integrator. */
 static tvi_status check(const tvi_system *system, tvi_options *options, const char **why)
 {
     const tvi_status status = tvi_method_resolve(options, system->stepped, why);
@@ -146,10 +148,10 @@ tvi_status tvi_integrator_create(tvi_integrator **out, const tvi_system *system,
     return status == TVI_OK ? make(out, system, &resolved, 1) : status;
 }
 
-tvi_status tvi_integrator_twin(tvi_integrator **out, const tvi_integrator *it, int width)
+tvi_status tvi_integrator_create_like(tvi_integrator **out, const tvi_integrator *it, int width)
 {
     const tvi_status status = make(out, it->system, &it->options, width);
-    if (status == TVI_OK) tvi_integrator_lend_parameters(*out, it->parameters, (size_t)it->width, 1);
+    if (status == TVI_OK) tvi_integrator_load_parameters(*out, it->parameters, (size_t)it->width, 1);
     return status;
 }
 

@@ -1,4 +1,4 @@
-/* narrow.c - see narrow.h. */
+/* narrow.c - Narrows the bracket of a sign change (narrow.h). */
 #include "run/narrow.h"
 
 #include <float.h>
@@ -6,7 +6,7 @@
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
-/* Where to look next for the zero, with so many looks left. */
+/* The next abscissa to evaluate, with `left` evaluations left. */
 static double next_place(double a, double ga, double b, double gb, double width, double least, int left)
 {
     const double middle = (a + b) / 2, secant = (a * gb - b * ga) / (gb - ga), way = middle - secant;

@@ -1,4 +1,4 @@
-/* parameters.c - values of an integrator's own for the parameters of its system. */
+/* parameters.c - Sets and reads an integrator's own values of the parameters of its system. */
 #include "run/integrator.h"
 #include "system/refuse.h"
 
@@ -10,10 +10,10 @@ static tvi_status no_integrator(void) { return jet_refuse(TVI_EINVAL, "integrato
 void tvi_integrator_apply_parameters(tvi_integrator *it)
 {
     tvi_blocks_set_parameters(it->blocks, tvi_system_parameters(it->system), it->width, it->parameters);
-    tvi_member_lend_parameters(it, 0);
+    tvi_member_load_parameters(it, 0);
 }
 
-void tvi_integrator_lend_parameters(tvi_integrator *it, const double value[], size_t stride, int count)
+void tvi_integrator_load_parameters(tvi_integrator *it, const double value[], size_t stride, int count)
 {
     const int parameters = tvi_system_parameters(it->system), width = it->width;
     bool is_same = true;
@@ -38,7 +38,7 @@ tvi_status tvi_integrator_set_parameters(tvi_integrator *it, const double value[
     tvi_integrator_apply_parameters(it);
     tvi_integrator_reset(it);
     it->has_dense = false;
-    it->stop->is_set = false; /* the events were others */
+    it->stop->is_set = false; /* the events had other parameters */
     it->parameter_sets++;
     return TVI_OK;
 }

@@ -1,4 +1,5 @@
-/* plan.c - runs an integrator by a plan: refuses plans that contradict themselves, and calls the plan's observers. */
+/* plan.c - Runs an integrator by a plan: it refuses plans that contradict themselves, and calls the plan's
+ * observers. */
 #include "run/plan.h"
 #include "system/refuse.h"
 
@@ -19,7 +20,7 @@ static const char *first_of(size_t count, const contradiction list[])
     return NULL;
 }
 
-/* Why it goes no way, or NULL. */
+/* The reason why the plan has no mode, or NULL. */
 static const char *misfit_of_ways(const tvi_run_plan *plan)
 {
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
@@ -42,7 +43,7 @@ static const char *misfit_of_ways(const tvi_run_plan *plan)
     return first_of(sizeof list / sizeof *list, list);
 }
 
-/* Why what it tells does not go with the way, or NULL. */
+/* The reason why what the plan reports does not go with its mode, or NULL. */
 static const char *misfit_of_members(const tvi_run_plan *plan)
 {
     const contradiction list[] = {
@@ -63,14 +64,14 @@ tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
     if (!reason) reason = misfit_of_members(plan);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!tvi_events_fit(it, plan->events, plan->event_count)) return TVI_EINVAL;
-    return plan->tolerance != 0 ? tvi_serves_tolerance(it, plan->tolerance) : TVI_OK;
+    return plan->tolerance != 0 ? tvi_check_tolerance(it, plan->tolerance) : TVI_OK;
 }
 
-tvi_run_way tvi_plan_way(const tvi_run_plan *plan)
+tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan)
 {
-    if (plan->tolerance != 0) return TVI_BY_TOLERANCE;
-    if (plan->time_count != 0) return TVI_THROUGH_TIMES;
-    return plan->steps != 0 ? TVI_SO_MANY_STEPS : TVI_TO_A_TIME;
+    if (plan->tolerance != 0) return TVI_RUN_TO_TOLERANCE;
+    if (plan->time_count != 0) return TVI_RUN_AT_TIMES;
+    return plan->steps != 0 ? TVI_RUN_STEPS : TVI_RUN_TO_TIME;
 }
 
 /* ---- Its observers ----------------------------------------------------------------------------------------------- */
@@ -97,7 +98,7 @@ static int tell_time(long which, double t, const double q[], const double p[], v
     return tell(to, to->plan->at_time, which, t, q, p);
 }
 
-static int tell_step(long step, double t, const double q[], const double p[], void *ctx)
+static int report_step(long step, double t, const double q[], const double p[], void *ctx)
 {
     const tvi_member_run *to = ctx;
     const int stop = tell(to, to->plan->at_step, step, t, q, p);
@@ -109,14 +110,14 @@ tvi_status tvi_run_member(tvi_integrator *it, const tvi_member_run *member, doub
 {
     const tvi_run_plan *plan = member->plan;
     const tvi_run_of_one run = {
-        .way = member->way,
+        .mode = member->mode,
         .plan = plan,
-        .audience = {.at_step = plan->at_step || member->observer ? tell_step : NULL,
-                     .at_time = plan->at_time ? tell_time : NULL,
-                     .on_event = plan->on_event ? tell_event : NULL,
-                     .ctx = (void *)member},
+        .observers = {.at_step = plan->at_step || member->observer ? report_step : NULL,
+                      .at_time = plan->at_time ? tell_time : NULL,
+                      .on_event = plan->on_event ? tell_event : NULL,
+                      .ctx = (void *)member},
         .columns = {plan->D ? plan->D + member->member : NULL, plan->columns, (size_t)member->members},
-        .steps_told = member->steps_told,
+        .steps_reported = member->steps_reported,
     };
     return tvi_run_one(it, &run, t, q, p);
 }
@@ -126,6 +127,6 @@ tvi_status tvi_run(tvi_integrator *it, const tvi_run_plan *plan, double *t, doub
     if (!it || !t || !q || !p) return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "");
     const tvi_status status = tvi_plan_check(it, plan);
     if (status != TVI_OK) return status;
-    const tvi_member_run all = {.plan = plan, .way = tvi_plan_way(plan), .members = 1, .observer = plan->observer};
+    const tvi_member_run all = {.plan = plan, .mode = tvi_plan_mode(plan), .members = 1, .observer = plan->observer};
     return tvi_run_member(it, &all, t, q, p);
 }

@@ -1,4 +1,4 @@
-/* plan.h - runs one member by a plan, which an integrator and the members of an ensemble share. */
+/* plan.h - Runs one member by a plan. tvi_run and the members of an ensemble call it. */
 #ifndef TVI_SRC_RUN_PLAN_H
 #define TVI_SRC_RUN_PLAN_H
 
@@ -6,21 +6,23 @@
 
 #include <pthread.h>
 
-/* Refuses a plan that contradicts itself, and one that does not serve the integrator. */
+/* Refuses a plan that contradicts itself, or that the integrator cannot serve. */
 TVI_NODISCARD tvi_status tvi_plan_check(const tvi_integrator *integrator, const tvi_run_plan *plan);
-/* The way that a plan goes that was checked. */
-tvi_run_way tvi_plan_way(const tvi_run_plan *plan);
+/* The mode of a plan that was checked. */
+tvi_run_mode tvi_plan_mode(const tvi_run_plan *plan);
 
 /* A member that runs by a plan. */
 typedef struct {
     const tvi_run_plan *plan;
-    tvi_run_way way;
+    tvi_run_mode mode;
     int member, members;
-    long steps_told; /* before this piece of a run in steps; `steps` of the plan are those of the piece */
-    tvi_ensemble_observer *observer; /* called after at_step; NULL where the ensemble itself calls that of the plan */
-    pthread_mutex_t *lock;           /* held while an observer is called; NULL: there is one thread */
+    /* Steps before this piece of the run; plan->steps are those of the piece. */
+    long steps_reported;
+    /* The observer that is called after at_step; NULL if the ensemble itself calls the plan's. */
+    tvi_ensemble_observer *observer;
+    pthread_mutex_t *lock; /* held while an observer is called; NULL if there is one thread */
 } tvi_member_run;
-/* The integrator has what the member has (tvi_worker_enter). */
+/* Runs a member whose state the integrator holds (tvi_worker_load_member). */
 TVI_NODISCARD tvi_status tvi_run_member(tvi_integrator *integrator, const tvi_member_run *member, double *t, double q[],
                                         double p[]);
 

@@ -1,4 +1,4 @@
-/* progress.c - a bar on the terminal: the one file that prints. */
+/* progress.c - Draws a progress bar on the terminal. No other file prints. */
 #include "tvi.h"
 
 #include <stdio.h>
@@ -6,7 +6,7 @@
 
 enum { WIDTH = 50 };
 
-/* Drawn anew when a per cent is full, so that a step costs a division. */
+/* Draws the bar when a per cent is full, so that most steps cost one division. */
 int tvi_progress(long step, double t, const double q[], const double p[], void *ctx)
 {
     static const char full[] = "##################################################";

@@ -1,4 +1,4 @@
-/* saved.c - writes states as bytes, and says of bytes whether they are a state (saved.h). */
+/* saved.c - Writes states as bytes, and checks bytes that are loaded (saved.h). */
 #include "run/saved.h"
 #include "compiled/compiled.h"
 #include "algebra/sizes.h"
@@ -35,7 +35,7 @@ size_t tvi_saved_size(const tvi_pieces *pieces)
     return bytes;
 }
 
-void tvi_saved_seal(void *buffer, size_t size)
+void tvi_saved_add_checksum(void *buffer, size_t size)
 {
     const size_t before = size - sizeof(uint64_t);
     const uint64_t checksum = jet_hash(JET_HASH_OF_NOTHING, buffer, before);
@@ -53,11 +53,11 @@ tvi_status tvi_saved_write(const tvi_identity *own, const tvi_pieces *pieces, vo
     at += sizeof *own;
     for (int i = 0; i < pieces->count; at += pieces->piece[i++].bytes)
         tvi_arena_copy(at, pieces->piece[i].data, pieces->piece[i].bytes);
-    tvi_saved_seal(buffer, bytes);
+    tvi_saved_add_checksum(buffer, bytes);
     return TVI_OK;
 }
 
-const char *tvi_saved_fault(const void *buffer, size_t size, tvi_identity *who)
+const char *tvi_saved_check(const void *buffer, size_t size, tvi_identity *who)
 {
     uint64_t checksum;
     if (size < sizeof *who + sizeof checksum) return "the bytes are too few for a state";
@@ -72,7 +72,7 @@ const char *tvi_saved_fault(const void *buffer, size_t size, tvi_identity *who)
 const char *tvi_saved_misfit(const tvi_identity *own, const void *buffer, size_t size)
 {
     tvi_identity who;
-    const char *const fault = tvi_saved_fault(buffer, size, &who);
+    const char *const fault = tvi_saved_check(buffer, size, &who);
     if (fault) return fault;
     if (who.members != own->members)
         return who.members == 0    ? "the state is of an integrator"
@@ -100,7 +100,8 @@ void tvi_saved_read(const tvi_pieces *pieces, int index, const void *buffer)
 
 bool tvi_stats_are_sound(const void *bytes)
 {
-    const size_t numbers = offsetof(tvi_stats, is_compiled); /* which may be no truth value, and is not read */
+    /* is_compiled is not read: its byte may be no truth value */
+    const size_t numbers = offsetof(tvi_stats, is_compiled);
     tvi_stats s = {0};
     memcpy(&s, bytes, numbers);
     const long counts[] = {s.steps, s.passes, s.expansions, s.force_evaluations, s.factorisations};
@@ -124,7 +125,7 @@ bool tvi_stops_are_sound(const void *bytes, int n, int members)
     for (int m = 0; m < members; m++) {
         tvi_stop stop;
         memcpy(&stop, (const char *)bytes + (size_t)m * tvi_stop_bytes(n), sizeof stop);
-        if (stop.count < 0 || stop.count > TVI_STOP_TOLD) return false;
+        if (stop.count < 0 || stop.count > TVI_STOP_EVENTS) return false;
     }
     return true;
 }
@@ -132,12 +133,13 @@ bool tvi_stops_are_sound(const void *bytes, int n, int members)
 bool tvi_history_is_sound(const tvi_integrator *it)
 {
     const tvi_batch_stepper *batch = tvi_batch_of(it);
-    const tvi_run_state *now = &it->now;
+    const tvi_run_state *state = &it->state;
     const int rows = it->stepped->n * it->width, width = it->width;
-    bool is_sound = tvi_all_finite(rows + width, now->q) && tvi_all_finite(rows + width, now->q_low) &&
-                    tvi_all_finite(rows, now->p) && tvi_all_finite(rows, now->p_low);
+    bool is_sound = tvi_all_finite(rows + width, state->q) && tvi_all_finite(rows + width, state->q_low) &&
+                    tvi_all_finite(rows, state->p) && tvi_all_finite(rows, state->p_low);
     for (int m = 0; m < width; m++)
-        is_sound = is_sound && isfinite(it->kept[m].scale) && (!it->kept[m].is_known || isfinite(it->kept[m].H));
+        is_sound = is_sound && isfinite(it->reference[m].scale) &&
+                   (!it->reference[m].is_known || isfinite(it->reference[m].H));
     bool (*const of_work)(const void *) = batch ? batch->is_sound : it->stepper->is_sound;
     return is_sound && (!of_work || of_work(it->work));
 }

@@ -1,4 +1,4 @@
-/* scout.h - a first look along an orbit, by few large steps (scout.c). */
+/* scout.h - Explores an orbit with few large steps (scout.c), for suggest.c and trial.c. */
 #ifndef TVI_SRC_RUN_SCOUT_H
 #define TVI_SRC_RUN_SCOUT_H
 
@@ -6,40 +6,43 @@
 
 #include <stdbool.h>
 
-/* Where an integrator is on an orbit of n coordinates. */
+/* An integrator, and its state on an orbit of n coordinates. */
 typedef struct {
-    tvi_integrator *steps;
+    tvi_integrator *integrator;
     double t, *q, *p;
-} tvi_orbit;
+} tvi_scout_orbit;
 
-/* Moves it to state, [2n + 1]: q, p and t. */
-void tvi_orbit_set(tvi_orbit *orbit, int n, const double *state);
+/* Sets the orbit to the state [2n + 1]: q, p and t. */
+void tvi_scout_orbit_set(tvi_scout_orbit *orbit, int n, const double *state);
 
 enum { TVI_SCOUT_STEPS = 24 };
 
-/* What was seen. Places along the orbit are sums of steps, from 0, so in s where the system is rescaled. */
+/* The results of a scout. Positions along the orbit are sums of steps from 0; they are in s if the system is
+ * rescaled. */
 typedef struct {
     int n;
-    double *states; /* [TVI_SCOUT_STEPS + 1][2n + 1] q, p and t at each place: the caller's memory */
-    long made;      /* steps, those that failed or were taken back included */
-    int count;      /* steps that were right, k = 0 ... count - 1, */
-    double place[TVI_SCOUT_STEPS + 1];
-    double scale[TVI_SCOUT_STEPS]; /* and what step just resolves the orbit there; the shortest is that of */
-    int hardest;
-    double part;           /* of the run that is behind it */
-    bool is_blind;         /* the method has no tail: one step, which need not resolve anything */
-    double size_q, size_p; /* the largest coordinate and momentum */
-    tvi_status status;     /* of the last step */
+    /* [TVI_SCOUT_STEPS + 1][2n + 1] q, p and t at each position, in the caller's memory. */
+    double *states;
+    long steps_tried; /* also those that failed or were undone */
+    int count;        /* steps that succeeded, k = 0 ... count - 1 */
+    double position[TVI_SCOUT_STEPS + 1];
+    double scale[TVI_SCOUT_STEPS]; /* the step that just resolves the orbit at each */
+    int hardest;                   /* index of the least scale */
+    double part;                   /* of the run that the scout has covered */
+    bool has_no_tail;              /* one step was made, which need not resolve anything */
+    double size_q, size_p;         /* the largest coordinate and momentum */
+    tvi_status status;             /* of the last step */
 } tvi_scout;
 
 /* The tail of a step that just resolves the orbit. */
 #define TVI_SCOUT_TAIL 0.003
 
-/* Moves the orbit on, TVI_SCOUT_STEPS steps at most, or to the end of the run. Where no step is right, the status of
- * the last one; TVI_ENOMEM. */
-TVI_NODISCARD tvi_status tvi_scout_look(tvi_scout *scout, tvi_orbit *orbit, double duration);
+/* Moves the orbit on by TVI_SCOUT_STEPS steps at most, or to the end of the run. Returns the status of the last step if
+ * no step succeeds, or TVI_ENOMEM. */
+TVI_NODISCARD tvi_status tvi_scout_run(tvi_scout *scout, tvi_scout_orbit *orbit, double duration);
 
-/* How much of the run's error is made between two places: the way there where the orbit is hardest, less elsewhere. */
+/* A weight for the part of the run's error that is made between two positions: the distance at the hardest position,
+ * less elsewhere. */
 double tvi_scout_weight(const tvi_scout *scout, double from, double to);
 
 #endif

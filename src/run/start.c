@@ -1,10 +1,10 @@
-/* start.c - the sign that g has where a step begins.
+/* start.c - Determines the sign of each event function at the start of a step, for search.c.
  *
- * A run that goes on from the integrator's own state takes the sign that g has there, by the same evaluation that ended
- * the step before. What was told where an event stopped the run is left: g is 0 there, whatever roundoff makes of it.
- * Any other state is on an event where |g| is at most its roundoff. What leaves an event has the sign of the first
- * Taylor coefficient of g along the motion that is above its own roundoff: that of g(x + d) - g(x), where d is what a
- * tiny step of the method adds to the state, to roundoff of d. */
+ * A run that goes on from the integrator's own state takes the value of g from the end of the step before. An event
+ * that was reported where a run stopped counts as g = 0 there, whatever roundoff makes of g. Any other state is on an
+ * event if |g| is at most its roundoff. A g that leaves 0 has the sign of its first Taylor coefficient along the motion
+ * that is above roundoff. That is the sign of g(x + d) - g(x), with the increment d of a tiny step of the method, to
+ * roundoff of d. */
 #include "run/start.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -13,12 +13,13 @@
 #include <math.h>
 #include <string.h>
 
-/* A rise below so many units of roundoff of its terms has no sign. */
+/* A rise below UNITS units of roundoff of its terms has no sign. */
 static const double UNITS = 64;
-/* The roundoff of a state that steps computed, in units of that of its size: it is a sum, and so is the curve. */
+/* The roundoff of a state that steps computed, in units of its size. A state is a sum, and so is a point of the
+ * curve. */
 static const double OF_STEPS = 4;
-/* In parts of the step: the first place that is looked at, which in s is one where the time moves; the least one where
- * an event may come back; and how much farther off the following ones are. */
+/* Parts of the step: the first theta that is tried, and in s, where it has to move the time; the least theta at which
+ * an event may return; and the factor from one theta to the next. */
 static const double FIRST = 0x1p-200, FIRST_IN_S = 0x1p-60, LEAST = 0x1p-52, FARTHER = 16;
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
@@ -29,7 +30,7 @@ tvi_search_from tvi_start_of(const tvi_integrator *it, double t, const double q[
 {
     const int n = it->system->n;
     const double *stop = it->stop->state;
-    if (*it->continues && tvi_integrator_has(it, t, q, p)) return TVI_FROM_OWN;
+    if (*it->continues && tvi_integrator_has_state(it, t, q, p)) return TVI_FROM_OWN;
     const bool is_stop = it->stop->is_set && has_bits(n, q, stop) && has_bits(1, &t, &stop[2 * n]);
     return is_stop ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
@@ -46,11 +47,11 @@ static void copy_start(const tvi_search *s, double x[])
 bool tvi_start_is_among(const tvi_stop *stop, const tvi_event *event)
 {
     for (int64_t i = 0; i < stop->count; i++)
-        if (stop->told[i] == event->hash) return true;
+        if (stop->events[i] == event->hash) return true;
     return false;
 }
 
-/* At the stop with its own p; x: the start. */
+/* Computes g at the state x, with the momentum of the stop in place of its own. */
 static tvi_status value_at_stop(tvi_search *s, int which, const double x[], double *g)
 {
     const size_t n = (size_t)s->it->system->n;
@@ -59,16 +60,17 @@ static tvi_status value_at_stop(tvi_search *s, int which, const double x[], doub
     return tvi_search_value(s, which, s->move, g);
 }
 
-/* g[0] = 0 where the state x is on the event. */
+/* Sets g[0] = 0 if the state x is on the event. */
 static tvi_status judge(tvi_search *s, int which, const double x[])
 {
-    tvi_watch *w = &s->of[which];
+    tvi_watch *w = &s->watch[which];
     double before = 0, here = 0, roundoff;
     tvi_status status;
-    w->was_told = s->from == TVI_FROM_STOP && tvi_start_is_among(s->it->stop, w->event);
-    if (w->was_told) w->g[0] = 0;
-    if (w->g[0] == 0 || s->from == TVI_FROM_OWN) return TVI_OK;
-    if (s->from == TVI_FROM_STOP && s->it->stop->count < TVI_STOP_TOLD) { /* and the new p changes nothing for it */
+    w->was_reported = s->start_kind == TVI_FROM_STOP && tvi_start_is_among(s->it->stop, w->event);
+    if (w->was_reported) w->g[0] = 0;
+    if (w->g[0] == 0 || s->start_kind == TVI_FROM_OWN) return TVI_OK;
+    /* an event that does not depend on the new p stays as it is */
+    if (s->start_kind == TVI_FROM_STOP && s->it->stop->count < TVI_STOP_EVENTS) {
         status = value_at_stop(s, which, x, &before);
         if (status == TVI_OK) status = tvi_search_value(s, which, x, &here);
         if (status == TVI_OK && before == here) return TVI_OK;
@@ -85,12 +87,13 @@ tvi_status tvi_start_search(tvi_search *s)
     const double *g = s->samples;
     double *x = s->state;
     copy_start(s, x);
-    s->has_turned = s->from == TVI_FROM_STOP && !has_bits(inputs / 2, x + inputs / 2, s->it->stop->state + inputs / 2);
+    s->has_new_momentum =
+        s->start_kind == TVI_FROM_STOP && !has_bits(inputs / 2, x + inputs / 2, s->it->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) s->samples[i * TVI_SAMPLES + k] = x[i];
     const bool inside = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES);
     for (int which = 0; which < s->count; which++) {
-        double *first = &s->of[which].g[0];
+        double *first = &s->watch[which].g[0];
         *first = g[(size_t)s->tape->output[which] * TVI_SAMPLES];
         tvi_status status = TVI_OK;
         if (!inside || !isfinite(*first)) status = tvi_search_value(s, which, x, first);
@@ -102,33 +105,34 @@ tvi_status tvi_start_search(tvi_search *s)
 
 /* ---- Leaving an event -------------------------------------------------------------------------------------------- */
 
-/* The movement by a step of a part of h, as far as it is known, and that of the time. */
+/* Sets d to the increments of q and p over the part theta of the step, as accurately as they are known, and that of the
+ * time. */
 static tvi_status movement(tvi_search *s, double theta, double d[])
 {
     const int n = s->it->system->n;
-    const tvi_increments *by = &s->between->partial->by;
-    const tvi_run_state *start = &s->it->start, *now = &s->it->now;
+    const tvi_increments *increments = &s->between->partial_integrator->increments;
+    const tvi_run_state *start = &s->it->start, *state = &s->it->state;
     const tvi_status status = tvi_between_state(s->between, theta * s->it->h);
     if (status != TVI_OK) return status;
     if (theta == 1) { /* the step itself */
         for (int i = 0; i < n; i++) {
-            d[i] = now->q[i] - start->q[i];
-            d[n + i] = now->p[i] - start->p[i];
+            d[i] = state->q[i] - start->q[i];
+            d[n + i] = state->p[i] - start->p[i];
         }
-        d[2 * n] = now->q[n] - start->q[n];
+        d[2 * n] = state->q[n] - start->q[n];
         return TVI_OK;
     }
     for (int i = 0; i < n; i++) {
-        d[i] = by->dq[i] + by->dq_low[i];
-        d[n + i] = by->dp[i] + by->dp_low[i];
+        d[i] = increments->dq[i] + increments->dq_low[i];
+        d[n + i] = increments->dp[i] + increments->dp_low[i];
     }
-    d[2 * n] = by->dq[n];
+    d[2 * n] = increments->dq[n];
     return TVI_OK;
 }
 
 tvi_status tvi_start_rise(tvi_search *s, int which, double theta, double *rise, bool *known)
 {
-    const tvi_watch *w = &s->of[which];
+    const tvi_watch *w = &s->watch[which];
     double scale;
     bool is_exact;
     tvi_status status = movement(s, theta, s->move);
@@ -141,7 +145,7 @@ tvi_status tvi_start_rise(tvi_search *s, int which, double theta, double *rise, 
     return tvi_search_value(s, which, s->state, rise);
 }
 
-/* The sign there, 0 where it is not known. */
+/* Sets *sign to the sign of the rise of g at theta; 0 if it is not known. */
 static tvi_status sign_at(tvi_search *s, int which, double theta, int *sign)
 {
     double rise = 0;
@@ -151,18 +155,18 @@ static tvi_status sign_at(tvi_search *s, int which, double theta, int *sign)
     return status;
 }
 
-/* Where the time has moved by what it resolves; search->move: the movement at the first place. */
+/* The theta at which the time has moved by its resolution. search->move holds the increments at the first theta. */
 static double first_resolved(const tvi_search *s, double first)
 {
     const int n = s->it->system->n;
-    const double resolution = DBL_EPSILON * fmax(fabs(s->it->start.q[n]), fabs(s->it->now.q[n]));
+    const double resolution = DBL_EPSILON * fmax(fabs(s->it->start.q[n]), fabs(s->it->state.q[n]));
     const double theta = resolution * first / fabs(s->move[2 * n]);
-    return theta > LEAST && theta < tvi_sample_place[0] ? theta : LEAST;
+    return theta > LEAST && theta < tvi_sample_theta[0] ? theta : LEAST;
 }
 
 tvi_status tvi_start_leave(tvi_search *s, int which)
 {
-    tvi_watch *w = &s->of[which];
+    tvi_watch *w = &s->watch[which];
     int first, sign;
     const double at_first = tvi_is_rescaled(s->it) ? FIRST_IN_S : FIRST;
     tvi_status status = sign_at(s, which, at_first, &first);
@@ -170,11 +174,11 @@ tvi_status tvi_start_leave(tvi_search *s, int which)
     double theta = first_resolved(s, at_first);
     status = sign_at(s, which, theta, &sign);
     const bool is_wanted = w->event->direction == TVI_EITHER || (int)w->event->direction == sign;
-    s->rests = status == TVI_OK && w->was_told && s->has_turned && is_wanted && first * sign < 0;
+    s->rests = status == TVI_OK && w->was_reported && s->has_new_momentum && is_wanted && first * sign < 0;
     if (s->rests)
         return jet_refuse(TVI_ENOCONV, "events[%d] is reached again before the time moves, as of a ball at rest",
                           which);
-    while (status == TVI_OK && sign == 0 && theta * FARTHER < tvi_sample_place[0])
+    while (status == TVI_OK && sign == 0 && theta * FARTHER < tvi_sample_theta[0])
         status = sign_at(s, which, theta *= FARTHER, &sign);
     w->leaves = sign != 0;
     w->left_at = theta;
@@ -186,18 +190,18 @@ tvi_status tvi_start_leave(tvi_search *s, int which)
 
 tvi_status tvi_start_is_noise(tvi_search *s, int which, bool *is_noise)
 {
-    const tvi_watch *w = &s->of[which];
+    const tvi_watch *w = &s->watch[which];
     const tvi_integrator *it = s->it;
     const size_t n = (size_t)it->system->n;
     double at_start = 0, at_end = 0, *size = s->move;
     for (size_t i = 0; i < n; i++) {
-        size[i] = fabs(it->start.q[i]) + fabs(it->now.q[i] - it->start.q[i]);
-        size[n + i] = fabs(it->start.p[i]) + fabs(it->now.p[i] - it->start.p[i]);
+        size[i] = fabs(it->start.q[i]) + fabs(it->state.q[i] - it->start.q[i]);
+        size[n + i] = fabs(it->start.p[i]) + fabs(it->state.p[i] - it->start.p[i]);
     }
-    size[2 * n] = fmax(fabs(it->start.q[n]), fabs(it->now.q[n]));
+    size[2 * n] = fmax(fabs(it->start.q[n]), fabs(it->state.q[n]));
     copy_start(s, s->state);
     tvi_status status = tvi_event_roundoff(w->event, &w->near, s->state, size, &at_start);
-    tvi_state_now(it, &s->state[2 * n], s->state, s->state + n);
+    tvi_integrator_copy_state(it, &s->state[2 * n], s->state, s->state + n);
     if (status == TVI_OK) status = tvi_event_roundoff(w->event, &w->near, s->state, size, &at_end);
     *is_noise = tvi_largest(TVI_SAMPLES, w->g + 1, 1) <= OF_STEPS * (at_start + at_end);
     return status;

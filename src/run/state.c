@@ -1,11 +1,11 @@
-/* state.c - saves what an integrator holds between steps, and loads it: a run goes on from there as if it had not been
- * interrupted.
+/* state.c - Saves what an integrator holds between steps, and loads it, so that a run goes on as if it had not been
+ * interrupted. The bytes are
  *
- *     identity | t | q | p | counts | parameters | stop | history | checksum
+ *      identity | t | q | p | counts | parameters | stop | history | checksum
  *
- * The identity is of the format, the method and the system: another one is refused (saved.h). t, q and p are for those
- * who have no integrator (tvi_state_peek). The history is all that one step leaves to the next (arena.h), so that
- * nothing can be forgotten here. */
+ * The identity describes the format, the method and the system; bytes with another one are refused (saved.h). t, q and
+ * p serve readers without an integrator (tvi_state_peek). The history is all that one step leaves to the next
+ * (arena.h). */
 #include "run/saved.h"
 #include "system/refuse.h"
 
@@ -19,13 +19,13 @@ static void list_pieces(const tvi_integrator *it, tvi_stats *stats, tvi_pieces *
 {
     const size_t n = (size_t)it->system->n, number = sizeof(double);
     pieces->count = 0;
-    tvi_pieces_add(pieces, &it->now.q[n], number);
-    tvi_pieces_add(pieces, it->now.q, n * number);
-    tvi_pieces_add(pieces, it->now.p, n * number);
+    tvi_pieces_add(pieces, &it->state.q[n], number);
+    tvi_pieces_add(pieces, it->state.q, n * number);
+    tvi_pieces_add(pieces, it->state.p, n * number);
     tvi_pieces_add(pieces, stats, sizeof *stats);
     tvi_pieces_add(pieces, it->parameters, (size_t)tvi_system_parameters(it->system) * number);
     tvi_pieces_add(pieces, it->stop, tvi_stop_bytes(it->system->n));
-    tvi_pieces_add(pieces, it->history, it->remembered);
+    tvi_pieces_add(pieces, it->history, it->history_bytes);
 }
 
 tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
@@ -38,15 +38,15 @@ tvi_status tvi_state_save(const tvi_integrator *it, void *buffer, size_t *size)
     return tvi_saved_write(&own, &pieces, buffer, size);
 }
 
-/* Loads the history, which has t, q and p once more, and takes it back where it is none to go on from. */
+/* Loads the history, which has t, q and p once more. Restores the old one if a run cannot go on from the loaded one. */
 static tvi_status load_history(tvi_integrator *it, const tvi_pieces *pieces, const void *buffer)
 {
-    char *own = malloc(it->remembered + 1);
+    char *own = malloc(it->history_bytes + 1);
     if (!own) return jet_refuse_memory(TVI_ENOMEM);
-    tvi_arena_copy(own, it->history, it->remembered);
+    tvi_arena_copy(own, it->history, it->history_bytes);
     tvi_saved_read(pieces, HISTORY, buffer);
     const bool is_sound = tvi_history_is_sound(it);
-    if (!is_sound) tvi_arena_copy(it->history, own, it->remembered);
+    if (!is_sound) tvi_arena_copy(it->history, own, it->history_bytes);
     free(own);
     return is_sound ? TVI_OK : jet_refuse(TVI_EINVAL, "the state is damaged");
 }
@@ -54,7 +54,7 @@ static tvi_status load_history(tvi_integrator *it, const tvi_pieces *pieces, con
 tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
 {
     if (!it || !buffer) return jet_refuse(TVI_EINVAL, "%s is NULL", it ? "buffer" : "integrator");
-    if (it->is_telling)
+    if (it->is_in_observer)
         return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
     tvi_stats stats = it->stats;
     tvi_pieces pieces;
@@ -82,7 +82,7 @@ tvi_status tvi_state_peek(const void *buffer, size_t size, int *n, double *t, do
 {
     tvi_identity who;
     if (!buffer || !n) return jet_refuse(TVI_EINVAL, "%s is NULL", buffer ? "n" : "buffer");
-    const char *reason = tvi_saved_fault(buffer, size, &who), *at = (const char *)buffer + sizeof who;
+    const char *reason = tvi_saved_check(buffer, size, &who), *at = (const char *)buffer + sizeof who;
     const bool has_room = !reason && who.n >= 1 && who.n <= TVI_MAX_DIMENSION &&
                           (1 + 2 * (size_t)who.n) * sizeof(double) <= size - sizeof who - sizeof(uint64_t);
     if (!reason && !has_room) reason = "the state is damaged";
@@ -101,6 +101,6 @@ tvi_status tvi_state_last(const tvi_integrator *it, double *t, double q[], doubl
 {
     if (!it || !t || !q || !p || !*it->continues)
         return tvi_refuse_run((tvi_run_arguments){it, t, q, p, 1}, "the integrator has made no step, or was reset");
-    tvi_state_now(it, t, q, p);
+    tvi_integrator_copy_state(it, t, q, p);
     return TVI_OK;
 }

@@ -1,4 +1,4 @@
-/* status.c - the texts of the statuses, and the version. */
+/* status.c - Returns the texts of the statuses, and the version of the library. */
 #include "system/refuse.h"
 
 #define STATUS_TEXT(code, text) [code] = text,

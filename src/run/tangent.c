@@ -1,5 +1,5 @@
-/* tangent.c - the derivative of a step: D <- M D, by the same method on the lifted system (docs/method.md section 10).
- * A column is one lifted step, which forgets the one before it. */
+/* tangent.c - Multiplies tangent vectors by the derivative M of a step, D <- M D, by the same method on the lifted
+ * system (docs/method.md section 10). Each column takes one lifted step, whose history is cleared before. */
 #include "run/tangent.h"
 #include "method/method.h"
 #include "algebra/sizes.h"
@@ -22,7 +22,7 @@ static void free_tangent(tvi_tangent *tangent)
     free(tangent);
 }
 
-/* Those of a rescaled system. */
+/* Allocates the blocks that a rescaled system needs. */
 static tvi_status take_blocks(tvi_integrator *it, tvi_tangent *tangent)
 {
     const jet_tape *flow = it->stepped->field_values, *change = tangent->system->energy;
@@ -55,12 +55,12 @@ static tvi_status create(tvi_tangent **out, tvi_integrator *it)
     if (status != TVI_OK) return status;
     tangent->paired = tangent->system->form != TVI_SEPARABLE;
     tvi_options options = it->options;
-    options.max_tail = -1;   /* the step itself is looked at */
-    options.compiled = NULL; /* and the code is that of the system */
+    options.max_tail = -1;   /* the step itself is checked */
+    options.compiled = NULL; /* the generated code is for the system, not for its lift */
     return tvi_integrator_create(&tangent->integrator, tangent->system, &options);
 }
 
-/* Room for so many columns; what is there stays. */
+/* Provides memory for more columns, and keeps the contents. */
 static tvi_status widen(tvi_integrator *it, int columns)
 {
     tvi_tangent *tangent = it->tangent;
@@ -77,7 +77,7 @@ static tvi_status widen(tvi_integrator *it, int columns)
     return TVI_OK;
 }
 
-/* Makes the integrator's tangent at its first use, and room for the columns. */
+/* Creates the integrator's tangent when it is first used, and provides memory for the columns. */
 tvi_status tvi_integrator_provide_tangent(tvi_integrator *it, int columns)
 {
     if (!it->tangent) {
@@ -95,8 +95,8 @@ tvi_status tvi_integrator_provide_tangent(tvi_integrator *it, int columns)
     return widen(it, columns);
 }
 
-/* The power of two that brings a column to the size of the state, so that neither rules the corrector's measure: M is
- * linear, and powers of two are exact. */
+/* The power of two that scales a column to the size of the state, so that neither dominates the corrector's measure. M
+ * is linear, and powers of two are exact. */
 static int exponent_of(int n, const double q[], const double p[], const double column[])
 {
     const double size_q = tvi_largest(n, q, 1), size_p = tvi_largest(n, p, 1);
@@ -107,7 +107,7 @@ static int exponent_of(int n, const double q[], const double p[], const double c
     return exponent;
 }
 
-/* The parameters of the step, and their rates, those of the column at the scale of the rest of it. */
+/* Sets the parameters of the step and their rates, which are those of the column at its scale. */
 static tvi_status set_parameters(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
 {
     tvi_tangent *tangent = it->tangent;
@@ -120,29 +120,29 @@ static tvi_status set_parameters(const tvi_integrator *it, const tvi_lifted_step
     return tvi_integrator_set_parameters(tangent->integrator, tangent->values);
 }
 
-/* The lifted state: that at the start of the step, and the column at a scale. */
+/* Sets the lifted state: the state at the start of the step, and the scaled column. */
 static void place_column(const tvi_integrator *it, const tvi_lifted_step *step, int exponent)
 {
     const tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
     const size_t bytes = (size_t)n * sizeof(double);
     double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n);
-    memcpy(tangent->Q, step->from->q, bytes);
-    memcpy(tangent->P + (tangent->paired ? n : 0), step->from->p, bytes);
+    memcpy(tangent->Q, step->start->q, bytes);
+    memcpy(tangent->P + (tangent->paired ? n : 0), step->start->p, bytes);
     for (int i = 0; i < n; i++) {
         dq[i] = ldexp(tangent->column[i], -exponent);
         dp[i] = ldexp(tangent->column[n + i], -exponent);
     }
 }
 
-/* column <- M column. */
+/* Computes column <- M column. */
 static tvi_status step_column(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     tvi_tangent *tangent = it->tangent;
     const int n = tangent->n;
     double *dq = tangent->Q + n, *dp = tangent->P + (tangent->paired ? 0 : n), *column = tangent->column;
-    double t = step->from->q[n];
-    const int exponent = exponent_of(n, step->from->q, step->from->p, column);
+    double t = step->start->q[n];
+    const int exponent = exponent_of(n, step->start->q, step->start->p, column);
     place_column(it, step, exponent);
     tvi_integrator_reset(tangent->integrator);
     tvi_status status = set_parameters(it, step, exponent);
@@ -156,7 +156,7 @@ static tvi_status step_column(const tvi_integrator *it, const tvi_lifted_step *s
 
 /* ---- At equal times ---------------------------------------------------------------------------------------------- */
 
-/* Of a rescaled system, K_q and K_p at a state. */
+/* Computes K_q and K_p of a rescaled system at a state. */
 static tvi_status differentiate(const tvi_integrator *it, const double parameters[], const double q[], const double p[])
 {
     const jet_tape *tape = it->stepped->field_values;
@@ -164,30 +164,32 @@ static tvi_status differentiate(const tvi_integrator *it, const double parameter
     const size_t n = (size_t)tangent->n, bytes = n * sizeof *q;
     memcpy(tangent->flow, q, bytes);
     memcpy(tangent->flow + n, p, bytes);
-    jet_tape_place_parameters(tape, tangent->flow, 1, tvi_system_parameters(it->system), 1, parameters);
+    jet_tape_set_parameters(tape, tangent->flow, 1, tvi_system_parameters(it->system), 1, parameters);
     if (!jet_sweep_values(tape, tangent->flow, 1)) return TVI_EDOMAIN;
     for (size_t i = 0; i < 2 * n; i++) tangent->gradient[i] = tangent->flow[tape->output[i]];
     return TVI_OK;
 }
 
-/* The neighbour at the same time has its own e, for which K is as 0 as here: dK = 0, K_e = g. */
+/* Sets the change of e in the column. A neighbour at the same time has its own e, with which K is 0 as well: dK = 0,
+ * and K_e = g. */
 static tvi_status set_energy(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
     const jet_tape *tape = tangent->system->energy;
     const int n = tangent->n, e = 2 * n - 1;
-    tvi_status status = differentiate(it, step->parameters, step->from->q, step->from->p);
+    tvi_status status = differentiate(it, step->parameters, step->start->q, step->start->p);
     if (status == TVI_OK) status = set_parameters(it, step, 0);
     if (status != TVI_OK) return status;
     place_column(it, step, 0);
     memcpy(tangent->change, tangent->Q, 4 * (size_t)n * sizeof *tangent->Q);
-    jet_tape_place_parameters(tape, tangent->change, 1, tvi_system_parameters(tangent->system), 1, tangent->values);
+    jet_tape_set_parameters(tape, tangent->change, 1, tvi_system_parameters(tangent->system), 1, tangent->values);
     const bool inside = jet_sweep_values(tape, tangent->change, 1);
     tangent->column[e] = -tangent->change[tape->output[0]] / tangent->gradient[e];
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* After a step in s it is at another time: back along the flow, dq - dt K_p / g, dp + dt K_q / g. */
+/* Projects the column to the time of the orbit. After a step in s the neighbour is at another time, and is moved back
+ * along the flow: dq - dt K_p / g, dp + dt K_q / g. */
 static tvi_status project(const tvi_integrator *it, const tvi_lifted_step *step)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -201,7 +203,7 @@ static tvi_status project(const tvi_integrator *it, const tvi_lifted_step *step)
     return status;
 }
 
-/* Of the user's column: of a rescaled system e is not varied yet. */
+/* Copies the user's column. In a rescaled system the change of e is 0 so far. */
 static void read_column(const tvi_integrator *it, const double D[], size_t stride)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -215,7 +217,7 @@ static void read_column(const tvi_integrator *it, const double D[], size_t strid
     for (int i = 0; i < parameters; i++) rate[i] = D[(size_t)(2 * n + i) * stride];
 }
 
-/* One column: out = M column, in rows of `stride`. */
+/* Multiplies one column, out = M column, in rows of `stride`. */
 static tvi_status move_column(const tvi_integrator *it, const tvi_lifted_step *step, double out[], size_t stride)
 {
     const tvi_tangent *tangent = it->tangent;
@@ -236,10 +238,10 @@ static tvi_status move_column(const tvi_integrator *it, const tvi_lifted_step *s
 tvi_status tvi_columns_move(const tvi_integrator *it, const tvi_lifted_step *step, const tvi_columns *columns,
                             const tvi_columns *out)
 {
-    const size_t stride = (size_t)columns->columns * columns->apart, out_stride = (size_t)out->columns * out->apart;
+    const size_t stride = (size_t)columns->columns * columns->spacing, out_stride = (size_t)out->columns * out->spacing;
     for (int i = 0; i < columns->columns; i++) {
-        read_column(it, columns->D + (size_t)i * columns->apart, stride);
-        const tvi_status status = move_column(it, step, out->D + (size_t)i * out->apart, out_stride);
+        read_column(it, columns->D + (size_t)i * columns->spacing, stride);
+        const tvi_status status = move_column(it, step, out->D + (size_t)i * out->spacing, out_stride);
         if (status != TVI_OK) return jet_refuse(status, "column %d of D: %s", i, jet_refusal());
     }
     return TVI_OK;
@@ -250,7 +252,7 @@ tvi_status tvi_columns_check(const tvi_integrator *it, const tvi_columns *column
     const int rows = 2 * it->system->n + tvi_system_parameters(it->system);
     for (int row = 0; row < rows; row++)
         for (int i = 0; i < columns->columns; i++)
-            if (!isfinite(columns->D[((size_t)row * (size_t)columns->columns + (size_t)i) * columns->apart]))
+            if (!isfinite(columns->D[((size_t)row * (size_t)columns->columns + (size_t)i) * columns->spacing]))
                 return jet_refuse(TVI_ENONFINITE, "row %d of D is not finite", row);
     return TVI_OK;
 }
@@ -259,7 +261,7 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
 {
     const tvi_run_arguments given = {it, t, q, p, h};
     if (!it) return tvi_refuse_run(given, "");
-    if (!it->is_telling) it->has_dense = false;
+    if (!it->is_in_observer) it->has_dense = false;
     if (!t || !q || !p || !D || columns < 1 || h == 0 || !isfinite(h))
         return tvi_refuse_run(given, D ? "columns is not positive" : "D is NULL");
     const tvi_columns own = {D, columns, 1};
@@ -269,7 +271,7 @@ tvi_status tvi_step_tangent(tvi_integrator *it, double h, double *t, double q[],
     if (status != TVI_OK) return status;
     const tvi_columns moved = {it->tangent->end, columns, 1};
     it->tangent->step = 0;
-    status = tvi_columns_move(it, &(tvi_lifted_step){&it->now, it->parameters, h}, &own, &moved);
+    status = tvi_columns_move(it, &(tvi_lifted_step){&it->state, it->parameters, h}, &own, &moved);
     if (status == TVI_OK) status = tvi_step(it, h, t, q, p);
     if (status == TVI_OK) memcpy(D, moved.D, 2 * (size_t)it->system->n * (size_t)columns * sizeof *D);
     return status;

@@ -1,5 +1,5 @@
-/* times.c - tells the results at given times of a run: each is the state of a step of the method, of the part of the
- * last step that leads there (between.h). */
+/* times.c - Reports the results at given times of a run. Each is the state after a step of the method over the part of
+ * the last step that leads there (between.h). */
 #include "run/times.h"
 #include "run/columns.h"
 #include "algebra/sizes.h"
@@ -7,7 +7,7 @@
 
 #include <math.h>
 
-/* The first time that is not finite, or not in the order of h, or before t; count where there is none. */
+/* The index of the first time that is not finite, or not in the order of h, or before t; otherwise count. */
 static int first_out_of_order(double h, double t, const double times[], int count)
 {
     for (int i = 0; i < count; i++) {
@@ -17,10 +17,11 @@ static int first_out_of_order(double h, double t, const double times[], int coun
     return count;
 }
 
-/* Whether the state is the end of the last step, which went the way of h, and still has all that it left. */
+/* Tells whether the state is the end of the last step, in the direction of h, and all that this step left is still
+ * there. */
 static bool has_last_step(const tvi_integrator *it, double h, double t, const double q[], const double p[])
 {
-    return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has(it, t, q, p);
+    return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has_state(it, t, q, p);
 }
 
 tvi_status tvi_times_check(const tvi_integrator *it, const tvi_run_of_one *run, double t, const double q[],
@@ -38,43 +39,46 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_run_of_one *run, 
                : jet_refuse(TVI_EINVAL, "times[%d] = %g is not in order, or not finite", first, times[first]);
 }
 
-/* Tells one more, with its state. */
-static void tell_next(tvi_times *s, const double q[], const double p[])
+/* Reports the next time, with its state. */
+static void report_next(tvi_times *s, const double q[], const double p[])
 {
-    const tvi_audience *to = &s->run->audience;
+    const tvi_observers *observers = &s->run->observers;
     const int which = s->next++;
     const double time = s->run->plan->times[which];
-    if (tvi_tell_step(s->it, to->at_time, which + 1, time, q, p, to->ctx) != 0) s->is_stopped = true;
+    if (tvi_call_observer(s->it, observers->at_time, which + 1, time, q, p, observers->ctx) != 0) s->is_stopped = true;
 }
 
-/* Tells one of the last step. */
-static tvi_status tell_inside(tvi_times *s)
+/* Reports the next time, which is in the last step. */
+static tvi_status report_inside(tvi_times *s)
 {
     const tvi_between *between = &s->between;
     tvi_status status = tvi_between_time(&s->between, s->run->plan->times[s->next]);
-    if (status == TVI_OK && s->run->audience.at_time)
-        status = tvi_columns_show(s->it, &s->run->columns, between->part, between->partial->parameters);
-    if (status == TVI_OK) tell_next(s, between->q, between->p);
+    if (status == TVI_OK && s->run->observers.at_time)
+        status = tvi_columns_show(s->it, &s->run->columns, between->part, between->partial_integrator->parameters);
+    if (status == TVI_OK) report_next(s, between->q, between->p);
     return status;
 }
 
-/* Tells those up to this one; all of them, or until the observer stops the run. */
-static tvi_status tell_until(tvi_times *s, double until, bool all)
+/* Reports the times up to `until`: all of them, or until the observer stops the run. */
+static tvi_status report_until(tvi_times *s, double until, bool all)
 {
     const tvi_run_plan *plan = s->run->plan;
     const double way = plan->h > 0 ? 1 : -1;
     const int first = s->next;
     tvi_status status = TVI_OK;
-    while (status == TVI_OK && !tvi_times_are_told(s) && way * (plan->times[s->next] - until) <= 0 &&
+    while (status == TVI_OK && !tvi_times_are_reported(s) && way * (plan->times[s->next] - until) <= 0 &&
            (all || !s->is_stopped))
-        status = tell_inside(s);
+        status = report_inside(s);
     if (s->next > first) tvi_columns_to_end(s->it, &s->run->columns);
     return status;
 }
 
-tvi_status tvi_times_tell(tvi_times *s, double until) { return tell_until(s, until, s->run->plan->event_count > 0); }
+tvi_status tvi_times_report(tvi_times *s, double until)
+{
+    return report_until(s, until, s->run->plan->event_count > 0);
+}
 
-bool tvi_times_are_told(const tvi_times *s) { return s->next == s->run->plan->time_count; }
+bool tvi_times_are_reported(const tvi_times *s) { return s->next == s->run->plan->time_count; }
 
 tvi_status tvi_times_set_parameters(tvi_times *s) { return tvi_between_set_parameters(&s->between); }
 
@@ -82,25 +86,25 @@ tvi_status tvi_times_open(tvi_times *s, tvi_integrator *it, const tvi_run_of_one
                           const double q[], const double p[])
 {
     *s = (tvi_times){.it = it, .run = run};
-    while (!has_step && !s->is_stopped && !tvi_times_are_told(s) && run->plan->times[s->next] == t) {
-        tell_next(s, q, p);
+    while (!has_step && !s->is_stopped && !tvi_times_are_reported(s) && run->plan->times[s->next] == t) {
+        report_next(s, q, p);
         tvi_columns_to_end(it, &run->columns);
     }
-    if (s->is_stopped || tvi_times_are_told(s)) return s->is_stopped ? TVI_ESTOPPED : TVI_OK;
+    if (s->is_stopped || tvi_times_are_reported(s)) return s->is_stopped ? TVI_ESTOPPED : TVI_OK;
     tvi_status status = tvi_between_open(&s->between, it, false);
-    if (status == TVI_OK && has_step) status = tell_until(s, t, false);
+    if (status == TVI_OK && has_step) status = report_until(s, t, false);
     return status == TVI_OK && s->is_stopped ? TVI_ESTOPPED : status;
 }
 
 void tvi_times_close(tvi_times *s)
 {
-    if (s->between.steps) tvi_between_close(&s->between);
+    if (s->between.integrator) tvi_between_close(&s->between);
 }
 
 tvi_status tvi_integrate_at(tvi_integrator *it, double h, const double times[], int count, double *t, double q[],
                             double p[], tvi_observer *observer, void *ctx)
 {
     const tvi_run_plan plan = {.h = h, .times = times, .time_count = count};
-    const tvi_audience audience = {.at_time = observer, .ctx = ctx};
-    return tvi_run_one(it, &(tvi_run_of_one){.way = TVI_THROUGH_TIMES, .plan = &plan, .audience = audience}, t, q, p);
+    const tvi_observers observers = {.at_time = observer, .ctx = ctx};
+    return tvi_run_one(it, &(tvi_run_of_one){.mode = TVI_RUN_AT_TIMES, .plan = &plan, .observers = observers}, t, q, p);
 }

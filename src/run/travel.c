@@ -22,18 +22,18 @@ static size_t index_of(const tvi_integrator *it, int member, int k)
 static void fill_in(tvi_state_text *x, const tvi_integrator *it, int member, const tvi_given_state *given)
 {
     const int n = x->n;
-    const tvi_run_state *now = &it->now;
+    const tvi_run_state *state = &it->state;
     for (int i = 0; i < n; i++) {
         x->state[2 * (1 + i)] = given->q[(size_t)i * given->stride];
         x->state[2 * (1 + n + i)] = given->p[(size_t)i * given->stride];
     }
     x->state[0] = given->t;
-    if (!it->continues[member] || !tvi_member_has(it, member, given)) return;
+    if (!it->continues[member] || !tvi_member_has_state(it, member, given)) return;
     x->has_e = tvi_is_rescaled(it);
     for (int k = 0; k <= 2 * n + x->has_e; k++) {
         const size_t at = index_of(it, member, k);
-        x->state[2 * k] = k <= n ? now->q[at] : now->p[at];
-        x->state[2 * k + 1] = k <= n ? now->q_low[at] : now->p_low[at];
+        x->state[2 * k] = k <= n ? state->q[at] : state->p[at];
+        x->state[2 * k + 1] = k <= n ? state->q_low[at] : state->p_low[at];
     }
 }
 
@@ -63,7 +63,7 @@ static tvi_status read_text(tvi_state_text *x, const tvi_system *system, const c
 static tvi_status adopt(tvi_integrator *it, int member, const tvi_state_text *x)
 {
     const int n = x->n;
-    const tvi_run_state *now = &it->now;
+    const tvi_run_state *state = &it->state;
     const tvi_given_state given = {x->state + 2, x->state + 2 * (1 + n), 2, x->state[0]};
     it->continues[member] = false;
     const tvi_status status = tvi_member_begin(it, member, &given);
@@ -71,8 +71,8 @@ static tvi_status adopt(tvi_integrator *it, int member, const tvi_state_text *x)
     for (int k = 0; k <= 2 * n + (x->has_e && tvi_is_rescaled(it)); k++) {
         const size_t at = index_of(it, member, k);
         const double low = x->state[2 * k + 1];
-        *(k <= n ? &now->q[at] : &now->p[at]) = x->state[2 * k];
-        *(k <= n ? &now->q_low[at] : &now->p_low[at]) = low;
+        *(k <= n ? &state->q[at] : &state->p[at]) = x->state[2 * k];
+        *(k <= n ? &state->q_low[at] : &state->p_low[at]) = low;
         if (k <= 2 * n && low != 0) it->continues[member] = true;
     }
     return TVI_OK;
@@ -100,8 +100,8 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
 static tvi_status adopt_alone(tvi_integrator *it, const tvi_state_text *x, char *own)
 {
     const size_t bytes = (size_t)x->parameters * sizeof *x->value;
-    double *const values = (double *)(own + it->remembered);
-    tvi_arena_copy(own, it->history, it->remembered);
+    double *const values = (double *)(own + it->history_bytes);
+    tvi_arena_copy(own, it->history, it->history_bytes);
     memcpy(values, it->parameters, bytes);
     memcpy(it->parameters, x->value, bytes);
     tvi_integrator_apply_parameters(it);
@@ -111,7 +111,7 @@ static tvi_status adopt_alone(tvi_integrator *it, const tvi_state_text *x, char 
         it->stop->is_set = false;
         return TVI_OK;
     }
-    tvi_arena_copy(it->history, own, it->remembered);
+    tvi_arena_copy(it->history, own, it->history_bytes);
     memcpy(it->parameters, values, bytes);
     tvi_integrator_apply_parameters(it);
     return status;
@@ -125,9 +125,9 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
     tvi_state_text x;
     tvi_status status = read_text(&x, it->system, text, size);
     if (status != TVI_OK) return status;
-    char *own = malloc(it->remembered + (size_t)x.parameters * sizeof *x.value + 1);
+    char *own = malloc(it->history_bytes + (size_t)x.parameters * sizeof *x.value + 1);
     status = own ? adopt_alone(it, &x, own) : jet_refuse_memory(TVI_ENOMEM);
-    if (status == TVI_OK) tvi_state_now(it, t, q, p);
+    if (status == TVI_OK) tvi_integrator_copy_state(it, t, q, p);
     free(own);
     free(x.value);
     return status;
@@ -189,7 +189,7 @@ tvi_status tvi_ensemble_member_from_text(tvi_ensemble *e, int member, const char
         tvi_worker_store(w, e, batch);
         memset(e->stops + (size_t)member * tvi_stop_bytes(e->n), 0, tvi_stop_bytes(e->n));
         e->failed[member] = TVI_OK;
-        tvi_member_give(w->batch, m, &t[member], q + member, p + member, (size_t)e->members);
+        tvi_member_copy_state(w->batch, m, &t[member], q + member, p + member, (size_t)e->members);
     } else {
         exchange_parameters(e, member, &x);
     }

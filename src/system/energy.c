@@ -1,4 +1,4 @@
-/* energy.c - what is asked of a system outside of steps: energy, momenta, velocities. */
+/* energy.c - Computes energies, and transforms velocities to momenta and back, at single states outside of steps. */
 #include "system/energy.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -56,21 +56,22 @@ void tvi_energy_prepare(tvi_energy_work *work)
     if (work->system->form == TVI_LAGRANGIAN) tvi_legendre_prepare(&work->legendre);
 }
 
-/* The value of the energy tape at (q, second, t); second NULL: what the block holds. */
-static tvi_status energy_value(tvi_energy_work *work, double t, const double q[], const double second[], double *value)
+/* Evaluates the energy tape at (q, velocities, t). NULL for the velocities leaves what the block holds. */
+static tvi_status energy_value(tvi_energy_work *work, double t, const double q[], const double velocities[],
+                               double *value)
 {
     const tvi_system *system = work->system;
     const size_t n = (size_t)system->n;
     double *x = work->block;
     memcpy(x, q, n * sizeof *q);
-    if (second) memcpy(x + n, second, n * sizeof *q);
+    if (velocities) memcpy(x + n, velocities, n * sizeof *q);
     if (system->energy->inputs > system->energy_inputs) x[system->energy_inputs] = t;
     const bool inside = jet_sweep_values(system->energy, x, 1);
     *value = x[system->energy->output[0]];
     return inside ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* V is the energy tape at v = 0 or p = 0, up to the sign; zeros are what its block holds there. */
+/* Computes H from V, which is the energy tape at v = 0 or p = 0, up to the sign. The block holds these zeros. */
 static tvi_status separable_energy(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
 {
     const tvi_system *system = work->system;
@@ -80,13 +81,13 @@ static tvi_status separable_energy(tvi_energy_work *work, double t, const double
     return status;
 }
 
-/* H = p.v - L(q, v). */
+/* Computes H = p.v - L(q, v). */
 static tvi_status lagrangian_energy(tvi_energy_work *work, double t, const double q[], const double p[], double *H)
 {
     double *v = work->velocity;
     tvi_status status = tvi_legendre_solve(&work->legendre, t, q, p, v);
     if (status != TVI_OK) {
-        memset(v, 0, (size_t)work->system->n * sizeof *v); /* do not start from there again */
+        memset(v, 0, (size_t)work->system->n * sizeof *v); /* the next solution does not start from these velocities */
         return status;
     }
     status = energy_value(work, t, q, v, H);
@@ -146,7 +147,7 @@ long double tvi_energy_precise(tvi_energy_work *work, double t, const double q[]
     return work->precise[tape->output[0]];
 }
 
-/* Work in memory of its own, which is to be freed; parameters NULL: as recorded. */
+/* Allocates the work, in memory that is to be freed. NULL for the parameters leaves them as recorded. */
 static void *create_work(tvi_energy_work *work, const tvi_system *system, const double parameters[])
 {
     tvi_arena arena = {0};

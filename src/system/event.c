@@ -1,4 +1,4 @@
-/* event.c - records the user's event functions. */
+/* event.c - Records the user's event functions, and makes the tape that evaluates several of them. */
 #include "system/event.h"
 #include "system/refuse.h"
 
@@ -64,7 +64,8 @@ tvi_status tvi_event_value(const tvi_event *event, double *block, const double *
     return isfinite(*g) ? TVI_OK : tvi_refuse_as("event function", TVI_ENONFINITE);
 }
 
-/* All outputs once more, in a graph of their own: equal parts of the events are computed once. */
+/* Records the outputs of all events once more, in a graph of their own. Equal parts of the events are then computed
+ * once. */
 static tvi_status record_again(const tvi_event *const events[], int count, jet_graph *graph, int inputs, jet jets[])
 {
     jet *input = jets, *still = jets + inputs, *value = still + inputs, rate;
@@ -80,7 +81,7 @@ static tvi_status record_again(const tvi_event *const events[], int count, jet_g
     return status;
 }
 
-/* The inputs that the values are made of. */
+/* Marks the inputs that the values depend on. */
 static tvi_status find_used(const jet_graph *graph, int inputs, int count, const jet value[], bool used[])
 {
     const int nodes = jet_graph_count(graph);

@@ -1,4 +1,4 @@
-/* event.h - a recorded event function. */
+/* event.h - Records and evaluates event functions. The search for events (run/search.c) calls it. */
 #ifndef TVI_SRC_SYSTEM_EVENT_H
 #define TVI_SRC_SYSTEM_EVENT_H
 
@@ -12,30 +12,33 @@ struct tvi_event {
     jet_graph *graph; /* closed */
     jet output;       /* g */
     jet_tape *tape;   /* inputs q, p, t; one output */
-    jet_tape *series; /* the same, with what its Taylor coefficients need */
-    uint64_t hash;    /* of the tape: equal functions have equal ones */
+    /* A tape of the same function, for Taylor coefficients. */
+    jet_tape *series;
+    uint64_t hash; /* of the tape; equal functions have equal hashes */
 };
 
-/* g at the state x [2n + 1], q, p and t; block is one of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
+/* Evaluates g at the state x [2n + 1] of q, p and t, in a block of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g);
-/* A tape of all of them, of one dimension: inputs q, p, t; outputs g, by event. */
+/* Creates the tape of several events of one dimension, with inputs q, p, t and outputs g, event by event. used [2n + 1]
+ * are the inputs that the events depend on. */
 /* used [2n + 1]: the inputs that they depend on. */
 TVI_NODISCARD tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count, bool used[]);
 
-/* What is asked of g near one state. */
+/* The work for questions about g near one state. */
 typedef struct {
-    double *x;  /* [orders][slots] a block of the event's series, */
-    double *dx; /* [slots][TVI_ROUNDOFF_SAMPLES] and its tangents */
+    double *x;  /* [orders][slots] block of the event's series */
+    double *dx; /* [slots][TVI_ROUNDOFF_SAMPLES] its tangents */
 } tvi_event_near;
 TVI_NODISCARD tvi_status tvi_event_near_open(tvi_event_near *near, const tvi_event *event);
-void tvi_event_near_close(tvi_event_near *near); /* NULL pointers are allowed */
+void tvi_event_near_close(tvi_event_near *near); /* pointers may be NULL */
 
-/* The most that a unit of roundoff in each input, relative to size[2n + 1], makes of g at the state x [2n + 1], and
- * what one in each operation does. TVI_EDOMAIN. */
+/* Estimates the roundoff of g at the state x [2n + 1]: the effect of a unit of roundoff in each input, relative to
+ * size[2n + 1], and in each operation. TVI_EDOMAIN. */
 TVI_NODISCARD tvi_status tvi_event_roundoff(const tvi_event *event, const tvi_event_near *near, const double x[],
                                             const double size[], double *roundoff);
-/* g(x + d) - g(x) by the Taylor polynomial of g along d [2n + 1], without the cancellation of a difference; *scale: the
- * sum of the sizes of its first-order terms. *is_exact: what the polynomial leaves out is roundoff. TVI_EDOMAIN. */
+/* Computes g(x + d) - g(x) by the Taylor polynomial of g along d [2n + 1], without the cancellation of a difference.
+ * *scale is the sum of the sizes of its first-order terms. *is_exact: the rest of the series is below roundoff.
+ * TVI_EDOMAIN. */
 TVI_NODISCARD tvi_status tvi_event_rise(const tvi_event *event, const tvi_event_near *near, const double x[],
                                         const double d[], double *rise, double *scale, bool *is_exact);
 

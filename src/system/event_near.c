@@ -1,4 +1,4 @@
-/* event_near.c - how well an event function is known at a state, and how it changes near it. */
+/* event_near.c - Estimates the roundoff of an event function at a state, and its change near that state. */
 #include "system/event.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the polynomial along a line. */
+/* The order of the Taylor polynomial along a line, and the number of signs at once. */
 enum { ORDER = 8, SAMPLES = TVI_ROUNDOFF_SAMPLES };
 
 tvi_status tvi_event_near_open(tvi_event_near *near, const tvi_event *event)
@@ -28,14 +28,14 @@ void tvi_event_near_close(tvi_event_near *near)
     free(near->dx);
 }
 
-/* The values of all slots at the state x. */
+/* Computes the values of all slots at the state x. */
 static tvi_status set_values(const tvi_event *event, const tvi_event_near *near, const double x[])
 {
     memcpy(near->x, x, (2 * (size_t)event->n + 1) * sizeof *x);
     return jet_sweep_series(event->series, near->x, 0, 1) ? TVI_OK : tvi_refuse_as("event function", TVI_EDOMAIN);
 }
 
-/* sum_i |dg/dx_i| size_i at the state of the values: the derivatives of as many inputs at once as there are samples. */
+/* sum_i |dg/dx_i| size_i at the state of the values. The derivatives of SAMPLES inputs are computed at once. */
 static double first_order(const tvi_event *event, const tvi_event_near *near, const double size[])
 {
     const int inputs = 2 * event->n + 1;

@@ -1,4 +1,4 @@
-/* legendre.c - between velocities and momenta, at a point. */
+/* legendre.c - Transforms velocities to momenta and back at a point, by Newton's method. */
 #include "system/legendre.h"
 #include "algebra/passes.h"
 #include "algebra/sizes.h"
@@ -48,7 +48,7 @@ tvi_status tvi_legendre_state(tvi_legendre *legendre, double t, const double q[]
     return TVI_OK;
 }
 
-/* Factors dy/dx where the transform was last stated. */
+/* Factors dy/dx at the point where the transform was evaluated last. */
 static tvi_status factor_slope(tvi_legendre *legendre)
 {
     const jet_tape *tape = legendre->system->field_series;
@@ -60,10 +60,11 @@ static tvi_status factor_slope(tvi_legendre *legendre)
     return tvi_factor_compute(&legendre->slope);
 }
 
-static const double SOLVED = 1e-6; /* what is left of y - f(x): where a solution runs off to infinity, much is */
+/* A solution leaves at most this part of y - f(x). One that runs off to infinity leaves much. */
+static const double SOLVED = 1e-6;
 enum { NEWTON_STEPS = 100, HALVINGS = 40, GROWTH_HALVINGS = 12 };
 
-/* |y - f(x)| with f(x) in legendre->value, in the maximum norm. */
+/* y - f(x)| in the maximum norm, with f(x) in legendre->value. */
 static double distance(const tvi_legendre *legendre, const double y[])
 {
     double largest = 0;
@@ -71,8 +72,8 @@ static double distance(const tvi_legendre *legendre, const double y[])
     return largest;
 }
 
-/* x += correction, halved until the transform has a value there that is nearer to y than `from`; at roundoff it may not
- * be. */
+/* Adds the correction to x, halved until f(x) has a value that is nearer to y than `from`. At the level of roundoff it
+ * may not be nearer. */
 static tvi_status move(tvi_legendre *legendre, double t, const double q[], const double y[], double from, double x[])
 {
     const int n = legendre->system->n;
@@ -87,8 +88,8 @@ static tvi_status move(tvi_legendre *legendre, double t, const double q[], const
     return status;
 }
 
-/* The Newton correction at x, by a new slope or by the last one. Where the slope is singular, as for v^4 at rest, that
- * of the identity. */
+/* Computes the Newton correction at x, with a new slope or with the last one. A singular slope, as of v^4 at rest, is
+ * replaced by the identity. */
 static tvi_status find_correction(tvi_legendre *legendre, const double y[], bool is_new)
 {
     const int n = legendre->system->n;
@@ -98,14 +99,14 @@ static tvi_status find_correction(tvi_legendre *legendre, const double y[], bool
     return status;
 }
 
-/* The slope serves after corrections that leave less than this. */
+/* The slope is kept after corrections that leave less than this part. */
 static const double SERVES = 1e-3;
 
-/* Corrections that no longer shrink are roundoff: below this part of x, or below this many units of what the roundoff
- * of y and f(x) makes of them. */
+/* Corrections that no longer shrink are roundoff if they are below this part of x, or below TVI_ROUNDOFF_UNITS units of
+ * what the roundoff of y and f(x) makes of them. */
 static const double STALLED = 1e-12;
 
-/* The roundoff of the corrections. */
+/* Estimates the roundoff of the corrections. */
 static double measure_roundoff(tvi_legendre *legendre, const double y[])
 {
     const tvi_system *system = legendre->system;
@@ -117,11 +118,11 @@ static double measure_roundoff(tvi_legendre *legendre, const double y[])
     return TVI_ROUNDOFF_UNITS * tvi_largest(system->n, legendre->moved, 1);
 }
 
-/* Whether this correction is the last. */
+/* Tells whether this correction is the last one. */
 static bool is_last(tvi_legendre *legendre, const double x[], const double y[], tvi_passes *passes)
 {
     const double size = tvi_largest(legendre->system->n, x, 1);
-    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 0.5, .stuck = TVI_PASSES_ALL, .turns = 1};
+    const tvi_passes_rule rule = {.goal = DBL_EPSILON * size, .contraction = 0.5, .stuck = TVI_PASSES_ALL, .period = 1};
     const double largest = tvi_largest(legendre->system->n, legendre->correction, 1);
     const tvi_passes_verdict verdict = tvi_passes_judge(passes, &rule, largest);
     if (verdict != TVI_PASSES_STUCK) return verdict == TVI_PASSES_MAY_END;
@@ -135,7 +136,8 @@ tvi_status tvi_legendre_solve(tvi_legendre *legendre, double t, const double q[]
         for (int i = 0; i < n; i++) x[i] = y[i] / legendre->system->mass[i];
         return TVI_OK;
     }
-    double reach = tvi_largest(n, y, 1), served = -1; /* what is left when the last slope still serves; below 0: none */
+    /* |y| at first. `served` is the distance at which the last slope is still good enough; below 0: there is none. */
+    double reach = tvi_largest(n, y, 1), served = -1;
     tvi_passes passes;
     bool was_singular = false;
     tvi_passes_begin(&passes, 0);
@@ -162,24 +164,24 @@ tvi_status tvi_legendre_start(tvi_legendre *legendre, const tvi_system *system, 
                               const double p[], double velocity[], double z[])
 {
     const int n = system->n;
-    double *second = z + n;
+    double *z_v = z + n;
     memcpy(z, q, (size_t)n * sizeof *z);
     switch (system->form) {
     case TVI_SEPARABLE:
-        for (int i = 0; i < n; i++) second[i] = tau / system->mass[i] * p[i];
+        for (int i = 0; i < n; i++) z_v[i] = tau / system->mass[i] * p[i];
         return TVI_OK;
-    case TVI_HAMILTONIAN: memcpy(second, p, (size_t)n * sizeof *second); return TVI_OK;
+    case TVI_HAMILTONIAN: memcpy(z_v, p, (size_t)n * sizeof *z_v); return TVI_OK;
     default: break;
     }
     const bool is_at_rest = tvi_largest(n, velocity, 1) == 0;
     tvi_status status = tvi_legendre_solve(legendre, t, q, p, velocity);
-    if (status != TVI_OK && !is_at_rest) { /* the end of a curve may be where the Lagrangian has no value */
+    if (status != TVI_OK && !is_at_rest) { /* the Lagrangian may have no value at the end of a curve */
         memset(velocity, 0, (size_t)n * sizeof *velocity);
         status = tvi_legendre_solve(legendre, t, q, p, velocity);
     }
     for (int i = 0; i < n; i++) {
-        second[i] = tau * velocity[i];
-        if (status != TVI_OK) velocity[i] = 0; /* do not start from there again */
+        z_v[i] = tau * velocity[i];
+        if (status != TVI_OK) velocity[i] = 0; /* the next solution does not start from this velocity */
     }
     return status;
 }
@@ -198,9 +200,11 @@ tvi_status tvi_legendre_create(tvi_legendre *legendre, const tvi_system *system,
 }
 
 enum { PROBES = 8 };
-static const double CLEARLY_REGULAR = 1e-9; /* a pivot of a singular matrix is roundoff, which may not be exactly 0 */
+/* A pivot of a singular matrix is roundoff, which may not be exactly 0. */
+static const double CLEARLY_REGULAR = 1e-9;
 
-/* At points from a fixed pseudo-random sequence in (-1, 1); a point where the function has no value tells nothing. */
+/* Evaluates the slope at pseudo-random points in (-1, 1), the same in each call. A point without a value tells
+ * nothing. */
 tvi_status tvi_legendre_probe(tvi_system *system)
 {
     system->regular = true;

@@ -1,4 +1,4 @@
-/* rates.c - q' and p' by the field: p / m and F, or H_p and -H_q. */
+/* rates.c - Computes q' and p' by the field: p / m and F, or H_p and -H_q. */
 #include "system/rates.h"
 
 #include <stdlib.h>
@@ -19,7 +19,7 @@ void tvi_rates_set_parameters(tvi_rates *rates, const double parameters[])
 {
     const tvi_system *system = rates->system;
     if (!rates->block) return;
-    jet_tape_place_parameters(system->field_values, rates->block, 1, tvi_system_parameters(system), 1, parameters);
+    jet_tape_set_parameters(system->field_values, rates->block, 1, tvi_system_parameters(system), 1, parameters);
 }
 
 void tvi_rates_close(tvi_rates *rates) { free(rates->block); }

@@ -1,4 +1,4 @@
-/* refuse.c - see refuse.h. */
+/* refuse.c - Writes the texts of tvi_last_error that several functions share (refuse.h). */
 #include "system/refuse.h"
 
 #include <math.h>

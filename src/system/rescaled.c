@@ -1,7 +1,7 @@
-/* rescaled.c - a system in another time, dt = g ds, as the Hamiltonian K(q, t, p, e) = g(q, p, t) (H(q, p, t) + e) in
- * n + 1 coordinates: with e = -H at the start, K is 0 on the orbit, and
+/* rescaled.c - Creates a system in another time, dt = g ds, as the Hamiltonian K(q, t, p, e) = g(q, p, t) (H(q, p, t) +
+ * e) in n + 1 coordinates. With e = -H at the start, K is 0 on the orbit, and
  *     dq/ds = g H_p + (H+e) g_p,  dt/ds = g,  dp/ds = -g H_q - (H+e) g_q,  de/ds = -g H_t - (H+e) g_t.
- * Equal steps in s are symplectic in (q, t, p, e). K is recorded from the recording of the system, and so is H. */
+ * Equal steps in s are symplectic in (q, t, p, e). K and H are recorded from the recording of the system. */
 #include "system/system.h"
 #include "system/automatic.h"
 #include "system/refuse.h"
@@ -16,7 +16,7 @@ typedef struct {
 
 /* ---- The time scale ---------------------------------------------------------------------------------------------- */
 
-/* Whether it is positive wherever it has a value: by its last operations. */
+/* Tells whether the value is positive wherever it exists, by its last operations. */
 static bool is_positive(const struct jet_node *z)
 {
     switch (z->op) {
@@ -38,7 +38,7 @@ static bool is_positive(const struct jet_node *z)
     }
 }
 
-/* g, with TVI_EDOMAIN where it is not positive. */
+/* Returns g, with TVI_EDOMAIN at states where g is not positive. */
 static jet positive(jet g)
 {
     if (!g.node) return g.number > 0 ? g : jet_poison(isnan(g.number) ? JET_NOT_FINITE : JET_NOT_POSITIVE);
@@ -47,7 +47,7 @@ static jet positive(jet g)
 
 /* ---- The systems ------------------------------------------------------------------------------------------------- */
 
-/* factor = {g, H + e}. */
+/* Records factor = {g, H + e}. */
 static void transform(const jet q[], const jet p[], jet s, void *ctx, jet factor[2])
 {
     const rescaling *r = ctx;
@@ -72,7 +72,7 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (unsupported) return jet_refuse(TVI_EUNSUPPORTED, "%s", unsupported);
     rescaling r = {system, g, ctx};
     tvi_system *stepped, *rescaled;
-    tvi_status status = tvi_system_product(&stepped, system->n + 1, transform, &r);
+    tvi_status status = tvi_system_create_rescaled(&stepped, system->n + 1, transform, &r);
     if (status == TVI_EDOMAIN && !g)
         return jet_refuse(status, "K = g (H + e): the automatic g has no value (give a g of your own): %s",
                           jet_refusal());

@@ -1,4 +1,4 @@
-/* roundoff.c - how well the values of a field are known. */
+/* roundoff.c - Estimates the roundoff in the values of a field (roundoff.h). */
 #include "system/roundoff.h"
 #include "algebra/sizes.h"
 
@@ -22,7 +22,7 @@ double tvi_roundoff_sign(tvi_roundoff *roundoff, double size)
     return roundoff->random >> 31 ? -size : size;
 }
 
-/* Whether a run only multiplies by a power of two, which loses nothing. */
+/* Tells whether the operation only multiplies by a power of two, which loses nothing. */
 static bool is_exact(const jet_tape *tape, const jet_run *run, int i)
 {
     int exponent;
@@ -30,7 +30,7 @@ static bool is_exact(const jet_tape *tape, const jet_run *run, int i)
            fabs(frexp(tape->term_coefficient[run->term + i], &exponent)) == 0.5;
 }
 
-/* What the roundoff of the operation that makes slot z + i of the run is relative to. */
+/* The size that the roundoff of slot z + i of the run is relative to. */
 static double size_of(const jet_tape *tape, const jet_run *run, int i, const double *x)
 {
     const bool is_linear = run->op == OP_LINEAR, is_products = run->op == OP_PRODUCTS;
@@ -40,14 +40,15 @@ static double size_of(const jet_tape *tape, const jet_run *run, int i, const dou
     for (int term = 0; term < run->terms; term++) {
         const int k = run->term + term + (is_linear ? i * run->terms : 0), at = is_linear ? 0 : i;
         const double a = x[tape->term_slot[k] + at];
-        const double b = is_linear ? 1 : is_products ? x[tape->term_second[k] + at] : a;
+        const double b = is_linear ? 1 : is_products ? x[tape->term_operand_b[k] + at] : a;
         sum += fabs(tape->term_coefficient[k] * a * b);
     }
     return sum;
 }
 
-/* dx of a slot moves by a unit of roundoff of the size, in each sample with another sign: the bits of a hash of its
- * value's digits, so that neither units nor the order of slots count, and equal values are wrong alike. */
+/* Adds a unit of roundoff of this size to dx of a slot, in each sample with its own sign. The signs are the bits of a
+ * hash of the value's digits. For this reason neither units nor the order of slots count, and equal values are wrong
+ * alike. */
 static void disturb(const double *x, double *dx, int slot, double size)
 {
     int exponent;
@@ -96,7 +97,8 @@ static bool are_near(int n, double size, const double start[], const double *row
     return true;
 }
 
-enum { FASTER = 4 }; /* than the velocity at the start */
+/* A motion this much faster than the velocity at the start leads away. */
+enum { FASTER = 4 };
 
 bool tvi_roundoff_is_near(const tvi_system *system, double h, const double q_start[], const double p_start[],
                           const double *q, const double *p, int lanes, int points)

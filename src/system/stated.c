@@ -1,10 +1,10 @@
-/* stated.c - what the user stated, recorded once more for another system. */
+/* stated.c - Records the user's H or L once more for another system: its lift, or the rescaled one. */
 #include "system/system.h"
 
 #include <stdlib.h>
 
-/* What the user stated, V, L or H, recorded once more at (q, second, t); second NULL: zeros. */
-static jet stated(const tvi_system *base, const jet q[], const jet second[], jet t)
+/* Records V, L or H, as the user stated it, at (q, v or p, t). NULL in place of v or p means zeros. */
+static jet stated(const tvi_system *base, const jet q[], const jet velocities[], jet t)
 {
     const int n = base->n, inputs = jet_graph_inputs(base->graph), time = base->energy_inputs;
     jet_graph *graph;
@@ -13,14 +13,14 @@ static jet stated(const tvi_system *base, const jet q[], const jet second[], jet
     jet *input = calloc(2 * (size_t)inputs, sizeof *input), value, rate; /* numbers 0 */
     if (!input) return jet_poison(JET_NO_MEMORY);
     for (int i = 0; i < n; i++) input[i] = q[i];
-    for (int i = n; i < time && second; i++) input[i] = second[i - n];
+    for (int i = n; i < time && velocities; i++) input[i] = velocities[i - n];
     input[time] = t;
     const bool lifted = jet_lift(base->graph, graph, input, input + inputs, NULL, 1, &base->stated, &value, &rate);
     free(input);
     return lifted ? value : jet_poison(JET_NO_MEMORY);
 }
 
-/* Where there are masses V is the stated function at p = 0 or v = 0, up to the sign. */
+/* Records H. With masses V is the stated function at p = 0 or v = 0, up to the sign. */
 jet tvi_stated_hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_system *base = ctx;

@@ -1,13 +1,13 @@
-/* statement.c - records the user's function and lowers it to the tapes that the steppers run. */
+/* statement.c - Records the user's function, and lowers it to the tapes that the steppers run. */
 #include "system/system.h"
 #include "system/legendre.h"
-#include "system/second.h"
+#include "system/hessian.h"
 #include "system/refuse.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* What the user gave: one of the first four; or the factors of a Hamiltonian; or a system to lift. */
+/* The statement of a system: one of the first four functions, or the factors of a Hamiltonian, or a system to lift. */
 typedef struct {
     tvi_force_fn *force;
     tvi_potential_fn *potential;
@@ -17,19 +17,22 @@ typedef struct {
     const double *mass;
     void *ctx;
     const tvi_system *base;
-    bool has_momenta;    /* of the lift: it is not separable */
-    tvi_drive_fn *drive; /* of a Hamiltonian or a Lagrangian; NULL: there is none */
+    bool has_momenta; /* of the lift: it is not separable */
+    /* The forces of a driven Hamiltonian or Lagrangian; NULL if there are none. */
+    tvi_drive_fn *drive;
     void *drive_ctx;
 } statement;
 
-/* A recording at work: jets of the graph, freed with it. */
+/* A recording that is open. Its jets belong to the graph. */
 typedef struct {
     tvi_system *system;
-    jet *q, *v, *r, t; /* inputs: coordinates; velocities or momenta; directions of the bend; time */
-    jet scalar;        /* V, L or H */
-    jet *field;        /* [2n] the system's */
-    jet *bend;         /* [2n] */
-    jet *second;       /* [2n + seconds] the field, then the system's second derivatives */
+    /* Inputs: coordinates; velocities or momenta; directions of the bend; time. */
+    jet *q, *v, *r, t;
+    jet scalar; /* V, L or H */
+    jet *field; /* [2n] the system's */
+    jet *bend;  /* [2n] */
+    /* [2n + hessian_entries] the field, then the second derivatives. */
+    jet *hessian;
 } recording;
 
 static tvi_status check_masses(int n, const double mass[])
@@ -42,13 +45,13 @@ static tvi_status check_masses(int n, const double mass[])
     return TVI_OK;
 }
 
-/* What the function returns or sets. */
+/* The name of what the function returns or sets. */
 static const char *name_of(const statement *given)
 {
     return given->force ? "force" : given->potential ? "potential" : given->lagrangian ? "Lagrangian" : "Hamiltonian";
 }
 
-/* Inputs in the order q, v (or p), t, r; a force or a potential has neither v nor r. */
+/* Opens a recording with the inputs q, v (or p), t, r, in this order. A force or a potential has neither v nor r. */
 static tvi_status open_recording(recording *rec, int n, const statement *given)
 {
     const bool general = given->lagrangian || given->hamiltonian || given->factors || given->has_momenta;
@@ -80,7 +83,7 @@ static tvi_status open_recording(recording *rec, int n, const statement *given)
 
 /* ---- From each statement to a form ------------------------------------------------------------------------------- */
 
-/* out[2n] = dx/d(q, v). */
+/* Computes out[2n] = dx/d(q, v). */
 static tvi_status gradient(const recording *rec, jet x, jet out[])
 {
     tvi_system *system = rec->system;
@@ -93,7 +96,7 @@ static tvi_status gradient(const recording *rec, jet x, jet out[])
     return status;
 }
 
-/* F = -dV/dq; of a separable Hamiltonian, -dH/dq. */
+/* Records F = -dV/dq; of a separable Hamiltonian, -dH/dq. */
 static tvi_status record_force(recording *rec)
 {
     tvi_system *system = rec->system;
@@ -108,7 +111,7 @@ static tvi_status record_potential(recording *rec, const statement *given)
     return status == TVI_OK ? record_force(rec) : status;
 }
 
-/* Adds the forces to dp/dt, which is sign times the first half of the field. Then nothing is separable. */
+/* Adds the forces to dp/dt, which is sign times the first half of the field. A driven system is never separable. */
 static tvi_status record_drive(recording *rec, const statement *given, const jet v[], double sign)
 {
     tvi_system *system = rec->system;
@@ -126,7 +129,7 @@ static tvi_status record_drive(recording *rec, const statement *given, const jet
     return status;
 }
 
-/* Whether the second half of the field has masses, and whether the system is separable: one with a drive is not. */
+/* Finds masses in the second half of the field, and whether the system is separable. A driven system is not. */
 static tvi_status find_masses(const recording *rec, const statement *given, bool *separable)
 {
     tvi_system *system = rec->system;
@@ -138,7 +141,7 @@ static tvi_status find_masses(const recording *rec, const statement *given, bool
     return status;
 }
 
-/* field = (L_q, L_v); separable where L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
+/* Records field = (L_q, L_v). It is separable if L_v = M v and L_q has no v: then F = L_q, V = -L(q, 0). */
 static tvi_status record_lagrangian(recording *rec, const statement *given)
 {
     tvi_system *system = rec->system;
@@ -151,10 +154,10 @@ static tvi_status record_lagrangian(recording *rec, const statement *given)
     system->energy_sign = -1;
     if (separable || status != TVI_OK) return status;
     system->form = TVI_LAGRANGIAN;
-    return tvi_second_record(system, &rec->second);
+    return tvi_hessian_record(system, &rec->hessian);
 }
 
-/* bend = gradient of r.H_p. */
+/* Records bend, the gradient of r.H_p. */
 static tvi_status record_bend(recording *rec)
 {
     tvi_system *system = rec->system;
@@ -174,11 +177,11 @@ static tvi_status record_product(recording *rec, const statement *given)
     system->form = TVI_HAMILTONIAN;
     tvi_status status = jet_graph_accept(system->graph, 1, &rec->scalar);
     if (status == TVI_OK) status = gradient(rec, rec->scalar, rec->field);
-    if (status == TVI_OK) status = tvi_second_record_product(system, factor, &rec->second);
+    if (status == TVI_OK) status = tvi_hessian_record_rescaled(system, factor, &rec->hessian);
     return status == TVI_OK ? record_bend(rec) : status;
 }
 
-/* field = (H_q, H_p); separable where H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
+/* Records field = (H_q, H_p). It is separable if H_p = M^-1 p and H_q has no p: then F = -H_q, V = H(q, 0). */
 static tvi_status record_hamiltonian(recording *rec, const statement *given)
 {
     tvi_system *system = rec->system;
@@ -198,7 +201,7 @@ static tvi_status record_hamiltonian(recording *rec, const statement *given)
 
 /* ---- The lift ---------------------------------------------------------------------------------------------------- */
 
-/* The inputs of the base among those of its lift, and the directions that they move in. */
+/* Sets the inputs of the base among those of its lift, and the directions in which they move. */
 static void place_inputs(const recording *rec, const tvi_system *base, jet input[], jet direction[])
 {
     const int n = base->n, inputs = jet_graph_inputs(base->graph), time = inputs == n + 1 ? n : 2 * n;
@@ -215,8 +218,8 @@ static void place_inputs(const recording *rec, const tvi_system *base, jet input
     direction[time] = jet_const(0);
 }
 
-/* H_Q = ((H_q)', H_q), H_P = (H_p, (H_p)');  L_Q = ((L_q)', L_q), L_V = ((L_v)', L_v);  separable -H_q = F, H_p = M^-1
- * p, or F and F'. */
+/* Sets the field of the lift: H_Q = ((H_q)', H_q), H_P = (H_p, (H_p)'); L_Q = ((L_q)', L_q), L_V = ((L_v)', L_v);
+ * separable -H_q = F, H_p = M^-1 p, or F and F'. */
 static void place_field(recording *rec, const tvi_system *base, const jet value[], const jet rate[])
 {
     const int n = base->n;
@@ -234,10 +237,11 @@ static void place_field(recording *rec, const tvi_system *base, const jet value[
     }
 }
 
-/* Of the values of the base, then the rates of those, 0 unless they are set. */
-static void place_parameters(const recording *rec, int parameters, jet of_parameter[])
+/* Records the parameters of the lift: the values of the base, then their rates, which are 0 unless they are set. */
+static void place_parameters(const recording *rec, int parameters, jet parameter_direction[])
 {
-    for (int i = 0; i < parameters; i++) of_parameter[i] = jet_graph_parameter(rec->system->graph, parameters + i, 0);
+    for (int i = 0; i < parameters; i++)
+        parameter_direction[i] = jet_graph_parameter(rec->system->graph, parameters + i, 0);
 }
 
 static tvi_status record_lift(recording *rec, const statement *given)
@@ -253,20 +257,20 @@ static tvi_status record_lift(recording *rec, const statement *given)
     jet *jets = malloc((2 * (inputs + outputs) + (size_t)parameters) * sizeof *jets);
     if (!jets) return TVI_ENOMEM;
     jet *input = jets, *direction = input + inputs, *value = direction + inputs, *rate = value + outputs;
-    jet *of_parameter = rate + outputs;
+    jet *parameter_direction = rate + outputs;
     place_inputs(rec, base, input, direction);
-    place_parameters(rec, parameters, of_parameter);
-    bool lifted =
-        jet_lift(base->graph, system->graph, input, direction, of_parameter, base->inputs, base->field, value, rate);
+    place_parameters(rec, parameters, parameter_direction);
+    bool lifted = jet_lift(base->graph, system->graph, input, direction, parameter_direction, base->inputs, base->field,
+                           value, rate);
     if (lifted) place_field(rec, base, value, rate);
     if (lifted && base->form == TVI_HAMILTONIAN) /* the lift's own H is the rate of H */
-        lifted =
-            jet_lift(base->graph, system->graph, input, direction, of_parameter, 1, &base->stated, value, &rec->scalar);
+        lifted = jet_lift(base->graph, system->graph, input, direction, parameter_direction, 1, &base->stated, value,
+                          &rec->scalar);
     free(jets);
     if (!lifted) return TVI_ENOMEM;
     if (base->form == TVI_HAMILTONIAN && jet_graph_accept(system->graph, 1, &rec->scalar) != TVI_OK) return TVI_ENOMEM;
     return system->form == TVI_HAMILTONIAN  ? record_bend(rec)
-           : system->form == TVI_LAGRANGIAN ? tvi_second_record(system, &rec->second)
+           : system->form == TVI_LAGRANGIAN ? tvi_hessian_record(system, &rec->hessian)
                                             : TVI_OK;
 }
 
@@ -299,7 +303,7 @@ static tvi_status lower(recording *rec, const statement *given)
         system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);
         if (!system->bend_values) return TVI_ENOMEM;
     }
-    if (rec->second && tvi_second_lower(system, rec->second) != TVI_OK) return TVI_ENOMEM;
+    if (rec->hessian && tvi_hessian_lower(system, rec->hessian) != TVI_OK) return TVI_ENOMEM;
     if (given->force || (given->base && given->base->form != TVI_HAMILTONIAN)) return TVI_OK;
     system->energy_inputs = given->potential ? n : 2 * n;
     system->stated = rec->scalar;
@@ -317,7 +321,7 @@ static tvi_status record_system(tvi_system **out, int n, const statement *given)
     if (status == TVI_OK && !given->base) status = tvi_legendre_probe(rec.system);
     free(rec.q);
     free(rec.bend);
-    free(rec.second);
+    free(rec.hessian);
     if (status == TVI_OK) *out = rec.system;
     else tvi_system_free(rec.system);
     return jet_refuse_memory(status);
@@ -355,7 +359,7 @@ tvi_status tvi_system_lagrangian(tvi_system **out, int n, tvi_lagrangian_fn *lag
     return make_system(out, n, &(statement){.lagrangian = lagrangian, .ctx = ctx});
 }
 
-tvi_status tvi_system_product(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
+tvi_status tvi_system_create_rescaled(tvi_system **out, int n, tvi_factors_fn *factors, void *ctx)
 {
     return make_system(out, n, &(statement){.factors = factors, .ctx = ctx});
 }

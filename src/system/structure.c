@@ -1,11 +1,11 @@
-/* structure.c - whether what was recorded is separable. */
+/* structure.c - Finds out whether a recording is separable, and its masses. */
 #include "system/system.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-/* Whether x = sum_j row_j v_j, v_j the input first + j: its coefficients, by one walk back through the graph. share is
- * scratch for each node. */
+/* Tells whether x = sum_j row_j v_j, with v_j the input first + j, and computes the coefficients by one walk back
+ * through the graph. share is scratch for each node. */
 static bool is_linear_form(const jet_graph *graph, jet x, int first, int n, double share[], double row[])
 {
     for (int j = 0; j < n; j++) row[j] = 0;
@@ -35,7 +35,7 @@ static void mark_dependents(const jet_graph *graph, int first, int n)
     }
 }
 
-/* Whether the row is d_i at i, d_i > 0, and 0 elsewhere. */
+/* Tells whether row i is d_i > 0 at i, and 0 elsewhere. */
 static bool is_diagonal(int n, const double row[], int i)
 {
     for (int j = 0; j < n; j++)
@@ -59,8 +59,8 @@ tvi_status tvi_system_find_separable(tvi_system *system, const jet linear[], con
     return TVI_OK;
 }
 
-/* Adds the coefficient of the input v_i to *inertia; false where there is more in x of the velocities, whose dependents
- * are marked. */
+/* Adds the coefficient of the input v_i to *inertia. Returns false if x depends on the velocities in any other way;
+ * nodes that depend on velocities are marked. */
 static bool add_inertia(const struct jet_node *x, int v_i, double factor, double *inertia)
 {
     if (!x->mark) return true;

@@ -1,4 +1,4 @@
-/* subsystems.c - which components of what was recorded know nothing of each other. */
+/* subsystems.c - Splits a recorded system into subsystems that do not interact. */
 #include "split.h"
 #include "system/system.h"
 
@@ -18,16 +18,17 @@ static void unite(int first[], int a, int b)
     else first[of_a] = of_b;
 }
 
-/* Sets of slots of which one depends on the other; numbers, and what depends on the time alone, make none. */
+/* Unites the slots of which one depends on the other. Constants, and slots that depend on the time alone, unite
+ * nothing. */
 static void unite_operations(const jet_tape *tape, const bool follows[], int first[])
 {
     for (const jet_run *run = tape->run; run < tape->run + tape->runs; run++)
         for (int i = 0; i < run->count; i++)
-            for (int k = 0, a; (a = jet_read_by(tape, run, i, k)) >= 0; k++)
+            for (int k = 0, a; (a = jet_operand_slot(tape, run, i, k)) >= 0; k++)
                 if (follows[a]) unite(first, run->z + i, a);
 }
 
-/* A component with its momentum, or velocity, and with what drives the two. */
+/* Unites a component with its momentum or velocity, and with the outputs of the field for both. */
 static void unite_components(const tvi_system *system, const bool follows[], int first[])
 {
     const int n = system->n, *output = system->field_values->output;
@@ -37,41 +38,41 @@ static void unite_components(const tvi_system *system, const bool follows[], int
     }
 }
 
-/* The sets begin with their first component. place: scratch [n], of 0. */
-static void list_members(tvi_subsystems *of, int n, int first[], int place[])
+/* Lists the members of the sets. Each set begins with its first component. counts [n] is scratch, of zeros. */
+static void list_members(tvi_subsystems *parts, int n, int first[], int counts[])
 {
     int members = 0;
-    for (int i = 0; i < n; i++) place[first_of(first, i)]++;
+    for (int i = 0; i < n; i++) counts[first_of(first, i)]++;
     for (int i = 0; i < n; i++) {
-        if (place[i] == 0) continue;
+        if (counts[i] == 0) continue;
         const int begin = members;
-        of->end[of->count++] = members += place[i];
-        place[i] = begin;
+        parts->end[parts->count++] = members += counts[i];
+        counts[i] = begin;
     }
-    for (int i = 0; i < n; i++) of->member[place[first_of(first, i)]++] = i;
+    for (int i = 0; i < n; i++) parts->member[counts[first_of(first, i)]++] = i;
 }
 
 tvi_status tvi_system_find_subsystems(tvi_system *system)
 {
     const jet_tape *tape = system->field_values;
     const size_t n = (size_t)system->n, slots = (size_t)tape->slots;
-    tvi_subsystems *of = &system->parts;
-    of->member = calloc(n, sizeof *of->member);
-    of->end = calloc(n, sizeof *of->end);
+    tvi_subsystems *parts = &system->parts;
+    parts->member = calloc(n, sizeof *parts->member);
+    parts->end = calloc(n, sizeof *parts->end);
     int *first = calloc(slots, sizeof *first);
     bool *follows = calloc(slots, sizeof *follows);
-    int *place = calloc(n, sizeof *place);
-    const bool has_memory = of->member && of->end && first && follows && place;
+    int *counts = calloc(n, sizeof *counts);
+    const bool has_memory = parts->member && parts->end && first && follows && counts;
     if (has_memory) {
         for (int i = 0; i < tape->slots; i++) first[i] = i;
         for (int u = 0; u < system->inputs; u++) follows[u] = true;
-        jet_tape_follow(tape, follows);
+        jet_tape_mark_dependents(tape, follows);
         unite_operations(tape, follows, first);
         unite_components(system, follows, first);
-        list_members(of, system->n, first, place);
+        list_members(parts, system->n, first, counts);
     }
     free(first);
     free(follows);
-    free(place);
+    free(counts);
     return has_memory ? TVI_OK : TVI_ENOMEM;
 }

@@ -1,4 +1,4 @@
-/* system.c - the end of a system, and what users ask of one. statement.c makes them. */
+/* system.c - Frees systems, and answers users' questions about them. statement.c creates them. */
 #include "system/system.h"
 
 #include <stdlib.h>
@@ -10,8 +10,8 @@ void tvi_system_free(tvi_system *system)
     jet_tape_free(system->field_series);
     jet_tape_free(system->field_values);
     jet_tape_free(system->bend_values);
-    jet_tape_free(system->second_values);
-    free(system->second);
+    jet_tape_free(system->hessian_values);
+    free(system->hessian);
     jet_tape_free(system->energy);
     jet_graph_free(system->graph);
     free(system->field);
@@ -34,7 +34,7 @@ void tvi_system_prepare(const tvi_system *system, const tvi_block *blocks, const
     if (parameters) tvi_blocks_set_parameters(blocks, tvi_system_parameters(system), 1, parameters);
 }
 
-/* Of one recording. */
+/* Reads the values of the parameters in one recording. */
 static void read_parameters(const jet_graph *graph, double value[])
 {
     for (int i = 0; i < jet_graph_count(graph); i++) {

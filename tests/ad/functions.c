@@ -1,4 +1,4 @@
-/* functions.c - see functions.h. */
+/* functions.c - Implements functions.h. */
 #include "functions.h"
 
 #include <math.h>

@@ -1,5 +1,6 @@
-/* functions.h - the functions that the tests record: each operation on its own, and some functions as users write them.
- * Each has a counterpart of the same name in quad_series.c, written again in complex quadruple precision. */
+/* functions.h - Declares the functions that the tests record: each operation on its own, and some functions as users
+ * write them. Each has a counterpart of the same name in quad_series.c, written again in complex quadruple precision.
+ */
 #ifndef TVI_TESTS_AD_FUNCTIONS_H
 #define TVI_TESTS_AD_FUNCTIONS_H
 
@@ -24,7 +25,7 @@ extern const int operation_count, composition_count;
 
 /* Operation i, or composition i - operation_count. */
 const function *any_function(int i);
-/* What records the operation; aborts where there is none of that name. */
+/* Returns the function that records the operation; aborts if there is none of that name. */
 record_fn *operation_named(const char *name);
 
 /* A series of full length in every input, x[input * (degree + 1) + k]: order 0 is the centre, the others have the size

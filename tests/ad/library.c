@@ -1,3 +1,4 @@
+/* library.c - Compiles generated text to a shared library, and loads it (library.h). */
 #define _XOPEN_SOURCE 700
 #include "library.h"
 
@@ -41,10 +42,10 @@ library library_make(jet_text *text, const char *flags)
     return made;
 }
 
-void library_remove(library *of)
+void library_remove(library *loaded)
 {
     char command[100];
-    dlclose(of->handle);
-    snprintf(command, sizeof command, "rm -r %s", of->directory);
+    dlclose(loaded->handle);
+    snprintf(command, sizeof command, "rm -r %s", loaded->directory);
     ck_assert_int_eq(system(command), 0);
 }

@@ -1,4 +1,4 @@
-/* library.h - generated text as a shared library. */
+/* library.h - Declares generated text as a shared library. */
 #ifndef TVI_TESTS_AD_LIBRARY_H
 #define TVI_TESTS_AD_LIBRARY_H
 
@@ -11,6 +11,6 @@ typedef struct {
 
 /* Compiled with the flags; frees the text. */
 library library_make(jet_text *text, const char *flags);
-void library_remove(library *of);
+void library_remove(library *loaded);
 
 #endif

@@ -1,4 +1,4 @@
-/* main.c - runs the suites of the jets layer; what is printed, and whether tests fork, is for Check's environment. */
+/* main.c - Runs the suites of the jets layer; what is printed, and whether tests fork, is for Check's environment. */
 #include "suites.h"
 #include "problems/run_suites.h"
 

@@ -1,4 +1,4 @@
-/* quad_series.c - see quad_series.h. The only file of quadruple precision: gcc, -std=gnu11, -lquadmath. */
+/* quad_series.c - Implements quad_series.h. The only file of quadruple precision: gcc, -std=gnu11, -lquadmath. */
 #include "quad_series.h"
 
 #ifndef TESTS_WITHOUT_QUAD

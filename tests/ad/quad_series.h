@@ -1,6 +1,6 @@
-/* quad_series.h - the series of the functions of functions.h by a route of their own: Cauchy's integral in complex
- * quadruple precision: gcc only (libquadmath). Elsewhere, or with TESTS_WITHOUT_QUAD, the tests that need it are left
- * out. */
+/* quad_series.h - Computes the series of the functions of functions.h by a route of their own: Cauchy's integral in
+ * complex quadruple precision: gcc only (libquadmath). Elsewhere, or with TESTS_WITHOUT_QUAD, the tests that need it
+ * are left out. */
 #ifndef TVI_TESTS_AD_QUAD_SERIES_H
 #define TVI_TESTS_AD_QUAD_SERIES_H
 

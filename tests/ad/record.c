@@ -1,4 +1,4 @@
-/* record.c - see record.h. */
+/* record.c - Implements record.h. */
 #include "record.h"
 
 #include <check.h>
@@ -188,7 +188,7 @@ void run_tangents(const recording *r, int degree, int lanes_of_x, int lanes, con
     free(dblock);
 }
 
-/* What has no number yet shows. */
+/* Numbers that are not computed yet show. */
 static void clear_all(const jet_tape *tape, clear_fn *clear, int orders, double *bar)
 {
     for (int k = 0; k < orders; k++, bar += tape->slots) {

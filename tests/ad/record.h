@@ -1,4 +1,4 @@
-/* record.h - record a function, run it, compare its series.
+/* record.h - Declares helpers that record a function, run it, compare its series.
  *
  * Series of several quantities and lanes are stored as x[(quantity * (degree + 1) + k) * lanes + lane]. */
 #ifndef TVI_TESTS_AD_RECORD_H
@@ -34,7 +34,8 @@ double *numbers(size_t count);
 /* Outputs z from inputs x; false where an operation is outside its domain. All slots that a sweep has to set hold NaN
  * beforehand, so that what is read before it is set shows. */
 bool run_values(const recording *r, int lanes, const double x[], double z[]);
-/* What roundoff of the outputs is relative to: of a sum the sizes of its terms together, else of the output. */
+/* The size that roundoff of the outputs is relative to: of a sum the sizes of its terms together, else of the
+ * output. */
 void run_sizes(const recording *r, int lanes, const double x[], double size[]);
 bool run_series(const recording *r, int degree, int lanes, const double x[], double z[]);
 /* Tangents dz (several lanes) along the series x (one lane); orders of x above k hold NaN while order k is swept. */

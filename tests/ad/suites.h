@@ -1,4 +1,4 @@
-/* suites.h - the suites of the jets layer, one a file. */
+/* suites.h - Declares the suites of the jets layer, one a file. */
 #ifndef TVI_TESTS_AD_SUITES_H
 #define TVI_TESTS_AD_SUITES_H
 

@@ -1,4 +1,4 @@
-/* test_adjoint.c - adjoints along a series: the transpose of the tangents, coefficient by coefficient. */
+/* test_adjoint.c - Tests adjoints along a series: the transpose of the tangents, coefficient by coefficient. */
 #include "record.h"
 #include "suites.h"
 

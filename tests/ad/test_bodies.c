@@ -1,5 +1,5 @@
-/* test_bodies.c - generated values of the forces of many bodies: operations alone, inlined or in a function of their
- * own, and runs as they are. Cases of the suite "emit". */
+/* test_bodies.c - Tests generated values of the forces of many bodies: operations alone, inlined or in a function of
+ * their own, and runs as they are. Cases of the suite "emit". */
 #include "emit.h"
 #include "library.h"
 #include "record.h"

@@ -1,5 +1,5 @@
-/* test_domain.c - an operation is refused exactly where its power series does not exist, at once for numbers, by the
- * sweep for jets. */
+/* test_domain.c - Tests that an operation is refused exactly where its power series does not exist, at once for
+ * numbers, by the sweep for jets. */
 #include "record.h"
 #include "suites.h"
 

@@ -1,5 +1,5 @@
-/* test_elementary.c - elementary functions in lanes, with each instruction set: within an ulp of the exact values, what
- * they have been at the ends of their ranges, and each number as if it were alone. */
+/* test_elementary.c - Tests elementary functions in lanes, with each instruction set: within an ulp of the exact
+ * values, what they have been at the ends of their ranges, and each number as if it were alone. */
 #include "record.h"
 #include "suites.h"
 
@@ -107,7 +107,7 @@ static double random_number(unsigned *random, const elementary *f)
     return f->least + (f->most - f->least) * part;
 }
 
-/* What libm has in the place of an ulp, in glibc. */
+/* The error bound of libm in units of an ulp, for glibc. */
 #ifdef JET_SLEEF
 static const double MOST_ULPS = 1;
 #else

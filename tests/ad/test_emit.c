@@ -1,6 +1,6 @@
-/* test_emit.c - generated code gives what the tape gives: every operation, every sweep, with orders unrolled and
- * in loops, bit for bit where nothing is fused; but adjoints of sums, which are added in another order. All functions
- * are one shared library, made once. */
+/* test_emit.c - Tests that generated code gives what the tape gives: every operation, every sweep, with orders unrolled
+ * and in loops, bit for bit where nothing is fused; but adjoints of sums, which are added in another order. All
+ * functions are one shared library, made once. */
 #include "emit.h"
 #include "library.h"
 #include "record.h"
@@ -75,7 +75,7 @@ static void remove_library(void)
     unsetenv("TVI_ISA");
 }
 
-/* What f gives in each kind of sweep. */
+/* The results of f in each kind of sweep. */
 typedef struct {
     double values[OUTPUTS_MAX * LANES], one[OUTPUTS_MAX], odd[OUTPUTS_MAX * 3], series[OUTPUTS_MAX * SHORT],
         tangent[OUTPUTS_MAX * SHORT], tangents[OUTPUTS_MAX * SHORT * DIRECTIONS], adjoints[INPUTS_MAX * SHORT];
@@ -89,7 +89,7 @@ static int find(const char *name)
     return i;
 }
 
-/* What is made of a function. */
+/* The tapes and sweeps of a function. */
 typedef struct {
     const jet_sweeps *of_series, *of_values;
     clear_fn *clear;

@@ -1,4 +1,5 @@
-/* test_gradient.c - recorded gradients: against analytic derivatives, against tangents, and used a second time. */
+/* test_gradient.c - Tests recorded gradients: against analytic derivatives, against tangents, and used a second time.
+ */
 #include "record.h"
 #include "suites.h"
 
@@ -216,7 +217,7 @@ START_TEST(lift_agrees_with_tangents)
 }
 END_TEST
 
-/* What an output depends on must be there. */
+/* Everything that an output depends on must be there. */
 START_TEST(lift_of_poison_is_poison)
 {
     jet_graph *from = jet_graph_create(2), *graph = jet_graph_create(2);
@@ -302,7 +303,7 @@ static tvi_status gradient_status(jet_graph *graph, jet output)
     return jet_graph_accept(graph, 8, g);
 }
 
-/* What is no jet of the graph has no gradient in it, and that shows at the outputs. */
+/* A jet of no graph has no gradient in it, and that shows at the outputs. */
 START_TEST(gradient_of_poison_is_poison)
 {
     jet_graph *graph = jet_graph_create(8), *other = jet_graph_create(8);

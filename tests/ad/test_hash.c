@@ -1,4 +1,4 @@
-/* test_hash.c - the hash of a tape: everything that a sweep reads changes it, and nothing else does. */
+/* test_hash.c - Tests that everything that a sweep reads changes the hash of a tape, and nothing else does. */
 #include "record.h"
 #include "suites.h"
 
@@ -40,7 +40,7 @@ START_TEST(arrays_are_hashed)
     for (int i = 0; i < tape->rows; i++) EXPECT_SEEN(tape, tape->base[i]);
     for (int i = 0; i < tape->terms; i++) {
         EXPECT_SEEN(tape, tape->term_slot[i]);
-        EXPECT_SEEN(tape, tape->term_second[i]);
+        EXPECT_SEEN(tape, tape->term_operand_b[i]);
         EXPECT_SEEN(tape, tape->term_coefficient[i]);
     }
     for (int i = 0; i < tape->outputs; i++) EXPECT_SEEN(tape, tape->output[i]);

@@ -1,5 +1,5 @@
-/* test_identity.c - identities between operations, and pairs of inverses: both sides have the same series and the same
- * tangents to degree 40. */
+/* test_identity.c - Tests identities between operations, and pairs of inverses: both sides have the same series and the
+ * same tangents to degree 40. */
 #include "record.h"
 #include "suites.h"
 

@@ -1,5 +1,5 @@
-/* test_isa.c - instruction sets: TVI_ISA asks for one, and all give the same to roundoff. A machine that lacks one runs
- * the widest that it has in its place. */
+/* test_isa.c - Tests the choice of instruction sets by TVI_ISA. All sets give the same results to roundoff. A machine
+ * that lacks one runs the widest that it has in its place. */
 #include "record.h"
 #include "suites.h"
 
@@ -12,7 +12,7 @@ enum { DEGREE = 12, SHORT = DEGREE + 1, LANES = 11, EIGHT = 8 };
 static const char *const sets[] = {"base", "avx2", "avx512"};
 enum { SETS = sizeof sets / sizeof *sets };
 
-/* What f gives in each kind of sweep. */
+/* The results of f in each kind of sweep. */
 typedef struct {
     double values[OUTPUTS_MAX * LANES], eight[OUTPUTS_MAX * EIGHT], series[OUTPUTS_MAX * SHORT],
         tangents[OUTPUTS_MAX * SHORT], adjoints[INPUTS_MAX * SHORT];

@@ -1,4 +1,4 @@
-/* test_record.c - from handles to nodes: refusals, slots, long sums; sharing is in test_sharing.c. */
+/* test_record.c - Tests how operations are recorded: refusals, slots, long sums; sharing is in test_sharing.c. */
 #include "record.h"
 #include "suites.h"
 

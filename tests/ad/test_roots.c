@@ -1,4 +1,4 @@
-/* test_roots.c - a^(-k/2), in the tape and in generated code, with each instruction set that the machine has. */
+/* test_roots.c - Tests a^(-k/2), in the tape and in generated code, with each instruction set that the machine has. */
 #include "emit.h"
 #include "library.h"
 #include "problems/statistics.h"
@@ -152,7 +152,7 @@ START_TEST(outside_is_refused)
 }
 END_TEST
 
-/* Of two operations in one tape: what is outside for the one or the other, in any lane. */
+/* Two operations in one tape: arguments outside of the domain of the one or the other, in any lane. */
 START_TEST(outside_of_one_of_two_is_refused)
 {
     enum { MOST = 8 };

@@ -1,4 +1,4 @@
-/* test_runs.c - where the operations of a tape lie, and what runs together. Cases of the suite "tape". */
+/* test_runs.c - Tests where the operations of a tape lie, and what runs together. Cases of the suite "tape". */
 #include "record.h"
 #include "rule.h"
 #include "suites.h"
@@ -45,7 +45,7 @@ static void check_layout(const jet_tape *tape, jet_tape_kind kind)
             const int rows = run->is_scattered ? run->count : 1, read = run->is_scattered ? 1 : run->count;
             for (int i = 0; i < rows * run->terms; i++, term++) {
                 ck_assert_int_le(tape->term_slot[term] + read, run->z);
-                ck_assert_int_le(tape->term_second[term] + read, run->z);
+                ck_assert_int_le(tape->term_operand_b[term] + read, run->z);
             }
             continue;
         }
@@ -209,7 +209,7 @@ START_TEST(scattered_operands_are_gathered)
 }
 END_TEST
 
-/* Those that several products share are read in turns, without copies: 0 3, 1 4; then 0 2. Values need no turns. */
+/* Operands that several products share are read in turns, without copies: 0 3, 1 4; then 0 2. Values need no turns. */
 START_TEST(shared_operands_are_read_in_turns)
 {
     if (is_plain()) return;
@@ -233,7 +233,7 @@ START_TEST(shared_operands_are_read_in_turns)
 }
 END_TEST
 
-/* What becomes of sums of products (functions.c): one operation each, but of more terms than one takes, with a number,
+/* Sums of products (functions.c) become one operation each, except those of more terms than one takes, with a number,
  * and where something else needs one of the products. */
 START_TEST(sums_of_products_are_one_operation)
 {

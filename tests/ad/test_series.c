@@ -1,5 +1,5 @@
-/* test_series.c - Taylor series of every operation to degree 40: against Cauchy's integral in quadruple precision,
- * against exact integers and closed forms, in several lanes, and far from 1. */
+/* test_series.c - Tests Taylor series of every operation to degree 40: against Cauchy's integral in quadruple
+ * precision, against exact integers and closed forms, in several lanes, and far from 1. */
 #include "quad_series.h"
 #include "record.h"
 #include "suites.h"

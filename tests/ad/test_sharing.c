@@ -1,4 +1,4 @@
-/* test_sharing.c - from handles to nodes: what is folded, and what is shared. Cases of the suite "record". */
+/* test_sharing.c - Tests how constants are folded and nodes are shared. Cases of the suite "record". */
 #include "record.h"
 #include "suites.h"
 
@@ -143,7 +143,7 @@ START_TEST(different_is_kept)
 }
 END_TEST
 
-/* What was recorded first is found again after thousands of nodes that differ in their numbers alone, and soon: in a
+/* The first recorded node is found again after thousands of nodes that differ in their numbers alone, and soon: in a
  * table at most half full a search meets less than one other node on the average, and a node is looked for when it is
  * recorded, again, and when the table grows. */
 START_TEST(sharing_survives_growth)

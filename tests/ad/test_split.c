@@ -1,4 +1,4 @@
-/* test_split.c - tapes whose operations stand alone (split.h). Cases of the suite "tape". */
+/* test_split.c - Tests tapes whose operations stand alone (split.h). Cases of the suite "tape". */
 #include "record.h"
 #include "split.h"
 #include "suites.h"
@@ -21,7 +21,8 @@ static recording split_of(const recording *r, jet_split which, jet_tape *split)
 }
 
 /* The same values, but for the last two bits of powers that the tape has together, or none, too; and of pairs, of the
- * terms of a sum, whose factors may be those of products. What is read before it is made would be no number. */
+ * terms of a sum, whose factors may be those of products. A slot that is read before it is computed would be no number.
+ */
 static void check_values(const recording *r, const function *f, jet_split which)
 {
     double x[INPUTS_MAX * LANES], want[OUTPUTS_MAX * LANES], got[OUTPUTS_MAX * LANES], size[OUTPUTS_MAX * LANES];
@@ -95,7 +96,7 @@ static int longest_way(const jet_tape *tape)
         for (int i = 0; i < run->count; i++, count++) {
             made[run->z + i] = count;
             for (int term = run->term; term < run->term + run->terms && run->op != OP_LINEAR; term++) {
-                const int first = made[tape->term_slot[term] + i], second = made[tape->term_second[term] + i];
+                const int first = made[tape->term_slot[term] + i], second = made[tape->term_operand_b[term] + i];
                 longest = count - first > longest ? count - first : longest;
                 longest = count - second > longest ? count - second : longest;
             }
@@ -143,7 +144,8 @@ START_TEST(factors_of_sums_are_moved)
         if (run->op == OP_PRODUCTS) factors *= split.term_coefficient[run->term];
         for (int k = 0; run->op == OP_LINEAR && k < run->terms; k++) of_sums *= split.term_coefficient[run->term + k];
         const bool is_moved = run->op == OP_PRODUCTS && split.term_coefficient[run->term] != 1;
-        if (is_moved) ck_assert_int_gt(split.term_slot[run->term], split.term_second[run->term]); /* what they share */
+        if (is_moved)
+            ck_assert_int_gt(split.term_slot[run->term], split.term_operand_b[run->term]); /* what they share */
     }
     const double moved = which == JET_SPLIT_PAIRS ? 3 * 3 : 1; /* 7 and 8 differ */
     ck_assert_double_eq(factors, moved);

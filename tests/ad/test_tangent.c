@@ -1,4 +1,4 @@
-/* test_tangent.c - tangents along a series to degree 40: against differences in quadruple precision, against the
+/* test_tangent.c - Tests tangents along a series to degree 40: against differences in quadruple precision, against the
  * derivative of the series itself, and in any number of lanes. */
 #include "quad_series.h"
 #include "record.h"
@@ -61,7 +61,8 @@ END_TEST
 
 enum { LANES_MAX = 40, DEGREE = 8, SHORT = DEGREE + 1 };
 
-/* Of a lane: one for all of them, or each a series of its own, x(c s) with another c, inside of the domain as x is. */
+/* Series of a lane: one for all of them, or each a series of its own, x(c s) with another c, inside of the domain as x
+ * is. */
 static void series_of_lane(const function *f, int lane, bool is_own)
 {
     double power = 1;

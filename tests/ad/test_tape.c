@@ -1,4 +1,5 @@
-/* test_tape.c - from graph to tape: what is kept, and where it lies; what runs together is in test_runs.c. */
+/* test_tape.c - Tests which nodes of a graph are kept on a tape, and in which slots; what runs together is in
+ * test_runs.c. */
 #include "record.h"
 #include "rule.h"
 #include "suites.h"
@@ -63,7 +64,7 @@ START_TEST(values_of_a_partner_are_alone)
 }
 END_TEST
 
-/* What no output depends on is left out, inputs beyond the first `inputs` too. */
+/* Operations that no output depends on are left out, inputs beyond the first `inputs` too. */
 START_TEST(what_is_not_needed_is_left_out)
 {
     jet_graph *graph = jet_graph_create(4);

@@ -1,4 +1,4 @@
-/* quadmath.h - takes the place of libquadmath's header where long double has quadruple precision, as on aarch64. The
+/* quadmath.h - Takes the place of libquadmath's header where long double has quadruple precision, as on aarch64. The
  * quadruple tests are compiled there with this file before all others and run on the functions of the C library. */
 #ifndef TESTS_ARM_QUADMATH_H
 #define TESTS_ARM_QUADMATH_H

@@ -1,4 +1,4 @@
-/* sampled.c - bounds the time of a test program that is linked with --wrap=_tcase_add_test. Where the environment has
+/* sampled.c - Bounds the time of a test program that is linked with --wrap=_tcase_add_test. If the environment has
  * TESTS_EVERY = k, a loop test runs its first row and about one in k of the others. A hash of the row chooses them, so
  * that no period of the rows, which are often products of models and methods, meets that of the choice. */
 #include <check.h>

@@ -1,4 +1,4 @@
-/* baselines.h - what the suites of bench/baselines share. */
+/* baselines.h - Declares what the suites of bench/baselines share. */
 #ifndef TESTS_BASELINES_H
 #define TESTS_BASELINES_H
 

@@ -1,4 +1,4 @@
-/* main.c - the baselines of the bench. */
+/* main.c - Runs the suites on the baselines of the bench. */
 #include "baselines.h"
 #include "problems/run_suites.h"
 

@@ -1,4 +1,4 @@
-/* problems_by_hand.c - the problems, and runs of baselines on them. */
+/* problems_by_hand.c - Creates the problems, and runs of baselines on them. */
 #include "baselines.h"
 
 #include <math.h>

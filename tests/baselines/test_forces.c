@@ -1,4 +1,4 @@
-/* test_forces.c - the forces by hand against plain ones in long double, the scenes' references, and the Gauss
+/* test_forces.c - Tests the forces by hand against plain ones in long double, the scenes' references, and the Gauss
  * tableaus. */
 #include "baselines.h"
 #include "baselines/forces.h"

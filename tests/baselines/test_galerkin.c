@@ -1,5 +1,5 @@
-/* test_galerkin.c - runs of the library's Galerkin curve against the baseline's Gauss collocation, which shares nothing
- * with it. */
+/* test_galerkin.c - Tests runs of the library's Galerkin curve against the baseline's Gauss collocation, which shares
+ * nothing with it. */
 #include "baselines.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* test_orders.c - each baseline's order of convergence, in q and in p. */
+/* test_orders.c - Tests each baseline's order of convergence, in q and in p. */
 #include "baselines.h"
 
 #include <float.h>
@@ -75,8 +75,8 @@ static void check_order(const baseline *b, const test_problem *problem)
                   problem->scene->name, slope.q, slope.p, last[0].error.q, last[0].error.p, last[0].steps);
 }
 
-/* Where double precision has room for the asymptotic range: for the highest orders only in the chain of two time
- * scales, for those of Runge and Kutta and of Taylor in two problems. The Taylor method above 10 has a test of its
+/* Problems in which double precision has room for the asymptotic range: for the highest orders only in the chain of two
+ * time scales, for those of Runge and Kutta and of Taylor in two problems. The Taylor method above 10 has a test of its
  * own. */
 enum { PENDULUM = 1, KEPLER = 2, HENON_HEILES = 4, FPU = 8, SOLAR = 16, ALL = 31 };
 

@@ -1,5 +1,5 @@
-/* test_structure.c - what the baselines keep: the symplectic form, reversibility, angular momentum; and what they say
- * when they fail. Runge-Kutta and Taylor are the controls that must not keep it. */
+/* test_structure.c - Tests what the baselines keep: the symplectic form, reversibility, angular momentum; and what they
+ * say when they fail. Runge-Kutta and Taylor are the controls that must not keep it. */
 #include "baselines.h"
 
 #include <math.h>
@@ -15,7 +15,7 @@ static bool is_one_of(const baseline *b, const char *const names[])
 static const char *const symplectic[] = {"verlet", "blanes-moan", "kahan-li", "shooting", "gauss", NULL};
 static const char *const symmetric[] = {"verlet", "blanes-moan", "kahan-li", "gauss", NULL};
 
-/* Of the controls, those whose defects show: of low order. */
+/* The controls whose defects show: of low order. */
 static bool is_control(const baseline *b)
 {
     return (strcmp(b->name, "taylor-by-hand") == 0 && b->order <= 8) || strcmp(b->name, "gsl-rk8pd") == 0 ||

@@ -1,4 +1,4 @@
-/* bodies.h - the suites of tvi_bodies.h. */
+/* bodies.h - Declares the suites of tvi_bodies.h. */
 #ifndef TESTS_BODIES_H
 #define TESTS_BODIES_H
 

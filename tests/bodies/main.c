@@ -1,4 +1,4 @@
-/* main.c - bodies that attract each other, and orbital elements. */
+/* main.c - Runs the suites on bodies that attract each other, and orbital elements. */
 #include "bodies.h"
 #include "problems/run_suites.h"
 

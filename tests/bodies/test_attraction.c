@@ -1,4 +1,5 @@
-/* test_attraction.c - the potential: tapes as of what is written by hand, softening, an oblate body, test particles. */
+/* test_attraction.c - Tests the potential: tapes as of what is written by hand, softening, an oblate body, test
+ * particles. */
 #include "bodies.h"
 #include "method/fingerprint.h"
 #include "scenes/hard.h"
@@ -57,7 +58,7 @@ START_TEST(tapes_by_hand)
 }
 END_TEST
 
-/* Of the scenes of the bench. */
+/* The scenes of the bench. */
 START_TEST(tapes_of_scenes)
 {
     static const double pythagorean[] = {3, 4, 5}, planets[] = {1, 1e-3, 1e-3, 1e-3};

@@ -1,4 +1,4 @@
-/* test_elements.c - elements that are known, what is special about angles, and what is no orbit. */
+/* test_elements.c - Tests elements that are known, what is special about angles, and what is no orbit. */
 #include "bodies.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* test_orbits.c - states from elements and elements from states at random: both ways, and against the textbook's
+/* test_orbits.c - Tests states from elements and elements from states at random: both ways, and against the textbook's
  * formulas in long double. */
 #include "bodies.h"
 #include "problems/random.h"
@@ -13,7 +13,7 @@ static double between(double low, double high) { return low + (high - low) * num
 static double power_of_ten(double low, double high) { return pow(10, between(low, high)); }
 static double a_sign(void) { return number_of(&bits) < 0.5 ? -1 : 1; }
 
-/* Where e and i come from: all of both, and near what is special. */
+/* The ranges of e and i: all of both, and near what is special. */
 typedef enum { ALL, ELLIPSES, NEAR_PARABOLAS, PARABOLAS, NEAR_CIRCLES, CIRCLES, FLAT, KINDS } kind_of_orbit;
 
 static double eccentricity(kind_of_orbit kind)

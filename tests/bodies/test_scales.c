@@ -1,5 +1,5 @@
-/* test_scales.c - the recommended g on the hard scenes of the bench: as many force evaluations as the g of the scene,
- * which is written by hand, for the same error. */
+/* test_scales.c - Tests the recommended g on the hard scenes of the bench: as many force evaluations as the g of the
+ * scene, which is written by hand, for the same error. */
 #include "bodies.h"
 #include "scenes/hard.h"
 
@@ -80,7 +80,7 @@ static jet sitnikov_scale(const jet q[], const jet p[], jet t, void *ctx)
 
 /* bodies, or functions of its own. */
 static const struct {
-    const hard_scene *of;
+    const hard_scene *problem;
     tvi_bodies bodies;
     tvi_potential_fn *potential;
     tvi_rescale_fn *scale;
@@ -97,9 +97,9 @@ static const struct {
 enum { ROWS = sizeof rows / sizeof *rows };
 
 /* The largest error of a coordinate at the end; of Kepler's problem, by its closed form. */
-static double error_of(const hard_scene *of, double t, const double q[])
+static double error_of(const hard_scene *problem, double t, const double q[])
 {
-    const scene *s = &of->scene;
+    const scene *s = &problem->scene;
     double error = 0;
     for (int i = 0; i < s->n && s->reference; i++) error = fmax(error, fabs(q[i] - s->reference[i]));
     if (s->reference) return error;
@@ -107,9 +107,10 @@ static double error_of(const hard_scene *of, double t, const double q[])
     return fmax(fabs(q[0] - (double)(cosl(E) - e)), fabs(q[1] - (double)(sqrtl(1 - e * e) * sinl(E))));
 }
 
-static long evaluations(tvi_system *base, const hard_scene *of, tvi_rescale_fn *g, void *ctx, double h, double *error)
+static long evaluations(tvi_system *base, const hard_scene *problem, tvi_rescale_fn *g, void *ctx, double h,
+                        double *error)
 {
-    const scene *s = &of->scene;
+    const scene *s = &problem->scene;
     double t = 0, q[8], p[8];
     tvi_system *rescaled;
     tvi_integrator *integrator;
@@ -119,7 +120,7 @@ static long evaluations(tvi_system *base, const hard_scene *of, tvi_rescale_fn *
     ck_assert_int_eq(tvi_integrator_create(&integrator, rescaled, NULL), TVI_OK);
     ck_assert_int_eq(tvi_integrate_to(integrator, h, s->t_end, &t, q, p, NULL, NULL), TVI_OK);
     const long count = tvi_integrator_stats(integrator)->force_evaluations;
-    *error = error_of(of, t, q);
+    *error = error_of(problem, t, q);
     tvi_integrator_free(integrator);
     tvi_system_free(rescaled);
     tvi_system_free(base);
@@ -130,7 +131,7 @@ static long evaluations(tvi_system *base, const hard_scene *of, tvi_rescale_fn *
 START_TEST(as_by_hand)
 {
     enum { SIZES = 6 };
-    const scene *s = &rows[_i].of->scene;
+    const scene *s = &rows[_i].problem->scene;
     tvi_bodies b = rows[_i].bodies;
     long wanted = 0, count = 0;
     for (int k = 0; k < SIZES; k++) {
@@ -138,11 +139,11 @@ START_TEST(as_by_hand)
         double errors[2];
         tvi_system *base;
         ck_assert_int_eq(scene_system(s, &base), TVI_OK);
-        wanted += evaluations(base, rows[_i].of, rows[_i].of->scale, NULL, h, &errors[0]);
+        wanted += evaluations(base, rows[_i].problem, rows[_i].problem->scale, NULL, h, &errors[0]);
         ck_assert_int_eq(b.bodies ? tvi_bodies_system(&base, &b)
                                   : tvi_system_potential(&base, s->n, NULL, rows[_i].potential, NULL),
                          TVI_OK);
-        count += evaluations(base, rows[_i].of, rows[_i].scale, &b, h, &errors[1]);
+        count += evaluations(base, rows[_i].problem, rows[_i].scale, &b, h, &errors[1]);
         ck_assert_msg(errors[1] <= 1.5 * errors[0] + 2e-11, "%.1e in the place of %.1e", errors[1], errors[0]);
     }
     ck_assert_msg(fabs((double)(count - wanted)) <= 0.02 * (double)wanted, "%ld in the place of %ld", count, wanted);

@@ -1,4 +1,4 @@
-/* test_sums.c - the centre of mass, and angular momentum in space and in the plane. */
+/* test_sums.c - Tests the centre of mass, and angular momentum in space and in the plane. */
 #include "bodies.h"
 
 #include <math.h>

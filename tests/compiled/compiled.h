@@ -1,5 +1,5 @@
-/* compiled.h - the suites of this program, and what they share: systems with generated code beside the same systems
- * without. */
+/* compiled.h - Declares the suites of this program, and what they share: systems with generated code beside the same
+ * systems without. */
 #ifndef TESTS_COMPILED_H
 #define TESTS_COMPILED_H
 
@@ -27,7 +27,7 @@ motion motion_start(const scene *s);
 /* The largest difference of q and p, as a part of the largest of each. */
 double motion_difference(int n, const motion *a, const motion *b);
 
-/* So many steps of an integrator of its own. */
+/* Makes steps with an integrator of its own. */
 tvi_status motion_go(const tvi_system *system, const tvi_options *options, double h, long steps, motion *m,
                      tvi_stats *stats);
 
@@ -42,9 +42,9 @@ typedef struct {
 typedef struct {
     tvi_system *stated, *rescaled;
 } systems;
-const scene *scene_of(const whose *of);
-/* Those of a run, to be freed; returns the one that it is of. */
-const tvi_system *systems_open(const whose *of, systems *its);
+const scene *scene_of(const whose *subject);
+/* Reads the code of a run, to be freed. Returns the run. */
+const tvi_system *systems_open(const whose *subject, systems *its);
 void systems_free(const systems *its);
 
 /* The cache lies below the build's directory, where the next run finds it again. USUAL is the compiler of the

@@ -1,5 +1,6 @@
-/* main.c - generated code: the same results as the tape's, what may go wrong on the way to it, and who owns it. The
- * environment variable TVI_COMPILED=all runs every scene with every method, with the library's own flags. */
+/* main.c - Runs the suites on generated code: the same results as the tape's, what may go wrong on the way to it, and
+ * who owns it. The environment variable TVI_COMPILED=all runs every scene with every method, with the library's own
+ * flags. */
 #define _XOPEN_SOURCE 700
 #include "compiled.h"
 #include "problems/run_suites.h"
@@ -36,7 +37,7 @@ tvi_compiler compiler_of(how_compiled how)
     return (tvi_compiler){how == QUICK ? QUICK_COMPILER : NULL, flags[how], "build/check/generated"};
 }
 
-const scene *scene_of(const whose *of) { return of->problem ? of->problem->scene : of->scene; }
+const scene *scene_of(const whose *subject) { return subject->problem ? subject->problem->scene : subject->scene; }
 
 motion motion_start(const scene *s)
 {
@@ -61,12 +62,12 @@ double motion_difference(int n, const motion *a, const motion *b)
     return fmax(part(n, a->q, b->q), part(n, a->p, b->p));
 }
 
-const tvi_system *systems_open(const whose *of, systems *its)
+const tvi_system *systems_open(const whose *subject, systems *its)
 {
     *its = (systems){NULL, NULL};
-    if (of->problem) its->stated = problem_system(of->problem);
-    else ck_assert_int_eq(scene_system(of->scene, &its->stated), TVI_OK);
-    if (!of->is_rescaled) return its->stated;
+    if (subject->problem) its->stated = problem_system(subject->problem);
+    else ck_assert_int_eq(scene_system(subject->scene, &its->stated), TVI_OK);
+    if (!subject->is_rescaled) return its->stated;
     ck_assert_int_eq(tvi_system_rescaled(&its->rescaled, its->stated, NULL, NULL), TVI_OK);
     return its->rescaled;
 }

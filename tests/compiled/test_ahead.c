@@ -1,5 +1,5 @@
-/* Generated code as a file that is compiled with the program: it compiles without a warning, and serves its system and
- * options alone. */
+/* test_ahead.c - Tests generated code in a file that is compiled with the program: it compiles without a warning,
+ * and serves its system and options alone. */
 #define _XOPEN_SOURCE 700
 #include "compiled.h"
 

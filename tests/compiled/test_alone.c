@@ -37,11 +37,11 @@ static void read_alone(const char *directory, const char *compiler, const char *
 }
 
 /* Writes what the method has of the system; false where it does not serve it. */
-static bool write_text(const char *directory, const whose *of, const tvi_options *options)
+static bool write_text(const char *directory, const whose *subject, const tvi_options *options)
 {
     char path[128];
     systems its;
-    const tvi_system *system = systems_open(of, &its);
+    const tvi_system *system = systems_open(subject, &its);
     const bool serves = tvi_options_check(system, options, NULL) == TVI_OK;
     snprintf(path, sizeof path, "%s/orbit.c", directory);
     if (serves) ck_assert_msg(tvi_compiled_write(system, options, "orbit", path) == TVI_OK, "%s", tvi_last_error());

@@ -1,4 +1,5 @@
-/* What may go wrong on the way to generated code: each time a status, and never another's code or half of one. */
+/* test_cache.c - Tests what may go wrong on the way to generated code: each time a status, and never another's code or
+ * half of one. */
 #define _XOPEN_SOURCE 700
 #include "compiled.h"
 
@@ -97,8 +98,8 @@ START_TEST(the_environment_names_the_compiler)
 }
 END_TEST
 
-/* What a compiler leaves behind, as a server, has none of the program's files: nobody writes to a pipe after all ends
- * of it are closed here. */
+/* A process that a compiler leaves behind, as a server, has none of the program's files: nobody writes to a pipe after
+ * all ends of it are closed here. */
 START_TEST(files_are_the_programs_own)
 {
     const char *cache = directory_make();

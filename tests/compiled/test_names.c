@@ -1,5 +1,6 @@
-/* The name of the function that a file of generated code defines: any that C and C++ leave to the user, also where the
- * code has the same word for something of its own. TVI_COMPILED=all tries each word of the code. */
+/* test_names.c - Tests the name of the function that a file of generated code defines: any that C and C++ leave to the
+ * user, also where the code has the same word for something of its own. TVI_COMPILED=all tries each word of the code.
+ */
 #define _XOPEN_SOURCE 700
 #include "compiled.h"
 

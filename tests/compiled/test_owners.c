@@ -1,4 +1,4 @@
-/* Who owns generated code, and whom it serves. */
+/* test_owners.c - Tests who owns generated code, and whom it serves. */
 #define _XOPEN_SOURCE 700
 #include "compiled.h"
 

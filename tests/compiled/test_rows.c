@@ -1,4 +1,4 @@
-/* Steps of generated code that are made in a row: those that are made one by one, to the bit. */
+/* test_rows.c - Tests that steps of generated code that are made in a row are those made one by one, to the bit. */
 #include "compiled.h"
 
 #include <math.h>
@@ -28,14 +28,15 @@ typedef struct {
 } travel;
 
 /* All steps by one call, or by one each. */
-static travel travel_by(const tvi_system *system, const tvi_options *options, const whose *of, long steps, long at_once)
+static travel travel_by(const tvi_system *system, const tvi_options *options, const whose *subject, long steps,
+                        long at_once)
 {
-    travel made = {.m = motion_start(of->scene)};
+    travel made = {.m = motion_start(subject->scene)};
     tvi_integrator *integrator;
     motion *m = &made.m, *middle = &made.middle;
     ck_assert_int_eq(tvi_integrator_create(&integrator, system, options), TVI_OK);
     for (long k = 0; k < steps && made.status == TVI_OK; k += at_once)
-        made.status = tvi_integrate(integrator, of->h, at_once, &m->t, m->q, m->p, NULL, NULL);
+        made.status = tvi_integrate(integrator, subject->h, at_once, &m->t, m->q, m->p, NULL, NULL);
     ck_assert_int_eq(tvi_dense(integrator, 0.5, middle->q, middle->p) == TVI_OK, made.status == TVI_OK);
     made.stats = *tvi_integrator_stats(integrator);
     tvi_integrator_free(integrator);
@@ -63,7 +64,7 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
 {
     enum { CALLS = 5 };
     static const struct {
-        whose of;
+        whose subject;
         double max_tail;
         long least, most; /* steps */
         how_compiled how;
@@ -78,25 +79,26 @@ START_TEST(steps_in_a_row_are_those_one_by_one)
                 {{&scene_double_pendulum, 0.0625, false, NULL}, 0, STEPS, STEPS, QUICK},
                 {{&scene_kepler, 0.2, true, NULL}, 0, STEPS, STEPS, USUAL},
                 {{&scene_nonseparable, 0.25, false, NULL}, 0, STEPS, STEPS, QUICK}};
-    const whose *of = &rows[_i].of;
+    const whose *subject = &rows[_i].subject;
     const how_compiled chosen = runs_all() ? USUAL : rows[_i].how;
     const tvi_compiler how = compiler_of(chosen);
     systems its;
-    const tvi_system *system = systems_open(of, &its);
+    const tvi_system *system = systems_open(subject, &its);
     tvi_options options = tvi_options_default();
     tvi_compiled *code;
     options.max_tail = rows[_i].max_tail;
     ck_assert_msg(tvi_compile(&code, system, &options, &how) == TVI_OK, "%s", tvi_last_error());
     options.compiled = code;
-    const travel row = travel_by(system, &options, of, STEPS, STEPS / CALLS),
-                 single = travel_by(system, &options, of, STEPS, 1);
+    const travel row = travel_by(system, &options, subject, STEPS, STEPS / CALLS),
+                 single = travel_by(system, &options, subject, STEPS, 1);
     ck_assert_mem_eq(&row.m, &single.m, sizeof row.m);
     ck_assert_mem_eq(&row.middle, &single.middle, sizeof row.middle);
     expect_the_same_counts(row.stats, &single.stats, chosen);
     ck_assert_int_eq(row.status, single.status);
     options.compiled = NULL;
-    const travel tape = travel_by(system, &options, of, row.stats.steps, 1);
-    if (row.status == TVI_OK) ck_assert_double_le(motion_difference(of->scene->n, &tape.middle, &row.middle), 1e-11);
+    const travel tape = travel_by(system, &options, subject, row.stats.steps, 1);
+    if (row.status == TVI_OK)
+        ck_assert_double_le(motion_difference(subject->scene->n, &tape.middle, &row.middle), 1e-11);
     if (row.status == TVI_OK) ck_assert_int_le(labs(row.stats.passes - tape.stats.passes), 3 * STEPS / 2);
     ck_assert_int_eq(row.status, rows[_i].most < STEPS ? TVI_ETOOLARGE : TVI_OK);
     ck_assert_int_ge(row.stats.steps, rows[_i].least);
@@ -117,32 +119,32 @@ static int go_on(long step, double t, const double q[], const double p[], void *
 START_TEST(runs_to_a_time_in_rows)
 {
     static const struct {
-        whose of;
+        whose subject;
         how_compiled how;
     } rows[] = {{{&scene_kepler, 0.25, false, NULL}, USUAL},
                 {{&scene_kepler, 0.2, true, NULL}, USUAL},
                 {{&scene_fpu, 0.03125, false, NULL}, QUICK}};
     static const double ends[] = {20, 20.1, 10 * 0.1, 0.01};
     enum { ENDS = sizeof ends / sizeof *ends };
-    const whose *of = &rows[_i / (2 * ENDS)].of;
+    const whose *subject = &rows[_i / (2 * ENDS)].subject;
     const tvi_compiler compiler = compiler_of(rows[_i / (2 * ENDS)].how);
     const double way = _i % 2 ? -1 : 1, t_end = way * ends[_i / 2 % ENDS];
     systems its;
-    const tvi_system *system = systems_open(of, &its);
+    const tvi_system *system = systems_open(subject, &its);
     tvi_options options = tvi_options_default();
     tvi_compiled *code;
     ck_assert_int_eq(tvi_compile(&code, system, &options, &compiler), TVI_OK);
     options.compiled = code;
-    motion end[2] = {motion_start(of->scene), motion_start(of->scene)};
+    motion end[2] = {motion_start(subject->scene), motion_start(subject->scene)};
     tvi_stats stats[2];
     for (int i = 0; i < 2; i++) {
         tvi_integrator *integrator;
         motion *m = &end[i];
         ck_assert_int_eq(tvi_integrator_create(&integrator, system, &options), TVI_OK);
         for (int part = 1; part <= 2; part++)
-            ck_assert_int_eq(
-                tvi_integrate_to(integrator, way * of->h, part * t_end, &m->t, m->q, m->p, i > 0 ? go_on : NULL, NULL),
-                TVI_OK);
+            ck_assert_int_eq(tvi_integrate_to(integrator, way * subject->h, part * t_end, &m->t, m->q, m->p,
+                                              i > 0 ? go_on : NULL, NULL),
+                             TVI_OK);
         stats[i] = *tvi_integrator_stats(integrator);
         tvi_integrator_free(integrator);
     }

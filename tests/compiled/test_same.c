@@ -1,5 +1,5 @@
-/* Generated code gives what the tape gives, to roundoff: in the time of make check one system with one method for each
- * kind of text that generators write, with TVI_COMPILED=all every scene with every method. */
+/* test_same.c - Tests that generated code gives what the tape gives, to roundoff: in the time of make check one system
+ * with one method for each kind of text that generators write, with TVI_COMPILED=all every scene with every method. */
 #include "compiled.h"
 #include "method/list.h"
 
@@ -25,7 +25,7 @@ static const whose kepler = {&scene_kepler, 0.1, false, NULL}, pendulum = {&scen
  * by one of these, and each method has one. The library's own flags compile a separable system, a Lagrangian, a
  * Hamiltonian with a Taylor curve, and a rescaled system. */
 static const struct {
-    const whose *of;
+    const whose *subject;
     const char *method;
     int order;
     how_compiled how;
@@ -109,12 +109,12 @@ static travels go_three_times(const tvi_system *system, const tvi_options *optio
 }
 
 /* Nothing is compared if the method does not serve the system. */
-static void expect_the_same(const whose *of, const char *method, int order, how_compiled how)
+static void expect_the_same(const whose *subject, const char *method, int order, how_compiled how)
 {
-    const scene *s = scene_of(of);
+    const scene *s = scene_of(subject);
     const tvi_compiler compiler = compiler_of(how);
     systems its;
-    const tvi_system *system = systems_open(of, &its);
+    const tvi_system *system = systems_open(subject, &its);
     tvi_options options, compiled;
     tvi_compiled *code;
     ck_assert_int_eq(tvi_options_named(method, order, &options), TVI_OK);
@@ -123,8 +123,8 @@ static void expect_the_same(const whose *of, const char *method, int order, how_
     if (tvi_options_check(system, &options, NULL) == TVI_OK) {
         ck_assert_msg(tvi_compile(&code, system, &options, &compiler) == TVI_OK, "%s", tvi_last_error());
         compiled.compiled = code;
-        const travels of_tape = go_three_times(system, &options, s, of->h),
-                      of_code = go_three_times(system, &compiled, s, of->h);
+        const travels of_tape = go_three_times(system, &options, s, subject->h),
+                      of_code = go_three_times(system, &compiled, s, subject->h);
         const tvi_stats tape = of_tape.stats, own = of_code.stats;
         ck_assert(own.is_compiled && !tape.is_compiled);
         const double difference = motion_difference(s->n, &of_tape.m, &of_code.m);
@@ -142,7 +142,7 @@ static void expect_the_same(const whose *of, const char *method, int order, how_
 
 START_TEST(compiled_steps_are_those_of_the_tape)
 {
-    expect_the_same(runs[_i].of, runs[_i].method, runs[_i].order, runs[_i].how);
+    expect_the_same(runs[_i].subject, runs[_i].method, runs[_i].order, runs[_i].how);
 }
 END_TEST
 
@@ -291,7 +291,8 @@ START_TEST(light_body_is_solved)
 }
 END_TEST
 
-/* What the compiler is given is what runs: with a number of the tape changed there, the motion is another. */
+/* The text that the compiler is given is the one that runs: with a number of the tape changed there, the motion is
+ * another. */
 START_TEST(another_code_moves_otherwise)
 {
     static const char *const names[] = {"galerkin", "midpoint"};
@@ -317,30 +318,30 @@ START_TEST(another_code_moves_otherwise)
 }
 END_TEST
 
-/* Of "galerkin" one function makes whole steps, from the first one on, with the passes of the tape; the tail that it
+/* For "galerkin" one function makes whole steps, from the first one on, with the passes of the tape; the tail that it
  * tells is changed here. */
 START_TEST(steps_are_whole)
 {
-    static const whose *const of[] = {&kepler, &double_pendulum, &kepler_rescaled};
+    static const whose *const subject[] = {&kepler, &double_pendulum, &kepler_rescaled};
     const tvi_compiler edited = {.compiler =
                                      "sh tests/compiled/edited.sh s/to->tail.=.tail;/to->tail=7;/ " QUICK_COMPILER,
                                  .flags = QUICK_FLAGS,
                                  .cache = ""};
-    for (size_t i = 0; i < sizeof of / sizeof *of; i++) {
+    for (size_t i = 0; i < sizeof subject / sizeof *subject; i++) {
         systems its;
-        const tvi_system *system = systems_open(of[i], &its);
+        const tvi_system *system = systems_open(subject[i], &its);
         tvi_options options;
         tvi_compiled *code;
         ck_assert_int_eq(tvi_options_named("galerkin", 8, &options), TVI_OK);
         options.max_tail = -1;
         ck_assert_int_eq(tvi_compile(&code, system, &options, &edited), TVI_OK);
         for (int steps = 1; steps <= 3; steps++) {
-            motion of_tape = motion_start(of[i]->scene), of_code = of_tape;
+            motion of_tape = motion_start(subject[i]->scene), of_code = of_tape;
             tvi_stats tape, own;
             options.compiled = NULL;
-            ck_assert_int_eq(motion_go(system, &options, of[i]->h, steps, &of_tape, &tape), TVI_OK);
+            ck_assert_int_eq(motion_go(system, &options, subject[i]->h, steps, &of_tape, &tape), TVI_OK);
             options.compiled = code;
-            ck_assert_int_eq(motion_go(system, &options, of[i]->h, steps, &of_code, &own), TVI_OK);
+            ck_assert_int_eq(motion_go(system, &options, subject[i]->h, steps, &of_code, &own), TVI_OK);
             ck_assert_double_lt(tape.tail, 1);
             ck_assert_double_eq(own.tail, 7);
             ck_assert_int_le(labs(own.passes - tape.passes), steps);

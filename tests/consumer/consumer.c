@@ -1,4 +1,5 @@
-/* consumer.c - a program of somebody else, who has only what `make install` put there: a pendulum of length 1 m. */
+/* consumer.c - Acts as a program of somebody else, who has only what `make install` put there: a pendulum of length 1
+ * m. */
 #include <tvi.h>
 
 #include <math.h>

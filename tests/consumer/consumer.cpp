@@ -1,4 +1,4 @@
-// consumer.cpp - consumer.c as a user of C++ writes it.
+// consumer.cpp - Writes consumer.c as a user of C++ does.
 #include <tvi.hpp>
 
 #include <cstdio>

@@ -1,5 +1,5 @@
-/* driven.h - what the suites of driven systems share: an oscillator with friction and a drive, which has a closed form,
- * in every form of a system. */
+/* driven.h - Declares what the suites of driven systems share: an oscillator with friction and a drive, which has a
+ * closed form, in every form of a system. */
 #ifndef TESTS_DRIVEN_H
 #define TESTS_DRIVEN_H
 

@@ -1,4 +1,4 @@
-/* main.c - friction and drives. */
+/* main.c - Runs the suites on friction and drives. */
 #include "driven.h"
 #include "problems/run_suites.h"
 

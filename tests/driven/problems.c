@@ -1,4 +1,4 @@
-/* problems.c - see driven.h. */
+/* problems.c - Implements driven.h. */
 #include "driven.h"
 
 #include <complex.h>

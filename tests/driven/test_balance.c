@@ -1,4 +1,5 @@
-/* test_balance.c - the energy changes by the work of the forces, and a planet's orbit decays as its drag says. */
+/* test_balance.c - Tests that the energy changes by the work of the forces, and a planet's orbit decays as its drag
+ * says. */
 #include "driven.h"
 
 #include <math.h>
@@ -8,7 +9,7 @@ static const double node[NODES / 2] = {0.1834346424956498, 0.5255324099163290, 0
                                  weight[NODES / 2] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745,
                                                       0.1012285362903763};
 
-/* Of the last step, by the quadrature of "galerkin" 16: sum h b_i f_i v_i on the curve. */
+/* Work in the last step, by the quadrature of "galerkin" 16: sum h b_i f_i v_i on the curve. */
 static double work_of(const form *as, tvi_integrator *it, double t, double h)
 {
     double sum = 0;

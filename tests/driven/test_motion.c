@@ -1,4 +1,5 @@
-/* test_motion.c - the oscillator against its closed form: errors, orders, tangent maps, events and saved states. */
+/* test_motion.c - Tests the oscillator against its closed form: errors, orders, tangent maps, events and saved states.
+ */
 #include "driven.h"
 
 #include <math.h>

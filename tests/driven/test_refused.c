@@ -1,4 +1,4 @@
-/* test_refused.c - systems that cannot be driven, and methods that do not serve those that are. */
+/* test_refused.c - Tests systems that cannot be driven, and methods that do not serve those that are. */
 #include "driven.h"
 #include "problems/refusals.h"
 

@@ -1,4 +1,4 @@
-/* ensemble.h - what the suites of ensembles share: one problem in every form, started everywhere. */
+/* ensemble.h - Declares what the suites of ensembles share: one problem in every form, started everywhere. */
 #ifndef TVI_TESTS_ENSEMBLE_H
 #define TVI_TESTS_ENSEMBLE_H
 
@@ -42,7 +42,7 @@ bool has_options(const tvi_system *system, const method *by, tvi_options *option
 /* Whether its steps in lanes are another text than those of an integrator: of the same bits but for roundoff. */
 bool has_two_texts(const method *by);
 
-/* So many members, of which number k is orbit first + k: all of them bounded, and no two the same. */
+/* This number of members, of which number k is orbit first + k: all of them bounded, and no two the same. */
 typedef struct {
     int members;
     double t[MOST], q[N * MOST], p[N * MOST], D[ROWS * COLUMNS * MOST];

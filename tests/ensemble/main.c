@@ -1,4 +1,4 @@
-/* main.c - ensembles. */
+/* main.c - Runs the suites on ensembles. */
 #include "ensemble.h"
 #include "problems/run_suites.h"
 

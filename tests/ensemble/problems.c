@@ -1,4 +1,4 @@
-/* problems.c - see ensemble.h. */
+/* problems.c - Implements ensemble.h. */
 #include "ensemble.h"
 #include "run/ensemble.h"
 

@@ -1,5 +1,5 @@
-/* test_bits.c - what a member does depends on no other: not on how many there are, on its place, on the threads, nor on
- * who looks; and it is what an integrator of its own does. */
+/* test_bits.c - Tests that what a member does depends on no other: not on how many there are, on its place, on the
+ * threads, nor on who looks; and it is what an integrator of its own does. */
 #include "ensemble.h"
 
 enum { STEPS = 24 };
@@ -90,7 +90,7 @@ static const struct {
              {MOST, 1, NULL}, {MOST, 2, NULL}, {MOST, 3, NULL}};
 enum { SIZES = sizeof sizes / sizeof *sizes };
 
-/* Of as many members, on as many threads, watched or not: those of 64 on one. */
+/* The bits of this number of members, on this number of threads, watched or not, are those of 64 on one. */
 START_TEST(neither_number_nor_threads_matter)
 {
     tvi_system *system = system_of(&forms[_i / SIZES == 1 ? 2 : 0]);

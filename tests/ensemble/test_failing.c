@@ -1,4 +1,4 @@
-/* test_failing.c - a member that fails keeps its last good state and its status, and harms no other. */
+/* test_failing.c - Tests that a member that fails keeps its last good state and its status, and harms no other. */
 #include "ensemble.h"
 
 #include <math.h>
@@ -130,7 +130,7 @@ START_TEST(a_reset_tries_again)
 }
 END_TEST
 
-/* Of members that go by themselves: what each of them counts, and its largest tail. */
+/* The counts of each of the members that go by themselves, and its largest tail. */
 static tvi_stats run_alone(const tvi_system *system, const tvi_options *options, double h, group *all, double tail[])
 {
     tvi_stats sum = {0};

@@ -1,4 +1,4 @@
-/* test_lanes.c - members whose passes do not converge to the roundoff of the others go by themselves. */
+/* test_lanes.c - Tests that members whose passes do not converge to the roundoff of the others go by themselves. */
 #include "ensemble.h"
 
 #include <math.h>

@@ -1,6 +1,6 @@
-/* test_refused.c - what is no ensemble and no run of one: nothing is touched, and the text names it. */
+/* test_refused.c - Tests what is no ensemble and no run of one: nothing is touched, and the text names it. */
 #include "ensemble.h"
-#include "run/spread.h"
+#include "run/parallel_for.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -125,7 +125,7 @@ END_TEST
 START_TEST(too_many_threads)
 {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-    if (tvi_spread_threads() == 1) return; /* as without OpenMP, which ends the program */
+    if (tvi_parallel_threads() == 1) return; /* as without OpenMP, which ends the program */
     tvi_ensemble *none = ensemble;
     const struct rlimit two = {(rlim_t)2 << 30, (rlim_t)2 << 30};
     ck_assert_int_eq(setrlimit(RLIMIT_AS, &two), 0);

@@ -1,5 +1,5 @@
-/* test_runs.c - a member's run is that of an integrator of its own, to the bit: events, results at times, ends, sizes
- * by a tolerance, tangents, and all of these together; and its observers are told the same. */
+/* test_runs.c - Tests that a member's run is that of an integrator of its own, to the bit: events, results at times,
+ * ends, sizes by a tolerance, tangents, and all of these together; and its observers are told the same. */
 #include "ensemble.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
-/* test_states.c - an ensemble as bytes: a run that goes on from them is the one that was not interrupted; those of
- * others are refused. */
+/* test_states.c - Tests an ensemble as bytes: a run that goes on from them is the one that was not interrupted; those
+ * of others are refused. */
 #include "ensemble.h"
 
 #include <stdlib.h>
@@ -86,7 +86,7 @@ static void expect_refusal(tvi_status status, const char *text)
     ck_assert_msg(strstr(tvi_last_error(), text), "\"%s\" in the place of \"%s\"", tvi_last_error(), text);
 }
 
-/* Of another ensemble, and no state is changed by what is refused. */
+/* States of another ensemble are refused, and change no state. */
 START_TEST(others_are_refused)
 {
     static const struct {

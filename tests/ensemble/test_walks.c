@@ -1,4 +1,4 @@
-/* test_walks.c - shows that steps in lanes, and those of integrators, keep energy and momentum for long. */
+/* test_walks.c - Shows that steps in lanes, and those of integrators, keep energy and momentum for long. */
 #include "ensemble.h"
 #include "problems/statistics.h"
 

@@ -1,4 +1,4 @@
-/* cuts.c - see cuts.h. */
+/* cuts.c - Implements cuts.h. */
 #include "cuts.h"
 #include "problems/random.h"
 
@@ -37,7 +37,7 @@ static void make_size(random_run *r, uint64_t *bits)
     r->is_rescaled = number_of(bits) < 0.3;
     r->turns = number_of(bits) < 0.3;
     r->tolerance = pow(10, -6 - 8 * number_of(bits));
-    r->h = r->of->h * (0.2 + number_of(bits)) * (number_of(bits) < 0.5 ? -1 : 1);
+    r->h = r->pair->h * (0.2 + number_of(bits)) * (number_of(bits) < 0.5 ? -1 : 1);
     r->t0 = number_of(bits) < 0.2 ? 100 * number_of(bits) : starts[whole(bits, 4)];
     r->steps = 1 + whole(bits, 80);
     r->t_end = r->t0 + (double)r->steps * r->h;
@@ -46,16 +46,16 @@ static void make_size(random_run *r, uint64_t *bits)
     if (r->kind == AT_TIMES) make_times(r, bits);
 }
 
-bool make_run_of(random_run *r, const pairing *of, uint64_t *bits, bool wants_touching, bool wants_terminal)
+bool make_run_of(random_run *r, const pairing *pair, uint64_t *bits, bool wants_touching, bool wants_terminal)
 {
-    *r = (random_run){.of = of, .kind = (run_kind)whole(bits, RUN_KINDS)};
+    *r = (random_run){.pair = pair, .kind = (run_kind)whole(bits, RUN_KINDS)};
     const double so_many = number_of(bits), vectors = number_of(bits);
     make_size(r, bits);
     r->count = number_of(bits) < 0.9 ? 1 + whole(bits, MOST_EVENTS) : 0;
     r->members = so_many < 0.6 ? 0 : so_many < 0.8 ? 1 : MOST_MEMBERS;
     r->columns = vectors < 0.7 ? 0 : vectors < 0.85 ? 1 : MOST_COLUMNS;
-    ck_assert_int_eq(tvi_options_named(r->of->method, r->of->order, &r->options), TVI_OK);
-    ck_assert_int_eq(scene_system(r->of->scene, &r->base), TVI_OK);
+    ck_assert_int_eq(tvi_options_named(r->pair->method, r->pair->order, &r->options), TVI_OK);
+    ck_assert_int_eq(scene_system(r->pair->scene, &r->base), TVI_OK);
     const bool may_stop = r->members == 0 || r->kind == BY_TOLERANCE || r->kind == TO_TIME;
     for (int i = 0; i < r->count; i++) make_random_event(r, i, bits, wants_touching, wants_terminal && may_stop);
     tvi_integrator *it = NULL;
@@ -76,7 +76,7 @@ void free_run(random_run *r)
 
 point start_of_member(const random_run *r, int member)
 {
-    const scene *s = r->of->scene;
+    const scene *s = r->pair->scene;
     point x = {.t = r->t0};
     for (int i = 0; i < s->n; i++) x.q[i] = s->q[i] * (1 + 0.01 * member), x.p[i] = s->p[i];
     return x;
@@ -138,7 +138,7 @@ static int count_step_alone(long step, double t, const double q[], const double 
 void start_notes(const random_run *r, notes *to)
 {
     memset(to, 0, sizeof *to);
-    to->n = r->of->scene->n;
+    to->n = r->pair->scene->n;
     to->columns = r->columns;
     to->members = r->members > 0 ? r->members : 1;
     for (int k = 0; k < 2 * to->n * r->columns * to->members; k++) to->D[k] = 1.0 / (1 + k / to->members % 7);
@@ -237,7 +237,7 @@ static void go_alone(const random_run *r, uint64_t *bits, notes *to)
         if (r->kind == BY_STEPS) left -= to->steps;
         const bool is_stop = to->status == TVI_ESTOPPED && !to->by_observer;
         if (to->status != TVI_OK && to->status != TVI_ESTOPPED) break;
-        for (int i = 0; is_stop && r->turns && i < r->of->scene->n; i++) x.p[i] = -x.p[i];
+        for (int i = 0; is_stop && r->turns && i < r->pair->scene->n; i++) x.p[i] = -x.p[i];
         if (is_stop) left--; /* so that a run of many stops ends */
         if (bits && may_move(r, &x, to) && number_of(bits) < 0.3) it = move_on(r, it);
     }
@@ -263,7 +263,8 @@ static tvi_ensemble *move_members_on(const random_run *r, tvi_ensemble *e)
     return other;
 }
 
-/* So many of the times that are left that the others are not in the step of the last one; all in s. */
+/* The number of times for the next call: as many as leave the other times outside of the step of the last one; all of
+ * them in s. */
 static int times_of_piece(const random_run *r, uint64_t *bits, int told)
 {
     int count = r->is_rescaled ? r->time_count : told + 1 + whole(bits, r->time_count - told);
@@ -299,7 +300,7 @@ static void call_all(const random_run *r, uint64_t *bits, tvi_ensemble *e, doubl
 static void go_together(const random_run *r, uint64_t *bits, notes *to)
 {
     enum { MOST_CALLS = 4000 };
-    const int n = r->of->scene->n, members = r->members;
+    const int n = r->pair->scene->n, members = r->members;
     double x[(1 + 2 * MOST_N) * MOST_MEMBERS], *q = x + members, *p = q + members * n;
     tvi_status each[MOST_MEMBERS];
     tvi_ensemble *e;
@@ -323,7 +324,7 @@ static void go_together(const random_run *r, uint64_t *bits, notes *to)
     tvi_ensemble_free(e);
 }
 
-/* Of a member after the other, its events and then its times: within these, in order of time. */
+/* Member after member, its events and then its times: within these, in order of time. */
 static bool is_before(const event_note *a, const event_note *b)
 {
     const bool a_is_time = a->which >= MOST_EVENTS, b_is_time = b->which >= MOST_EVENTS;

@@ -1,4 +1,4 @@
-/* cuts.h - makes runs at random, with events, times, tangent vectors and several members, and the same runs cut into
+/* cuts.h - Makes runs at random, with events, times, tangent vectors and several members, and the same runs cut into
  * calls. */
 #ifndef TESTS_EVENTS_CUTS_H
 #define TESTS_EVENTS_CUTS_H
@@ -21,7 +21,7 @@ typedef enum { BY_STEPS, BY_TOLERANCE, TO_TIME, AT_TIMES, RUN_KINDS } run_kind;
 
 /* A run: a system and a method, its steps, and events; numbers[i] is what event i is made with. */
 typedef struct {
-    const pairing *of;
+    const pairing *pair;
     run_kind kind;
     bool is_rescaled;
     double h, t0, t_end, tolerance, largest_step;
@@ -38,7 +38,7 @@ typedef struct {
     double numbers[MOST_EVENTS][4];
 } random_run;
 
-/* What was told of a member: an event, or a time, which is MOST_EVENTS and more; with the state, and D. */
+/* One report on a member: an event, or a time, which is MOST_EVENTS and more; with the state, and D. */
 typedef struct {
     int member, which;
     point x;
@@ -62,7 +62,7 @@ typedef struct {
 /* The same run for the same seed; without events that touch 0, or that end the run, where these are not wanted. false:
  * the method does not serve that. */
 bool make_run(random_run *r, uint64_t *bits, bool wants_touching, bool wants_terminal);
-bool make_run_of(random_run *r, const pairing *of, uint64_t *bits, bool wants_touching, bool wants_terminal);
+bool make_run_of(random_run *r, const pairing *pair, uint64_t *bits, bool wants_touching, bool wants_terminal);
 void free_run(random_run *r);
 /* For the notes of a run that begins. */
 void start_notes(const random_run *r, notes *to);

@@ -1,4 +1,4 @@
-/* cuts_events.c - the events of runs at random. */
+/* cuts_events.c - Creates the events of runs at random. */
 #include "cuts.h"
 #include "problems/random.h"
 
@@ -52,7 +52,7 @@ static jet touching(const jet q[], const jet p[], jet t, void *ctx)
 void make_random_event(random_run *r, int i, uint64_t *bits, bool wants_touching, bool wants_terminal)
 {
     static tvi_event_fn *const kinds[] = {place, momentum, strobe, radial, kinked, touching};
-    const scene *s = r->of->scene;
+    const scene *s = r->pair->scene;
     double *c = r->numbers[i];
     const int kind = whole(bits, 5 + wants_touching);
     const bool is_same = i > 0 && number_of(bits) < 0.2, is_terminal = number_of(bits) < 0.15 && wants_terminal;

@@ -1,4 +1,4 @@
-/* diary.c - see diary.h. */
+/* diary.c - Implements diary.h. */
 #include "diary.h"
 
 #include <check.h>

@@ -1,4 +1,4 @@
-/* diary.h - what the observers of a run were told. */
+/* diary.h - Declares what the observers of a run were told. */
 #ifndef TESTS_EVENTS_DIARY_H
 #define TESTS_EVENTS_DIARY_H
 

@@ -1,4 +1,4 @@
-/* events.h - the suites of this program. */
+/* events.h - Declares the suites of this program. */
 #ifndef TESTS_EVENTS_H
 #define TESTS_EVENTS_H
 

@@ -1,4 +1,4 @@
-/* main.c - events, results at given times, runs to a tolerance, and the bar. */
+/* main.c - Runs the suites on events, results at given times, runs to a tolerance, and the bar. */
 #include "events.h"
 #include "problems/run_suites.h"
 

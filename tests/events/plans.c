@@ -1,4 +1,4 @@
-/* plans.c - see plans.h. */
+/* plans.c - Implements plans.h. */
 #include "plans.h"
 #include "run/integrator.h"
 
@@ -85,9 +85,9 @@ jet wider_scale(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(1, jet_mul(0.1, jet_sqr(q[0])));
 }
 
-bool open_pairing(run *r, const pairing *of, bool is_rescaled, tvi_system **base)
+bool open_pairing(run *r, const pairing *pair, bool is_rescaled, tvi_system **base)
 {
-    *r = run_open(of->scene, of->method, of->order);
+    *r = run_open(pair->scene, pair->method, pair->order);
     *base = r->system;
     if (!is_rescaled) return true;
     const tvi_options options = *tvi_integrator_options(r->integrator);

@@ -1,4 +1,4 @@
-/* plans.h - what a run by a plan tells, with D as it was then; for the suites of plans and of columns. */
+/* plans.h - Declares what a run by a plan tells, with D as it was then; for the suites of plans and of columns. */
 #ifndef TESTS_EVENTS_PLANS_H
 #define TESTS_EVENTS_PLANS_H
 
@@ -42,12 +42,12 @@ tvi_event *event_at_place(int n, bool is_terminal, const double *level);
 tvi_event *event_at_momentum(int n, bool is_terminal, const double *level);
 
 /* The run of a pairing, in the time or in s; false: the method has no such steps. */
-bool open_pairing(run *r, const pairing *of, bool is_rescaled, tvi_system **base);
+bool open_pairing(run *r, const pairing *pair, bool is_rescaled, tvi_system **base);
 void close_pairing(run *r, tvi_system *base);
 /* A scale of time, 1 + q^2 / 10. */
 jet wider_scale(const jet q[], const jet p[], jet t, void *ctx);
 
-/* What a run has beside its steps, added up. */
+/* The reports of a run beside its steps, added up. */
 enum { WITH_EVENTS = 1, WITH_D = 2, WITH_STEPS = 4, ALL = 8, COLUMNS = 2 };
 /* An empty diary of the run, with so many columns of D. */
 void start_diary(plan_diary *d, const run *r, int columns);

@@ -1,4 +1,4 @@
-/* runs.c - see runs.h. */
+/* runs.c - Implements runs.h. */
 #include "runs.h"
 
 #include <math.h>

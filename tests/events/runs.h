@@ -1,4 +1,4 @@
-/* runs.h - what the suites share: every method on scenes of every form, and the invariants of Kepler. */
+/* runs.h - Declares what the suites share: every method on scenes of every form, and the invariants of Kepler. */
 #ifndef TESTS_EVENTS_RUNS_H
 #define TESTS_EVENTS_RUNS_H
 

@@ -1,5 +1,5 @@
-/* test_columns.c - D while something is told of a run by a plan: it is that of a part of the step, and the derivative
- * of the state that is told. */
+/* test_columns.c - Tests D while something is told of a run by a plan: it is that of a part of the step, and the
+ * derivative of the state that is told. */
 #include "events.h"
 #include "plans.h"
 
@@ -24,15 +24,15 @@ START_TEST(columns_of_parts)
     static plan_diary d;
     static const double parts[] = {0.25, 0.75, 1.5, 1.625, 3, 7.125};
     enum { COUNT = sizeof parts / sizeof *parts };
-    const pairing *of = &pairings[_i / 2];
-    const double h = (_i % 2 ? -1 : 1) * ldexp(1, (int)floor(log2(of->h)));
-    run r = run_open(of->scene, of->method, of->order), part = run_open(of->scene, of->method, of->order);
+    const pairing *pair = &pairings[_i / 2];
+    const double h = (_i % 2 ? -1 : 1) * ldexp(1, (int)floor(log2(pair->h)));
+    run r = run_open(pair->scene, pair->method, pair->order), part = run_open(pair->scene, pair->method, pair->order);
     const double level = r.x.q[0];
-    tvi_event *const event = event_at_momentum(of->scene->n, false, &level);
+    tvi_event *const event = event_at_momentum(pair->scene->n, false, &level);
     double times[COUNT], start_D[MOST_NUMBERS];
     point start = r.x;
     memset(&d, 0, sizeof d);
-    d.it = r.integrator, d.n = of->scene->n, d.numbers = 2 * d.n * PLAIN_COLUMNS;
+    d.it = r.integrator, d.n = pair->scene->n, d.numbers = 2 * d.n * PLAIN_COLUMNS;
     for (int k = 0; k < d.numbers; k++) start_D[k] = d.D[k] = 1 + k % 3 - 0.3 * (k % 4);
     for (int i = 0; i < COUNT; i++) times[i] = parts[i] * h;
     const tvi_run_plan plan = {.h = h,

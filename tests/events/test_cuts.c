@@ -1,7 +1,8 @@
-/* test_cuts.c - however a run is cut into calls, each event is told once (tvi_runs.h): 2000 runs at random, of all
- * forms of systems, fixed and rescaled steps and steps to a tolerance, so many steps, runs to a time and at times, with
- * and without tangent vectors, integrators and ensembles, forward and back, with steps that divide the periods of
- * strobes, times up to 1.7e9, events that end the run, that come together, that only touch 0 or have a kink there. */
+/* test_cuts.c - Tests that however a run is cut into calls, each event is told once (tvi_runs.h): 2000 runs at random,
+ * of all forms of systems, fixed and rescaled steps and steps to a tolerance, so many steps, runs to a time and at
+ * times, with and without tangent vectors, integrators and ensembles, forward and back, with steps that divide the
+ * periods of strobes, times up to 1.7e9, events that end the run, that come together, that only touch 0 or have a kink
+ * there. */
 #include "cuts.h"
 #include "events.h"
 #include "problems/random.h"
@@ -19,15 +20,15 @@ static uint64_t seed_of(int loop, int k) { return UINT64_C(0x9e3779b97f4a7c15) *
 static void compare(const notes *whole, const notes *pieces, const random_run *r)
 {
     ck_assert_msg(whole->count == pieces->count && whole->status == pieces->status,
-                  "%s %s %d, kind %d, h = %g: %d events and %d, %s and %s", r->of->scene->name, r->of->method,
-                  r->of->order, (int)r->kind, r->h, whole->count, pieces->count, tvi_status_string(whole->status),
+                  "%s %s %d, kind %d, h = %g: %d events and %d, %s and %s", r->pair->scene->name, r->pair->method,
+                  r->pair->order, (int)r->kind, r->h, whole->count, pieces->count, tvi_status_string(whole->status),
                   tvi_status_string(pieces->status));
     for (int i = 0; i < whole->count; i++) {
         const event_note *a = &whole->note[i], *b = &pieces->note[i];
         const bool is_same = a->member == b->member && a->which == b->which && same_point(&a->x, &b->x);
         ck_assert_msg(is_same && memcmp(a->D, b->D, sizeof a->D) == 0,
-                      "%s %s %d, kind %d: event %d at %.17g and %d at %.17g", r->of->scene->name, r->of->method,
-                      r->of->order, (int)r->kind, a->which, a->x.t, b->which, b->x.t);
+                      "%s %s %d, kind %d: event %d at %.17g and %d at %.17g", r->pair->scene->name, r->pair->method,
+                      r->pair->order, (int)r->kind, a->which, a->x.t, b->which, b->x.t);
     }
     for (int m = 0; m < whole->members; m++) ck_assert(same_point(&whole->end[m], &pieces->end[m]));
     ck_assert(memcmp(whole->D, pieces->D, sizeof whole->D) == 0);
@@ -95,9 +96,9 @@ static void go_to(const random_run *r, unsigned where, uint64_t *bits, notes *to
 }
 
 /* One of the runs that are cut so: to a time, or to a tolerance. */
-static bool make_run_to(random_run *r, const pairing *of, uint64_t *bits)
+static bool make_run_to(random_run *r, const pairing *pair, uint64_t *bits)
 {
-    if (!make_run_of(r, of, bits, false, false)) return false;
+    if (!make_run_of(r, pair, bits, false, false)) return false;
     if (r->kind != BY_TOLERANCE) r->kind = TO_TIME;
     r->tolerance = 1e-15;
     r->t_end = r->t0 + (double)r->steps * r->h;
@@ -117,11 +118,11 @@ static void compare_columns(const notes *a, const notes *b, double near, double 
 }
 
 /* The times of an event, but those at the end. */
-static int times_of(const notes *of, int which, double t_end, double near, double times[])
+static int times_of(const notes *pair, int which, double t_end, double near, double times[])
 {
     int count = 0;
-    for (int i = 0; i < of->count; i++)
-        if (of->note[i].which == which && fabs(of->note[i].x.t - t_end) > near) times[count++] = of->note[i].x.t;
+    for (int i = 0; i < pair->count; i++)
+        if (pair->note[i].which == which && fabs(pair->note[i].x.t - t_end) > near) times[count++] = pair->note[i].x.t;
     return count;
 }
 
@@ -135,18 +136,19 @@ START_TEST(cuts_that_change_steps)
     for (int k = 0; made < RUNS_TO; k++) {
         uint64_t bits = seed_of(LOOPS + _i, k);
         random_run r;
-        const pairing *of = &regular[_i % REGULAR];
-        if (make_run_to(&r, of, &bits)) {
+        const pairing *pair = &regular[_i % REGULAR];
+        if (make_run_to(&r, pair, &bits)) {
             const double t_end = r.t_end;
             go_to(&r, 0, &bits, &whole);
             go_to(&r, 1 + (unsigned)_i % 3, &bits, &pieces);
-            const double near = 1e-10 * of->h + (2 + pieces.stops) * DBL_EPSILON * fmax(fabs(r.t0), fabs(t_end));
-            compare_columns(&whole, &pieces, near, of->h);
+            const double near = 1e-10 * pair->h + (2 + pieces.stops) * DBL_EPSILON * fmax(fabs(r.t0), fabs(t_end));
+            compare_columns(&whole, &pieces, near, pair->h);
             for (int which = 0; which < r.count; which++) {
                 const int count = times_of(&whole, which, t_end, near, a);
                 const int again = times_of(&pieces, which, t_end, near, b);
                 ck_assert_msg(again == count, "%s %s %d, h = %g from %g, rescaled %d: %d of event %d, cut %d",
-                              of->scene->name, of->method, of->order, r.h, r.t0, r.is_rescaled, count, which, again);
+                              pair->scene->name, pair->method, pair->order, r.h, r.t0, r.is_rescaled, count, which,
+                              again);
                 for (int i = 0; i < count; i++) ck_assert_double_eq_tol(a[i], b[i], near);
                 told += count;
             }

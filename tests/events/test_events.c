@@ -1,4 +1,5 @@
-/* test_events.c - what is told of events: all, once, in order, at their time, in a state as good as that of a step. */
+/* test_events.c - Tests what is told of events: all, once, in order, at their time, in a state as good as that of a
+ * step. */
 #include "diary.h"
 #include "events.h"
 

@@ -1,5 +1,5 @@
-/* test_observers.c - what observers may do with the integrator that calls them: set its parameters, which hold from the
- * next step on; and what is refused by name. */
+/* test_observers.c - Tests what observers may do with the integrator that calls them: set its parameters, which hold
+ * from the next step on; and what is refused by name. */
 #include "events.h"
 #include "problems/refusals.h"
 #include "runs.h"

@@ -1,4 +1,4 @@
-/* test_plans.c - runs by a plan: every way goes with events, times, tangent vectors and observers, none of which
+/* test_plans.c - Tests runs by a plan: every way goes with events, times, tangent vectors and observers, none of which
  * changes the steps; where runs end, and what is refused. */
 #include "events.h"
 #include "plans.h"
@@ -87,18 +87,18 @@ static void run_with_all(run *r, const tvi_run_plan *plan, tvi_event *const even
 
 START_TEST(nothing_changes_the_steps)
 {
-    const pairing *of = &pairings[_i / 4];
+    const pairing *pair = &pairings[_i / 4];
     const bool is_rescaled = _i % 2;
-    const double h = _i / 2 % 2 ? -of->h : of->h;
+    const double h = _i / 2 % 2 ? -pair->h : pair->h;
     double times[RESULTS], level[2];
     run r;
     tvi_system *base;
-    if (open_pairing(&r, of, is_rescaled, &base)) {
+    if (open_pairing(&r, pair, is_rescaled, &base)) {
         find_levels(&r, h, level);
-        tvi_event *const events[] = {event_at_place(of->scene->n, false, &level[0]),
-                                     event_at_momentum(of->scene->n, false, &level[1])};
+        tvi_event *const events[] = {event_at_place(pair->scene->n, false, &level[0]),
+                                     event_at_momentum(pair->scene->n, false, &level[1])};
         for (int way = 0; way < WAYS; way++) {
-            const bool has_way = way != TOLERANCE || (!is_rescaled && strcmp(of->method, "taylor") == 0);
+            const bool has_way = way != TOLERANCE || (!is_rescaled && strcmp(pair->method, "taylor") == 0);
             const tvi_run_plan plan = plan_of_way((way_to_go)way, h, times);
             if (has_way) run_with_all(&r, &plan, events);
         }
@@ -215,11 +215,11 @@ END_TEST
 START_TEST(columns_in_two_calls)
 {
     static plan_diary whole, pieces;
-    const pairing *of = &pairings[_i / 2];
-    const double h = _i % 2 ? -of->h : of->h, times[] = {0.3 * h, 0.31 * h, 1.4 * h, 1.45 * h, 2 * h, 7.1 * h};
+    const pairing *pair = &pairings[_i / 2];
+    const double h = _i % 2 ? -pair->h : pair->h, times[] = {0.3 * h, 0.31 * h, 1.4 * h, 1.45 * h, 2 * h, 7.1 * h};
     enum { COUNT = sizeof times / sizeof *times };
     for (int first = 0; first < COUNT; first++) {
-        run r = run_open(of->scene, of->method, of->order);
+        run r = run_open(pair->scene, pair->method, pair->order);
         plan_diary *d = first > 0 ? &pieces : &whole;
         start_diary(d, &r, COLUMNS);
         tvi_run_plan plan = {.h = h, .times = times, .time_count = first > 0 ? first : COUNT, .at_time = see_time};
@@ -355,7 +355,7 @@ START_TEST(largest_steps)
 }
 END_TEST
 
-/* Where the rest of the way is the largest step but for roundoff, it is one step. */
+/* If the rest of the way is the largest step up to roundoff, it is one step. */
 START_TEST(no_steps_of_roundoff)
 {
     static plan_diary d;

@@ -1,4 +1,4 @@
-/* test_progress.c - the bar: on a terminal, and nowhere else. */
+/* test_progress.c - Tests the bar: on a terminal, and nowhere else. */
 #define _XOPEN_SOURCE 600 /* pseudo-terminals */
 #include "events.h"
 #include "runs.h"
@@ -15,7 +15,8 @@ static int count_steps(long step, double t, const double q[], const double p[], 
     return step == 350;
 }
 
-/* What a run of 400 steps with the bar writes to the standard error, which is the descriptor `end` for so long. */
+/* Returns the text that a run of 400 steps with the bar writes to the standard error, which is the descriptor `end`
+ * meanwhile. */
 static void draw(int end, tvi_observer *observer, void *ctx, tvi_status wanted)
 {
     run r = run_open(&scene_pendulum, "midpoint", 4);

@@ -1,4 +1,5 @@
-/* test_refusals.c - events and calls that are refused, and events without a value. Cases of the suite "events". */
+/* test_refusals.c - Tests events and calls that are refused, and events without a value. Cases of the suite "events".
+ */
 #include "diary.h"
 #include "events.h"
 #include "problems/refusals.h"
@@ -234,7 +235,7 @@ static jet cubic(const jet q[], jet t, void *ctx)
     return jet_pow(q[0], 3);
 }
 
-/* Of q^3 at 0, where V'' is 0, the automatic g has no value, and the refusal says so; where V itself has none, it does
+/* The automatic g of q^3 has no value at 0, where V'' is 0, and the refusal says so; where V itself has none, it does
  * not. */
 START_TEST(automatic_scale_is_named)
 {

@@ -1,5 +1,5 @@
-/* test_roots.c - no root that the places that are looked at can show is lost or told twice, and the state of an event
- * is that of its time whatever g is. */
+/* test_roots.c - Tests that no root that the places that are looked at can show is lost or told twice, and the state of
+ * an event is that of its time whatever g is. */
 #include "diary.h"
 #include "events.h"
 #include "problems/random.h"
@@ -202,16 +202,16 @@ START_TEST(dips_are_decided)
         /* a peak is below 0 over its depth to the square, which is to be more than the 1e-8 that are looked at */
         const double above = (k / SHAPES % 3 - 1) * pow(10, (which == PEAK ? -1 : -4) * number_of(&bits) - 2.5);
         const double base = k / SHAPES % 3 == 1 ? 10 : above; /* the lowest value: below 0, far above or near */
-        tvi_place x[TVI_DIP];
-        for (int i = 0; i < TVI_DIP; i++) x[i] = (tvi_place){i, unit * (base + shape(which, i - at))};
+        tvi_dip_point x[TVI_DIP];
+        for (int i = 0; i < TVI_DIP; i++) x[i] = (tvi_dip_point){i, unit * (base + shape(which, i - at))};
         if (!(x[2].g <= x[1].g && x[2].g <= x[3].g && x[2].g > 0)) continue;
-        tvi_place next;
+        tvi_dip_point next;
         bool is_below = false;
         int looks = 0;
         for (; !is_below && tvi_dip_next(x, looks, &next.at); looks++) {
             next.g = unit * (base + shape(which, next.at - at));
             is_below = next.g <= 0;
-            if (!is_below) tvi_dip_take(x, next);
+            if (!is_below) tvi_dip_insert(x, next);
         }
         ck_assert_msg(is_below == (base < 0), "shape %d, %g above 0 at %g", which, base, at);
         const bool is_rounded = which == 1; /* flat flanks are convex but for roundoff */
@@ -291,8 +291,8 @@ static jet nearly_at_rest(const jet q[], const jet p[], jet t, void *ctx)
     return jet_sub(q[0], 1 - 1e-12);
 }
 
-/* What the curve touches or crosses, and the method's own solution perhaps does not: it is told where it is, or not at
- * all. */
+/* A root that the curve touches or crosses, and the method's own solution perhaps does not, is told where it is, or not
+ * at all. */
 START_TEST(touches_are_where_they_are)
 {
     const struct {

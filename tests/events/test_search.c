@@ -1,5 +1,5 @@
-/* test_search.c - the search along the curve: that it looks at the states that the curve has, and finds what is there.
- */
+/* test_search.c - Tests the search along the curve: that it looks at the states that the curve has, and finds what is
+ * there. */
 #include "events.h"
 #include "run/integrator.h"
 #include "runs.h"
@@ -138,7 +138,8 @@ static jet first(const jet q[], const jet p[], jet t, void *ctx)
     return q[0];
 }
 
-/* Where scene_henon_heiles_12 rises through q_0 = 0: t, q_1, p_1, by a Taylor series of degree 40 in 40 digits. */
+/* The event of scene_henon_heiles_12, which rises through q_0 = 0: t, q_1, p_1, by a Taylor series of degree 40 in 40
+ * digits. */
 static const double section[][3] = {
     {6.026298281485124888539, -0.209883742713856329489, -0.03135960702652998700805},
     {12.90307573619915099485, -0.1857192566654416049984, 0.1491832346835381331566},
@@ -230,7 +231,8 @@ static jet side(const jet q[], const jet p[], jet t, void *ctx)
     return moves == 0 ? q[0] : moves == 1 ? p[1] : jet_sub(t, 0.5);
 }
 
-/* What the next step begins with is not what the last one ended with: g is that of its own start. No step crosses. */
+/* The next step does not begin with the value that the last one ended with: g is that of its own start. No step
+ * crosses. */
 START_TEST(moved_between_steps)
 {
     static diary d;

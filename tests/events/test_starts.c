@@ -1,5 +1,5 @@
-/* test_starts.c - what an event is where a run begins: what was told is not told again, and nothing is lost, however a
- * run is cut into calls (tvi_runs.h). */
+/* test_starts.c - Tests what an event is where a run begins: what was told is not told again, and nothing is lost,
+ * however a run is cut into calls (tvi_runs.h). */
 #include "diary.h"
 #include "events.h"
 
@@ -152,7 +152,7 @@ static jet above(const jet q[], const jet p[], jet t, void *ctx)
     return jet_sub(q[0], *(const double *)ctx);
 }
 
-/* Of methods whose curves are as good as their steps, and of methods whose curves are not. */
+/* Methods whose curves are as accurate as their steps, and methods whose curves are not. */
 static const struct {
     const char *name;
     int order;

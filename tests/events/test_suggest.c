@@ -1,4 +1,5 @@
-/* test_suggest.c - the step that is suggested for an error: what a run with it reaches, and what it costs to find. */
+/* test_suggest.c - Tests the step that is suggested for an error: what a run with it reaches, and what it costs to
+ * find. */
 #include "events.h"
 #include "run/suggest.h"
 #include "scenes/hard.h"
@@ -117,8 +118,8 @@ START_TEST(scenes_reach_what_is_wanted)
 }
 END_TEST
 
-/* Of runs of a chaotic orbit the scout sees two thirds to a half, and errors grow as exponentially on the rest: said to
- * grow by a power of the time only, they come out about as large as what is wanted. */
+/* On a chaotic orbit the scout sees two thirds to a half of the run, and errors grow as exponentially on the rest: said
+ * to grow by a power of the time only, they come out about as large as what is wanted. */
 START_TEST(chaotic_errors_grow_on)
 {
     const scene *s = &scene_henon_heiles_8;
@@ -230,7 +231,7 @@ START_TEST(large_first_steps_are_found_out)
 }
 END_TEST
 
-/* Of a run of a million revolutions a first step may have all its nodes where the Sun is not felt: free flight, without
+/* In a run of a million revolutions a first step may have all its nodes where the Sun is not felt: free flight, without
  * a tail, but with another energy. */
 START_TEST(long_runs_are_looked_at_closely)
 {

@@ -1,5 +1,5 @@
-/* test_suggest_eccentric.c - suggested steps of fixed size on eccentric orbits. What a passage of the pericentre adds
- * to the error is a draw, and there are many runs. */
+/* test_suggest_eccentric.c - Tests suggested steps of fixed size on eccentric orbits. Each passage of the pericentre
+ * adds a random error, and there are many runs. */
 #include "events.h"
 #include "problems/random.h"
 #include "problems/thorough.h"
@@ -85,7 +85,7 @@ static double suggested(const tvi_system *system, const trip *to, double *seen)
     return h;
 }
 
-/* At most the wanted error in 99 %, and nowhere three times as much. Of 30,000 other runs 9 had more than was wanted.
+/* At most the wanted error in 99 %, and nowhere three times as much. In 30,000 other runs 9 had more than was wanted.
  * Were it 1 in 2000, 6 or more of 500, and 21 or more of 10,000, would be so with a probability below 3e-7 (Poisson's
  * distribution of mean 1/4 and 5). Three had three times as much, none of the 500 here, which are always the same. Were
  * it 1 in 5000, 14 or more of 10,000 would be so with one below 1e-7 (of mean 2). */
@@ -160,7 +160,8 @@ START_TEST(half_the_step_shows_the_error)
 }
 END_TEST
 
-/* Of a long run a small part is seen, of a short one all; "stormer-verlet", which has no tail, sees what trials see. */
+/* A small part of a long run is seen, and all of a short one; "stormer-verlet", which has no tail, sees what trials
+ * see. */
 START_TEST(part_that_is_seen)
 {
     tvi_system *system;

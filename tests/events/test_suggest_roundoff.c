@@ -1,4 +1,5 @@
-/* test_suggest_roundoff.c - suggested steps where the energy is 0, and where the roundoff of a large t is felt. */
+/* test_suggest_roundoff.c - Tests suggested steps where the energy is 0, and where the roundoff of a large t is felt.
+ */
 #include "events.h"
 #include "tvi.h"
 
@@ -55,8 +56,8 @@ static double end_of_spring(const tvi_system *system, const tvi_options *options
     return q;
 }
 
-/* Where the advice is wrong: an error that the run does not keep, a refusal of one far above what the roundoff of t
- * makes, an error far below it that is served. */
+/* The ways in which the advice is wrong: an error that the run does not keep, a refusal of one far above what the
+ * roundoff of t makes, an error far below it that is served. */
 static void assert_knows_roundoff(const tvi_options *options, double w, double t0, double asked, double right)
 {
     const double q = 1, p = 0.3, roundoff = 2e-16 * t0;

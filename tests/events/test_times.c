@@ -1,4 +1,4 @@
-/* test_times.c - results at given times. */
+/* test_times.c - Tests results at given times. */
 #include "events.h"
 #include "problems/refusals.h"
 #include "runs.h"
@@ -157,7 +157,7 @@ START_TEST(times_in_two_calls)
 }
 END_TEST
 
-/* What is not within the last step, or in it no more: after another state, parameters, a saved state. */
+/* Times that are not within the last step, or in it no more: after another state, parameters, a saved state. */
 START_TEST(times_of_no_step_are_refused)
 {
     static results d;

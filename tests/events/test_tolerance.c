@@ -1,4 +1,4 @@
-/* test_tolerance.c - runs of "taylor" to a tolerance: their error, and the sizes of their steps. */
+/* test_tolerance.c - Tests runs of "taylor" to a tolerance: their error, and the sizes of their steps. */
 #include "events.h"
 #include "problems/statistics.h"
 #include "tolerance.h"
@@ -19,8 +19,8 @@ enum { SMOOTH = sizeof smooth / sizeof *smooth };
 static const double tolerances[] = {1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12, 1e-13, 1e-14, 1e-15};
 enum { TOLERANCES = sizeof tolerances / sizeof *tolerances };
 
-/* What roundoff makes of the scene: how far starts that are wrong by two units of it, to either side, end from its own.
- * It is the larger part of the errors of chaotic motion at the least tolerances. */
+/* The error that roundoff makes in the scene: how far starts that are wrong by two units of it, to either side, end
+ * from its own. It is the larger part of the errors of chaotic motion at the least tolerances. */
 static double roundoff_of(const scene *s)
 {
     double largest = 0;
@@ -116,7 +116,8 @@ START_TEST(energy_beyond_roundoff)
 }
 END_TEST
 
-/* What refined increments lack is of their step alone: steps of one size that follow are those of a new integrator. */
+/* The low parts of refined increments are of their step alone: steps of one size that follow are those of a new
+ * integrator. */
 START_TEST(steps_that_follow_are_not_refined)
 {
     orbit o = open_scene(&scene_kepler, tvi_taylor_order(DBL_EPSILON));

@@ -1,5 +1,5 @@
-/* test_tolerance_far.c - runs to a tolerance of bodies that come from afar, where the force is next to nothing beside
- * the state: they feel what they meet. A constant in V changes nothing. The order that suits a tolerance. */
+/* test_tolerance_far.c - Tests runs to a tolerance of bodies that come from afar, where the force is next to nothing
+ * beside the state: they feel what they meet. A constant in V changes nothing. The order that suits a tolerance. */
 #include "events.h"
 #include "problems/random.h"
 #include "tolerance.h"

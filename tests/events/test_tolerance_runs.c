@@ -1,4 +1,4 @@
-/* test_tolerance_runs.c - runs of "taylor" to a tolerance: where they end, what is seen on the way, and what is
+/* test_tolerance_runs.c - Tests runs of "taylor" to a tolerance: where they end, what is seen on the way, and what is
  * refused. */
 #include "events.h"
 #include "problems/refusals.h"
@@ -49,7 +49,7 @@ START_TEST(ends_at_a_time)
 END_TEST
 
 typedef struct {
-    orbit *of, *fixed;
+    orbit *free, *fixed;
     double before, error;
 } dense_check;
 
@@ -58,8 +58,8 @@ static int look_inside(long step, double t, const double q[], const double p[], 
 {
     (void)step, (void)q, (void)p;
     dense_check *d = ctx;
-    orbit inside = *d->of;
-    ck_assert_int_eq(tvi_dense(d->of->integrator, 0.5, inside.q, inside.p), TVI_OK);
+    orbit inside = *d->free;
+    ck_assert_int_eq(tvi_dense(d->free->integrator, 0.5, inside.q, inside.p), TVI_OK);
     ck_assert_int_eq(go(d->fixed, 1e-14, (d->before + t) / 2, NULL, NULL), TVI_OK);
     d->error = fmax(d->error, error_of(&inside, d->fixed->q, d->fixed->p));
     d->before = t;
@@ -69,7 +69,7 @@ static int look_inside(long step, double t, const double q[], const double p[], 
 START_TEST(dense_output)
 {
     orbit o = open_scene(&scene_kepler, 13), fixed = open_scene(&scene_kepler, 18);
-    dense_check d = {.of = &o, .fixed = &fixed};
+    dense_check d = {.free = &o, .fixed = &fixed};
     ck_assert_int_eq(go(&o, 1e-10, 6, look_inside, &d), TVI_OK);
     ck_assert_double_le(d.error, 1e-9);
     ck_assert_double_ge(d.error, 1e-14);

@@ -1,4 +1,4 @@
-/* tolerance.c - see tolerance.h. */
+/* tolerance.c - Implements tolerance.h. */
 #include "tolerance.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-/* tolerance.h - runs of "taylor" to a tolerance. */
+/* tolerance.h - Declares runs of "taylor" to a tolerance. */
 #ifndef TESTS_EVENTS_TOLERANCE_H
 #define TESTS_EVENTS_TOLERANCE_H
 

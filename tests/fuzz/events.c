@@ -1,6 +1,6 @@
-/* events.c - random events and results at random times. What must hold whatever the system does: they are told within
- * their step and in order, an event of the time is found at its time, one of a coordinate where the coordinate is, and
- * the steps are those without. */
+/* events.c - Makes random events and results at random times. Whatever the system does, they must be told within
+ * their step and in order, an event of the time is found at its time, one of a coordinate where the coordinate is,
+ * and the steps are those without. */
 #include "world.h"
 
 #include <float.h>
@@ -33,7 +33,7 @@ typedef struct {
     tvi_event *event;
 } wish;
 
-/* What the observers know of the run. */
+/* The state of the run for its observers. */
 typedef struct {
     const world *w;
     double h, told; /* the last time told in the step at hand */
@@ -71,7 +71,7 @@ static bool is_resolved(const watch *x)
     return tail > 0 && tail < 1e-3 && fabs(x->h) < 0.5 && o->tolerance == 0 && o->passes == 0;
 }
 
-/* How far from its time an event of it may be. Of a system that adapts the time is solved for, as a coordinate is. */
+/* How far from its time an event of it may be. In a rescaled system the time is solved for, as a coordinate is. */
 static double error_of_time(const watch *x, double t)
 {
     const double size = fmax(fmax(fabs(t), fabs(x->from.t)), fabs(x->h));
@@ -158,8 +158,8 @@ static int at_time(long number_of_time, double t, const double q[], const double
     return ++x->told == x->stop_at;
 }
 
-/* The time that a step of size h covers. Of a rescaled system, whose time may stand still after some steps, a part of
- * what TIMES steps cover, so that few steps pass all times. */
+/* The time that a step of size h covers. In a rescaled system, whose time may stop after some steps, the times lie in a
+ * part of what TIMES steps cover, so that few steps pass all times. */
 static double time_of(const world *w, double h, const uint8_t *saved, size_t size)
 {
     tvi_integrator *trial;

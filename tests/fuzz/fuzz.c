@@ -1,3 +1,4 @@
+/* fuzz.c - Makes a program that uses the library from a sequence of bytes (fuzz.h). */
 #include "fuzz.h"
 #include "world.h"
 
@@ -192,7 +193,7 @@ static void ask_system(bytes *b, world *w)
     insist(status == TVI_OK ? finite_all(w->n, out.p) : memcmp(&before, &out, sizeof out) == 0, "velocity");
 }
 
-/* Of the integrator: at the recorded values what the system says. */
+/* The integrator's values: at the recorded values they are the system's. */
 static void ask_integrator(bytes *b, world *w)
 {
     (void)b;

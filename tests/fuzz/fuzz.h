@@ -1,4 +1,4 @@
-/* fuzz.h - from bytes to a program that uses the library in every way that its types allow. */
+/* fuzz.h - Declares the way from bytes to a program that uses the library in every way that its types allow. */
 #ifndef TESTS_FUZZ_H
 #define TESTS_FUZZ_H
 

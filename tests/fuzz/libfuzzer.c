@@ -1,4 +1,4 @@
-/* libfuzzer.c - the same programs, led by coverage: make fuzz. */
+/* libfuzzer.c - Runs the same programs, led by coverage: make fuzz. */
 #include "fuzz.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);

@@ -1,4 +1,4 @@
-/* main.c - the plain driver: PROGRAMS random programs from fixed seeds. `fuzz FIRST COUNT` runs others. */
+/* main.c - Defines the plain driver: PROGRAMS random programs from fixed seeds. `fuzz FIRST COUNT` runs others. */
 #include "fuzz.h"
 
 #include <stdio.h>

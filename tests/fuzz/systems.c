@@ -1,4 +1,4 @@
-/* systems.c - from bytes to functions and systems. */
+/* systems.c - Goes from bytes to functions and systems. */
 #include "world.h"
 
 #include <limits.h>

@@ -1,4 +1,4 @@
-/* world.h - what the calls of a random program share: its bytes, its system and its state. */
+/* world.h - Declares what the calls of a random program share: its bytes, its system and its state. */
 #ifndef TESTS_FUZZ_WORLD_H
 #define TESTS_FUZZ_WORLD_H
 

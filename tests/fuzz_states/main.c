@@ -1,4 +1,4 @@
-/* main.c - loads saved states that were changed and given a right checksum, into integrators and ensembles, likewise
+/* main.c - Loads saved states that were changed and given a right checksum, into integrators and ensembles, likewise
  * states as text, and runs from those that are accepted: nothing is read outside of the bytes, whatever stands in them.
  * `fuzz_states SEED COUNT` tries others; make check-sanitizers tries a million. */
 #include "problems/problems.h"
@@ -97,7 +97,7 @@ static void forge(uint64_t *bits, unsigned char *bytes, size_t first, size_t siz
         if (kind == 7) bytes[first + (size_t)below(bits, size - 8 - first)] = (unsigned char)below(bits, 256);
         else set_word(bytes, first + index * sizeof word, &word);
     }
-    tvi_saved_seal(bytes, size);
+    tvi_saved_add_checksum(bytes, size);
 }
 
 /* The same of a text, of `size` characters: some of its words are others, and so are some characters. Returns the new

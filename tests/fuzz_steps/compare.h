@@ -1,4 +1,4 @@
-/* compare.h - a step of the library against the same step from its definition, in quadruple precision. */
+/* compare.h - Compares a step of the library against the same step from its definition, in quadruple precision. */
 #ifndef TESTS_FUZZ_STEPS_COMPARE_H
 #define TESTS_FUZZ_STEPS_COMPARE_H
 

@@ -1,4 +1,4 @@
-/* compare_quad.c - see compare.h (gcc only). */
+/* compare_quad.c - Implements compare.h (gcc only). */
 #include "compare.h"
 #include "step_quad.h"
 
@@ -9,7 +9,7 @@
 /* The time in which the state's series doubles it: min over k of (size / |c_k|)^(1/k). */
 static double time_of_change(quad_series *s)
 {
-    const problem *x = s->of;
+    const problem *x = s->source;
     quad q[N_MOST], p[N_MOST], r[N_MOST] = {0}, Q[ORDERS * N_MOST], P[ORDERS * N_MOST];
     double time = 10;
     for (int i = 0; i < N_MOST; i++) q[i] = x->q[i], p[i] = r[i] = x->p[i];
@@ -24,11 +24,11 @@ static double time_of_change(quad_series *s)
     return time;
 }
 
-/* What a change of every number and of every operation by a unit of roundoff makes of the state, and the state itself.
+/* Computes the state, and its change if every number and every operation changes by a unit of roundoff.
  */
 static bool measure_roundoff(quad_series *s, double h, double unit[2])
 {
-    const problem *x = s->of;
+    const problem *x = s->source;
     const double noise = 1e-12;
     quad q[2][N_MOST], p[2][N_MOST];
     quad largest[2] = {0, 0};

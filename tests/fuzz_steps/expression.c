@@ -1,4 +1,4 @@
-/* expression.c - see expression.h. */
+/* expression.c - Implements expression.h. */
 #include "expression.h"
 
 #include <math.h>

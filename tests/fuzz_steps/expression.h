@@ -1,6 +1,6 @@
-/* expression.h - random formulas, as lists of operations that several interpreters read: one records them in jets, one
- * evaluates them in double while they are made, one (series_quad.h) as power series in quadruple precision. Nothing
- * here is the library's: the derivatives too are made here. */
+/* expression.h - Declares random formulas, as lists of operations that several interpreters read: one records them in
+ * jets, one evaluates them in double while they are made, one (series_quad.h) as power series in quadruple precision.
+ * Nothing here is the library's: the derivatives too are made here. */
 #ifndef TESTS_FUZZ_STEPS_EXPRESSION_H
 #define TESTS_FUZZ_STEPS_EXPRESSION_H
 
@@ -51,7 +51,7 @@ typedef struct {
     formula_node *nodes; /* [NODES_MOST]; the inputs come first */
 } formula;
 
-/* Of inputs that have these values; free the nodes. */
+/* Evaluates it at these values of the inputs; the caller frees the nodes. */
 formula formula_of(int inputs, const double value[]);
 int number_of(formula *f, double number);
 int apply(formula *f, operation op, int a, int b);

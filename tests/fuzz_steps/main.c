@@ -1,5 +1,6 @@
-/* main.c - `fuzz_steps [SEED [COUNT]]`: random problems from SEED on, a random step of each against its definition.
- * Without arguments the number that make check has time for. One problem alone is printed whatever comes of it. */
+/* main.c - Runs `fuzz_steps [SEED [COUNT]]`: random problems from SEED on, a random step of each against its
+ * definition. Without arguments the number that make check has time for. One problem alone is printed whatever comes of
+ * it. */
 #include "compare.h"
 
 #include <math.h>

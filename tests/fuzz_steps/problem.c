@@ -1,4 +1,4 @@
-/* problem.c - see problem.h. */
+/* problem.c - Implements problem.h. */
 #include "problem.h"
 #include "method/list.h"
 #include "method/method.h"
@@ -226,7 +226,7 @@ static jet record_energy(const jet q[], const jet r[], jet t, void *ctx)
     return E;
 }
 
-/* Of the rescaled system: the nodes take the time from the place of the last coordinate. */
+/* Nodes of the rescaled system: they take the time from the place of the last coordinate. */
 static jet record_unscaled(const problem *x, int node, const jet q[], const jet p[], jet t)
 {
     jet input[INPUTS_MOST], value;

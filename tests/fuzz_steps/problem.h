@@ -1,4 +1,4 @@
-/* problem.h - a random problem: a system, a state, a step and a method. */
+/* problem.h - Declares a random problem: a system, a state, a step and a method. */
 #ifndef TESTS_FUZZ_STEPS_PROBLEM_H
 #define TESTS_FUZZ_STEPS_PROBLEM_H
 

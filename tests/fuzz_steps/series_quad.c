@@ -1,4 +1,4 @@
-/* series_quad.c - see series_quad.h. */
+/* series_quad.c - Implements series_quad.h. */
 #include "series_quad.h"
 
 #include <quadmath.h>
@@ -7,7 +7,7 @@
 
 quad_series quad_series_of(const problem *x)
 {
-    quad_series s = {.of = x, .c = calloc((size_t)x->f.count, sizeof *s.c)};
+    quad_series s = {.source = x, .c = calloc((size_t)x->f.count, sizeof *s.c)};
     if (!s.c) abort();
     return s;
 }
@@ -63,7 +63,7 @@ static quad jitter(int i) { return sinq((quad)12.9898 * i * i + (quad)78.233 * i
 
 void quad_run(quad_series *s, int k)
 {
-    const formula *f = &s->of->f;
+    const formula *f = &s->source->f;
     for (int i = f->inputs; i < f->count; i++) {
         s->c[i][k] = coefficient(&f->nodes[i], s->c, s->c[i], k);
         if (s->noise != 0) s->c[i][k] *= 1 + s->noise * jitter(i);
@@ -72,7 +72,7 @@ void quad_run(quad_series *s, int k)
 
 void quad_set(quad_series *s, quad t, const quad q[], const quad r[])
 {
-    for (int i = 0; i < s->of->n; i++) s->c[i][0] = q[i], s->c[SECOND + i][0] = r[i];
+    for (int i = 0; i < s->source->n; i++) s->c[i][0] = q[i], s->c[SECOND + i][0] = r[i];
     s->c[TIME][0] = t;
     s->c[TIME][1] = 1;
     for (int k = 2; k < ORDERS; k++) s->c[TIME][k] = 0;
@@ -85,25 +85,25 @@ static bool is_separable(const problem *x) { return x->form == OF_FORCE || x->fo
 /* Coefficient k of q' and p'. */
 static quad rate_q(const quad_series *s, int i, int k)
 {
-    return is_separable(s->of) ? s->c[SECOND + i][k] / s->of->mass[i] : s->c[s->of->dp[i]][k];
+    return is_separable(s->source) ? s->c[SECOND + i][k] / s->source->mass[i] : s->c[s->source->dp[i]][k];
 }
 
 static quad rate_p(const quad_series *s, int i, int k)
 {
-    return s->of->form == OF_FORCE ? s->c[s->of->dq[i]][k] : -s->c[s->of->dq[i]][k];
+    return s->source->form == OF_FORCE ? s->c[s->source->dq[i]][k] : -s->c[s->source->dq[i]][k];
 }
 
 void quad_field(quad_series *s, quad t, const quad q[], const quad p[], quad dq[], quad dp[])
 {
     quad_set(s, t, q, p);
     quad_run(s, 0);
-    for (int i = 0; i < s->of->n; i++) dq[i] = rate_q(s, i, 0), dp[i] = rate_p(s, i, 0);
+    for (int i = 0; i < s->source->n; i++) dq[i] = rate_q(s, i, 0), dp[i] = rate_p(s, i, 0);
 }
 
 /* Column j is the first coefficient along r_j. */
 void quad_bend(quad_series *s, quad *A)
 {
-    const int n = s->of->n;
+    const int n = s->source->n;
     for (int i = 0; i < n; i++) s->c[i][1] = s->c[SECOND + i][1] = 0;
     s->c[TIME][1] = 0;
     quad_run(s, 0);
@@ -118,7 +118,7 @@ void quad_bend(quad_series *s, quad *A)
 
 bool quad_legendre(quad_series *s, quad t, const quad q[], const quad goal[], quad r[])
 {
-    const int n = s->of->n;
+    const int n = s->source->n;
     quad A[N_MOST * N_MOST], change[N_MOST], size = 1, before;
     for (int pass = 0; pass < 60; pass++) {
         quad_set(s, t, q, r);
@@ -140,21 +140,22 @@ quad quad_energy_of(quad_series *s, quad t, const quad q[], const quad r[])
 {
     quad_set(s, t, q, r);
     quad_run(s, 0);
-    quad sum = s->c[s->of->energy][0];
-    for (int i = 0; is_separable(s->of) && i < s->of->n; i++) sum += r[i] * r[i] / (2 * (quad)s->of->mass[i]);
+    quad sum = s->c[s->source->energy][0];
+    for (int i = 0; is_separable(s->source) && i < s->source->n; i++)
+        sum += r[i] * r[i] / (2 * (quad)s->source->mass[i]);
     return sum;
 }
 
 static bool lagrangian_curve(quad_series *s, int degree, quad *Q, quad *P)
 {
-    const int n = s->of->n;
+    const int n = s->source->n;
     quad A[N_MOST * N_MOST], bend[N_MOST * N_MOST], change[N_MOST];
     quad_bend(s, bend);
     for (int i = 0; i < n; i++) s->c[i][1] = s->c[SECOND + i][0];
     for (int k = 0;; k++) {
         for (int i = 0; i < n; i++) {
             Q[k * n + i] = s->c[i][k];
-            P[k * n + i] = s->c[s->of->dp[i]][k];
+            P[k * n + i] = s->c[s->source->dp[i]][k];
         }
         if (k == degree) return true;
         for (int i = 0; i < n; i++) {
@@ -162,7 +163,7 @@ static bool lagrangian_curve(quad_series *s, int degree, quad *Q, quad *P)
             s->c[i][k + 1] = s->c[SECOND + i][k] / (k + 1);
         }
         quad_run(s, k + 1);
-        for (int i = 0; i < n; i++) change[i] = s->c[s->of->dq[i]][k] / (k + 1) - s->c[s->of->dp[i]][k + 1];
+        for (int i = 0; i < n; i++) change[i] = s->c[s->source->dq[i]][k] / (k + 1) - s->c[s->source->dp[i]][k + 1];
         memcpy(A, bend, sizeof A);
         if (!quad_solve(n, A, change)) return false;
         for (int i = 0; i < n; i++) s->c[SECOND + i][k + 1] = change[i];
@@ -172,9 +173,9 @@ static bool lagrangian_curve(quad_series *s, int degree, quad *Q, quad *P)
 
 bool quad_curve(quad_series *s, quad t, const quad q[], const quad r[], int degree, quad *Q, quad *P)
 {
-    const int n = s->of->n;
+    const int n = s->source->n;
     quad_set(s, t, q, r);
-    if (s->of->form == OF_LAGRANGIAN) return lagrangian_curve(s, degree, Q, P);
+    if (s->source->form == OF_LAGRANGIAN) return lagrangian_curve(s, degree, Q, P);
     for (int k = 0;; k++) {
         for (int i = 0; i < n; i++) Q[k * n + i] = s->c[i][k], P[k * n + i] = s->c[SECOND + i][k];
         if (k == degree) return true;

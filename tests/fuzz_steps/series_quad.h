@@ -1,4 +1,4 @@
-/* series_quad.h - a problem's equations as power series in quadruple precision (gcc only): coefficient after
+/* series_quad.h - Declares a problem's equations as power series in quadruple precision (gcc only): coefficient after
  * coefficient, from the naive recurrences. */
 #ifndef TESTS_FUZZ_STEPS_SERIES_QUAD_H
 #define TESTS_FUZZ_STEPS_SERIES_QUAD_H
@@ -11,7 +11,7 @@
 enum { ORDERS = 16 };
 
 typedef struct {
-    const problem *of;
+    const problem *source;
     quad (*c)[ORDERS]; /* [count] the series of every node */
     quad noise; /* each result is multiplied by 1 + noise times a number in [-1, 1] of its own: what roundoff does */
     bool only_slopes;

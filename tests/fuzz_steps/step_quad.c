@@ -1,4 +1,4 @@
-/* step_quad.c - see step_quad.h. */
+/* step_quad.c - Implements step_quad.h. */
 #include "step_quad.h"
 #include "method/method.h"
 
@@ -21,7 +21,7 @@ typedef struct {
     quad far[N_MOST];   /* both ends: p or v at the other end */
 } task;
 
-/* What a curve has at the ends of the step, and its action. */
+/* The ends of a curve in the step, and its action. */
 typedef struct {
     quad q[2][N_MOST], p[2][N_MOST], S;
 } ends;
@@ -63,7 +63,7 @@ static void slope_of(int n, int degree, const quad *C, quad t, quad x[])
 /* L(q, v, t) = p.v - H(q, p, t) with H_p(q, p) = v. */
 static bool lagrangian(task *x, quad t, const quad q[], const quad v[], quad *L)
 {
-    if (x->s->of->form == OF_LAGRANGIAN) {
+    if (x->s->source->form == OF_LAGRANGIAN) {
         *L = quad_energy_of(x->s, t, q, v);
         return true;
     }
@@ -87,7 +87,7 @@ static bool integrand(task *x, int i, quad centre, const quad *Q, const quad *P,
     return true;
 }
 
-/* Of the curve with data z = (q, p) or (q, v) at the centre. */
+/* Computes the curve with data z = (q, p) or (q, v) at the centre. */
 static bool ends_of(task *x, const quad z[], ends *e)
 {
     quad Q[COEFFICIENTS], P[COEFFICIENTS], value;
@@ -114,7 +114,7 @@ static bool curve_back(task *x, const quad q0[], const quad q1[], quad *Q, quad 
         if (!quad_curve(x->s, x->t0 + x->h, q1, x->far, x->q_degree, Q, P)) return false;
         value_of(x->n, x->q_degree, Q, -x->h, back);
         for (int i = 0; i < x->n; i++) back[i] = (back[i] - q0[i]) / x->h;
-        if (x->s->of->form != OF_LAGRANGIAN) {
+        if (x->s->source->form != OF_LAGRANGIAN) {
             quad_set(x->s, x->t0 + x->h, q1, x->far);
             quad_bend(x->s, A);
             if (!quad_solve(x->n, A, back)) return false;
@@ -265,7 +265,7 @@ static bool solve_step(task *x, quad z[], quad q[], quad p[])
 
 static bool generated_step(quad_series *s, const tvi_options *options, quad h, quad t, quad q[], quad p[])
 {
-    const int n = s->of->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
+    const int n = s->source->n, N = options->degree, p_degree = options->method == TVI_POINCARE ? N : N - 1;
     const tvi_span span = tvi_method_of(options)->curve.span;
     const quad from = span.from / ((quad)span.to - span.from);
     task x = {s, options, n, N, p_degree, size_of(n, q), t, h, from, .rule = {.points = 2}};
@@ -274,12 +274,12 @@ static bool generated_step(quad_series *s, const tvi_options *options, quad h, q
     if (options->quadrature == TVI_TRAPEZOID)
         x.rule = (quad_method){.points = 2, .b = {(quad)0.5, (quad)0.5}, .c = {0, 1}};
     for (int i = 0; i < n; i++) z[i] = q[i], z[n + i] = p[i];
-    if (s->of->form == OF_LAGRANGIAN && !quad_legendre(s, t, q, p, z + n)) return false;
+    if (s->source->form == OF_LAGRANGIAN && !quad_legendre(s, t, q, p, z + n)) return false;
     const bool moves = quad_curve(s, t, z, z + n, N + 1, Q, P);
     memcpy(x.guess, z + n, sizeof x.guess);
     memcpy(x.far, z + n, sizeof x.far);
     value_of(n, N + 1, Q, -from * h, z);
-    if (s->of->form == OF_LAGRANGIAN) slope_of(n, N + 1, Q, -from * h, z + n);
+    if (s->source->form == OF_LAGRANGIAN) slope_of(n, N + 1, Q, -from * h, z + n);
     else value_of(n, N + 1, P, -from * h, z + n);
     return moves && solve_step(&x, z, q, p);
 }
@@ -291,10 +291,10 @@ static bool taylor(quad_series *s, int degree, int p_degree, quad h, quad t, qua
 {
     quad Q[COEFFICIENTS], P[COEFFICIENTS], r[N_MOST];
     memcpy(r, p, sizeof r);
-    if (s->of->form == OF_LAGRANGIAN && !quad_legendre(s, t, q, p, r)) return false;
+    if (s->source->form == OF_LAGRANGIAN && !quad_legendre(s, t, q, p, r)) return false;
     if (!quad_curve(s, t, q, r, degree, Q, P)) return false;
-    value_of(s->of->n, degree, Q, h, q);
-    value_of(s->of->n, p_degree, P, h, p);
+    value_of(s->source->n, degree, Q, h, q);
+    value_of(s->source->n, p_degree, P, h, p);
     return true;
 }
 
@@ -307,13 +307,13 @@ static void kick(quad_series *s, quad h, quad t, const quad q[], quad p[])
 {
     quad v[N_MOST], F[N_MOST];
     quad_field(s, t, q, p, v, F);
-    for (int i = 0; i < s->of->n; i++) p[i] += h / 2 * F[i];
+    for (int i = 0; i < s->source->n; i++) p[i] += h / 2 * F[i];
 }
 
 static bool verlet(quad_series *s, quad h, quad t, quad q[], quad p[])
 {
     kick(s, h, t, q, p);
-    for (int i = 0; i < s->of->n; i++) q[i] += h * p[i] / (quad)s->of->mass[i];
+    for (int i = 0; i < s->source->n; i++) q[i] += h * p[i] / (quad)s->source->mass[i];
     kick(s, h, t + h, q, p);
     return true;
 }
@@ -321,14 +321,14 @@ static bool verlet(quad_series *s, quad h, quad t, quad q[], quad p[])
 /* (q', p') at a node: (v, L_q) with L_v(q, v) = p for a Lagrangian. */
 static bool rates(quad_series *s, quad t, const quad q[], const quad p[], quad v[], quad force[])
 {
-    if (s->of->form != OF_LAGRANGIAN) {
+    if (s->source->form != OF_LAGRANGIAN) {
         quad_field(s, t, q, p, v, force);
         return true;
     }
     if (!quad_legendre(s, t, q, p, v)) return false;
     quad_set(s, t, q, v);
     quad_run(s, 0);
-    for (int i = 0; i < s->of->n; i++) force[i] = s->c[s->of->dq[i]][0];
+    for (int i = 0; i < s->source->n; i++) force[i] = s->c[s->source->dq[i]][0];
     return true;
 }
 
@@ -336,7 +336,7 @@ static bool rates(quad_series *s, quad t, const quad q[], const quad p[], quad v
 static bool collocate(quad_series *s, int m, quad h, quad t, quad q[], quad p[])
 {
     const quad_method gauss = quad_method_gauss(TVI_AT_START, TVI_NODES_ON_CURVE, 1, m);
-    const int n = s->of->n;
+    const int n = s->source->n;
     const quad least = 1e-29 * size_of(n, q);
     quad x[TVI_MAX_NODES + 1][DATA], rate[TVI_MAX_NODES][DATA] = {{0}}, a[TVI_MAX_NODES + 1][TVI_MAX_NODES], change = 1;
     for (int i = 0; i <= m; i++)

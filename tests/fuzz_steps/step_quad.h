@@ -1,5 +1,5 @@
-/* step_quad.h - one step of any method from its definition (docs/method.md sections 1 to 4), in quadruple precision
- * (gcc only): the discrete action as a number, its derivatives by differences. */
+/* step_quad.h - Declares one step of any method from its definition (docs/method.md sections 1 to 4), in quadruple
+ * precision (gcc only): the discrete action as a number, its derivatives by differences. */
 #ifndef TESTS_FUZZ_STEPS_STEP_QUAD_H
 #define TESTS_FUZZ_STEPS_STEP_QUAD_H
 

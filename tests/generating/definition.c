@@ -1,4 +1,4 @@
-/* definition.c - see definition.h. */
+/* definition.c - Implements definition.h. */
 #include "definition.h"
 
 #include <math.h>
@@ -6,7 +6,7 @@
 
 /* ---- The action -------------------------------------------------------------------------------------------------- */
 
-/* What a method asks of z: the ends of the curve, and S. */
+/* The values that a method asks of z: the ends of the curve, and S. */
 enum { FROM_Q = 0, TO_Q = n, FROM_P = 2 * n, TO_P = 3 * n, ACTION = 4 * n, Y = ACTION + 1 };
 
 static real action_at_node(const method *m, const curve *g, int node)

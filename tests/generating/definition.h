@@ -1,6 +1,6 @@
-/* definition.h - a step of a generating function from its definition (docs/method.md sections 3 and 4): the discrete
- * action S(z) summed at the nodes, differentiated by differences, and the generating function's equations with whole
- * actions, no defects, solved in long double. Shares nothing with the library. */
+/* definition.h - Declares a step of a generating function from its definition (docs/method.md sections 3 and 4): the
+ * discrete action S(z) summed at the nodes, differentiated by differences, and the generating function's equations with
+ * whole actions, no defects, solved in long double. Shares nothing with the library. */
 #ifndef TESTS_GENERATING_DEFINITION_H
 #define TESTS_GENERATING_DEFINITION_H
 
@@ -30,7 +30,7 @@ typedef struct {
     real c[TOP + 1];
 } series;
 
-/* Of the coefficients up to K only. */
+/* Uses only the coefficients up to K. */
 typedef struct {
     series q[n], p[n];
 } curve;

@@ -1,4 +1,4 @@
-/* definition_law.c - the problem of the definition, and its curve: see definition.h. */
+/* definition_law.c - Computes the problem of the definition, and its curve: see definition.h. */
 #include "definition.h"
 
 #include <math.h>

@@ -1,4 +1,5 @@
-/* equations_quad.h - Hamilton's equations of the general scenes, derived by hand, in quadruple precision (gcc only). */
+/* equations_quad.h - Declares Hamilton's equations of the general scenes, derived by hand, in quadruple precision (gcc
+ * only). */
 #ifndef TESTS_GENERATING_EQUATIONS_QUAD_H
 #define TESTS_GENERATING_EQUATIONS_QUAD_H
 

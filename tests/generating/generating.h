@@ -1,4 +1,4 @@
-/* generating.h - the suites of this program. */
+/* generating.h - Declares the suites of this program. */
 #ifndef TESTS_GENERATING_H
 #define TESTS_GENERATING_H
 

@@ -1,4 +1,4 @@
-/* main.c - the generating functions, on systems of every form. */
+/* main.c - Runs the suites on the generating functions, on systems of every form. */
 #include "generating.h"
 #include "problems/run_suites.h"
 

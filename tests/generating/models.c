@@ -1,4 +1,4 @@
-/* models.c - see models.h. */
+/* models.c - Implements models.h. */
 #include "generating.h"
 #include "models.h"
 #include "method/list.h"

@@ -1,5 +1,5 @@
-/* models.h - what the suites run on: problems of every form with their exact ends, and every generating function.
- * Letters as in docs/method.md. */
+/* models.h - Declares what the suites run on: problems of every form with their exact ends, and every generating
+ * function. Letters as in docs/method.md. */
 #ifndef TESTS_GENERATING_MODELS_H
 #define TESTS_GENERATING_MODELS_H
 
@@ -8,7 +8,7 @@
 
 /* ---- Problems ---------------------------------------------------------------------------------------------------- */
 
-/* What a problem can be run with. */
+/* The options that a problem can be run with. */
 enum { WITH_TYPE1 = 1, WITH_HAMILTON = 2, WITH_ALL = WITH_TYPE1 | WITH_HAMILTON };
 
 typedef struct model {

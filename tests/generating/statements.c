@@ -1,4 +1,4 @@
-/* statements.c - see statements.h. */
+/* statements.c - Implements statements.h. */
 #include "statements.h"
 
 #include <math.h>

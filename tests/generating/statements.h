@@ -1,4 +1,4 @@
-/* statements.h - one problem, four statements: Kepler and the driven chain of problems.h. */
+/* statements.h - Declares one problem, four statements: Kepler and the driven chain of problems.h. */
 #ifndef TESTS_GENERATING_STATEMENTS_H
 #define TESTS_GENERATING_STATEMENTS_H
 

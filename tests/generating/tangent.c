@@ -1,4 +1,4 @@
-/* tangent.c - what the tests of the tangent map share. */
+/* tangent.c - Computes what the tests of the tangent map share. */
 #include "tangent.h"
 
 #include <math.h>

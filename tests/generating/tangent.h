@@ -1,4 +1,5 @@
-/* tangent.h - what the tests of the tangent map share: matrices, a model with an integrator, a step with columns. */
+/* tangent.h - Declares what the tests of the tangent map share: matrices, a model with an integrator, a step with
+ * columns. */
 #ifndef TESTS_GENERATING_TANGENT_H
 #define TESTS_GENERATING_TANGENT_H
 

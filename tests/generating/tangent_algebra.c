@@ -1,5 +1,5 @@
-/* tangent_algebra.c - the tangent map's algebra: maps multiply, columns and steps are alone, invariants are kept, the
- * measure of symplecticity measures, chaos shows. */
+/* tangent_algebra.c - Tests the tangent map's algebra: maps multiply, columns and steps are alone, invariants are kept,
+ * the measure of symplecticity measures, chaos shows. */
 #include "tangent.h"
 
 #include <math.h>

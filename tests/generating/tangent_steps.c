@@ -1,4 +1,4 @@
-/* tangent_steps.c - a step with tangent vectors is the step, and one that fails leaves all as it was. */
+/* tangent_steps.c - Tests that a step with tangent vectors is the step, and one that fails leaves all as it was. */
 #include "tangent.h"
 #include "problems/refusals.h"
 

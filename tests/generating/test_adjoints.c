@@ -1,4 +1,4 @@
-/* test_adjoints.c - the adjoint Phi*_h = (Phi_-h)^-1 of every method, with explicit time Phi*_{h,t} =
+/* test_adjoints.c - Tests the adjoint Phi*_h = (Phi_-h)^-1 of every method, with explicit time Phi*_{h,t} =
  * (Phi_{-h,t+h})^-1, the composition with it, and the symmetry of the methods that are their own adjoints
  * (docs/method.md section 4). */
 #include "generating.h"

@@ -1,5 +1,5 @@
-/* test_convergence.c - the passes end at roundoff, wherever they end (docs/method.md section 5): what they leave out
- * does not grow to more than roundoff, for else the method would not be the symplectic one. */
+/* test_convergence.c - Tests that the passes end at roundoff, wherever they end (docs/method.md section 5): what they
+ * leave out does not grow to more than roundoff, for else the method would not be the symplectic one. */
 #include "generating.h"
 #include "models.h"
 
@@ -34,8 +34,8 @@ START_TEST(passes_end_at_roundoff)
 }
 END_TEST
 
-/* Where the first correction shows that the next one is far below roundoff there is no other pass: at the midpoint in
- * most steps but those that check it. Where the first contraction tells little there always is. */
+/* If the first correction shows that the next one is far below roundoff there is no other pass: at the midpoint in
+ * most steps but those that check it. If the first contraction tells little there always is. */
 START_TEST(one_pass_is_enough)
 {
     enum { MANY_STEPS = 400, DEGREE = 7 };

@@ -1,4 +1,4 @@
-/* test_definition.c - steps of the library against the same methods from their definition (definition.h). */
+/* test_definition.c - Tests steps of the library against the same methods from their definition (definition.h). */
 #include "generating.h"
 #include "method/method.h"
 #include "definition.h"

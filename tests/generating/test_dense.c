@@ -1,7 +1,7 @@
-/* test_dense.c - dense output: the ends of the step, the order between them, continuity. With a curve of degree N the
- * error of one step's inner points is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(K+1)) in both
- * (O(h^2) for K = 0): the curve's own, whatever the order of the method. The Galerkin curve O(h^(N+1)) in both, and
- * O(h^(N+2)) in q of a separable system. */
+/* test_dense.c - Tests dense output: the ends of the step, the order between them, continuity. With a curve of degree N
+ * the error of one step's inner points is O(h^(N+1)) in q and O(h^N) in p (O(h^2) for N = 1), Poincare O(h^(K+1)) in
+ * both (O(h^2) for K = 0): the curve's own, whatever the order of the method. The Galerkin curve O(h^(N+1)) in both,
+ * and O(h^(N+2)) in q of a separable system. */
 #include "generating.h"
 #include "models.h"
 #include "method/method.h"

@@ -1,5 +1,5 @@
-/* test_fingerprints.c - a saved state serves the system and the options that it was saved with, and no others: pairs
- * that differ in one thing. */
+/* test_fingerprints.c - Tests that a saved state serves the system and the options that it was saved with, and no
+ * others: pairs that differ in one thing. */
 #include "method/fingerprint.h"
 #include "generating.h"
 #include "models.h"

@@ -1,5 +1,5 @@
-/* test_forms.c - the closed forms of docs/method.md section 7: methods of the lowest degree written down with H_q and
- * H_p. */
+/* test_forms.c - Tests the closed forms of docs/method.md section 7: methods of the lowest degree written down with H_q
+ * and H_p. */
 #include "generating.h"
 #include "models.h"
 

@@ -1,5 +1,6 @@
-/* test_galerkin.c - the Galerkin curve: Gauss collocation for every form of system, its predictor and its passes
- * (docs/method.md sections 4 to 6). What it shares with the generating functions is in the other suites. */
+/* test_galerkin.c - Tests the Galerkin curve: Gauss collocation for every form of system, its predictor and its passes
+ * (docs/method.md sections 4 to 6). Properties that it shares with the generating functions are tested in the other
+ * suites. */
 #include "generating.h"
 #include "models.h"
 #include "algebra/quadrature.h"
@@ -155,8 +156,8 @@ static double last_of_power(int k, double h)
     return last;
 }
 
-/* Of m q'' = t^k, relative to |p0| + |dp| + h (t_1^k + t_N^k), t_1 and t_N the first and the last node; of q' = t^k
- * relative to the last of the three. With one node there is no tail. */
+/* The error for m q'' = t^k, relative to |p0| + |dp| + h (t_1^k + t_N^k), t_1 and t_N the first and the last node; of
+ * q' = t^k relative to the last of the three. With one node there is no tail. */
 START_TEST(tail_is_the_last_term)
 {
     const int N = _i;

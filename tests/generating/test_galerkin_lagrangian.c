@@ -1,4 +1,4 @@
-/* test_galerkin_lagrangian.c - the Galerkin curve of Lagrangians (docs/method.md sections 4 and 5): against the
+/* test_galerkin_lagrangian.c - Tests the Galerkin curve of Lagrangians (docs/method.md sections 4 and 5): against the
  * Hamiltonian form of the same system, its passes, and where it fails. */
 #include "generating.h"
 #include "models.h"

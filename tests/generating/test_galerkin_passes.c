@@ -1,4 +1,4 @@
-/* test_galerkin_passes.c - the Galerkin curve's predictor and its passes (docs/method.md sections 5 and 6). */
+/* test_galerkin_passes.c - Tests the Galerkin curve's predictor and its passes (docs/method.md sections 5 and 6). */
 #include "galerkin/step.h"
 #include "generating.h"
 #include "models.h"
@@ -69,17 +69,17 @@ static tvi_integrator *new_at(const tvi_integrator *it, const tvi_system *system
 {
     tvi_integrator *other = integrator_of(system, options);
     const size_t bytes = (size_t)system->n * sizeof(double), with_time = bytes + sizeof(double);
-    memcpy(other->now.q, it->now.q, with_time);
-    memcpy(other->now.q_low, it->now.q_low, with_time);
-    memcpy(other->now.p, it->now.p, bytes);
-    memcpy(other->now.p_low, it->now.p_low, bytes);
+    memcpy(other->state.q, it->state.q, with_time);
+    memcpy(other->state.q_low, it->state.q_low, with_time);
+    memcpy(other->state.p, it->state.p, bytes);
+    memcpy(other->state.p_low, it->state.p_low, bytes);
     *other->continues = true;
     return other;
 }
 
 /* Passes rest in one place, whatever the side that they come from: steps that are predicted from those before, and from
- * the state alone, are mostly the same to the last bit, in both parts. Where those of Lagrangians rest at places whose
- * roundoff changes with them, a sixth is, and the energy drifts. */
+ * the state alone, are mostly the same to the last bit, in both parts. If passes of Lagrangians rest
+ * at places whose roundoff changes with them, a sixth is, and the energy drifts. */
 START_TEST(steps_do_not_know_where_they_began)
 {
     enum { STEPS = 500 };
@@ -92,13 +92,13 @@ START_TEST(steps_do_not_know_where_they_began)
     const tvi_options options = gauss(8);
     tvi_system *system = model_system(m);
     tvi_integrator *it = integrator_of(system, &options);
-    const tvi_increments *by = &it->by;
+    const tvi_increments *by = &it->increments;
     test_state x = model_start(m);
     long same = 0, others = 0, passes = 0;
     go(it, rows[_i].h, 2, &x);
     for (int k = 0; k < STEPS; k++) {
         tvi_integrator *other = new_at(it, system, &options);
-        const tvi_increments *its = &other->by;
+        const tvi_increments *its = &other->increments;
         test_state y = x;
         go(other, rows[_i].h, 1, &y);
         go(it, rows[_i].h, 1, &x);

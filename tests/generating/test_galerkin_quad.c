@@ -1,5 +1,5 @@
-/* test_galerkin_quad.c - the Galerkin curve against Gauss collocation in its first-order form, in quadruple precision
- * (gcc only). */
+/* test_galerkin_quad.c - Tests the Galerkin curve against Gauss collocation in its first-order form, in quadruple
+ * precision (gcc only). */
 #include "equations_quad.h"
 #include "generating.h"
 #include "problems/problems.h"

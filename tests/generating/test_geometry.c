@@ -1,5 +1,5 @@
-/* test_geometry.c - what every generating function keeps: the symplectic form, the momenta of symmetries, the energy
- * without trend (docs/method.md sections 3 to 6). Every property has a control that must fail it. */
+/* test_geometry.c - Tests what every generating function keeps: the symplectic form, the momenta of symmetries, the
+ * energy without trend (docs/method.md sections 3 to 6). Every property has a control that must fail it. */
 #include "generating.h"
 #include "models.h"
 
@@ -232,7 +232,7 @@ static int order_of(const model *m, const tvi_options *options)
     return order;
 }
 
-/* Of the same order. */
+/* A method of the same order. */
 START_TEST(energy_of_taylor_drifts)
 {
     const tvi_options symplectic = kind_options(&energy_rows[_i].k, energy_rows[_i].degree);

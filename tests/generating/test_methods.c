@@ -1,5 +1,5 @@
-/* test_methods.c - the library's list of methods: every descriptor is whole, and those of docs/method.md section 3 are
- * there. */
+/* test_methods.c - Tests the library's list of methods: every descriptor is whole, and those of docs/method.md section
+ * 3 are there. */
 #include "generating.h"
 #include "models.h"
 #include "method/list.h"
@@ -26,7 +26,7 @@ START_TEST(descriptors_are_whole)
 }
 END_TEST
 
-/* What belongs to the same place of the step, seen from its other end. */
+/* The option for the same place of the step, seen from its other end. */
 START_TEST(adjoints_are_mirrored)
 {
     for (const tvi_descriptor *const *at = tvi_methods; *at; at++) {
@@ -41,7 +41,7 @@ START_TEST(adjoints_are_mirrored)
 }
 END_TEST
 
-/* Where the paper, and section 3, expand: the part of the step before the centre. */
+/* The centre at which the paper, and section 3, expand: the part of the step before the centre. */
 static const struct {
     tvi_method method;
     tvi_expansion expansion;

@@ -1,5 +1,5 @@
-/* test_orders.c - the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3 and
- * 4). */
+/* test_orders.c - Tests the orders of convergence, in q and in p, and the size of the errors (docs/method.md sections 3
+ * and 4). */
 #include "generating.h"
 #include "models.h"
 

@@ -1,4 +1,4 @@
-/* test_points.c - energy and Legendre transforms of systems of every form. */
+/* test_points.c - Tests energy and Legendre transforms of systems of every form. */
 #include "generating.h"
 #include "models.h"
 #include "statements.h"

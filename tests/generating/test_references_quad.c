@@ -1,6 +1,6 @@
-/* test_references_quad.c - where the general scenes are at their ends, from Hamilton's equations derived by hand, in
- * quadruple precision (gcc only): shares nothing with the library. A scene's reference that is not this is printed as
- * it should be. */
+/* test_references_quad.c - Tests where the general scenes are at their ends, from Hamilton's equations derived by hand,
+ * in quadruple precision (gcc only): shares nothing with the library. A scene's reference that is not this is printed
+ * as it should be. */
 #include "equations_quad.h"
 #include "generating.h"
 

@@ -1,5 +1,5 @@
-/* test_serves.c - which system serves which method (docs/method.md section 4), what is refused and why, and where a
- * Legendre transform is singular. */
+/* test_serves.c - Tests which system serves which method (docs/method.md section 4), what is refused and why, and where
+ * a Legendre transform is singular. */
 #include "generating.h"
 #include "models.h"
 #include "statements.h"

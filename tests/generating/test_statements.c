@@ -1,5 +1,5 @@
-/* test_statements.c - one problem stated as force, potential, Lagrangian and Hamiltonian: the same motion at the same
- * cost; which Lagrangians and Hamiltonians are recognised as separable; and a force with velocities, which only a
+/* test_statements.c - Tests one problem stated as force, potential, Lagrangian and Hamiltonian: the same motion at the
+ * same cost; which Lagrangians and Hamiltonians are recognised as separable; and a force with velocities, which only a
  * Lagrangian states. */
 #include "generating.h"
 #include "models.h"
@@ -251,7 +251,7 @@ static void no_force(const jet q[], jet t, jet force[], void *ctx)
     for (int i = 0; i < 3; i++) force[i] = jet_const(0);
 }
 
-/* Where a method of order 8 brings the charge of velocity v from (1/2, 0, 1/4), and its velocity there. */
+/* The position and velocity to which a method of order 8 brings the charge of velocity v from (1/2, 0, 1/4). */
 static void library_run(const tvi_system *system, const double v[], double y[6])
 {
     const kind midpoint = {TVI_TYPE1, TVI_AT_MIDPOINT, TVI_NODES_ON_CURVE, true};

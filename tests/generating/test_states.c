@@ -1,5 +1,5 @@
-/* test_states.c - saved states: a run that goes on from one is bit for bit the run that was not interrupted, and what
- * is damaged or of something else is refused. */
+/* test_states.c - Tests saved states: a run that goes on from one is bit for bit the run that was not interrupted, and
+ * what is damaged or of something else is refused. */
 #include "generating.h"
 #include "models.h"
 #include "problems/thorough.h"
@@ -111,7 +111,8 @@ START_TEST(cut_runs_are_whole_runs)
 }
 END_TEST
 
-/* What a fresh integrator that is given the last state alone cannot know: so the comparison above is not idle. */
+/* A fresh integrator that is given the last state alone lacks the history, and steps otherwise: the comparison above is
+ * not idle. */
 START_TEST(the_state_alone_is_not_enough)
 {
     const tvi_options options = kind_options(&kinds[0], 3);
@@ -184,7 +185,7 @@ START_TEST(forged_numbers_are_refused)
             unsigned char *bytes = malloc(s.size);
             memcpy(bytes, s.bytes, s.size);
             memcpy(bytes + (k ? of_count : of_n), &numbers[i], sizeof numbers[i]);
-            tvi_saved_seal(bytes, s.size);
+            tvi_saved_add_checksum(bytes, s.size);
             int n = 0;
             const tvi_status seen = tvi_state_peek(bytes, s.size, &n, NULL, NULL, NULL);
             const size_t room = (s.size - sizeof(tvi_identity)) / sizeof(double) - 1;

@@ -1,5 +1,6 @@
-/* test_tangent_map.c - the derivative of a step (docs/method.md section 10) against differences of steps and closed
- * forms; its algebra and the step itself are in files of their own. That it is symplectic is in test_geometry.c. */
+/* test_tangent_map.c - Tests the derivative of a step (docs/method.md section 10) against differences of steps and
+ * closed forms; its algebra and the step itself are in files of their own. That it is symplectic is in test_geometry.c.
+ */
 #include "generating.h"
 #include "tangent.h"
 

@@ -1,4 +1,4 @@
-/* invariance.h - the suites of this program. */
+/* invariance.h - Declares the suites of this program. */
 #ifndef TESTS_INVARIANCE_H
 #define TESTS_INVARIANCE_H
 

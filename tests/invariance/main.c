@@ -1,4 +1,4 @@
-/* main.c - the same motion in other coordinates, other units, other order, and back. */
+/* main.c - Runs the suites on the same motion in other coordinates, other units, other order, and back. */
 #include "invariance.h"
 #include "problems/run_suites.h"
 

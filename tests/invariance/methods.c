@@ -1,4 +1,4 @@
-/* methods.c - see methods.h. */
+/* methods.c - Implements methods.h. */
 #include "methods.h"
 #include "method/list.h"
 #include "method/method.h"

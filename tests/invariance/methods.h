@@ -1,4 +1,4 @@
-/* methods.h - the methods, as the library itself says which there are, and what they did wrong. */
+/* methods.h - Declares the methods, as the library itself says which there are, and what they did wrong. */
 #ifndef TESTS_INVARIANCE_METHODS_H
 #define TESTS_INVARIANCE_METHODS_H
 
@@ -21,7 +21,7 @@ bool is_symmetric(const tvi_options *options);
 /* Text that lives until the next call. */
 const char *describe(const tvi_options *options);
 
-/* What is wrong, a line for each; the test fails with it at the end. */
+/* The failures, a line each; the test fails with them at the end. */
 typedef struct {
     int count;
     size_t length;

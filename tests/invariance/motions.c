@@ -1,4 +1,4 @@
-/* motions.c - see motions.h. */
+/* motions.c - Implements motions.h. */
 #include "motions.h"
 
 #include <check.h>

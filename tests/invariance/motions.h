@@ -1,5 +1,5 @@
-/* motions.h - motions in their own coordinates x, about an equilibrium at x = 0 and in units in which they are of size
- * 1, and the frames that they are seen in. */
+/* motions.h - Declares motions in their own coordinates x, about an equilibrium at x = 0 and in units in which they are
+ * of size 1, and the frames that they are seen in. */
 #ifndef TESTS_INVARIANCE_MOTIONS_H
 #define TESTS_INVARIANCE_MOTIONS_H
 

@@ -1,4 +1,4 @@
-/* test_frames.c - every motion in every frame with every method: no step is refused, and the orbit is that in the
+/* test_frames.c - Tests every motion in every frame with every method: no step is refused, and the orbit is that in the
  * motion's own coordinates. */
 #include "invariance.h"
 #include "methods.h"
@@ -94,8 +94,8 @@ END_TEST
 /* ---- Controls ---------------------------------------------------------------------------------------------------- */
 
 /* A step that is longer by 2^-40 of itself is seen in every motion, as the shift in time that it is: |x'| STEPS h
- * 2^-40, with the size of the motion for that of x', to a factor of 4. So is a start that is moved by 2^-40, and its
- * image is not itself. */
+ * 2^-40, with the size of the motion for that of x', to a factor of 4. A start that is moved by 2^-40 is one, too, and
+ * its image is not itself. */
 START_TEST(other_orbits_are_told_apart)
 {
     const motion *m = &motions[_i];

@@ -1,5 +1,5 @@
-/* test_light.c - a light oscillator that a heavy one drives has the error that it has where masses do not matter, as in
- * the equations of a potential. */
+/* test_light.c - Tests that a light oscillator that a heavy one drives has the error that it has where masses do not
+ * matter, as in the equations of a potential. */
 #include "invariance.h"
 #include "methods.h"
 

@@ -1,4 +1,4 @@
-/* test_numbers.c - from 1 to 40 coordinates, and the highest degrees. */
+/* test_numbers.c - Tests systems with 1 to 40 coordinates, and the highest degrees. */
 #include "invariance.h"
 #include "methods.h"
 #include "motions.h"

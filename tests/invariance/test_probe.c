@@ -1,5 +1,5 @@
-/* test_probe.c - star, planet and a probe of mass 1e-30 that the planet holds, in a form with masses and in others: the
- * same motion with the same tail. */
+/* test_probe.c - Tests a star, a planet and a probe of mass 1e-30 that the planet holds, in a form with masses and in
+ * others: the same motion with the same tail. */
 #include "invariance.h"
 #include "methods.h"
 
@@ -81,7 +81,7 @@ static const struct {
              {"Lagrangian", make_lagrangian, true}};
 enum { FORMS = sizeof forms / sizeof *forms };
 
-/* Where the probe is beside the planet, and the largest tail. */
+/* The position of the probe relative to the planet, and the largest tail. */
 typedef struct {
     double x[2], tail;
 } orbit;

@@ -1,5 +1,5 @@
-/* test_reversed.c - forth and back: symmetric methods return to where they began, to roundoff, and the others with
- * their adjoints, in every frame and at every amplitude. */
+/* test_reversed.c - Tests runs forth and back: symmetric methods return to where they began, to roundoff, and the
+ * others with their adjoints, in every frame and at every amplitude. */
 #include "invariance.h"
 #include "methods.h"
 #include "method/method.h"

@@ -1,5 +1,5 @@
-/* test_subsystems.c - two motions that know nothing of each other, as one system: each has the error that it has alone,
- * whatever the masses, the frequencies and the sizes of the two are. */
+/* test_subsystems.c - Tests two motions that know nothing of each other, as one system: each has the error that it has
+ * alone, whatever the masses, the frequencies and the sizes of the two are. */
 #include "invariance.h"
 #include "methods.h"
 #include "tvi_ensemble.h"
@@ -16,7 +16,7 @@ typedef struct {
 
 typedef struct {
     int n;
-    oscillator of[2];
+    oscillator part[2];
 } pair;
 
 /* ---- The statements ---------------------------------------------------------------------------------------------- */
@@ -27,35 +27,35 @@ static jet potential(const jet q[], jet t, void *ctx)
     jet sum = jet_const(0);
     (void)t;
     for (int i = 0; i < p->n; i++)
-        sum = jet_add(sum, jet_mul(p->of[i].mass * p->of[i].w * p->of[i].w / 2, jet_sqr(q[i])));
+        sum = jet_add(sum, jet_mul(p->part[i].mass * p->part[i].w * p->part[i].w / 2, jet_sqr(q[i])));
     return sum;
 }
 
 static jet potential_of_sinh(const pair *p, const jet q[], int i)
 {
-    return jet_mul(p->of[i].mass * p->of[i].w * p->of[i].w / 2, jet_sqr(jet_sinh(q[i])));
+    return jet_mul(p->part[i].mass * p->part[i].w * p->part[i].w / 2, jet_sqr(jet_sinh(q[i])));
 }
 
 static jet hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
 {
-    const pair *of = ctx;
+    const pair *both = ctx;
     jet sum = jet_const(0);
     (void)t;
-    for (int i = 0; i < of->n; i++) {
-        const jet kinetic = jet_div(jet_sqr(jet_div(p[i], jet_cosh(q[i]))), 2 * of->of[i].mass);
-        sum = jet_add(sum, jet_add(kinetic, potential_of_sinh(of, q, i)));
+    for (int i = 0; i < both->n; i++) {
+        const jet kinetic = jet_div(jet_sqr(jet_div(p[i], jet_cosh(q[i]))), 2 * both->part[i].mass);
+        sum = jet_add(sum, jet_add(kinetic, potential_of_sinh(both, q, i)));
     }
     return sum;
 }
 
 static jet lagrangian(const jet q[], const jet v[], jet t, void *ctx)
 {
-    const pair *of = ctx;
+    const pair *both = ctx;
     jet sum = jet_const(0);
     (void)t;
-    for (int i = 0; i < of->n; i++) {
-        const jet kinetic = jet_mul(of->of[i].mass / 2, jet_sqr(jet_mul(v[i], jet_cosh(q[i]))));
-        sum = jet_add(sum, jet_sub(kinetic, potential_of_sinh(of, q, i)));
+    for (int i = 0; i < both->n; i++) {
+        const jet kinetic = jet_mul(both->part[i].mass / 2, jet_sqr(jet_mul(v[i], jet_cosh(q[i]))));
+        sum = jet_add(sum, jet_sub(kinetic, potential_of_sinh(both, q, i)));
     }
     return sum;
 }
@@ -64,13 +64,13 @@ static void drag(const jet q[], const jet v[], jet t, jet force[], void *ctx)
 {
     const pair *p = ctx;
     (void)q, (void)t;
-    for (int i = 0; i < p->n; i++) force[i] = jet_mul(-2 * p->of[i].friction * p->of[i].w * p->of[i].mass, v[i]);
+    for (int i = 0; i < p->n; i++) force[i] = jet_mul(-2 * p->part[i].friction * p->part[i].w * p->part[i].mass, v[i]);
 }
 
 static tvi_status make_potential(tvi_system **system, pair *p)
 {
     double mass[2];
-    for (int i = 0; i < p->n; i++) mass[i] = p->of[i].mass;
+    for (int i = 0; i < p->n; i++) mass[i] = p->part[i].mass;
     return tvi_system_potential(system, p->n, mass, potential, p);
 }
 
@@ -123,60 +123,60 @@ static void set_state(int form, const oscillator *o, int phase, double t, double
 /* How far the oscillators are at most from where they should be, of all phases, in units of roundoff of their sizes;
  * INFINITY: a step was refused. */
 typedef struct {
-    double of[2];
+    double part[2];
 } errors;
 
-static void compare(int form, const pair *of, int phase, double t, const double q[], const double p[],
+static void compare(int form, const pair *both, int phase, double t, const double q[], const double p[],
                     tvi_status status, errors *worst)
 {
-    for (int i = 0; i < of->n; i++) {
+    for (int i = 0; i < both->n; i++) {
         double q_exact, p_exact;
-        const oscillator *o = &of->of[i];
+        const oscillator *o = &both->part[i];
         set_state(form, o, phase, t, &q_exact, &p_exact);
         const double error = fmax(fabs(q[i] - q_exact), fabs(p[i] - p_exact) / (o->mass * o->w));
-        worst->of[i] = fmax(worst->of[i], status == TVI_OK ? error / (DBL_EPSILON * o->size) : INFINITY);
+        worst->part[i] = fmax(worst->part[i], status == TVI_OK ? error / (DBL_EPSILON * o->size) : INFINITY);
     }
 }
 
 /* All phases in lanes. */
-static void run_together(int form, const tvi_system *system, const tvi_options *options, const pair *of, double h,
+static void run_together(int form, const tvi_system *system, const tvi_options *options, const pair *both, double h,
                          errors *worst)
 {
     tvi_ensemble *ensemble;
     double t[PHASES] = {0}, q[2 * PHASES], p[2 * PHASES];
     tvi_status status[PHASES];
     ck_assert_int_eq(tvi_ensemble_create(&ensemble, system, options, PHASES, 1), TVI_OK);
-    for (int i = 0; i < of->n; i++)
-        for (int m = 0; m < PHASES; m++) set_state(form, &of->of[i], m, 0, &q[i * PHASES + m], &p[i * PHASES + m]);
+    for (int i = 0; i < both->n; i++)
+        for (int m = 0; m < PHASES; m++) set_state(form, &both->part[i], m, 0, &q[i * PHASES + m], &p[i * PHASES + m]);
     ck_assert_int_ne(tvi_ensemble_integrate(ensemble, h, STEPS, t, q, p, status, NULL, NULL), TVI_EINVAL);
     for (int m = 0; m < PHASES; m++) {
-        const double its_q[] = {q[m], q[PHASES * (of->n - 1) + m]}, its_p[] = {p[m], p[PHASES * (of->n - 1) + m]};
-        compare(form, of, m, t[m], its_q, its_p, status[m], worst);
+        const double its_q[] = {q[m], q[PHASES * (both->n - 1) + m]}, its_p[] = {p[m], p[PHASES * (both->n - 1) + m]};
+        compare(form, both, m, t[m], its_q, its_p, status[m], worst);
     }
     tvi_ensemble_free(ensemble);
 }
 
-static void run_one_by_one(int form, const tvi_system *system, const tvi_options *options, const pair *of, double h,
+static void run_one_by_one(int form, const tvi_system *system, const tvi_options *options, const pair *both, double h,
                            errors *worst)
 {
     tvi_integrator *integrator;
     ck_assert_int_eq(tvi_integrator_create(&integrator, system, options), TVI_OK);
     for (int m = 0; m < PHASES; m += 3) {
         double t = 0, q[2], p[2];
-        for (int i = 0; i < of->n; i++) set_state(form, &of->of[i], m, t, &q[i], &p[i]);
+        for (int i = 0; i < both->n; i++) set_state(form, &both->part[i], m, t, &q[i], &p[i]);
         const tvi_status status = tvi_integrate(integrator, h, STEPS, &t, q, p, NULL, NULL);
-        compare(form, of, m, t, q, p, status, worst);
+        compare(form, both, m, t, q, p, status, worst);
     }
     tvi_integrator_free(integrator);
 }
 
-static errors run(int form, const tvi_options *options, pair of, double h)
+static errors run(int form, const tvi_options *options, pair both, double h)
 {
     errors worst = {{0, 0}};
     tvi_system *system;
-    ck_assert_int_eq(forms[form].make(&system, &of), TVI_OK);
-    run_one_by_one(form, system, options, &of, h, &worst);
-    run_together(form, system, options, &of, h, &worst);
+    ck_assert_int_eq(forms[form].make(&system, &both), TVI_OK);
+    run_one_by_one(form, system, options, &both, h, &worst);
+    run_together(form, system, options, &both, h, &worst);
     tvi_system_free(system);
     return worst;
 }
@@ -201,12 +201,12 @@ static void expect_as_alone(int form, const tvi_options *options, const double w
         const oscillator light = {others[i].mass, w[1], others[i].size, 0, 1};
         const errors of_light = run(form, options, (pair){1, {light}}, h),
                      both = run(form, options, (pair){2, {heavy, light}}, h);
-        const double bound[] = {2 * of_heavy.of[0] + 4, 2 * of_light.of[0] + 4};
+        const double bound[] = {2 * of_heavy.part[0] + 4, 2 * of_light.part[0] + 4};
         for (int k = 0; k < 2 && isfinite(bound[0] + bound[1]); k++)
-            if (!(both.of[k] <= bound[k]))
+            if (!(both.part[k] <= bound[k]))
                 complain(c, "%s, w = %g and %g, mass %.0e, size %.0e: the %s one has %.3g, alone %.3g\n",
-                         describe(options), w[0], w[1], light.mass, light.size, k == 0 ? "first" : "second", both.of[k],
-                         (k == 0 ? of_heavy : of_light).of[0]);
+                         describe(options), w[0], w[1], light.mass, light.size, k == 0 ? "first" : "second",
+                         both.part[k], (k == 0 ? of_heavy : of_light).part[0]);
     }
 }
 

@@ -1,4 +1,4 @@
-/* allocation.c - see allocation.h. */
+/* allocation.c - Implements allocation.h. */
 #include "allocation.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
-/* allocation.h - the library's malloc, calloc, realloc, aligned_alloc and free under the test's control, by the
- * linker's --wrap: counts them, and makes the k-th allocation fail. Sees the objects of the test program, not shared
- * libraries. */
+/* allocation.h - Declares the library's malloc, calloc, realloc, aligned_alloc and free under the test's control, by
+ * the linker's --wrap: counts them, and makes the k-th allocation fail. Sees the objects of the test program, not
+ * shared libraries. */
 #ifndef TVI_TESTS_ALLOCATION_H
 #define TVI_TESTS_ALLOCATION_H
 

@@ -1,4 +1,4 @@
-/* everything.c - systems with every operation, and the ways to make a step. */
+/* everything.c - Creates systems with every operation, and the ways to make a step. */
 #include "everything.h"
 
 /* ---- Functions with every operation, and more nodes than one piece of a recording holds -------------------------- */

@@ -1,5 +1,5 @@
-/* everything.h - what the tests of memory share: systems with every operation, in every form, and the ways to make a
- * step. */
+/* everything.h - Declares what the tests of memory share: systems with every operation, in every form, and the ways to
+ * make a step. */
 #ifndef TVI_TESTS_EVERYTHING_H
 #define TVI_TESTS_EVERYTHING_H
 

@@ -1,4 +1,4 @@
-/* faults_steps.c - a step allocates nothing. */
+/* faults_steps.c - Tests that a step allocates nothing. */
 #include "allocation.h"
 #include "everything.h"
 #include "problems/thorough.h"

@@ -1,5 +1,5 @@
-/* header.cpp - the headers from C++: every slot takes a jet, a double or an int, C and C++ agree on what a jet is, and
- * operators record what the functions record. */
+/* header.cpp - Tests the headers from C++: every slot takes a jet, a double or an int, C and C++ agree on what a jet
+ * is, and operators record what the functions record. */
 #include "tvi.h"
 
 /* before <cmath>: nothing but a jet argument finds them */

@@ -1,4 +1,5 @@
-/* input.h - what the tests of bad input share: a state that is compared bit for bit, and the methods to go through. */
+/* input.h - Declares what the tests of bad input share: a state that is compared bit for bit, and the methods to go
+ * through. */
 #ifndef TVI_TESTS_INPUT_H
 #define TVI_TESTS_INPUT_H
 
@@ -42,7 +43,7 @@ typedef struct {
     tvi_hamiltonian_fn *hamiltonian;
 } functions;
 
-/* Where out has to become NULL. */
+/* For functions that set out to NULL. */
 #define NOT_NULL ((tvi_system *)&(char){0})
 
 /* The system is made or not, as the status says. */

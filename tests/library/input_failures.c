@@ -1,4 +1,5 @@
-/* input_failures.c - a step that fails leaves no trace in what follows, and TVI_OR_EXIT says why and ends a program. */
+/* input_failures.c - Tests that a step that fails leaves no trace in what follows, and that TVI_OR_EXIT says why and
+ * ends a program. */
 #include "input.h"
 
 #include <float.h>
@@ -30,8 +31,8 @@ static void plain_run(const pair *x, bool resets, state s[LONG_RUN + 1])
     tvi_integrator_free(integrator);
 }
 
-/* A run that tries h, and a state that is NaN, after some steps; the status of h. Where h fails, the steps that follow
- * are bit for bit those of the plain run. */
+/* A run that tries h, and a state that is NaN, after some steps; the status of h. If h fails, the steps that follow are
+ * bit for bit those of the plain run. */
 static tvi_status failing_run(const pair *x, int before, double h, const state plain[LONG_RUN + 1])
 {
     tvi_integrator *integrator = create_integrator(x->system, x->m);

@@ -1,5 +1,5 @@
-/* input_functions.c - functions that make no system: numbers that have no value, jets that are kept or mixed, outputs
- * that are not set. The contracts are those of jet.h and tvi.h. */
+/* input_functions.c - Tests functions that make no system: numbers that have no value, jets that are kept or mixed,
+ * outputs that are not set. The contracts are those of jet.h and tvi.h. */
 #include "input.h"
 
 #include <limits.h>
@@ -116,7 +116,7 @@ static const function_case no_value[] = {NO_VALUE_LIST(ROW_OF_FOUR)};
 static const function_case poisoned[] = {POISONED_LIST(ROW)};
 enum { NO_VALUE_COUNT = sizeof no_value / sizeof *no_value, POISONED_COUNT = sizeof poisoned / sizeof *poisoned };
 
-/* What the functions below make their value of. */
+/* The operands of the functions below. */
 typedef struct {
     make_jet *make;
     jet other;

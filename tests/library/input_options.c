@@ -1,5 +1,5 @@
-/* input_options.c - options that make no method: each has its status and its reason, whoever asks. The contracts are
- * those of tvi.h. */
+/* input_options.c - Tests options that make no method: each has its status and its reason, whoever asks. The contracts
+ * are those of tvi.h. */
 #include "input.h"
 
 #include <limits.h>

@@ -1,5 +1,5 @@
-/* input_runs.c - many steps, dense output and counts: what is refused, where a run ends, and what is left then. The
- * contracts are those of tvi.h. */
+/* input_runs.c - Tests many steps, dense output and counts: what is refused, where a run ends, and what is left then.
+ * The contracts are those of tvi.h. */
 #include "input.h"
 
 #include <float.h>

@@ -1,4 +1,4 @@
-/* input_steps.c - steps that cannot be made: each has its status and leaves the state bit for bit as it was. The
+/* input_steps.c - Tests steps that cannot be made: each has its status and leaves the state bit for bit as it was. The
  * contracts are those of tvi.h. */
 #include "input.h"
 

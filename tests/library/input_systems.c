@@ -1,4 +1,4 @@
-/* input_systems.c - systems that cannot be made, and what cannot be asked of one. */
+/* input_systems.c - Tests systems that cannot be made, and what cannot be asked of one. */
 #include "input.h"
 
 #include <float.h>

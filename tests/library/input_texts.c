@@ -1,4 +1,5 @@
-/* input_texts.c - what tvi_last_error says of refusals that have no table of their own: the text names the culprit. */
+/* input_texts.c - Tests what tvi_last_error says of refusals that have no table of their own: the text names the
+ * culprit. */
 #include "input.h"
 
 #include <float.h>
@@ -308,7 +309,7 @@ static jet one(const jet q[], const jet p[], jet t, void *ctx)
     return jet_add(1, jet_sqr(q[0]));
 }
 
-/* Of values of an integrator's own, and of a state outside of the function's domain. */
+/* Texts for an integrator's own values of parameters, and for a state outside of the function's domain. */
 START_TEST(texts_of_energies)
 {
     tvi_system *system = create_system(1, logarithm), *rescaled;

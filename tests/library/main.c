@@ -1,4 +1,4 @@
-/* main.c - runs the suites of the library.
+/* main.c - Runs the suites of the library.
  * TESTS_WITHOUT_QUAD leaves out what needs quadruple precision, which only gcc compiles. */
 #include "suites.h"
 #include "problems/run_suites.h"

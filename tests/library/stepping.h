@@ -1,4 +1,4 @@
-/* stepping.h - what the tests of steps share: problems, and a run from the start of one. */
+/* stepping.h - Declares what the tests of steps share: problems, and a run from the start of one. */
 #ifndef TVI_TESTS_STEPPING_H
 #define TVI_TESTS_STEPPING_H
 

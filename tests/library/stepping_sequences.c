@@ -1,4 +1,4 @@
-/* stepping_sequences.c - steps that follow one another: varying, backward, continued, reset, observed. */
+/* stepping_sequences.c - Tests steps that follow one another: varying, backward, continued, reset, observed. */
 #include "stepping.h"
 
 #include <math.h>

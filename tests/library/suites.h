@@ -1,4 +1,4 @@
-/* suites.h - the suites that main.c runs. */
+/* suites.h - Declares the suites that main.c runs. */
 #ifndef TESTS_SUITES_H
 #define TESTS_SUITES_H
 

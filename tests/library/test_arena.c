@@ -1,4 +1,4 @@
-/* test_arena.c - pieces of an arena, aligned, apart, as many bytes as were measured (with the address sanitizer,
+/* test_arena.c - Tests pieces of an arena, aligned, apart, as many bytes as were measured (with the address sanitizer,
  * nothing but the pieces may be touched), and the counts of saved statistics. */
 #include "algebra/arena.h"
 #include "run/saved.h"
@@ -14,14 +14,14 @@ static const size_t sizes[PIECES] = {1, 8, 64, 100, 12};
 
 typedef struct {
     tvi_arena arena;
-    char *memory, *piece[PIECES], *history[PIECES], *turn[PIECES];
+    char *memory, *piece[PIECES], *history[PIECES], *ring[PIECES];
 } open_arena;
 
 static void take_all(open_arena *x)
 {
     for (int i = 0; i < PIECES; i++) {
         x->piece[i] = tvi_arena_take(&x->arena, sizes[i]);
-        x->turn[i] = tvi_arena_turn(&x->arena, sizes[i]);
+        x->ring[i] = tvi_arena_ring(&x->arena, sizes[i]);
         x->history[i] = tvi_arena_history(&x->arena, sizes[PIECES - 1 - i]);
     }
 }
@@ -30,13 +30,13 @@ static open_arena open_all(void)
 {
     open_arena x = {.memory = NULL};
     take_all(&x);
-    for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i] && !x.turn[i]);
+    for (int i = 0; i < PIECES; i++) ck_assert(!x.piece[i] && !x.history[i] && !x.ring[i]);
     const tvi_arena measured = x.arena;
     x.memory = tvi_arena_open(&x.arena);
     ck_assert_ptr_nonnull(x.memory);
     take_all(&x);
     ck_assert(x.arena.used == measured.used && x.arena.marked == measured.marked);
-    ck_assert(x.arena.in_turns == measured.in_turns);
+    ck_assert(x.arena.ring_bytes == measured.ring_bytes);
     return x;
 }
 
@@ -62,13 +62,13 @@ START_TEST(pieces_are_apart)
 {
     open_arena x = open_all();
     char *const end = x.memory + x.arena.used, *const end_of_marked = end + x.arena.marked,
-                *const end_of_turns = end + tvi_arena_remembered(&x.arena);
+                *const end_of_rings = end + tvi_arena_history_bytes(&x.arena);
     for (int i = 0; i < PIECES; i++) {
         const bool is_last = i + 1 == PIECES;
         check_piece(x.piece[i], sizes[i], ARENA_ALIGNMENT, is_last ? end : x.piece[i + 1]);
         check_piece(x.history[i], sizes[PIECES - 1 - i], ARENA_MARKED_ALIGNMENT,
                     is_last ? end_of_marked : x.history[i + 1]);
-        check_piece(x.turn[i], sizes[i], ARENA_ALIGNMENT, is_last ? end_of_turns : x.turn[i + 1]);
+        check_piece(x.ring[i], sizes[i], ARENA_ALIGNMENT, is_last ? end_of_rings : x.ring[i + 1]);
     }
     free(x.memory);
 }
@@ -78,18 +78,18 @@ END_TEST
 START_TEST(histories_are_copied)
 {
     open_arena x = open_all();
-    const size_t remembered = tvi_arena_remembered(&x.arena);
+    const size_t remembered = tvi_arena_history_bytes(&x.arena);
     char *copy = malloc(remembered + 1);
     memset(copy, 7, remembered + 1);
     for (int i = 0; i < PIECES; i++) memset(x.history[i], 1 + i, sizes[PIECES - 1 - i]);
-    for (int i = 0; i < PIECES; i++) memset(x.turn[i], 11 + i, sizes[i]);
+    for (int i = 0; i < PIECES; i++) memset(x.ring[i], 11 + i, sizes[i]);
     tvi_arena_copy(copy, x.arena.history, remembered);
     tvi_arena_copy(x.arena.history, NULL, remembered);
     for (int i = 0; i < PIECES; i++)
-        ck_assert(x.history[i][sizes[PIECES - 1 - i] - 1] == 0 && x.turn[i][sizes[i] - 1] == 0);
+        ck_assert(x.history[i][sizes[PIECES - 1 - i] - 1] == 0 && x.ring[i][sizes[i] - 1] == 0);
     tvi_arena_copy(x.arena.history, copy, remembered);
     for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.history[i][sizes[PIECES - 1 - i] - 1], 1 + i);
-    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.turn[i][sizes[i] - 1], 11 + i);
+    for (int i = 0; i < PIECES; i++) ck_assert_int_eq(x.ring[i][sizes[i] - 1], 11 + i);
     ck_assert_int_eq(copy[remembered], 7);
     free(copy);
     free(x.memory);

@@ -1,5 +1,5 @@
-/* test_closed_forms.c - what must come out to roundoff (docs/method.md section 7): methods of low degree that have a
- * closed form, identities of the curve's Jacobians, and the energies of section 9. */
+/* test_closed_forms.c - Tests what must come out to roundoff (docs/method.md section 7): methods of low degree that
+ * have a closed form, identities of the curve's Jacobians, and the energies of section 9. */
 #include "generating/curve.h"
 #include "problems/problems.h"
 #include "suites.h"

@@ -1,5 +1,5 @@
-/* test_faults.c - an allocation that fails ends in TVI_ENOMEM, with nothing made and nothing leaked. That a step makes
- * none is in faults_steps.c. */
+/* test_faults.c - Tests that an allocation that fails ends in TVI_ENOMEM, with nothing made and nothing leaked. That a
+ * step makes none is in faults_steps.c. */
 #include "allocation.h"
 #include "everything.h"
 #include "problems/thorough.h"
@@ -30,9 +30,9 @@ typedef struct {
 
 static tvi_status make_integrator(const void *argument, bool *cleared)
 {
-    const integrator_arguments *of = argument;
+    const integrator_arguments *given = argument;
     tvi_integrator *integrator = (tvi_integrator *)&(char){0};
-    const tvi_status status = tvi_integrator_create(&integrator, of->system, of->options);
+    const tvi_status status = tvi_integrator_create(&integrator, given->system, given->options);
     *cleared = integrator == NULL;
     tvi_integrator_free(integrator);
     return status;
@@ -111,24 +111,24 @@ typedef struct {
 
 static tvi_status run_with_events(const void *argument, bool *cleared)
 {
-    const run_arguments *of = argument;
-    const tvi_event *const events[] = {of->event, of->event};
+    const run_arguments *given = argument;
+    const tvi_event *const events[] = {given->event, given->event};
     double t = 0, q[N], p[N];
     memcpy(q, some_q, sizeof q);
     memcpy(p, some_p, sizeof p);
-    const tvi_status status = tvi_integrate_events(of->integrator, 0.01, 1, events, 2, &t, q, p, NULL, NULL, NULL);
+    const tvi_status status = tvi_integrate_events(given->integrator, 0.01, 1, events, 2, &t, q, p, NULL, NULL, NULL);
     *cleared = t == 0 && memcmp(q, some_q, sizeof q) == 0 && memcmp(p, some_p, sizeof p) == 0;
     return status;
 }
 
 static tvi_status run_to_time(const void *argument, bool *cleared)
 {
-    const run_arguments *of = argument;
+    const run_arguments *given = argument;
     const double time = 0.005;
     double t = 0, q[N], p[N];
     memcpy(q, some_q, sizeof q);
     memcpy(p, some_p, sizeof p);
-    const tvi_status status = tvi_integrate_at(of->integrator, 0.01, &time, 1, &t, q, p, NULL, NULL);
+    const tvi_status status = tvi_integrate_at(given->integrator, 0.01, &time, 1, &t, q, p, NULL, NULL);
     *cleared = t == 0 && memcmp(q, some_q, sizeof q) == 0 && memcmp(p, some_p, sizeof p) == 0;
     return status;
 }
@@ -136,11 +136,11 @@ static tvi_status run_to_time(const void *argument, bool *cleared)
 /* The step that passes the end is taken back, and its part to there is looked for. */
 static tvi_status run_to_end(const void *argument, bool *cleared)
 {
-    const run_arguments *of = argument;
+    const run_arguments *given = argument;
     double t = 0, q[N], p[N];
     memcpy(q, some_q, sizeof q);
     memcpy(p, some_p, sizeof p);
-    const tvi_status status = tvi_integrate_to(of->integrator, 0.01, 1e-4, &t, q, p, NULL, NULL);
+    const tvi_status status = tvi_integrate_to(given->integrator, 0.01, 1e-4, &t, q, p, NULL, NULL);
     *cleared = t == 0 && memcmp(q, some_q, sizeof q) == 0 && memcmp(p, some_p, sizeof p) == 0;
     return status;
 }
@@ -184,22 +184,22 @@ START_TEST(events_without_memory)
 {
     const allocation_failure how = (allocation_failure)_i;
     tvi_system *system = create_everything(POTENTIAL, true);
-    run_arguments of = {0};
+    run_arguments given = {0};
     tvi_event *event;
-    ck_assert_int_eq(tvi_integrator_create(&of.integrator, system, NULL), TVI_OK);
+    ck_assert_int_eq(tvi_integrator_create(&given.integrator, system, NULL), TVI_OK);
     ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL), TVI_OK);
-    of.event = event;
+    given.event = event;
     ck_assert_int_gt(fail_each(make_event, NULL, how), 5);
-    ck_assert_int_eq(fail_each(run_with_events, &of, how), 66);
-    ck_assert_int_eq(fail_each(run_to_time, &of, how), 2);
+    ck_assert_int_eq(fail_each(run_with_events, &given, how), 66);
+    ck_assert_int_eq(fail_each(run_to_time, &given, how), 2);
     tvi_event_free(event);
-    tvi_integrator_free(of.integrator);
+    tvi_integrator_free(given.integrator);
     tvi_system_free(system);
     system = create_everything(RESCALED, true);
-    ck_assert_int_eq(tvi_integrator_create(&of.integrator, system, NULL), TVI_OK);
-    ck_assert_int_eq(fail_each(run_to_end, &of, how), 3);
-    ck_assert_int_eq(fail_each(move_as_text, &of, how), 3);
-    tvi_integrator_free(of.integrator);
+    ck_assert_int_eq(tvi_integrator_create(&given.integrator, system, NULL), TVI_OK);
+    ck_assert_int_eq(fail_each(run_to_end, &given, how), 3);
+    ck_assert_int_eq(fail_each(move_as_text, &given, how), 3);
+    tvi_integrator_free(given.integrator);
     tvi_system_free(system);
 }
 END_TEST
@@ -211,7 +211,7 @@ START_TEST(systems_without_memory)
 }
 END_TEST
 
-/* What is asked of a system: it may allocate. */
+/* Questions asked of a system: they may allocate. */
 START_TEST(questions_without_memory)
 {
     const statement by = (statement)(_i / 2);
@@ -253,10 +253,10 @@ END_TEST
 /* A first step with one tangent vector, then one with more of them. */
 static tvi_status make_tangents(const void *argument, bool *cleared)
 {
-    const integrator_arguments *of = argument;
+    const integrator_arguments *given = argument;
     tvi_integrator *integrator;
     double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, D[4 * N * N] = {42};
-    tvi_status status = tvi_integrator_create(&integrator, of->system, of->options);
+    tvi_status status = tvi_integrator_create(&integrator, given->system, given->options);
     if (status == TVI_OK) status = tvi_step_tangent(integrator, 0.01, &t, q, p, D, 1);
     *cleared = t == 0 && q[0] == 0.1 && D[0] == 42;
     if (status == TVI_OK) {
@@ -272,12 +272,12 @@ static tvi_status make_tangents(const void *argument, bool *cleared)
 static tvi_status make_ensemble(const void *argument, bool *cleared)
 {
     enum { MEMBERS = 3 };
-    const integrator_arguments *of = argument;
+    const integrator_arguments *given = argument;
     tvi_ensemble *ensemble = (tvi_ensemble *)&(char){0};
     double t[MEMBERS] = {0}, q[N * MEMBERS], p[N * MEMBERS], D[2 * N * MEMBERS] = {42};
-    tvi_status status = tvi_ensemble_create(&ensemble, of->system, of->options, MEMBERS, 2), of_member[MEMBERS];
+    tvi_status status = tvi_ensemble_create(&ensemble, given->system, given->options, MEMBERS, 2), of_member[MEMBERS];
     for (int k = 0; k < N * MEMBERS; k++) q[k] = 0.1 + 0.01 * k, p[k] = 0.1;
-    const bool has_D = of->options->order == 16;
+    const bool has_D = given->options->order == 16;
     const tvi_ensemble_plan plan = {.h = 0.01, .steps = 1, .D = has_D ? D : NULL, .columns = has_D};
     *cleared = status == TVI_OK || ensemble == NULL;
     if (status == TVI_OK) status = tvi_ensemble_run(ensemble, &plan, t, q, p, of_member);
@@ -290,8 +290,8 @@ START_TEST(ensembles_without_memory)
 {
     tvi_system *system = create_everything(ways[_i].by, true);
     const tvi_options options = options_of_way(_i);
-    const integrator_arguments of = {system, &options};
-    ck_assert_int_ge(fail_each(make_ensemble, &of, FAIL_ONCE), 9);
+    const integrator_arguments given = {system, &options};
+    ck_assert_int_ge(fail_each(make_ensemble, &given, FAIL_ONCE), 9);
     tvi_system_free(system);
 }
 END_TEST
@@ -304,13 +304,13 @@ typedef struct {
 /* A run at times with events and tangent vectors. */
 static tvi_status run_by_plan(const void *argument, bool *cleared)
 {
-    const plan_arguments *of = argument;
+    const plan_arguments *given = argument;
     const double times[] = {0.005, 0.015};
     tvi_integrator *integrator;
     double t = 0, q[N] = {0.1, -0.2, 0.3}, p[N] = {0.1, 0.1, -0.1}, D[2 * N] = {42};
     const tvi_run_plan plan = {
-        .h = 0.01, .times = times, .time_count = 2, .events = &of->event, .event_count = 1, .D = D, .columns = 1};
-    tvi_status status = tvi_integrator_create(&integrator, of->made.system, of->made.options);
+        .h = 0.01, .times = times, .time_count = 2, .events = &given->event, .event_count = 1, .D = D, .columns = 1};
+    tvi_status status = tvi_integrator_create(&integrator, given->made.system, given->made.options);
     if (status == TVI_OK) status = tvi_run(integrator, &plan, &t, q, p);
     *cleared = t == 0 && q[0] == 0.1 && D[0] == 42;
     tvi_integrator_free(integrator);
@@ -323,8 +323,8 @@ START_TEST(plans_without_memory)
     tvi_system *system = create_everything(ways[_i].by, true);
     const tvi_options options = options_of_way(_i);
     ck_assert_int_eq(tvi_event_create(&event, N, TVI_EITHER, false, radius, NULL), TVI_OK);
-    const plan_arguments of = {{system, &options}, event};
-    ck_assert_int_gt(fail_each(run_by_plan, &of, FAIL_ONCE), 60);
+    const plan_arguments given = {{system, &options}, event};
+    ck_assert_int_gt(fail_each(run_by_plan, &given, FAIL_ONCE), 60);
     tvi_event_free(event);
     tvi_system_free(system);
 }

@@ -1,5 +1,6 @@
-/* test_input.c - bad input, by name: each has its status, and what the arguments point to stays as it was. The
- * contracts are those of jet.h and tvi.h. What is refused stands in input_*.c; here is what these share. */
+/* test_input.c - Tests bad input, by name: each has its status, and what the arguments point to stays as it was. The
+ * contracts are those of jet.h and tvi.h. The refusals are tested in input_*.c; this file has the parts that they
+ * share. */
 #include "input.h"
 #include "suites.h"
 

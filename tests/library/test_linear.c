@@ -1,5 +1,5 @@
-/* test_linear.c - dense factors: small systems, which are solved without LAPACK, against LAPACK, and the residuals of
- * all, also of those that are the lanes of one. */
+/* test_linear.c - Tests dense factors: small systems, which are solved without LAPACK, against LAPACK, and the
+ * residuals of all, also of those that are the lanes of one. */
 #include "galerkin/loops.h"
 #include "algebra/linear_small.h"
 #include "suites.h"
@@ -322,11 +322,11 @@ START_TEST(plain_factors_solve)
     fill_plainly(n, 0.2, has_units, A);
     memcpy(x.factor.lu, A, (size_t)(n * n) * sizeof *A);
     memcpy(inverse, A, (size_t)(n * n) * sizeof *A);
-    ck_assert(linear_plain_factor(n, has_units ? 0 : n, &x.factor));
-    ck_assert(linear_plain_invert(n, inverse));
+    ck_assert(linear_unpivoted_factor(n, has_units ? 0 : n, &x.factor));
+    ck_assert(linear_unpivoted_invert(n, inverse));
     for (int transposed = 0; transposed < 2; transposed++) {
         for (int i = 0; i < n; i++) b[i] = got[i] = sin(1 + i) * ldexp(1, !has_units ? 0 : transposed ? -7 * i : 9 * i);
-        (transposed ? linear_plain_solve_transposed : linear_plain_solve)(n, &x.factor, got);
+        (transposed ? linear_unpivoted_solve_transposed : linear_unpivoted_solve)(n, &x.factor, got);
         check_residual(n, A, transposed, got, b);
         if (transposed) continue;
         for (int i = 0; i < n; i++) {
@@ -340,12 +340,12 @@ START_TEST(plain_factors_solve)
 }
 END_TEST
 
-/* What has no other pivots than by exchanges: the diagonal is small, or nothing is left of it. */
+/* A matrix that has no pivots without exchanges: the diagonal is small, or nothing is left of it. */
 static const struct {
     const char *name;
     double A[4];
     int in_units;
-    bool is_plain;
+    bool is_safe;
 } pivots[] = {
     {"the identity", {1, 0, 0, 1}, 2, true},
     {"of other units", {0x1p40, 0x1p20, 0x1p-20, 0x1p-38}, 0, true},
@@ -367,9 +367,10 @@ START_TEST(plain_factors_refuse_what_needs_exchanges)
     double A[4];
     memcpy(x.factor.lu, pivots[_i].A, sizeof A);
     memcpy(A, pivots[_i].A, sizeof A);
-    ck_assert_msg(linear_plain_factor(2, pivots[_i].in_units, &x.factor) == pivots[_i].is_plain, "%s", pivots[_i].name);
+    ck_assert_msg(linear_unpivoted_factor(2, pivots[_i].in_units, &x.factor) == pivots[_i].is_safe, "%s",
+                  pivots[_i].name);
     if (pivots[_i].in_units == 0)
-        ck_assert_msg(linear_plain_invert(2, A) == pivots[_i].is_plain, "the inverse: %s", pivots[_i].name);
+        ck_assert_msg(linear_unpivoted_invert(2, A) == pivots[_i].is_safe, "the inverse: %s", pivots[_i].name);
     free(x.memory);
 }
 END_TEST

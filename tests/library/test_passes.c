@@ -1,6 +1,6 @@
-/* test_passes.c - the rule that ends the passes of every iteration, number by number: what it says of corrections of
- * made-up sizes. */
-#include "method/asked.h"
+/* test_passes.c - Tests the rule that ends the passes of every iteration, number by number: what it says of corrections
+ * of made-up sizes. */
+#include "method/passes_rule.h"
 #include "suites.h"
 
 #include <string.h>
@@ -16,11 +16,11 @@ typedef struct {
     const char *verdicts; /* of as many passes: '.' go on, 'E' may end, 'S' stuck */
 } passes_case;
 
-/* Those that do not contract by a half are stuck; those that expect the next correction; those that are stuck where two
- * in turn do not shrink; and those of which small corrections show nothing. */
-#define HALVES       .goal = 1e-16, .stuck = 0.5, .turns = 1
+/* Rules by which passes that do not contract by a half are stuck; by which the next correction is predicted; by which
+ * passes are stuck if two alternating corrections do not shrink; and by which small corrections show nothing. */
+#define HALVES       .goal = 1e-16, .stuck = 0.5, .period = 1
 #define EXPECTS      HALVES, .contraction = 0.5
-#define TURNS(STUCK) .goal = 1e-24, .contraction = 0.5, .stuck = STUCK, .turns = 2
+#define TURNS(STUCK) .goal = 1e-24, .contraction = 0.5, .stuck = STUCK, .period = 2
 #define NOISE        TURNS(TVI_PASSES_ALL), .noise = 1e-14
 
 static const passes_case cases[] = {
@@ -63,7 +63,7 @@ static const passes_case cases[] = {
      .verdicts = ".....E"},
     {.name = "stuck", .rule = {HALVES}, .sizes = {1e-3, 5e-4, 2.6e-4}, .verdicts = "..S"},
     {.name = "all is left",
-     .rule = {.stuck = TVI_PASSES_ALL, .turns = 1},
+     .rule = {.stuck = TVI_PASSES_ALL, .period = 1},
      .sizes = {1, 0.999, 0.999},
      .verdicts = "..S"},
     {.name = "not in turns", .rule = {HALVES}, .sizes = {1e-3, 1e-5, 9e-6}, .verdicts = "..S"},
@@ -97,16 +97,16 @@ END_TEST
 START_TEST(the_options)
 {
     const tvi_passes_rule rule = {.most = 10, .goal = 1, .contraction = 2};
-    const tvi_passes_rule plain = tvi_passes_rule_asked(&rule, &(tvi_options){0}, 0),
-                          less = tvi_passes_rule_asked(&rule, &(tvi_options){.max_passes = 20}, 0.5),
-                          exact = tvi_passes_rule_asked(&rule, &(tvi_options){.max_passes = 20, .passes = 3}, 0);
+    const tvi_passes_rule plain = tvi_passes_rule_with_options(&rule, &(tvi_options){0}, 0),
+                          less = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20}, 0.5),
+                          exact = tvi_passes_rule_with_options(&rule, &(tvi_options){.max_passes = 20, .passes = 3}, 0);
     ck_assert(plain.most == 10 && plain.exactly == 0 && plain.goal == 1 && plain.contraction == 2);
     ck_assert(less.most == 20 && less.exactly == 0 && less.goal == 0.5 && less.contraction == 0);
     ck_assert(exact.most == 3 && exact.exactly == 3);
 }
 END_TEST
 
-/* Those that were stuck are roundoff where it is measured to be as large, and from then on. */
+/* Corrections that were stuck are roundoff if it is measured to be as large, and from then on. */
 START_TEST(measured_later)
 {
     const tvi_passes_rule rule = {HALVES};

@@ -1,5 +1,5 @@
-/* test_products.c - Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of many
- * bodies against those of few, which use matrices. */
+/* test_products.c - Tests Jacobians as products (curve.h): against the matrices of the same curve, and whole steps of
+ * many bodies against those of few, which use matrices. */
 #include "generating/curve.h"
 #include "generating/products.h"
 #include "problems/problems.h"

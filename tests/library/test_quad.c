@@ -1,4 +1,4 @@
-/* test_quad.c - the library's type I and Taylor steps against the same methods from their definition in quadruple
+/* test_quad.c - Tests the library's type I and Taylor steps against the same methods from their definition in quadruple
  * precision (bench/references/quad.h). gcc only. */
 #include "problems/problems.h"
 #include "references/quad.h"

@@ -1,4 +1,4 @@
-/* test_stepping.c - the corrector's passes and options (docs/method.md section 5), and large steps. Steps that
+/* test_stepping.c - Tests the corrector's passes and options (docs/method.md section 5), and large steps. Steps that
  * follow one another are in stepping_sequences.c. */
 #include "stepping.h"
 #include "suites.h"

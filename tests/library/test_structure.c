@@ -1,5 +1,6 @@
-/* test_structure.c - what a variational integrator keeps: momentum, reversibility, energy (docs/method.md sections 3 to
- * 6). Every property has a control that must fail it. The symplectic form is in generating/test_geometry.c. */
+/* test_structure.c - Tests what a variational integrator keeps: momentum, reversibility, energy (docs/method.md
+ * sections 3 to 6). Every property has a control that must fail it. The symplectic form is in
+ * generating/test_geometry.c. */
 #include "problems/problems.h"
 #include "problems/statistics.h"
 #include "suites.h"
@@ -10,7 +11,7 @@
 
 /* ---- Problems ---------------------------------------------------------------------------------------------------- */
 
-/* Where, and the step: away from any symmetry of the start. */
+/* The start, and the step: away from any symmetry of the start. */
 static const struct {
     const test_problem *problem;
     double h;
@@ -245,7 +246,7 @@ START_TEST(energy_error_has_no_trend)
 }
 END_TEST
 
-/* Of the same order. */
+/* A method of the same order. */
 START_TEST(energy_of_taylor_drifts)
 {
     const tvi_options options = options_taylor(2 * energy_rows[_i].degree + 1);

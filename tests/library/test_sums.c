@@ -1,5 +1,5 @@
-/* test_sums.c - sums over the nodes of a Galerkin step (loops.h), of every instruction set and number of lanes: those
- * that it ends with, its increments, and those that passes move unknowns by. */
+/* test_sums.c - Tests sums over the nodes of a Galerkin step (loops.h), of every instruction set and number of lanes:
+ * those that it ends with, its increments, and those that passes move unknowns by. */
 #include "problems/galerkin_tables.h"
 #include "problems/random.h"
 #include "problems/statistics.h"

@@ -1,5 +1,5 @@
-/* test_tail.c - tvi_stats.tail: what it is, that it knows neither units nor an origin, that components which do nothing
- * do not raise it, and that it tells wrong steps from right ones. */
+/* test_tail.c - Tests tvi_stats.tail: what it is, that it knows neither units nor an origin, that components which do
+ * nothing do not raise it, and that it tells wrong steps from right ones. */
 #include "galerkin/loops.h"
 #include "problems/problems.h"
 #include "stability/cases.h"
@@ -32,7 +32,7 @@ static tvi_integrator *open_method(const tvi_system *system, int method)
     return it;
 }
 
-/* Of one step of size h; a step that fails has none, -1. */
+/* The tail of one step of size h; -1 for a step that fails. */
 static double tail_of(const tvi_system *system, int method, double h, place x)
 {
     tvi_integrator *it = open_method(system, method);
@@ -310,7 +310,7 @@ static verdict run_to(const tvi_system *system, int method, double h, double t_e
     return v;
 }
 
-/* Of "galerkin": energy errors above 1e-3 have tails above 0.01, those below 1e-6 have tails below 0.05
+/* For "galerkin", energy errors above 1e-3 have tails above 0.01, those below 1e-6 have tails below 0.05
  * (docs/choosing.md); both kinds are there. */
 static void judge(const tvi_system *system, int method, const double h[], int count, double t_end, place x)
 {
@@ -362,16 +362,16 @@ START_TEST(component_that_does_little_has_a_part_of_its_tail)
     double scale[8], per_scale[8], zero[8] = {0}, p[8], last[8], share[8], ratio[8];
     for (int i = 0; i < n; i++) scale[i] = per_scale[i] = p[i] = 1, last[i] = 1e-4;
     p[1] = 1e-3, last[1] = 5e-4;
-    const galerkin_motion of = {.n = n,
-                                .is_separable = true,
-                                .has_masses = true,
-                                .parts = {1 + is_alone, member, end + !is_alone},
-                                .sums = {.last = last, .reach = zero},
-                                .scale = scale,
-                                .per_scale = per_scale,
-                                .q = zero,
-                                .p = p,
-                                .dp = zero};
+    const galerkin_tail_inputs of = {.n = n,
+                                     .is_separable = true,
+                                     .has_masses = true,
+                                     .parts = {1 + is_alone, member, end + !is_alone},
+                                     .sums = {.last = last, .reach = zero},
+                                     .scale = scale,
+                                     .per_scale = per_scale,
+                                     .q = zero,
+                                     .p = p,
+                                     .dp = zero};
     double tail;
     tvi_galerkin_loops_base[0]->tail(&of, 1, share, ratio, &tail);
     ck_assert_double_eq_tol(tail, is_alone ? 0.5 : 5e-3, 1e-15);

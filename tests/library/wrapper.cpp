@@ -1,5 +1,5 @@
-/* wrapper.cpp - tvi.hpp: what it makes is what the C functions make, exceptions come out with nothing leaked (it is run
- * under the address sanitizer), and every container with data() and size() holds a state. */
+/* wrapper.cpp - Tests tvi.hpp: what it makes is what the C functions make, exceptions come out with nothing leaked (it
+ * is run under the address sanitizer), and every container with data() and size() holds a state. */
 #include "tvi.hpp"
 
 #include <array>

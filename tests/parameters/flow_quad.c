@@ -1,4 +1,4 @@
-/* flow_quad.c - see flow_quad.h: the classical Runge-Kutta method with very small steps. */
+/* flow_quad.c - Implements flow_quad.h: the classical Runge-Kutta method with very small steps. */
 #include "flow_quad.h"
 
 #include <quadmath.h>

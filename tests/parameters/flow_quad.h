@@ -1,4 +1,4 @@
-/* flow_quad.h - the flow of the problem of parameters.h in quadruple precision. */
+/* flow_quad.h - Declares the flow of the problem of parameters.h in quadruple precision. */
 #ifndef TESTS_FLOW_QUAD_H
 #define TESTS_FLOW_QUAD_H
 

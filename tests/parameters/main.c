@@ -1,4 +1,4 @@
-/* main.c - parameters. */
+/* main.c - Runs the suites on parameters. */
 #include "parameters.h"
 #include "problems/run_suites.h"
 

@@ -1,5 +1,5 @@
-/* parameters.h - what the suites of parameters share: one problem in every form, as a recording with parameters and as
- * one with the numbers themselves. */
+/* parameters.h - Declares what the suites of parameters share: one problem in every form, as a recording with
+ * parameters and as one with the numbers themselves. */
 #ifndef TESTS_PARAMETERS_H
 #define TESTS_PARAMETERS_H
 
@@ -13,7 +13,7 @@ Suite *suite_refused(void);
 
 enum { N = 2, PARAMETERS = 2 };
 
-/* What is recorded, and what is set. */
+/* The numbers that are recorded, and those that are set. */
 static const double recorded[PARAMETERS] = {1, 0.25}, other[PARAMETERS] = {1.25, -0.5};
 
 /* V = r^4 / 8 - k / r + m x^2 y, with k and m as parameters 0 and 1 of the recorded values, or numbers[] in their

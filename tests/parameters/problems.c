@@ -1,4 +1,4 @@
-/* problems.c - see parameters.h. */
+/* problems.c - Implements parameters.h. */
 #include "parameters.h"
 
 #include <math.h>

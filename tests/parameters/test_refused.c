@@ -1,4 +1,4 @@
-/* test_refused.c - parameters that are none, and values that are no numbers. */
+/* test_refused.c - Tests parameters that are none, and values that are no numbers. */
 #include "parameters.h"
 #include "problems/refusals.h"
 
@@ -64,7 +64,7 @@ START_TEST(values_that_are_refused)
 }
 END_TEST
 
-/* Where there is none, there is nothing to set. */
+/* A system without parameters has nothing to set. */
 START_TEST(no_parameters)
 {
     tvi_system *system = system_of(&forms[0], recorded);

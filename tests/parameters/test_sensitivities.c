@@ -1,4 +1,4 @@
-/* test_sensitivities.c - derivatives of a run with respect to parameters: rows of tvi_step_tangent beyond 2n. */
+/* test_sensitivities.c - Tests derivatives of a run with respect to parameters: rows of tvi_step_tangent beyond 2n. */
 #include "flow_quad.h"
 #include "parameters.h"
 
@@ -38,7 +38,7 @@ START_TEST(columns_are_derivatives)
 }
 END_TEST
 
-/* Of what a step of any method is: a difference of two runs of it, in double precision. */
+/* The columns of any method's step: a difference of two runs of it, in double precision. */
 START_TEST(columns_are_those_of_the_method)
 {
     static const double EPSILON = 1e-5;

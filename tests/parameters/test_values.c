@@ -1,4 +1,4 @@
-/* test_values.c - a run with values that were set is that of a system with these numbers. */
+/* test_values.c - Tests that a run with values that were set is that of a system with these numbers. */
 #include "parameters.h"
 
 #include <math.h>
@@ -85,7 +85,7 @@ END_TEST
 
 /* ---- Events, and results at given times -------------------------------------------------------------------------- */
 
-/* Where x becomes an eighth of parameter 1. */
+/* The event is where x becomes an eighth of parameter 1. */
 static jet crossing(const jet q[], const jet p[], jet t, void *ctx)
 {
     (void)p, (void)t, (void)ctx;

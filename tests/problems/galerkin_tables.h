@@ -1,4 +1,4 @@
-/* galerkin_tables.h - the coefficients of the Galerkin curve, for tests of its loops. */
+/* galerkin_tables.h - Declares the coefficients of the Galerkin curve, for tests of its loops. */
 #ifndef TESTS_PROBLEMS_GALERKIN_TABLES_H
 #define TESTS_PROBLEMS_GALERKIN_TABLES_H
 

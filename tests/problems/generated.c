@@ -1,9 +1,9 @@
-/* generated.c - a test program that is linked with --wrap=tvi_integrator_create and --wrap=tvi_integrator_free runs
- * generated code (tests/generated.sh). TVI_GENERATED="rows others" chooses: of the tests, which are processes of their
- * own, the first and every `rows`th after it (the others end where they make an integrator); in a test all integrators
- * that are made like the first one, and one of `others` of what else it makes, by the fingerprints of system and
- * options. The flags of the compiler are TVI_GENERATED_FLAGS. A test that makes steps but none by generated code fails.
- * Each test adds what it did to the file TVI_GENERATED_COUNTS. */
+/* generated.c - Makes a test program that is linked with --wrap=tvi_integrator_create and --wrap=tvi_integrator_free
+ * run generated code (tests/generated.sh). TVI_GENERATED="rows others" chooses: of the tests, which are processes of
+ * their own, the first and every `rows`th after it (the others end where they make an integrator); in a test all
+ * integrators that are made like the first one, and one of `others` of what else it makes, by the fingerprints of
+ * system and options. The flags of the compiler are TVI_GENERATED_FLAGS. A test that makes steps but none by generated
+ * code fails. Each test adds what it did to the file TVI_GENERATED_COUNTS. */
 #define _XOPEN_SOURCE 700
 #include "compiled/code.h"
 #include "method/fingerprint.h"
@@ -22,7 +22,7 @@ tvi_status __wrap_tvi_integrator_create(tvi_integrator **out, const tvi_system *
 void __real_tvi_integrator_free(tvi_integrator *integrator);
 void __wrap_tvi_integrator_free(tvi_integrator *integrator);
 
-/* Of this process; index 1: with generated code. */
+/* Counts of this process; index 1: with generated code. */
 static struct {
     pid_t process, program;
     uint64_t first, others;

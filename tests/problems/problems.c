@@ -1,4 +1,4 @@
-/* problems.c - see problems.h. */
+/* problems.c - Implements problems.h. */
 #include "problems.h"
 
 #include <float.h>

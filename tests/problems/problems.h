@@ -1,5 +1,5 @@
-/* problems.h - what the suites run on: the bench's scenes and a driven chain, each with its force once more by hand,
- * and the runs, norms and reference solutions that the suites share. Letters as in docs/method.md. */
+/* problems.h - Declares what the suites run on: the bench's scenes and a driven chain, each with its force once more by
+ * hand, and the runs, norms and reference solutions that the suites share. Letters as in docs/method.md. */
 #ifndef TESTS_PROBLEMS_H
 #define TESTS_PROBLEMS_H
 
@@ -48,7 +48,7 @@ typedef struct {
 
 test_state problem_start(const test_problem *problem);
 
-/* Of methods as they are defined: no step is refused as too large. */
+/* The methods as they are defined: no step is refused as too large. */
 tvi_options options_type1(tvi_expansion expansion, tvi_nodes nodes, int degree);
 tvi_options options_taylor(int degree);
 tvi_options options_verlet(void);
@@ -70,7 +70,8 @@ test_state problem_run(const test_problem *problem, const tvi_options *options, 
 /* The state at t_end to about 3e-17, from `start` or, where it is NULL, problem_start: Stormer-Verlet in long double on
  * the plain force, extrapolated in h^2. */
 exact_state problem_exact(const test_problem *problem, const test_state *start, double t_end);
-/* What a relative change by DBL_EPSILON makes of the state, here and at problem->t_end: no run can be better. */
+/* The change of the state that a relative change by DBL_EPSILON makes, here and at problem->t_end: no run can be
+ * better. */
 two_errors problem_roundoff(const test_problem *problem);
 
 /* H = sum p_i^2/(2 m_i) + V of the library's system. */

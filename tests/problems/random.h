@@ -1,4 +1,4 @@
-/* random.h - numbers of a sequence that is the same in each run. */
+/* random.h - Declares numbers of a sequence that is the same in each run. */
 #ifndef TESTS_PROBLEMS_RANDOM_H
 #define TESTS_PROBLEMS_RANDOM_H
 

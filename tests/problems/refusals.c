@@ -1,4 +1,4 @@
-/* refusals.c - see refusals.h. */
+/* refusals.c - Implements refusals.h. */
 #include "refusals.h"
 
 #include <check.h>

@@ -1,4 +1,4 @@
-/* refusals.h - a call that is refused: its status, and the text of tvi_last_error. */
+/* refusals.h - Declares a call that is refused: its status, and the text of tvi_last_error. */
 #ifndef TESTS_PROBLEMS_REFUSALS_H
 #define TESTS_PROBLEMS_REFUSALS_H
 

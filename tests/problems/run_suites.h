@@ -1,5 +1,5 @@
-/* run_suites.h - what a test program does: all its suites. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in every
- * Check program. */
+/* run_suites.h - Declares what a test program does: all its suites. CK_RUN_SUITE, CK_RUN_CASE and CK_FORK choose, as in
+ * every Check program. */
 #ifndef TESTS_PROBLEMS_RUN_SUITES_H
 #define TESTS_PROBLEMS_RUN_SUITES_H
 

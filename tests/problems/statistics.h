@@ -1,4 +1,4 @@
-/* statistics.h - decides whether the errors of many runs have a mean, and whether they are larger than roundoff makes
+/* statistics.h - Decides whether the errors of many runs have a mean, and whether they are larger than roundoff makes
  * them. The starts of the runs differ by some 2^-30. Their roundoff is then independent, and the drift of a faulty step
  * is nearly the same in all of them. */
 #ifndef TESTS_PROBLEMS_STATISTICS_H

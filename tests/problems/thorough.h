@@ -1,4 +1,4 @@
-/* thorough.h - asks how much a test does: make check has a share of what only guards rare things, and make check-long
+/* thorough.h - Asks how much a test does: make check has a share of what only guards rare things, and make check-long
  * (check-thorough) has all of it. */
 #ifndef TESTS_PROBLEMS_THOROUGH_H
 #define TESTS_PROBLEMS_THOROUGH_H

@@ -1,4 +1,4 @@
-/* runs.c - makes in C the runs that test_bits.py makes in Python, and prints every number as its bits: a line for each
+/* runs.c - Makes in C the runs that test_bits.py makes in Python, and prints every number as its bits: a line for each
  * run, the name first. */
 #include <math.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-/* main.c - steps that adapt. */
+/* main.c - Runs the suites on steps that adapt. */
 #include "rescaled.h"
 #include "problems/run_suites.h"
 

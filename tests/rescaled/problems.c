@@ -1,4 +1,4 @@
-/* problems.c - see rescaled.h. */
+/* problems.c - Implements rescaled.h. */
 #include "rescaled.h"
 #include "scenes/hard.h"
 #include "system/system.h"

@@ -1,4 +1,5 @@
-/* rescaled.h - what the suites of rescaled systems share: runs, and problems with closed forms or without symmetry. */
+/* rescaled.h - Declares what the suites of rescaled systems share: runs, and problems with closed forms or without
+ * symmetry. */
 #ifndef TESTS_RESCALED_H
 #define TESTS_RESCALED_H
 

@@ -1,5 +1,5 @@
-/* test_automatic.c - the automatic time scale of Hamiltonians in which momenta and coordinates mix: it is positive, and
- * its steps are right or refused, also where frequencies are complex or a coordinate is cyclic. */
+/* test_automatic.c - Tests the automatic time scale of Hamiltonians in which momenta and coordinates mix: it is
+ * positive, and its steps are right or refused, also where frequencies are complex or a coordinate is cyclic. */
 #include "problems/refusals.h"
 #include "rescaled.h"
 
@@ -229,7 +229,7 @@ static jet general_in(const jet Q[], const jet P[], jet t, void *ctx)
     return jet_mul(f->time * f->time / (f->mass * f->length * f->length), general(q, p, t, NULL));
 }
 
-/* Where x is in the frame. */
+/* The position of x in the frame. */
 static state in_frame(const frame *f, const state *x)
 {
     state X = {.t = x->t};

@@ -1,4 +1,4 @@
-/* test_orders.c - the order of every method that serves, two-sided, in (q, p) and t alike. */
+/* test_orders.c - Tests the order of every method that serves, two-sided, in (q, p) and t alike. */
 #include "hard.h"
 #include "rescaled.h"
 

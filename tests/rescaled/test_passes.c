@@ -1,5 +1,5 @@
-/* test_passes.c - "galerkin" with second derivatives at the nodes (galerkin/hamiltonian.c) solves the equations that it
- * solves without them, in fewer passes; and has them where they are cheap. */
+/* test_passes.c - Tests that "galerkin" with second derivatives at the nodes (galerkin/hamiltonian.c) solves the
+ * equations that it solves without them, in fewer passes; and has them where they are cheap. */
 #include "rescaled.h"
 #include "hard.h"
 #include "system/system.h"
@@ -28,7 +28,7 @@ static jet driven_by_hand(const jet q[], const jet p[], jet s, void *ctx)
     return jet_mul(driven_scale(q, p, q[2], ctx), jet_add(jet_add(T, driven(q, q[2], ctx)), p[2]));
 }
 
-/* Those with the automatic scale leave out what is 0 on the solution. */
+/* Second derivatives with the automatic scale leave out terms that are 0 on the solution. */
 typedef struct {
     tvi_potential_fn *potential;
     tvi_rescale_fn *g;
@@ -65,10 +65,10 @@ START_TEST(passes_are_saved)
     const problem *a = &problems[_i];
     const state start = a->potential == kepler ? kepler_start(a->e) : driven_start();
     tvi_system *system = rescaled_system(2, a->potential == kepler ? NULL : driven_mass, a->potential, a->g), *plain;
-    ck_assert_ptr_nonnull(system->stepped->second_values);
-    ck_assert_int_eq(system->stepped->second_is_whole, a->g != NULL);
+    ck_assert_ptr_nonnull(system->stepped->hessian_values);
+    ck_assert_int_eq(system->stepped->hessian_is_complete, a->g != NULL);
     ck_assert_int_eq(tvi_system_hamiltonian(&plain, 3, a->by_hand, NULL), TVI_OK);
-    ck_assert_ptr_null(plain->second_values);
+    ck_assert_ptr_null(plain->hessian_values);
     state extended = {0, {start.q[0], start.q[1], start.t}, {start.p[0], start.p[1], 0}};
     ck_assert_int_eq(tvi_energy(system, start.t, start.q, start.p, &extended.p[2]), TVI_OK);
     extended.p[2] = -extended.p[2];
@@ -84,19 +84,19 @@ START_TEST(passes_are_saved)
 }
 END_TEST
 
-/* Those of three bodies with a scale of their own cost more than the passes that they would save; with the automatic
- * scale, which itself costs more, they serve. */
+/* Second derivatives of three bodies with a scale of their own cost more than the passes that they would save; with the
+ * automatic scale, which itself costs more, they serve. */
 START_TEST(dear_ones_are_left)
 {
     tvi_system *one_body = rescaled_system(2, NULL, kepler, NULL);
-    ck_assert_ptr_nonnull(one_body->stepped->second_values);
+    ck_assert_ptr_nonnull(one_body->stepped->hessian_values);
     tvi_system_free(one_body);
     const scene *s = &hard_pythagorean.scene;
     tvi_system *rescaled = rescaled_system(s->n, s->mass, s->potential, hard_pythagorean.scale);
-    ck_assert_ptr_null(rescaled->stepped->second_values);
+    ck_assert_ptr_null(rescaled->stepped->hessian_values);
     tvi_system_free(rescaled);
     rescaled = rescaled_system(s->n, s->mass, s->potential, NULL);
-    ck_assert_ptr_nonnull(rescaled->stepped->second_values);
+    ck_assert_ptr_nonnull(rescaled->stepped->hessian_values);
     tvi_system_free(rescaled);
 }
 END_TEST

@@ -1,4 +1,4 @@
-/* test_refused.c - what is refused: systems, methods, and time scales that are none. */
+/* test_refused.c - Tests what is refused: systems, methods, and time scales that are none. */
 #include "problems/refusals.h"
 #include "rescaled.h"
 

@@ -1,4 +1,4 @@
-/* test_scale.c - the automatic time scale, against closed forms, other coordinates and other units. */
+/* test_scale.c - Tests the automatic time scale, against closed forms, other coordinates and other units. */
 #include "rescaled.h"
 
 #include <float.h>

@@ -1,5 +1,5 @@
-/* test_scenes.c - the scenes of bench/scenes/hard.h against their references; and explicit time: results, ends and
- * events at times of a run whose steps are in s, against steps of equal time. */
+/* test_scenes.c - Tests the scenes of bench/scenes/hard.h against their references; and explicit time: results, ends
+ * and events at times of a run whose steps are in s, against steps of equal time. */
 #include "hard.h"
 #include "rescaled.h"
 
@@ -12,7 +12,7 @@ typedef enum { OWN, AUTOMATIC, FIXED } kind_of_step;
 
 /* The error at the end, the largest of a coordinate, is between least and most. */
 static const struct {
-    const hard_scene *of;
+    const hard_scene *problem;
     kind_of_step kind;
     double h, least, most;
 } ends[] = {
@@ -35,15 +35,15 @@ static const struct {
 };
 enum { ENDS = sizeof ends / sizeof *ends };
 
-static run open_scene(const hard_scene *of, kind_of_step kind)
+static run open_scene(const hard_scene *problem, kind_of_step kind)
 {
-    const scene *s = &of->scene;
+    const scene *s = &problem->scene;
     state start = {0};
     tvi_system *system;
     memcpy(start.q, s->q, (size_t)s->n * sizeof *s->q);
     memcpy(start.p, s->p, (size_t)s->n * sizeof *s->p);
     if (kind == FIXED) ck_assert_int_eq(scene_system(s, &system), TVI_OK);
-    else system = rescaled_system(s->n, s->mass, s->potential, kind == OWN ? of->scale : NULL);
+    else system = rescaled_system(s->n, s->mass, s->potential, kind == OWN ? problem->scale : NULL);
     return open_run(system, NULL, 0, &start);
 }
 
@@ -54,8 +54,8 @@ static tvi_status run_to(run *r, double h, double t_end)
 
 START_TEST(references)
 {
-    const scene *s = &ends[_i].of->scene;
-    run r = open_scene(ends[_i].of, ends[_i].kind);
+    const scene *s = &ends[_i].problem->scene;
+    run r = open_scene(ends[_i].problem, ends[_i].kind);
     double error = 0;
     ck_assert_int_eq(run_to(&r, ends[_i].h, s->t_end), TVI_OK);
     for (int i = 0; i < s->n; i++) error = fmax(error, fabs(r.x.q[i] - s->reference[i]));
@@ -68,7 +68,7 @@ END_TEST
 
 static const double ACCURACY = 2e-14;
 
-/* Where Sitnikov's particle is at t, by short steps of equal time. */
+/* The position of Sitnikov's particle at t, by short steps of equal time. */
 static state sitnikov_at(double t)
 {
     run r = open_scene(&hard_sitnikov, FIXED);

@@ -1,5 +1,5 @@
-/* test_structure.c - a step in s is symplectic in (q, t) and (p, e), and nearly keeps K; the field without the terms
- * (H+e) has the same orbit, and its steps are not. */
+/* test_structure.c - Tests that a step in s is symplectic in (q, t) and (p, e), and nearly keeps K; the field without
+ * the terms (H+e) has the same orbit, and its steps are not. */
 #include "rescaled.h"
 #include "run/integrator.h"
 
@@ -148,7 +148,7 @@ START_TEST(e_has_no_roundoff)
         const state x = r.x;
         double H;
         ck_assert_int_eq(run_steps(&r, 0.1, 1), TVI_OK);
-        const tvi_run_state *now = &r.integrator->now;
+        const tvi_run_state *now = &r.integrator->state;
         const number e = (number)now->p[2] + now->p_low[2];
         const number exact = (number)x.p[1] * x.p[1] / 2 - 1 / (number)x.q[0];
         ck_assert_int_eq(tvi_energy(r.system, x.t, x.q, x.p, &H), TVI_OK);
@@ -169,7 +169,7 @@ static double energy_of(const run *r)
     return H;
 }
 
-/* Of 200 revolutions at e = 0.9, equal steps of s keep the energy as well in the second half as in the first; Taylor's
+/* In 200 revolutions at e = 0.9, equal steps of s keep the energy as well in the second half as in the first; Taylor's
  * method, of the same order, does not. */
 static double growth(const char *method, int order, double h, long steps)
 {

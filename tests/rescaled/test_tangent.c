@@ -1,4 +1,4 @@
-/* test_tangent.c - the tangent of the flow at equal time, of steps in s. */
+/* test_tangent.c - Tests the tangent of the flow at equal time, of steps in s. */
 #include "hard.h"
 #include "rescaled.h"
 

@@ -1,4 +1,5 @@
-/* test_times.c - results, ends and events at given times of a run whose steps are in s; and what a run goes on from. */
+/* test_times.c - Tests results, ends and events at given times of a run whose steps are in s; and what a run goes on
+ * from. */
 #include "rescaled.h"
 
 #include <float.h>
@@ -19,7 +20,7 @@ static double error_in_time(double t, const double q[], const double p[])
     return state_distance(2, &x, &exact) / hypot(exact.p[0], exact.p[1]);
 }
 
-/* What the steps do to the orbit in some revolutions; times are found to roundoff. */
+/* The effect of the steps on the orbit in some revolutions; times are found to roundoff. */
 static const double ACCURACY = 4e-14;
 
 typedef struct {

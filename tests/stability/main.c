@@ -1,4 +1,4 @@
-/* main.c - the hard cases of bench/stability. */
+/* main.c - Runs the suites on the hard cases of bench/stability. */
 #include "stability.h"
 #include "problems/run_suites.h"
 
@@ -44,7 +44,7 @@ bool is_finite(const hard_state *x)
 
 hard_pair pair_open(const hard_case *c, const hard_method *m, int max_passes)
 {
-    hard_pair pair = {.of = c};
+    hard_pair pair = {.problem = c};
     tvi_options options;
     ck_assert(hard_options(m, &options));
     options.max_passes = max_passes;

@@ -1,4 +1,4 @@
-/* stability.h - what the suites of the hard cases share. */
+/* stability.h - Declares what the suites of the hard cases share. */
 #ifndef TESTS_STABILITY_H
 #define TESTS_STABILITY_H
 
@@ -27,7 +27,7 @@ bool is_finite(const hard_state *x);
 
 /* The case's system and an integrator for it; ends the test where one cannot be made. max_passes 0 = the library's. */
 typedef struct {
-    const hard_case *of;
+    const hard_case *problem;
     tvi_system *system;
     tvi_integrator *integrator;
     char name[80];

@@ -1,5 +1,5 @@
-/* test_equilibria.c - small motions about equilibria, at the origin and away from it: the corrections of a step are
- * small beside roundoff of the positions, which the force is computed from, and no step is refused for that. */
+/* test_equilibria.c - Tests small motions about equilibria, at the origin and away from it: the corrections of a step
+ * are small beside roundoff of the positions, which the force is computed from, and no step is refused for that. */
 #include "problems/thorough.h"
 #include "stability.h"
 
@@ -284,7 +284,7 @@ static void displace(const equilibrium *e, double amplitude, double q[], double 
     for (int i = 0; i < e->n; i++) q[i] -= amplitude * (1 - 0.3 * (i % 5));
 }
 
-/* Of order 8 or more: what the method makes of the energy is below 1e-4 of that of the motion. */
+/* Methods of order 8 or more: their energy error is below 1e-4 of the energy of the motion. */
 static const hard_method other_methods[] = {
     {"tvi", 8, false},        {"start", 8, true},       {"end", 12, false},      {"midpoint", 8, false},
     {"midpoint", 20, false},  {"both-ends", 16, false}, {"both-ends", 8, false}, {"symmetric-tvi", 8, false},

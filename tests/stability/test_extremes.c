@@ -1,5 +1,5 @@
-/* test_extremes.c - short versions of the hard cases at steps that survive, and extremes: states of 1e-150 and 1e150,
- * steps of 1e-8, degree 40, masses 12 orders apart. */
+/* test_extremes.c - Tests short versions of the hard cases at steps that survive, and extremes: states of 1e-150 and
+ * 1e150, steps of 1e-8, degree 40, masses 12 orders apart. */
 #include "baselines/baseline.h"
 #include "stability.h"
 #include "stability/gauss_recorded.h"
@@ -11,7 +11,7 @@
 /* ---- Short runs -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
-    const hard_case *of;
+    const hard_case *problem;
     double t_end;
     long steps;
     double energy, position; /* errors at most; position 0: no reference */
@@ -44,7 +44,7 @@ START_TEST(hard_cases_run)
 {
     const short_run *row = &short_runs[_i / SHORT_METHODS];
     const hard_method *m = &short_methods[_i % SHORT_METHODS];
-    hard_case shorter = *row->of;
+    hard_case shorter = *row->problem;
     tvi_system *system;
     shorter.scene.t_end = row->t_end;
     ck_assert_int_eq(hard_system(&shorter, &system), TVI_OK);

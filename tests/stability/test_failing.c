@@ -1,6 +1,6 @@
-/* test_failing.c - every hard case with every method, driven past the largest step that can be made: the status names
- * the cause, the state is bit for bit what it was, the work was bounded, and the integrator goes on as if nothing had
- * been. */
+/* test_failing.c - Tests every hard case with every method, driven past the largest step that can be made: the status
+ * names the cause, the state is bit for bit what it was, the work was bounded, and the integrator goes on as if nothing
+ * had been. */
 #include "stability.h"
 
 #include <math.h>
@@ -32,7 +32,7 @@ static void expect_bounded_work(const hard_pair *pair, const tvi_stats *before)
     const long halves = options->compose_adjoint || at_nodes ? 2 : 1;
     const long curves = options->expansion == TVI_AT_BOTH_ENDS ? 2 : 1;
     const long passes = after->passes - before->passes, expansions = after->expansions - before->expansions;
-    const long residuals = max_passes + 3 * (2 * pair->of->scene.n + 1);
+    const long residuals = max_passes + 3 * (2 * pair->problem->scene.n + 1);
     ck_assert_msg(passes <= halves * max_passes, "%s: %ld passes", pair->name, passes);
     ck_assert_msg(expansions <= halves * (1 + curves * (1 + residuals)), "%s: %ld expansions", pair->name, expansions);
 }
@@ -57,8 +57,8 @@ static tvi_status try_step(const hard_pair *pair, double h, hard_state *x)
 /* The state after GOOD small steps from the start. */
 static hard_state run_up(const hard_pair *pair)
 {
-    hard_state x = start_of(pair->of);
-    for (int step = 0; step < GOOD; step++) ck_assert_int_eq(pair_step(pair, pair->of->h_least, &x), TVI_OK);
+    hard_state x = start_of(pair->problem);
+    for (int step = 0; step < GOOD; step++) ck_assert_int_eq(pair_step(pair, pair->problem->h_least, &x), TVI_OK);
     return x;
 }
 

@@ -1,5 +1,5 @@
-/* test_guard.c - steps that are too large are refused, and steps that are right are not: a ladder of steps, each step
- * beside one that is not looked at (docs/stability.md). */
+/* test_guard.c - Tests that steps that are too large are refused, and steps that are right are not: a ladder of steps,
+ * each step beside one that is not looked at (docs/stability.md). */
 #include "stability.h"
 #include "stability/ladder.h"
 
@@ -35,10 +35,10 @@ START_TEST(ladder)
         const ladder_counts rung = ladder_climb(c, m, c->period / steps, 60);
         ladder_add(&sum, &rung);
     }
-    if (!c->of->lagrangian) ck_assert_int_gt(sum.accepted, 70); /* which not all of them serve */
+    if (!c->problem->lagrangian) ck_assert_int_gt(sum.accepted, 70); /* which not all of them serve */
     ck_assert_msg(sum.wrong == 0, "%s, %s %d: %ld wrong, %.3f", c->title, m->name, m->order, sum.wrong, sum.most);
     ck_assert_msg(sum.right == 0, "%s, %s %d: %ld right", c->title, m->name, m->order, sum.right);
-    if (c->of == &kepler_99.scene) ck_assert_int_gt(sum.refused, 0); /* there are such steps */
+    if (c->problem == &kepler_99.scene) ck_assert_int_gt(sum.refused, 0); /* there are such steps */
 }
 END_TEST
 
@@ -100,7 +100,7 @@ static unsigned long refused_with_mass(const hard_method *m, double mass)
     return refused;
 }
 
-/* What is refused knows no unit of the energy. Masses are powers of two, so that all else is the same bit for bit, as
+/* The refusals depend on no unit of the energy. Masses are powers of two, so that all else is the same bit for bit, as
  * long as what runs off overflows with none of them. */
 START_TEST(masses_do_not_show)
 {
@@ -148,7 +148,7 @@ Suite *suite_guard(void)
     Suite *suite = suite_create("guard");
     TCase *tcase = tcase_create("guard");
     int cases = 0;
-    while (ladder_cases[cases].of) cases++;
+    while (ladder_cases[cases].problem) cases++;
     tcase_add_loop_test(tcase, ladder, 0, cases * CLIMBERS);
     tcase_add_test(tcase, options_of_the_guard);
     tcase_add_loop_test(tcase, masses_do_not_show, 0, CLIMBERS);

@@ -1,4 +1,4 @@
-/* test_limits.c - linear stability of the harmonic oscillator against closed forms. */
+/* test_limits.c - Tests linear stability of the harmonic oscillator against closed forms. */
 #include "stability.h"
 #include "stability/linear.h"
 

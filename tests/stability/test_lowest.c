@@ -1,5 +1,5 @@
-/* test_lowest.c - the lowest degree of every method, with many coordinates and a force that has a pole: nothing is read
- * of a series that such a curve has not evaluated. */
+/* test_lowest.c - Tests the lowest degree of every method, with many coordinates and a force that has a pole: nothing
+ * is read of a series that such a curve has not evaluated. */
 #include "stability.h"
 #include "method/list.h"
 #include "method/method.h"

@@ -1,4 +1,4 @@
-/* blas.c - the bits of a run whose equations are solved by LAPACK, of fewer and of more rows than DGETRF_BELOW
+/* blas.c - Prints the bits of a run whose equations are solved by LAPACK, of fewer and of more rows than DGETRF_BELOW
  * (src/algebra/linear.c): bodies whose Lagrangian does not separate, some steps. tests/blas_threads.sh compares what it
  * prints. */
 #include "tvi.h"

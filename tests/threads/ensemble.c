@@ -1,7 +1,7 @@
-/* ensemble.c - ensembles on three threads, under the thread sanitizer: steps, events, tangents, states, results the
- * same to the last bit as on one. The threads are POSIX threads in the place of OpenMP's, whose own library the
- * sanitizer does not see into: tvi_spread is linked with --wrap. */
-#include "run/spread.h"
+/* ensemble.c - Runs ensembles on three threads, under the thread sanitizer: steps, events, tangents, states, results
+ * the same to the last bit as on one. The threads are POSIX threads in the place of OpenMP's, whose own library the
+ * sanitizer does not see into: tvi_parallel_for is linked with --wrap. */
+#include "run/parallel_for.h"
 #include "tvi.h"
 
 #include <pthread.h>
@@ -12,38 +12,40 @@
 
 enum { MEMBERS = 50, N = 2, ROWS = 2 * N, STEPS = 20, MOST = 3 };
 
-/* ---- tvi_spread -------------------------------------------------------------------------------------------------- */
+/* ---- tvi_parallel_for
+ * -------------------------------------------------------------------------------------------------- */
 
 typedef struct {
     atomic_int next;
     int count;
-    tvi_spread_work *work;
+    tvi_parallel_body *work;
     void *ctx;
 } shared;
 
 typedef struct {
-    shared *of;
+    shared *shared_work;
     int thread;
 } hand;
 
 static void *take_turns(void *ctx)
 {
     const hand *h = ctx;
-    for (int i; (i = atomic_fetch_add_explicit(&h->of->next, 1, memory_order_relaxed)) < h->of->count;)
-        h->of->work(h->of->ctx, h->thread, i);
+    for (int i;
+         (i = atomic_fetch_add_explicit(&h->shared_work->next, 1, memory_order_relaxed)) < h->shared_work->count;)
+        h->shared_work->work(h->shared_work->ctx, h->thread, i);
     return NULL;
 }
 
 static int most_threads; /* at once */
 
-void __wrap_tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx);
-void __wrap_tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx)
+void __wrap_tvi_parallel_for(int threads, int count, tvi_parallel_body *work, void *ctx);
+void __wrap_tvi_parallel_for(int threads, int count, tvi_parallel_body *work, void *ctx)
 {
-    shared of = {.count = count, .work = work, .ctx = ctx};
+    shared shared_work = {.count = count, .work = work, .ctx = ctx};
     pthread_t thread[MOST];
     hand hands[MOST];
     for (int i = 0; i < threads; i++) {
-        hands[i] = (hand){&of, i};
+        hands[i] = (hand){&shared_work, i};
         if (pthread_create(&thread[i], NULL, take_turns, &hands[i]) != 0) abort();
     }
     for (int i = 0; i < threads; i++) pthread_join(thread[i], NULL);

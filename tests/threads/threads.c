@@ -1,5 +1,5 @@
-/* threads.c - two threads make ten thousand integrators one after another on one shared system, take steps with them
- * and ask the system itself. Run under the thread sanitizer; every result is the same to the last bit. */
+/* threads.c - Tests that two threads make ten thousand integrators one after another on one shared system, take steps
+ * with them and ask the system itself. Run under the thread sanitizer; every result is the same to the last bit. */
 #include "tvi.h"
 
 #include <pthread.h>

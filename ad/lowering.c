@@ -1,6 +1,7 @@
-/* place.c - drops what no output needs, orders the rest by levels, and gives equal operations adjacent slots. */
+/* lowering.c - Gives the nodes of a graph their slots on a tape. It drops nodes that no output needs, orders the others
+ * by levels, and gives equal operations adjacent slots. */
 #include "devices.h"
-#include "place.h"
+#include "lowering.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -9,8 +10,8 @@ static int max(int a, int b) { return a > b ? a : b; }
 
 /* ---- What is needed ---------------------------------------------------------------------------------------------- */
 
-/* Marks all that the outputs depend on; partners may have been recorded after the nodes that need them, so repeat until
- * nothing new is found. */
+/* Marks all nodes that the outputs depend on. Partners may have been recorded after the nodes that need them, so the
+ * walk is repeated until it finds nothing new. */
 static void mark_needed(lowering *low, int inputs, int outputs, const jet output[])
 {
     for (int i = 0; i < inputs; i++) low->needed[i] = true;
@@ -61,23 +62,23 @@ static jet_op operation(const lowering *low, const struct jet_node *z)
 }
 
 /* The operand of a pair that is read at the order being computed; NULL: none. */
-static const struct jet_node *operand_of(const lowering *low, const place *z, int pair, int which)
+static const struct jet_node *operand_of(const lowering *low, const placement *z, int pair, int which)
 {
     const struct jet_node *read = term_of(z, pair).node;
     if (which == 0 || (read->op == OP_SQR && z->op == OP_PRODUCTS)) return read->a;
     return reads_partner(low, read) ? read->w : read->b;
 }
 
-/* The operations of the needed nodes; the products that become part of a sum are no longer needed. */
+/* Chooses the operations of the needed nodes. Products that become part of a sum are no longer needed. */
 static void choose_operations(lowering *low, int outputs, const jet output[])
 {
     count_uses(low, outputs, output);
     for (int i = 0; i < low->count; i++) {
         if (!low->needed[i]) continue;
-        place *z = &low->places[i];
+        placement *z = &low->placements[i];
         z->node = jet_graph_node(low->graph, i);
         z->op = operation(low, z->node);
-        z->turn = z->slot = -1;
+        z->rank = z->slot = -1;
         z->operand = low->operands + low->pairs;
         if (is_sum_of_products(z->op)) z->pairs = z->node->op == OP_LINEAR ? z->node->count : 1;
         else z->pairs = jet_rules[z->op] ? 1 : 0;
@@ -86,21 +87,21 @@ static void choose_operations(lowering *low, int outputs, const jet output[])
         for (int term = 0; term < z->node->count; term++) low->needed[z->node->terms[term].node->index] = false;
     }
     memset(low->uses, 0, (size_t)low->count * sizeof *low->uses);
-    for (int i = outputs; i-- > 0;) low->places[output[i].node->index].output = i + 1;
+    for (int i = outputs; i-- > 0;) low->placements[output[i].node->index].output = i + 1;
 }
 
 /* ---- The order --------------------------------------------------------------------------------------------------- */
 
 static int level_of(const lowering *low, const struct jet_node *node)
 {
-    return node ? low->places[node->index].level : 0;
+    return node ? low->placements[node->index].level : 0;
 }
 
 static void find_levels(lowering *low)
 {
     for (int i = 0; i < low->count; i++) {
         if (!low->needed[i]) continue;
-        place *z = &low->places[i];
+        placement *z = &low->placements[i];
         for (int pair = 0; pair < z->pairs; pair++)
             for (int which = 0; which < 2; which++)
                 z->level = max(z->level, level_of(low, operand_of(low, z, pair, which)) + 1);
@@ -113,29 +114,30 @@ static void find_levels(lowering *low)
 
 static int by_level(const void *first, const void *second)
 {
-    const place *x = *(place *const *)first, *y = *(place *const *)second;
+    const placement *x = *(placement *const *)first, *y = *(placement *const *)second;
     return x->level != y->level ? x->level - y->level : x->node->index - y->node->index;
 }
 
-static void claim(const lowering *low, const struct jet_node *node, int turn)
+static void claim(const lowering *low, const struct jet_node *node, int rank)
 {
-    if (node && low->places[node->index].turn < 0) low->places[node->index].turn = turn;
+    if (node && low->placements[node->index].rank < 0) low->placements[node->index].rank = rank;
 }
 
-/* Of operations on two operands: how often one of these was read before at the level. Of others: that of the first such
- * reader, or the place among the terms of the first sum that reads it. As where x, y and z of the distances of many
- * pairs are squared and summed, and each is multiplied by one function of the pair: the x come first, then the y, and
- * each turn reads adjacent slots. */
-static void find_turns(lowering *low, place *level[], int count)
+/* Ranks the operations of a level. The rank of an operation on two operands is how often one of these was read before
+ * at the level. The rank of any other is that of the first such reader, or its place among the terms of the first sum
+ * that reads it. As an example, x, y and z of the distances of many pairs are squared and summed, and each is
+ * multiplied by one function of the pair: the x come first, then the y, and the operations of one rank read adjacent
+ * slots. */
+static void rank_operations(lowering *low, placement *level[], int count)
 {
     for (int i = 0; i < count; i++) {
-        place *z = level[i];
+        placement *z = level[i];
         for (int pair = 0; pair < z->pairs; pair++) {
             const struct jet_node *a = operand_of(low, z, pair, 0), *b = operand_of(low, z, pair, 1);
-            if (b) z->turn = max(z->turn, max(low->uses[a->index]++, low->uses[b->index]++));
+            if (b) z->rank = max(z->rank, max(low->uses[a->index]++, low->uses[b->index]++));
             if (!b && z->pairs == 1) continue;
-            claim(low, a, z->pairs > 1 ? pair : z->turn);
-            claim(low, b, z->pairs > 1 ? pair : z->turn);
+            claim(low, a, z->pairs > 1 ? pair : z->rank);
+            claim(low, b, z->pairs > 1 ? pair : z->rank);
         }
     }
     for (int i = 0; i < count; i++)
@@ -148,7 +150,7 @@ static void find_turns(lowering *low, place *level[], int count)
 
 static int compare(double a, double b) { return (a > b) - (a < b); }
 
-static int compare_coefficients(const place *x, const place *y)
+static int compare_coefficients(const placement *x, const placement *y)
 {
     for (int pair = 0; pair < x->pairs; pair++) {
         const int order = compare(term_of(x, pair).coefficient, term_of(y, pair).coefficient);
@@ -157,8 +159,8 @@ static int compare_coefficients(const place *x, const place *y)
     return 0;
 }
 
-/* Whether two nodes of a level can be members of one run. */
-static int by_group(const place *x, const place *y)
+/* Compares two nodes of a level: 0 if they can be members of one run. */
+static int by_group(const placement *x, const placement *y)
 {
     if (x->op != y->op) return (int)x->op - (int)y->op;
     if (x->pairs == 0) return x->node->count - y->node->count; /* sums of equally many terms stand together */
@@ -166,14 +168,15 @@ static int by_group(const place *x, const place *y)
     return jet_rules[x->node->op] ? compare(x->node->number, y->node->number) : compare_coefficients(x, y);
 }
 
-/* Within a level by group and turn, and within that by the slots of the operands, so that adjacent results have
- * adjacent operands: by a first, or by b first. Sums that are outputs stand in the order of these, behind others. */
+/* Orders nodes of a level by group and rank, and then by the slots of the operands, so that adjacent results have
+ * adjacent operands: by a first, or by b first. Sums that are outputs stand in the order of the outputs, after
+ * others. */
 static int by_first_operand(const void *first, const void *second)
 {
-    const place *x = *(place *const *)first, *y = *(place *const *)second;
+    const placement *x = *(placement *const *)first, *y = *(placement *const *)second;
     const int group = by_group(x, y);
     if (group) return group;
-    if (x->level > 0 && x->turn != y->turn) return x->turn - y->turn;
+    if (x->level > 0 && x->rank != y->rank) return x->rank - y->rank;
     if (x->pairs == 0)
         return x->level > 0 && x->output != y->output ? x->output - y->output : x->node->index - y->node->index;
     const int *of_x = x->operand[0], *of_y = y->operand[0];
@@ -183,18 +186,18 @@ static int by_first_operand(const void *first, const void *second)
 
 static int by_second_operand(const void *first, const void *second)
 {
-    const place *x = *(place *const *)first, *y = *(place *const *)second;
+    const placement *x = *(placement *const *)first, *y = *(placement *const *)second;
     const int difference = x->operand[0][1] - y->operand[0][1];
     return difference ? difference : by_first_operand(first, second);
 }
 
-static void emit(lowering *low, place *z)
+static void emit(lowering *low, placement *z)
 {
     z->slot = low->slots;
     low->sorted[low->slots++] = z;
 }
 
-static bool is_contiguous(const lowering *low, place *const group[], int count, int pair, int which)
+static bool is_contiguous(const lowering *low, placement *const group[], int count, int pair, int which)
 {
     if (!operand_of(low, group[0], pair, which)) return true;
     for (int i = 1; i < count; i++)
@@ -202,10 +205,10 @@ static bool is_contiguous(const lowering *low, place *const group[], int count, 
     return true;
 }
 
-static bool is_contiguous_in_turns(const lowering *low, place *const group[], int count, int *turns)
+static bool is_contiguous_by_rank(const lowering *low, placement *const group[], int count, int *ranks)
 {
-    for (int begin = 0, end = 0; begin < count; begin = end, ++*turns) {
-        while (end < count && group[end]->turn == group[begin]->turn) end++;
+    for (int begin = 0, end = 0; begin < count; begin = end, ++*ranks) {
+        while (end < count && group[end]->rank == group[begin]->rank) end++;
         for (int pair = 0; pair < group[0]->pairs; pair++)
             for (int which = 0; which < 2; which++)
                 if (!is_contiguous(low, group + begin, end - begin, pair, which)) return false;
@@ -214,44 +217,44 @@ static bool is_contiguous_in_turns(const lowering *low, place *const group[], in
 }
 
 /* Copies an operand that the members read at scattered slots to adjacent ones, so that they run as one. */
-static void gather(lowering *low, place *group[], int count, int pair, int which)
+static void gather(lowering *low, placement *group[], int count, int pair, int which)
 {
     if (is_contiguous(low, group, count, pair, which)) return;
     for (int i = 0; i < count; i++) {
-        place *copy = &low->places[low->count + low->copies++];
-        *copy = (place){.op = OP_LINEAR, .level = group[i]->level, .operand = low->operands + low->pairs++};
+        placement *copy = &low->placements[low->count + low->copies++];
+        *copy = (placement){.op = OP_LINEAR, .level = group[i]->level, .operand = low->operands + low->pairs++};
         copy->operand[0][0] = group[i]->operand[pair][which];
         emit(low, copy);
         group[i]->operand[pair][which] = copy->slot;
     }
 }
 
-/* The operands of a group: turn by turn where that will do, else sorted by the one that is then contiguous, the others
- * gathered. Values read them where they are, unless turns have so many members. */
+/* Arranges the operands of a group: by rank if that makes them contiguous, otherwise sorted by one operand, with the
+ * others copied. Tapes of values read the operands where they are, unless ranks have at least SHORT members. */
 enum { SHORT = 4 };
-static void gather_operands(lowering *low, place *group[], int count)
+static void gather_operands(lowering *low, placement *group[], int count)
 {
-    int turns = 0;
-    const bool in_turns = is_contiguous_in_turns(low, group, count, &turns);
+    int ranks = 0;
+    const bool by_rank = is_contiguous_by_rank(low, group, count, &ranks);
     const bool is_scattered = JET_HAS(SCATTERED) && low->kind == JET_TAPE_VALUES && is_sum_of_products(group[0]->op) &&
-                              (!in_turns || count < SHORT * turns);
+                              (!by_rank || count < SHORT * ranks);
     for (int i = 0; i < count; i++) group[i]->is_scattered = is_scattered;
-    if (in_turns || is_scattered) return;
+    if (by_rank || is_scattered) return;
     if (!is_contiguous(low, group, count, 0, 0) && !is_contiguous(low, group, count, 0, 1))
         qsort(group, (size_t)count, sizeof *group, by_second_operand);
     for (int pair = 0; pair < group[0]->pairs; pair++)
         for (int which = 0; which < 2; which++) gather(low, group, count, pair, which);
 }
 
-static int group_end(place *const level[], int begin, int end)
+static int group_end(placement *const level[], int begin, int end)
 {
     int last = begin + 1;
     while (last < end && by_group(level[begin], level[last]) == 0) last++;
     return last;
 }
 
-/* Slots of a level: sums and copies first, then the other operations group by group. */
-static void emit_level(lowering *low, place *level[], int count)
+/* Assigns the slots of a level: sums and copies first, then the other operations group by group. */
+static void emit_level(lowering *low, placement *level[], int count)
 {
     for (int i = 0; i < count; i++)
         for (int pair = 0; pair < level[i]->pairs; pair++)
@@ -268,7 +271,7 @@ static void emit_level(lowering *low, place *level[], int count)
         if (level[i]->pairs > 0) emit(low, level[i]);
 }
 
-static void for_levels(lowering *low, void (*function)(lowering *low, place *level[], int count))
+static void for_levels(lowering *low, void (*function)(lowering *low, placement *level[], int count))
 {
     for (int begin = 0, end = 0; begin < low->needed_count; begin = end) {
         while (end < low->needed_count && low->levels[end]->level == low->levels[begin]->level) end++;
@@ -276,15 +279,15 @@ static void for_levels(lowering *low, void (*function)(lowering *low, place *lev
     }
 }
 
-/* Level by level, since the order within one depends on the slots of those below. */
+/* Assigns slots level by level, since the order within a level depends on the slots of those below. */
 static void assign_slots(lowering *low)
 {
     qsort(low->levels, (size_t)low->needed_count, sizeof *low->levels, by_level);
-    for_levels(low, find_turns);
+    for_levels(low, rank_operations);
     for_levels(low, emit_level);
 }
 
-void jet_place_nodes(lowering *low, int inputs, int outputs, const jet output[])
+void jet_assign_slots(lowering *low, int inputs, int outputs, const jet output[])
 {
     mark_needed(low, inputs, outputs, output);
     choose_operations(low, outputs, output);

@@ -1,12 +1,12 @@
-/* spread.c - the one file that knows of OpenMP. Without it one thread does all. */
-#include "run/spread.h"
+/* parallel_for.c - Runs loops in threads by OpenMP; without OpenMP one thread does all. No other file uses OpenMP. */
+#include "run/parallel_for.h"
 
 #ifdef _OPENMP
 #include <omp.h>
 #include <pthread.h>
 #include <stdlib.h>
 
-int tvi_spread_threads(void) { return omp_get_max_threads(); }
+int tvi_parallel_threads(void) { return omp_get_max_threads(); }
 
 static void *wait_for(void *gate)
 {
@@ -15,7 +15,7 @@ static void *wait_for(void *gate)
     return NULL;
 }
 
-bool tvi_spread_can_start(int threads)
+bool tvi_parallel_can_start(int threads)
 {
     pthread_mutex_t gate = PTHREAD_MUTEX_INITIALIZER;
     const int others = threads - 1;
@@ -31,7 +31,7 @@ bool tvi_spread_can_start(int threads)
     return started == others;
 }
 
-void tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx)
+void tvi_parallel_for(int threads, int count, tvi_parallel_body *work, void *ctx)
 {
 #pragma omp parallel for schedule(guided) num_threads(threads) if (threads > 1)
     for (int i = 0; i < count; i++) work(ctx, omp_get_thread_num(), i);
@@ -39,11 +39,11 @@ void tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx)
 
 #else
 
-int tvi_spread_threads(void) { return 1; }
+int tvi_parallel_threads(void) { return 1; }
 
-bool tvi_spread_can_start(int threads) { return threads > 0; }
+bool tvi_parallel_can_start(int threads) { return threads > 0; }
 
-void tvi_spread(int threads, int count, tvi_spread_work *work, void *ctx)
+void tvi_parallel_for(int threads, int count, tvi_parallel_body *work, void *ctx)
 {
     (void)threads;
     for (int i = 0; i < count; i++) work(ctx, 0, i);
