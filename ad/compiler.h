@@ -1,4 +1,4 @@
-/* compiler.h - what is asked of the compilers, gcc and clang, each with its reason: attributes, pragmas, built-in
+/* compiler.h - Holds what is asked of the compilers, gcc and clang, each with its reason: attributes, pragmas, built-in
  * functions and barriers stand here, and nowhere else in ad/ and src/ but for OpenMP's and what isa.c asks. None
  * changes what is computed, but for the last bits where sums become vectors. Generated code begins with this text. */
 #ifndef TVI_AD_COMPILER_H
@@ -6,7 +6,8 @@
 
 #include "devices.h"
 
-/* Of the text of all rules a file of generated code needs some; and slots of jets leave out braces and initialisers. */
+/* A file of generated code needs only some of the text of all rules, and slots of jets leave out braces and
+ * initialisers. */
 #ifdef JET_EMITTED
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-const-variable"
@@ -19,7 +20,7 @@
 /* Compilers inline by size alone: of a function with many constants for arguments little is left. */
 #define JET_INLINE static inline __attribute__((always_inline))
 
-/* What is seldom called, or is large, costs its caller the registers that it takes. */
+/* A function that is seldom called, or is large, costs its caller the registers that it takes. */
 #define JET_APART static __attribute__((noinline, unused))
 
 /* The arguments of a text are compared with it, the first of them being number `from`, 0 for a va_list. */
@@ -32,7 +33,7 @@
 
 /* ---- Vectors ----------------------------------------------------------------------------------------------------- */
 
-/* Of so many numbers, anywhere in an array of them: aligned as one of them, and as an alias of any of them. */
+/* A vector of `count` numbers anywhere in an array: aligned as one of them, and an alias of any of them. */
 #define JET_VECTOR(type, count) __attribute__((vector_size((count) * sizeof(type)), aligned(sizeof(type)), may_alias))
 
 /* The same as an argument of a function: a register. */
@@ -99,8 +100,8 @@
 #define JET_LEAVE_REGISTERS(array) ((void)(array))
 #else
 
-/* Of each number that a loop sets, where it is one of a few that were just stored in parts: a vector of them would wait
- * until the parts are in the cache. Generated code with vectors of eight has not stored them in parts. */
+/* Stores each number of a short loop by itself. A vector load would otherwise wait for numbers that were just stored in
+ * parts. Generated code with vectors of eight has not stored them in parts. */
 #if defined(JET_EMITTED) && defined(__AVX512F__)
 #define JET_SINGLY(count, number) ((void)(count), (void)(number))
 #else

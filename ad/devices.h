@@ -12,13 +12,13 @@
 #define JET_DEVICE_SCATTERED 8   /* products read operands where they are: place.c */
 #define JET_DEVICE_ROOTS     16  /* a^(-3/2) from an estimate, with AVX-512: roots.h */
 #define JET_DEVICE_SPLIT     32  /* generated code has operations alone: tape_split.c, asked for in emit.c */
-#define JET_DEVICE_TWINS     64  /* and two neighbours in one vector: sum_products.c, asked for in emit.c */
+#define JET_DEVICE_PAIRS     64  /* and two neighbours in one vector: sum_products.c, asked for in emit.c */
 #define JET_DEVICE_UNROLL    128 /* and orders of a series as constants: emit.c */
 #define JET_DEVICE_FRESH     256 /* and no 0 added to: emit_adjoints.c */
 #define JET_DEVICE_BARRIERS  512 /* for the compiler, which does not know what waits for stores: compiler.h */
 
 /* Generated code is told in its first line (emit.c) of those that its text itself has. */
-#define JET_DEVICES_OF_TEXT (JET_DEVICE_ROOTS | JET_DEVICE_TWINS | JET_DEVICE_BARRIERS)
+#define JET_DEVICES_OF_TEXT (JET_DEVICE_ROOTS | JET_DEVICE_PAIRS | JET_DEVICE_BARRIERS)
 #ifdef JET_EMITTED
 #elif defined TVI_PLAIN
 #define JET_WITHOUT (~0)

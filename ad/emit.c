@@ -128,7 +128,7 @@ static bool are_paired(const jet_tape *tape, const jet_run *run, const jet_run *
 /* Tells whether two paired products begin here. In a longer series, every two make a pair. */
 static bool begins_paired(const jet_tape *tape, const jet_run *run)
 {
-    return JET_HAS(TWINS) && run >= tape->run && run + 1 < tape->run + tape->runs && are_paired(tape, run, run + 1) &&
+    return JET_HAS(PAIRS) && run >= tape->run && run + 1 < tape->run + tape->runs && are_paired(tape, run, run + 1) &&
            !begins_paired(tape, run - 1);
 }
 

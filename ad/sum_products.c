@@ -125,7 +125,7 @@ void jet_product_values(const jet_tape *tape, const jet_run *run, double *x, int
 /* Tells whether a sum of two squares is of adjacent numbers with the same coefficient, which are one vector. */
 JET_INLINE bool are_neighbours(const products *p, int count, int terms)
 {
-    return JET_HAS(TWINS) && terms == 2 && count == 1 && p->a[1] == p->a[0] + 1 && p->c[0] == p->c[1];
+    return JET_HAS(PAIRS) && terms == 2 && count == 1 && p->a[1] == p->a[0] + 1 && p->c[0] == p->c[1];
 }
 
 JET_INLINE void squares_of_neighbours(products p, double *z, size_t stride, int k)

@@ -1,5 +1,5 @@
-/* tvi.c - runs the default method of this library, from the tape and with generated code. Where steps have to adapt
- * they are those of tvi_system_rescaled. */
+/* tvi.c - runs the default method of this library, from the tape and with generated code. Steps that have
+ * to adapt are those of tvi_system_rescaled. */
 #include "peer.h"
 #include "scenes/hard.h"
 

@@ -1,3 +1,4 @@
+/* planets.c - The Sun and eight planets, the scene of bench/peers. */
 #include "references.h"
 #include "scene.h"
 #include "tvi_bodies.h"

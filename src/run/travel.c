@@ -96,7 +96,7 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
     return status;
 }
 
-/* own: room for the history. Where it fails all is as it was. */
+/* own: room for the history. If it fails, all is as it was. */
 static tvi_status adopt_alone(tvi_integrator *it, const tvi_state_text *x, char *own)
 {
     const size_t bytes = (size_t)x->parameters * sizeof *x->value;

@@ -85,7 +85,7 @@ static void differences(const tvi_orbit *one, const tvi_orbit *other, double mu,
     if (isfinite(period)) d[5] = fabs(remainder(d[5], period));
 }
 
-/* What a change of one part in one of x, and of v, adds to each element, by differences. */
+/* Finds by differences what a change of one part in one of x, and of v, adds to each element. */
 static void sensitivities(const tvi_orbit *o, double mu, const double x[3], const double v[3], double of[2][ELEMENTS])
 {
     static const double PART = 0x1p-26;

@@ -36,7 +36,7 @@ static void read_alone(alone *a, const char *text)
     OK(tvi_state_from_text(a->integrator, text, strlen(text), &a->t, a->q, a->p));
 }
 
-/* What an integrator of its own parameters reads it as, and goes on to; where it wrote it, it is written again. */
+/* Has an integrator of its own read the text and go on from there. The integrator writes the text that it read. */
 static alone read_by(const tvi_system *system, const tvi_options *options, const char *text)
 {
     alone a = start_alone(system, options, 99);
@@ -251,7 +251,7 @@ static jet attraction(const jet q[], jet t, void *ctx)
     return jet_neg(jet_mul(jet_parameter(q[0], 0, 1), jet_pow(jet_dot(q, q, 3), -0.5)));
 }
 
-/* Where H has no value, a rescaled system refuses the state, and its own and its parameters stay. */
+/* A rescaled system refuses a state at which H has no value, and keeps its own state and parameters. */
 START_TEST(others_are_refused)
 {
     tvi_system *system = system_of(&forms[0]), *base, *rescaled;
