@@ -44,9 +44,9 @@
 
 /* The two numbers of x in turn. gcc 11 has not clang's name. */
 #ifdef __clang__
-#define JET_TURNED(x) ((jet_v2)__builtin_shufflevector(x, x, 1, 0))
+#define JET_SWAPPED(x) ((jet_v2)__builtin_shufflevector(x, x, 1, 0))
 #else
-#define JET_TURNED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
+#define JET_SWAPPED(x) ((jet_v2)__builtin_shuffle(x, (JET_MASK(jet_v2)){1, 0}))
 #endif
 
 /* a b + c of numbers, one operation where the processor has it; a call of the mathematical library elsewhere. */

@@ -231,10 +231,10 @@ typedef struct galerkin_loops {
     /* Does what `move` does, with L_j = weight_j F_j + changes[u][j], rounded once. */
     double (*move_both)(const galerkin_nodes *nodes, const double *matrix, const double *rates, const double *changes,
                         const int slot[]);
-    /* Computes the changes of impulses, [unknowns][lanes], by a movement and by the rounds that follow it (rounds.h).
-     * The rounds end when the square of the next movement is expected to be at most `least`, or the error of the first
-     * order. The changes are 0 if the movements do not shrink. moved is that of the pass whose second derivatives serve
-     * again, unless they are new. */
+    /* Computes the changes of impulses, [unknowns][lanes], by a movement and by the rounds that follow it
+     * (kernel_rounds.h). The rounds end when the square of the next movement is expected to be at most `least`, or the
+     * error of the first order. The changes are 0 if the movements do not shrink. `moved` belongs to the pass whose
+     * second derivatives serve again, unless they are new. */
     void (*run_rounds)(const galerkin_nodes *nodes, const lanes_rounds *rounds, const double *rates, const int slot[],
                        bool is_new, double moved, double least, double *changes);
     void (*evaluate)(const galerkin_evaluation *places, const double *table, const double *impulses, double *out);
