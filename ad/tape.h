@@ -27,7 +27,7 @@ typedef struct {
     jet_op op;
     int count, z, a, b, w;
     double c;         /* the number of the node */
-    bool has_numbers; /* LINEAR: not all numbers are 0 */
+    bool has_numbers; /* LINEAR: some constant term is not 0 */
     int first, terms, term;
     bool is_scattered;
     int together; /* how many runs from here on are computed together; otherwise 1 */

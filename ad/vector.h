@@ -1,6 +1,6 @@
-/* vector.h - Defines the frame of a rule. Its body is written once for a vector type V. It runs over a run's numbers in
- * blocks of the machine's vectors, then of shorter ones, down to single numbers. Sums stay in registers over all orders
- * j.
+/* vector.h - Defines the loops around the recurrence of an operation, which is a rule. The recurrence is written once
+ * for a vector type V. The loops take the numbers of a run (adjacent slots of one operation) in blocks of the machine's
+ * vectors, then of shorter ones, down to single numbers. Sums stay in registers over all orders j.
  *
  * The rules and the sweeps are compiled once for each instruction set, JET_ISA (base, avx2, avx512); jet_sweeps_choose
  * (isa.c) picks the set at run time. Vector types are an extension of gcc and clang. */

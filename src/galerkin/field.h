@@ -36,7 +36,7 @@ typedef struct {
 } galerkin_field;
 
 struct galerkin_form {
-    int force_sign;              /* P' is this times the rate of P */
+    int force_sign;              /* 1 or -1: what the tape gives for P is multiplied by it to get P' */
     const tvi_passes_rule *rule; /* for a movement's part in one unknown at one node */
     void (*take)(galerkin_field *field, tvi_arena *arena);
     /* Prepares the form, once the matrix is there. */

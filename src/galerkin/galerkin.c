@@ -265,7 +265,7 @@ static void remember(galerkin_history *last, double h, const galerkin_outcome *t
 typedef void make_steps(galerkin *w, const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
                         galerkin_outcome *to, tvi_stats *stats);
 
-/* Makes steps of the field's size. The first one is predicted from earlier steps, or from the state alone. */
+/* Makes steps of size field->h. The first one is predicted from earlier steps, or from the state alone. */
 static galerkin_outcome make(galerkin *w, make_steps *by, bool follows, const tvi_step_run *row,
                              const tvi_origin *origin, const tvi_run_state *now, tvi_stats *stats)
 {

@@ -1,4 +1,5 @@
-/* generated_plain.h - Makes generated steps of a system whose passes know the field alone (field.c). */
+/* generated_plain.h - Defines the generated step of a system whose passes evaluate the force alone, and no second
+ * derivatives (field.c). */
 #ifndef TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 #define TVI_SRC_GALERKIN_GENERATED_PLAIN_H
 

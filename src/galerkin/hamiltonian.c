@@ -85,8 +85,8 @@ static int add_rows(const galerkin_field *field, const galerkin_model *model, bo
 }
 
 /* Adds the indices for the groups of rows from `first` to `end`. Returns the end of the list. */
-static int *add_indices(const galerkin_field *field, const galerkin_model *model, const lanes_rounds *rounds, int first,
-                        int end, int *index)
+static int *append_indices(const galerkin_field *field, const galerkin_model *model, const lanes_rounds *rounds,
+                           int first, int end, int *index)
 {
     for (int group; first < end; first += group) {
         group = lanes_group(end - first);
@@ -105,8 +105,8 @@ static void set_rounds(const galerkin_field *field, const hamiltonian *w, lanes_
     rounds->rows = add_rows(field, model, false, rounds->moving, w->unknown);
     rounds->hessian = model->blocks.hessian;
     for (int i = 0; i < field->nodes.lanes * field->nodes.lanes; i++) rounds->matrix[i] = (float)field->matrix[i];
-    int *index = add_indices(field, model, rounds, 0, rounds->moving, w->index);
-    (void)add_indices(field, model, rounds, rounds->moving, rounds->rows, index);
+    int *index = append_indices(field, model, rounds, 0, rounds->moving, w->index);
+    (void)append_indices(field, model, rounds, rounds->moving, rounds->rows, index);
 }
 
 static void prepare(galerkin_field *field)

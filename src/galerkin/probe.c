@@ -1,5 +1,6 @@
-/* probe.c - Defines the rules of the passes, and measures the roundoff of a pass. As an example, a force at a position
- * of size 1 gives the momenta of a small motion no more digits than the force has. */
+/* probe.c - Defines when the passes of a Galerkin step may end (algebra/passes.h), and measures the roundoff of a pass,
+ * which passes cannot go below. For a small motion about a position of size 1 that is more than the roundoff of its
+ * momenta: they have no more digits than the force at this position. */
 #include "galerkin/probe.h"
 #include "method/passes_rule.h"
 

@@ -21,7 +21,7 @@ static const char *first_of(size_t count, const contradiction list[])
 }
 
 /* The reason why the plan has no mode, or NULL. */
-static const char *misfit_of_ways(const tvi_run_plan *plan)
+static const char *conflict_of_modes(const tvi_run_plan *plan)
 {
     const bool by_tolerance = plan->tolerance != 0, to_times = plan->time_count != 0, in_steps = plan->steps != 0;
     const contradiction list[] = {
@@ -60,7 +60,7 @@ static const char *misfit_of_members(const tvi_run_plan *plan)
 
 tvi_status tvi_plan_check(const tvi_integrator *it, const tvi_run_plan *plan)
 {
-    const char *reason = plan ? misfit_of_ways(plan) : "plan is NULL";
+    const char *reason = plan ? conflict_of_modes(plan) : "plan is NULL";
     if (!reason) reason = misfit_of_members(plan);
     if (reason) return jet_refuse(TVI_EINVAL, "%s", reason);
     if (!tvi_events_fit(it, plan->events, plan->event_count)) return TVI_EINVAL;

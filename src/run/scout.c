@@ -11,8 +11,8 @@
 
 /* A step with a larger tail is undone. */
 static const double MOST_TAIL = 0.03;
-/* Factors of the step size: after a first step that fails, and after another one that fails; the most after one that
- * succeeds; and the least and the most that its tail may say. */
+/* Factors of the step size: after a first step that fails, and after another one that fails; the largest factor after a
+ * step that succeeds; and the bounds of the factor that its tail asks for. */
 static const double FIRST_FAILS = 0.125, FAILS = 0.6, GROWS = 1.6, LEAST = 0.4, MOST = 8;
 /* A later position is the hardest one only if its scale is smaller by this factor. */
 static const double MUCH_HARDER = 0.9;

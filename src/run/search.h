@@ -30,7 +30,7 @@ typedef struct {
     bool was_reported;
     /* The step begins on the event. g[0] then has the sign with which g leaves 0, and no meaningful size. */
     bool leaves;
-    double left_at; /* theta, from which on g has that sign */
+    double left_at; /* theta from which on g has the sign with which it leaves 0 */
 } tvi_watch;
 
 /* The state that a run begins with: the integrator's own, that of its last stop except for p, or any other. */

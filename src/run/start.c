@@ -24,14 +24,14 @@ static const double FIRST = 0x1p-200, FIRST_IN_S = 0x1p-60, LEAST = 0x1p-52, FAR
 
 static int sign_of(double g) { return (g > 0) - (g < 0); }
 
-static bool has_bits(int n, const double a[], const double b[]) { return memcmp(a, b, (size_t)n * sizeof *a) == 0; }
+static bool same_bits(int n, const double a[], const double b[]) { return memcmp(a, b, (size_t)n * sizeof *a) == 0; }
 
 tvi_search_from tvi_start_of(const tvi_integrator *it, double t, const double q[], const double p[])
 {
     const int n = it->system->n;
     const double *stop = it->stop->state;
     if (*it->continues && tvi_integrator_has_state(it, t, q, p)) return TVI_FROM_OWN;
-    const bool is_stop = it->stop->is_set && has_bits(n, q, stop) && has_bits(1, &t, &stop[2 * n]);
+    const bool is_stop = it->stop->is_set && same_bits(n, q, stop) && same_bits(1, &t, &stop[2 * n]);
     return is_stop ? TVI_FROM_STOP : TVI_FROM_ANY;
 }
 
@@ -88,7 +88,7 @@ tvi_status tvi_start_search(tvi_search *s)
     double *x = s->state;
     copy_start(s, x);
     s->has_new_momentum =
-        s->start_kind == TVI_FROM_STOP && !has_bits(inputs / 2, x + inputs / 2, s->it->stop->state + inputs / 2);
+        s->start_kind == TVI_FROM_STOP && !same_bits(inputs / 2, x + inputs / 2, s->it->stop->state + inputs / 2);
     for (int i = 0; i < inputs; i++)
         for (int k = 0; k < TVI_SAMPLES; k++) s->samples[i * TVI_SAMPLES + k] = x[i];
     const bool inside = jet_sweep_values(s->tape, s->samples, TVI_SAMPLES);

@@ -89,7 +89,7 @@ static double extrapolation(const search *w, const tvi_trial *r)
  * hundredth. */
 static void detect_roundoff(search *w, const tvi_trial *r)
 {
-    if (!tvi_trial_is_high(&w->trials, r) || r->error == INFINITY || fmax(r->recent, r->previous) > TINY) return;
+    if (!tvi_trial_error_is_high(&w->trials, r) || r->error == INFINITY || fmax(r->recent, r->previous) > TINY) return;
     if (w->high == 0 || r->error < w->error_of_high / 3) w->high = r->h, w->error_of_high = r->error;
     else if (pow(r->h / w->high, w->order) < 0.01) w->roundoff = fmin(r->error, w->error_of_high);
 }
@@ -97,7 +97,7 @@ static void detect_roundoff(search *w, const tvi_trial *r)
 /* Updates the longest h that serves, and the shortest that does not. */
 static void bracket(search *w, const tvi_trial *r)
 {
-    const bool is_too_long = r->is_over && tvi_trial_is_high(&w->trials, r);
+    const bool is_too_long = r->is_over && tvi_trial_error_is_high(&w->trials, r);
     if (r->is_complete && r->error <= KEPT * w->wanted) {
         if (fabs(r->h) > fabs(w->best)) w->best = r->h, w->error_of_best = r->error;
     } else if (r->is_complete || is_too_long) {
@@ -124,7 +124,7 @@ static bool may_find_longer(const search *w, double *h)
 static bool is_informative(const search *w, const tvi_trial *r, bool *knows)
 {
     const tvi_trials *trials = &w->trials;
-    *knows = r->has_passed && !r->is_complete && !tvi_trial_is_high(trials, r);
+    *knows = r->has_passed && !r->is_complete && !tvi_trial_error_is_high(trials, r);
     const bool is_long = r->has_passed && r->part >= TVI_EQUALLY_LONG * trials->longest;
     return is_long || r->is_complete || (r->is_over && tvi_trial_is_above(trials, r, trials->aim));
 }
@@ -134,7 +134,7 @@ static bool update(search *w, const tvi_trial *r, double *h, tvi_suggestion *out
 {
     tvi_trials *trials = &w->trials;
     const bool failed = r->error == INFINITY, is_low = tvi_trial_is_low(trials, r),
-               is_high = tvi_trial_is_high(trials, r);
+               is_high = tvi_trial_error_is_high(trials, r);
     bool knows;
     const bool is_new = is_informative(w, r, &knows);
     const double factor = is_new ? correction(w, r) : 1;

@@ -19,7 +19,7 @@ static int first_out_of_order(double h, double t, const double times[], int coun
 
 /* Tells whether the state is the end of the last step, in the direction of h, and all that this step left is still
  * there. */
-static bool has_last_step(const tvi_integrator *it, double h, double t, const double q[], const double p[])
+static bool last_step_ends_here(const tvi_integrator *it, double h, double t, const double q[], const double p[])
 {
     return *it->continues && it->has_dense && (h > 0) == (it->h > 0) && tvi_integrator_has_state(it, t, q, p);
 }
@@ -32,7 +32,7 @@ tvi_status tvi_times_check(const tvi_integrator *it, const tvi_run_of_one *run, 
     if (count < 0) return jet_refuse(TVI_EINVAL, "count is negative");
     if (count > 0 && !times) return jet_refuse(TVI_EINVAL, "times is NULL");
     if (!tvi_all_finite(n, q) || !tvi_all_finite(n, p)) return tvi_refuse_state(n, t, q, "p", p);
-    *has_step = has_last_step(it, h, t, q, p) && tvi_columns_have_last_step(it, &run->columns);
+    *has_step = last_step_ends_here(it, h, t, q, p) && tvi_columns_have_last_step(it, &run->columns);
     const int first = first_out_of_order(h, *has_step ? it->start.q[n] : t, times, count);
     return first == count
                ? TVI_OK

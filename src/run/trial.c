@@ -46,7 +46,7 @@ static double passage_end(const tvi_trials *w)
 static bool is_over(const tvi_trials *w, const tvi_trial *r, long k)
 {
     const bool is_early = k < EARLY_STEPS && fmax(r->recent, r->previous) < TVI_TRIAL_BAND * w->aim;
-    if (r->error == INFINITY || (tvi_trial_is_high(w, r) && !is_early)) return true;
+    if (r->error == INFINITY || (tvi_trial_error_is_high(w, r) && !is_early)) return true;
     return tvi_trial_is_low(w, r) && r->has_passed && is_power_of_two(k) && r->part > w->longest;
 }
 

@@ -77,7 +77,7 @@ static inline bool tvi_trial_is_low(const tvi_trials *w, const tvi_trial *r)
 {
     return r->error < w->aim / TVI_TRIAL_BAND;
 }
-static inline bool tvi_trial_is_high(const tvi_trials *w, const tvi_trial *r)
+static inline bool tvi_trial_error_is_high(const tvi_trials *w, const tvi_trial *r)
 {
     return tvi_trial_is_above(w, r, TVI_TRIAL_BAND * w->aim);
 }

@@ -19,9 +19,8 @@ struct tvi_event {
 
 /* Evaluates g at the state x [2n + 1] of q, p and t, in a block of the event's tape. TVI_EDOMAIN, TVI_ENONFINITE. */
 TVI_NODISCARD tvi_status tvi_event_value(const tvi_event *event, double *block, const double *x, double *g);
-/* Creates the tape of several events of one dimension, with inputs q, p, t and outputs g, event by event. used [2n + 1]
- * are the inputs that the events depend on. */
-/* used [2n + 1]: the inputs that they depend on. */
+/* Creates the tape of several events with the same n: its inputs are q, p, t, its outputs the g of each event. Sets
+ * used [2n + 1]: whether an event depends on the input. */
 TVI_NODISCARD tvi_status tvi_event_join(jet_tape **out, const tvi_event *const events[], int count, bool used[]);
 
 /* The work for questions about g near one state. */

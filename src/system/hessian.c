@@ -9,7 +9,8 @@
  * of components, shows that they would be too many. */
 enum { MOST_COST = 13, MOST_OF_WHOLE = 4096, MOST_NODES = 800 };
 
-/* Makes room for the field, one more row of second derivatives, and the gradient that contains it. */
+/* Makes room in *jets for the field, one more row of second derivatives and a whole gradient, part of which is that
+ * row; and in system->hessian for the entries of the row. */
 static bool grow(tvi_system *system, jet **jets)
 {
     const size_t room = (size_t)system->hessian_entries + 6 * (size_t)system->n;

@@ -13,7 +13,7 @@ static const double TVI_ROUNDOFF_UNITS = 32;
 typedef struct {
     double *change; /* [outputs of the field] the result */
     double *x;      /* block of the field's series at one point */
-    /* Its tangents, one for each sample of signs. */
+    /* Its tangents, one for each random choice of the signs of the rounding errors. */
     double *dx;
     /* State of a pseudo-random sequence. Each estimate restarts it, so that no step depends on others. */
     unsigned random;

@@ -38,7 +38,7 @@ struct tvi_system {
     /* Lagrangian or Hamiltonian: L_vv or H_pp is regular somewhere. */
     bool regular;
     bool is_automatic; /* K of a system whose user gave no g */
-    /* Closed; kept to recognise its jets, and for the lift. */
+    /* The closed recording. It is kept to recognise its jets, and to record the tangent system (ad/lift.c). */
     jet_graph *graph;
     /* [inputs] the outputs of the field in the graph. */
     jet *field;
