@@ -1,5 +1,5 @@
-/* action.c - the gradient of the discrete action, as seeds for the gradient of the curve: those of seeds.h, and of
- * terms from second derivatives. */
+/* action.c - computes the gradient of the discrete action, as seeds for the gradient of the curve: the seeds of
+ * seeds.h, and those of terms with second derivatives. */
 #include "generating/action.h"
 #include "algebra/passes.h"
 #include "algebra/sizes.h"

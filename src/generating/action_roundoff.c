@@ -1,4 +1,5 @@
-/* action_roundoff.c - how well the ends of a step are known, by the field at the nodes (docs/method.md section 5). */
+/* action_roundoff.c - estimates the roundoff of the ends of a step by that of the field at the nodes (docs/method.md
+ * section 5). */
 #include "generating/action.h"
 
 #include <float.h>

@@ -1,4 +1,5 @@
-/* action_tables.c - the memory of an action, and the tables that its quadrature and its span decide. */
+/* action_tables.c - allocates the memory of an action, and fills the tables that depend on its quadrature and its span
+ * alone. */
 #include "generating/action.h"
 #include "algebra/quadrature.h"
 #include "method/method.h"

@@ -1,5 +1,5 @@
-/* advance.h - one order of a curve's recurrence (curve.c): part of the text of generated code, where every size is a
- * constant. */
+/* advance.h - computes one order of a curve's recurrence (curve.c). It is part of the text of generated code, where
+ * every size is a constant. */
 #ifndef TVI_SRC_GENERATING_ADVANCE_H
 #define TVI_SRC_GENERATING_ADVANCE_H
 
@@ -14,8 +14,9 @@ typedef struct {
     double tau;
 } tvi_recurrence;
 
-/* out = x / divisor, which orders wait for: by the reciprocal in two parts, which is there before x, where one
- * operation rounds the product and the sum. So it is rounded as the quotient is, but for ties. */
+/* Computes out = x / divisor, which the following orders wait for. It multiplies by the reciprocal in two parts, which
+ * is known before x. The result is rounded as the quotient is, except for ties. This needs one operation that rounds
+ * the product and the sum. */
 #ifdef __FMA__
 #define TVI_QUOTIENT(V, out, x, divisor)                                                                               \
     {                                                                                                                  \

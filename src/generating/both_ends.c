@@ -1,12 +1,13 @@
-/* both_ends.c - type I with a curve from each end: the paper's symmetric Taylor variational integrator (docs/method.md
- * section 4). a(s) starts at (q0, v0), 0 <= s <= 1; b(s - 1) at (q1, v1); both have degree r, and each ends where the
- * other starts, a(1) = q1 and b(-1) = q0, with multipliers l, m. With w = 1 - s and a dot for d/ds
+/* both_ends.c - makes steps of type I with a curve from each end: the paper's symmetric Taylor variational integrator
+ * (docs/method.md section 4). The curve a(s) starts at (q0, v0), 0 <= s <= 1; the curve b(s - 1) starts at (q1, v1).
+ * Both have degree r, and each ends where the other starts, a(1) = q1 and b(-1) = q0, with multipliers l, m. With w = 1
+ * - s and a dot for d/ds
  *     y = w a + (1-w) b,     v = w a. + (1-w) b. (truncated)   or   v = y. = w a. + (1-w) b. - (a - b) (on-curve).
  * With pi = w p_a + (1-w) p_b, the momenta of the curves, the gradient of the action in defect form is
  *     R = sum_i w_i [ dy_i^T (tau L_q - pi.)_i + dv_i^T (L_v - pi)_i ]      truncated: + sum_i w_i (da - db)_i^T pi_i,
  * and with A0, B0 = da(1)/d(q0, v0), A1, B1 = db(-1)/d(q1, v1)
  *     B0^T l = R_v0,   B1^T m = R_v1,   p0 = p_a(0) - R_q0 + A0^T l - m,   p1 = p_b(0) + R_q1 + l - A1^T m.
- * Where the quadrature does not sum the derivative of dy^T pi exactly, the same is done with pi = 0. */
+ * If the quadrature does not sum the derivative of dy^T pi exactly, the same formulas are used with pi = 0. */
 #include "generating/both_ends.h"
 #include "algebra/quadrature.h"
 #include "method/list.h"
@@ -226,7 +227,7 @@ static bool jacobian(void *self, double matrix[])
     return true;
 }
 
-/* What the field at the nodes makes of (a(1), b(-1), kappa p_a(0)). */
+/* Computes the roundoff of (a(1), b(-1), kappa p_a(0)) from that of the field at the nodes. */
 static void residual_roundoff(void *self, double r[])
 {
     const attempt *a = self;
@@ -257,7 +258,7 @@ static tvi_status predict(const attempt *a)
     return status;
 }
 
-/* What z of the curves lacks: the low-order part of q0, and the last correction. */
+/* Stores in dz what z of the curves lacks: the low-order part of q0, and the last correction. */
 static void keep_missing(tvi_both_ends *w, const tvi_origin *origin)
 {
     const size_t n = (size_t)w->n, bytes = n * sizeof(double);

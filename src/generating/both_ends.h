@@ -1,4 +1,5 @@
-/* both_ends.h - type I with a curve from each end: what its step and its nodes (both_ends_nodes.c) share. */
+/* both_ends.h - declares the work of type I with a curve from each end, which its step (both_ends.c) and its nodes
+ * (both_ends_nodes.c) share. */
 #ifndef TVI_SRC_GENERATING_BOTH_ENDS_H
 #define TVI_SRC_GENERATING_BOTH_ENDS_H
 
@@ -6,7 +7,7 @@
 #include "generating/newton.h"
 #include "system/legendre.h"
 
-/* What belongs to one of the two curves. */
+/* This structure holds the data of one of the two curves. */
 typedef struct {
     tvi_curve curve;
     tvi_action action;      /* tables of powers at the nodes; that of a evaluates the nodes of both */

@@ -1,4 +1,4 @@
-/* both_ends_nodes.c - the gradient of the action on the blend of two curves (both_ends.c). */
+/* both_ends_nodes.c - computes the gradient of the action on the blend of two curves (both_ends.c). */
 #include "generating/both_ends.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* closure.c - what generating functions share: see closure.h. */
+/* closure.c - solves the equations that the generating functions share (closure.h). */
 #include "generating/closure.h"
 
 tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half)

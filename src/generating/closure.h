@@ -1,10 +1,10 @@
-/* closure.h - what a generating function adds to a Taylor curve.
+/* closure.h - declares the closure: it computes the corrections that a generating function adds to a Taylor curve.
  *
  * A step is the curve from one end to the other plus small corrections, which make it symplectic:
  *     q0 = q- + from_q,   p0 = p- + from_p,   q1 - q0 = (q+ - q-) + rise_q,   p1 - p0 = (p+ - p-) + rise_p.
  * A generating function closes the equations: it computes the corrections from D_z, the gradient of the discrete action
- * in defect form, and the Jacobians of the curve's ends. All else is common to all (curve_stepper.c). Part of the text
- * of generated code. */
+ * in defect form, and the Jacobians of the curve's ends. Everything else is the same for all generating functions
+ * (curve_stepper.c). This file is part of the text of generated code. */
 #ifndef TVI_SRC_GENERATING_CLOSURE_H
 #define TVI_SRC_GENERATING_CLOSURE_H
 

@@ -1,4 +1,5 @@
-/* curve.c - the equations of motion as a recurrence for the coefficients of the curve (docs/method.md section 2):
+/* curve.c - expands the curve: it solves the equations of motion by a recurrence for the coefficients (docs/method.md
+ * section 2):
  *
  *     separable    (k+1)(k+2) Q_{k+2} = tau^2 M^-1 [s^k] F
  *
@@ -7,7 +8,7 @@
  *
  *     Hamiltonian  (k+1) Q_{k+1} = tau [s^k] H_p,  (k+1) P_{k+1} = -tau [s^k] H_q
  *
- * each with the field evaluated as a power series along the curve, one order after the other. */
+ * The field is evaluated as a power series along the curve, one order after the other. */
 #include "generating/curve.h"
 #include "generating/lagrangian_orders.h"
 #include "generating/seeds.h"
@@ -15,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-/* What has all its orders. */
+/* Returns the system's generated code if it was made for this highest order, otherwise NULL. */
 static const tvi_curve_code *code_of(const tvi_system *system, int top)
 {
     const tvi_curve_code *code = system->code ? system->code->curve : NULL;

@@ -1,10 +1,11 @@
-/* curve.h - prolongation: the Taylor curve at a centre, and its Jacobians with respect to the centre data.
+/* curve.h - expands the Taylor curve at a centre (prolongation), and computes its Jacobians with respect to the centre
+ * data.
  *
  * Time is scaled: t = centre + tau s, and
  *     q(t) = sum_k Q_k s^k,        p(t) = sum_k U_k s^k / kappa,
- * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all is in the unit of
- * q (kappa has the sign of tau); for the others kappa = 1. The centre data z (2n numbers) are (q, tau v) for a
- * Lagrangian, else (q, kappa p). */
+ * so that all Q_k are of one size. For a separable system kappa = tau/m, U_k = (k+1) Q_{k+1} and all coefficients are
+ * in the unit of q (kappa has the sign of tau); for the others kappa = 1. The centre data z (2n numbers) are (q, tau v)
+ * for a Lagrangian, otherwise (q, kappa p). */
 #ifndef TVI_SRC_GENERATING_CURVE_H
 #define TVI_SRC_GENERATING_CURVE_H
 
@@ -37,10 +38,10 @@ TVI_NODISCARD tvi_status tvi_curve_factor_slope(tvi_curve *curve);
 /* The Jacobian matrices of the curve last expanded. */
 void tvi_curve_differentiate(tvi_curve *curve);
 
-/* What suits the system: matrices where n is small. Products are for separable systems alone. */
+/* Returns the Jacobians that suit the system: matrices if n is small. Only separable systems have products. */
 tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
 
-/* What a stepper runs whose curves have such Jacobians, and whose action has so many points. */
+/* Returns the sweeps that a stepper runs if its curves have these Jacobians and its action has `points` nodes. */
 tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
                         tvi_jacobians jacobians);
 

@@ -1,10 +1,10 @@
-/* curve_batch.c - corrected steps of several members of an ensemble at once, as in curve_stepper.c: lane m of a sweep
- * is member m. Served are generating functions whose equations are those of the mean of the ends, I + O(h), which are
- * factored without exchanges of rows.
+/* curve_batch.c - makes corrected steps of several members of an ensemble at once, as curve_stepper.c does for one:
+ * lane m of a sweep is member m. It serves generating functions whose equations are those of the mean of the ends, I +
+ * O(h), which are factored without exchanges of rows.
  *
- * All that a pass computes follows from z, the Jacobians too, which single curves mostly take anew as well. So a member
- * that has converged stays as it is while the others go on. What does not converge so, or is outside of the domain,
- * goes by itself. */
+ * All that a pass computes follows from z, including the Jacobians, which single curves mostly compute anew as well. A
+ * member that has converged therefore stays as it is while the others continue. A member that does not converge in this
+ * way, or is outside of the domain, makes its step by itself. */
 #include "generating/curve_pass.h"
 #include "generating/curve.h"
 #include "algebra/quadrature.h"
@@ -15,8 +15,8 @@
 #include <string.h>
 
 enum { MOST_WIDTH = 32, LEAST_WIDTH = 8, MOST_N = 7 };
-/* Of the series and of its tangents along one direction, in the first-level cache; a block of the least width may be
- * larger. */
+/* These bound the blocks of the series and of its tangents along one direction, which are to stay in the first-level
+ * cache; a block of the least width may be larger. */
 enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
 /* Smaller pivots, which do not depend on units where equations are I + O(h), are left to those that exchange rows. */
 static const double LEAST_PIVOT = 0.25;
@@ -228,7 +228,8 @@ static int begin(batch *w, double h, const tvi_batch_origin *origin, const tvi_s
     return count;
 }
 
-/* Those that have not converged make the correction. Returns how many. */
+/* Judges the corrections. Members that have converged stop moving; the others make the correction. Returns how many
+ * move. */
 static int judge(batch *w)
 {
     const tvi_curve_members *of = &w->members;

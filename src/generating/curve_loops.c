@@ -1,4 +1,4 @@
-/* curve_loops.c - see curve_loops.h. */
+/* curve_loops.c - computes the loops over members that curve_loops.h declares. */
 #include "generating/curve_loops.h"
 #include "generating/newton.h"
 #include "rule.h"
@@ -194,7 +194,8 @@ static void fill_scale(const tvi_curve_members *of)
     }
 }
 
-/* The same of the sizes of corrections. What is no number makes them none: x - x is 0 of all others. */
+/* Measures the corrections of the same group. A correction that is not a number makes both sizes NaN: x - x is 0 for
+ * all other x. */
 JET_INLINE void measure_at(const tvi_curve_members *of, int first, const int *member, const int *end, int width,
                            int here)
 {

@@ -1,6 +1,6 @@
-/* curve_loops.h - the loops of the corrected curves of several members at once (curve_batch.c), compiled once for each
- * instruction set. Arrays are [rows][width], the member fastest, so that no sum runs across lanes; the width is a
- * multiple of 8. */
+/* curve_loops.h - declares the loops of the corrected curves of several members at once (curve_batch.c), compiled once
+ * for each instruction set. Arrays are [rows][width], the member fastest, so that no sum runs across lanes; the width
+ * is a multiple of 8. */
 #ifndef TVI_SRC_GENERATING_CURVE_LOOPS_H
 #define TVI_SRC_GENERATING_CURVE_LOOPS_H
 
@@ -13,7 +13,8 @@ typedef struct {
     size_t per_out, per_row;
 } tvi_weights;
 
-/* What is of one step: [2n][width] where nothing else is said, of the coordinates and then of the scaled momenta. */
+/* These are the data of one step: [2n][width] unless stated otherwise, first the coordinates, then the scaled
+ * momenta. */
 typedef struct {
     int n, width;
     const tvi_subsystems *parts;

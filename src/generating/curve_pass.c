@@ -1,4 +1,5 @@
-/* curve_pass.c - see curve_pass.h. The formulas are those of curve.c, action.c and closure.c. */
+/* curve_pass.c - makes a pass of several members (curve_pass.h). The formulas are those of curve.c, action.c and
+ * closure.c. */
 #include "generating/curve_pass.h"
 
 #include <math.h>
@@ -26,7 +27,7 @@ static void sum_curve(const batch *w, const tvi_combination *combination, double
     sum_orders(w, combination, w->curve.x, w->curve.stride, out);
 }
 
-/* Of a change of the coefficients, [top + 1][inputs][width]. */
+/* Returns the stride of the orders in a change of the coefficients, [top + 1][inputs][width]. */
 static size_t stride_of_change(const batch *w) { return (size_t)w->system->inputs * (size_t)w->curve.width; }
 
 static void sum_change(const batch *w, const tvi_combination *combination, const double *of, double *out)
@@ -44,7 +45,7 @@ static void sum_at_nodes(const batch *w, int which, int i, double *out)
 
 /* ---- The curves -------------------------------------------------------------------------------------------------- */
 
-/* Those outside of the domain of a tape go by themselves. */
+/* Leaves out the members that are outside of the domain of a tape: they make their step by themselves. */
 static void leave_outside(batch *w, const jet_tape *tape, const double *x, int points)
 {
     for (int m = 0; m < w->curve.width; m++)

@@ -1,5 +1,5 @@
-/* curve_pass.h - a pass of several members of an ensemble that each correct a curve (curve_batch.c): lane m of a sweep
- * is member m, node * width + m at the nodes. */
+/* curve_pass.h - declares a pass of several members of an ensemble that each correct a curve (curve_batch.c): lane m of
+ * a sweep is member m; at the nodes it is lane node * width + m. */
 #ifndef TVI_SRC_GENERATING_CURVE_PASS_H
 #define TVI_SRC_GENERATING_CURVE_PASS_H
 
@@ -16,7 +16,7 @@ typedef struct {
     tvi_weights weights;
 } tvi_curve_sums;
 
-/* What the defects of one component need, of q and of u: [points][width]. */
+/* These sums over q and u give the defects of one component: [points][width]. */
 enum { TVI_SUM_Q, TVI_SUM_U, TVI_SUM_Q_SLOPE, TVI_SUM_U_SLOPE, TVI_SUMS };
 
 typedef struct {

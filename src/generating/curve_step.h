@@ -1,5 +1,5 @@
-/* curve_step.h - the parts of a step of a method that expands one curve: part of the text of generated code (emit.c),
- * where every size is a constant. */
+/* curve_step.h - makes the parts of a step of a method that expands one curve. It is part of the text of generated code
+ * (emit.c), where every size is a constant. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEP_H
 #define TVI_SRC_GENERATING_CURVE_STEP_H
 

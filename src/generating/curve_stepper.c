@@ -1,6 +1,6 @@
-/* curve_stepper.c - the step of every method that expands one curve: predictor, residual of the passes, increments. The
- * generating function is data: where the curve is expanded, and how its equations are closed (method/descriptor.h).
- * Without passes the corrections are left out; at the start that is the plain Taylor method. */
+/* curve_stepper.c - makes the steps of every method that expands one curve: predictor, residual of the passes,
+ * increments. The generating function is data: where the curve is expanded, and how its equations are closed
+ * (method/descriptor.h). Without passes the corrections are left out; at the start that is the plain Taylor method. */
 #include "generating/curve_step.h"
 #include "method/method.h"
 
@@ -188,7 +188,7 @@ static bool jacobian(void *self, double matrix[])
     return c->solver->jacobian(c, matrix);
 }
 
-/* What the field at the nodes makes of (q-, kappa p-). */
+/* Computes the roundoff of (q-, kappa p-) from that of the field at the nodes. */
 static void residual_roundoff(void *self, double r[])
 {
     const attempt *a = self;

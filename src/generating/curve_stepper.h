@@ -1,4 +1,4 @@
-/* curve_stepper.h - what the step of a method that expands one curve works with: part of the text of generated code. */
+/* curve_stepper.h - declares the work of a method that expands one curve. It is part of the text of generated code. */
 #ifndef TVI_SRC_GENERATING_CURVE_STEPPER_H
 #define TVI_SRC_GENERATING_CURVE_STEPPER_H
 

@@ -1,5 +1,5 @@
-/* emit.c - the functions of a curve and of its seeds, for one system and degree, in generated code: the whole series
- * and all tangents are one function each, and what is made of them has every size a constant. */
+/* emit.c - emits the functions of a curve and of its seeds, for one system and degree, into generated code: the whole
+ * series and all tangents are one function each, and every size in them is a constant. */
 #include "algebra/linear_small.h"
 #include "generating/action.h"
 #include "generating/closure.h"

@@ -38,7 +38,7 @@
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
 #define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_in_lanes(tape, x, dx, 0, lanes)
 
-/* What roundoff makes of the momenta at the nodes. */
+/* Returns the roundoff of the momenta at the nodes. */
 #define MOMENTA_ROUNDOFF(action, curve) tvi_action_momenta_roundoff(action, curve)
 
 /* The sums of a curve in another unit of time. */

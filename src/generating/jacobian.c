@@ -1,5 +1,5 @@
-/* jacobian.c - the Jacobians of a curve with respect to its centre data, as matrices, by tangents in all directions;
- * what is made of them, or of products.h. */
+/* jacobian.c - computes the Jacobians of a curve with respect to its centre data, as matrices, by tangents in all
+ * directions; sums them, and multiplies vectors by them or by the products of products.h. */
 #include "algebra/linear_small.h"
 #include "generating/curve.h"
 #include "generating/lagrangian_orders.h"

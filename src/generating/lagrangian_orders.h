@@ -1,8 +1,9 @@
-/* lagrangian_orders.h - one order of a Lagrangian's curve and of its tangents (curve.c): part of the text of generated
- * code, where every size is a constant.
+/* lagrangian_orders.h - computes one order of a Lagrangian's curve and of its tangents (curve.c). It is part of the
+ * text of generated code, where every size is a constant.
  *
- * Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v. V_k is solved for, and what it adds
- * to each slot is its product with the slot's derivatives in the velocity at the centre: for all orders the same. */
+ * Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v. Then V_k is solved for. It adds to
+ * each slot its product with the slot's derivatives in the velocity at the centre, which are the same for all
+ * orders. */
 #ifndef TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
 #define TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
 
@@ -17,7 +18,7 @@
 #define CURVE_FOLLOWS(slot) true
 #endif
 
-/* Where the slots begin that are computed. */
+/* Returns the first of the slots that are computed. */
 static inline int orders_first_slot(const tvi_curve *curve)
 {
     return curve_inputs(curve) + curve_uses_time(curve) + curve_constants(curve);
@@ -83,7 +84,8 @@ static inline void orders_divide(const tvi_curve *curve, int lanes, double rest[
         JET_AT(V, row, 0) = sum;                                                                                       \
     }
 
-/* What V_k adds to all slots of the order, [slots][lanes]: nothing to those that do not depend on the velocity. */
+/* Adds the part of V_k to all slots of the order, [slots][lanes]; slots that do not depend on the velocity have
+ * none. */
 static inline void orders_add(const tvi_curve *curve, int lanes, const double added[], double order[])
 {
     const int n = curve_n(curve), slots = (int)tvi_curve_slots(curve);

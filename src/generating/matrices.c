@@ -1,5 +1,5 @@
-/* matrices.c - equations with the transposed Jacobians of the curve's ends where these are matrices: they are factored,
- * and serve as long as that shows nowhere. */
+/* matrices.c - solves equations with the transposed Jacobians of the curve's ends as matrices. They are factored, and
+ * reused as long as no effect of that shows. */
 #include "generating/curve.h"
 #include "generating/matrices.h"
 #include "algebra/sizes.h"

@@ -1,4 +1,4 @@
-/* matrices.h - equations with the transposed Jacobians of the curve's ends where these are matrices: part of the text
+/* matrices.h - solves equations with the transposed Jacobians of the curve's ends as matrices. It is part of the text
  * of generated code (emit.c), where every size is a constant. */
 #ifndef TVI_SRC_GENERATING_MATRICES_H
 #define TVI_SRC_GENERATING_MATRICES_H
@@ -6,7 +6,7 @@
 #include "generating/closure.h"
 #include "generating/tangents.h"
 
-/* What reused Jacobians may do to the state, relative to it: well below the roundoff of a step. */
+/* Reused Jacobians may change the state by this at most, relative to the state: well below the roundoff of a step. */
 static const double MATRICES_STALE = DBL_EPSILON / 16;
 
 /* The corrector's Jacobian serves passes that contract this well or nearly: those before it have gone farther. */
@@ -40,7 +40,7 @@ static inline void matrices_take(const tvi_closure *c, const double z[])
     matrices_of(c)->taken++;
 }
 
-/* Those of two combinations, one above the other: [2n][2n]. */
+/* Writes the Jacobians of two combinations, one above the other: [2n][2n]. */
 static inline void matrices_join(const tvi_closure *c, const tvi_combination *first, const tvi_combination *second,
                                  double matrix[])
 {

@@ -1,4 +1,4 @@
-/* newton.c - the corrector. */
+/* newton.c - solves the equations of a method by passes of the corrector (newton.h). */
 #include "generating/newton.h"
 #include "algebra/sizes.h"
 #include "method/passes_rule.h"

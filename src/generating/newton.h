@@ -1,5 +1,5 @@
-/* newton.h - the one corrector: preconditioned passes that end at roundoff (docs/method.md section 5). Part of the text
- * of generated code. */
+/* newton.h - declares the one corrector: preconditioned passes that end at roundoff (docs/method.md section 5). It is
+ * part of the text of generated code. */
 #ifndef TVI_SRC_GENERATING_NEWTON_H
 #define TVI_SRC_GENERATING_NEWTON_H
 
@@ -7,7 +7,7 @@
 #include "algebra/passes.h"
 #include "generating/series.h"
 
-/* What is smaller than this part of the largest of its kind that it knows is measured as if it had this size. */
+/* An unknown smaller than this part of the largest of its group in its subsystem is measured as if it had this size. */
 static const double TVI_LEAST_SHARE = 1e-20;
 
 /* The equations r(x) = 0 of a method. The functions are called with `self`. */
@@ -29,7 +29,7 @@ typedef struct {
     void (*roundoff)(void *self, double r[]);
 } tvi_equations;
 
-/* What earlier solutions taught; in the arena's history. */
+/* The history keeps these results of earlier solutions. */
 typedef struct {
     double slack;   /* how much slower a later pass was seen to contract than the one before it; 0: none was */
     int by_library; /* steps to come that are not tried by generated code, which left one of the last to the library */
@@ -131,8 +131,8 @@ static inline int newton_group(const tvi_newton *newton)
     return CURVE_SIZE(CURVE_N, newton->group);
 }
 
-/* Of the unknowns of a group, which begins at `first`, in a subsystem; member: which these are, or NULL: all. unit: the
- * scales of the unknowns, or their reach. */
+/* Measures the corrections of one group in one subsystem. The unknowns of the group begin at `first`; member: the
+ * components of the subsystem, or NULL: all. unit: the scales of the unknowns, or their reach. */
 static inline void newton_measure_of(const tvi_newton *newton, const double unit[], const int *member, int begin,
                                      int end, tvi_newton_size *size)
 {

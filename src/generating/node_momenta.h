@@ -1,5 +1,5 @@
-/* node_momenta.h - the momenta that go with a Hamiltonian's velocities at the nodes: part of the text of generated code
- * (emit.c), where every size is a constant. */
+/* node_momenta.h - finds the momenta that belong to a Hamiltonian's velocities at the nodes. It is part of the text of
+ * generated code (emit.c), where every size is a constant. */
 #ifndef TVI_SRC_GENERATING_NODE_MOMENTA_H
 #define TVI_SRC_GENERATING_NODE_MOMENTA_H
 

@@ -1,5 +1,5 @@
-/* nodes.h - the discrete action at its nodes: part of the text of generated code (emit.c), where every size is a
- * constant. */
+/* nodes.h - evaluates the curve and the field at the nodes of the discrete action. It is part of the text of generated
+ * code (emit.c), where every size is a constant. */
 #ifndef TVI_SRC_GENERATING_NODES_H
 #define TVI_SRC_GENERATING_NODES_H
 
@@ -8,9 +8,10 @@
 #include "system/roundoff.h"
 #include "vector.h"
 
-/* What the orders are at the nodes, [top + 1][points]. Where nodes mirror each other, the even and the odd orders at
- * the first half of them, [orders / 2][half]: at the other half these are the same but for a sign. Sums over the nodes
- * have their tables the other way round, [points][top + 1] and [half][seeds_width(orders / 2)]. */
+/* A table holds the values of the orders at the nodes, [top + 1][points]. If nodes mirror each other, it also holds the
+ * even and the odd orders at the first half of the nodes, [orders / 2][half]: at the other half these are the same
+ * except for a sign. Sums over the nodes have their tables the other way round, [points][top + 1] and
+ * [half][seeds_width(orders / 2)]. */
 typedef struct {
     double *full, *even, *odd;
     double mirrored; /* what even orders are multiplied by, 1 or -1 */

@@ -1,6 +1,7 @@
-/* poincare.c - the Poincare generating function of the mean of the ends (docs/method.md section 4):
+/* poincare.c - closes the equations of the Poincare generating function, of the mean of the ends (docs/method.md
+ * section 4):
  *     (dzbar/dz)^T (a, b) = D_z,   z0 = (q- + b/2, p- - a/2),   z1 = (q+ - b/2, p+ + a/2),   zbar the mean of the
- * curve's ends. With the scaled momenta in it the solution is (a, b / kappa). */
+ * curve's ends. With the scaled momenta in zbar the solution is (a, b / kappa). */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -1,4 +1,4 @@
-/* products.c - what solves the equations of the products path (products.h), compiled once for each instruction set. */
+/* products.c - solves the equations of the products path (products.h), compiled once for each instruction set. */
 #define CURVE_ONE_SET
 #include "sums.h"
 

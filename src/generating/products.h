@@ -1,7 +1,7 @@
-/* products.h - the products path of separable systems of many coordinates: no Jacobian of the curve is formed. Products
- * with one are had by one tangent or one adjoint sweep, and equations with them are solved by generalised conjugate
- * residuals (docs/method.md sections 2 and 5). Part of the text of generated code (emit.c), where every size is a
- * constant. */
+/* products.h - solves equations by products with Jacobians, for separable systems of many coordinates. No Jacobian of
+ * the curve is formed. One tangent or one adjoint sweep computes a product with a Jacobian, and generalised conjugate
+ * residuals solve the equations (docs/method.md sections 2 and 5). This file is part of the text of generated code
+ * (emit.c), where every size is a constant. */
 #ifndef TVI_SRC_GENERATING_PRODUCTS_H
 #define TVI_SRC_GENERATING_PRODUCTS_H
 
@@ -12,8 +12,8 @@
 
 #define PRODUCTS_AIM(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, kappa, 0) * JET_GATHER(V, force, slot + here);
 
-/* dx of one lane along dz: Q_k+2 = tau^2 M^-1 dF_k / ((k+1)(k+2)). What is no coordinate, as the time, has no
- * tangents: it stays 0. */
+/* Computes dx of one lane along dz: dQ_{k+2} = tau^2 M^-1 dF_k / ((k+1)(k+2)). Inputs other than coordinates, such as
+ * the time, have no tangents: their rows stay 0. */
 static inline void products_aim(tvi_curve *curve, const double dz[])
 {
     enum { stride = 0 };
@@ -30,7 +30,7 @@ static inline void products_aim(tvi_curve *curve, const double dz[])
     }
 }
 
-/* Of a combination along that direction. */
+/* Computes the product of a combination's Jacobian and the direction of the last products_aim. */
 static inline void products_push(const tvi_curve *curve, const tvi_combination *combination, double out[])
 {
     const size_t n = (size_t)curve_n(curve);
@@ -43,8 +43,8 @@ static inline double *products_adjoint_of_Q(const tvi_curve *curve, int k)
     return curve->bar + (size_t)k * tvi_curve_slots(curve);
 }
 
-/* What a transposed product is of: seeds [top + 1][n], and factor times the transposed Jacobians of combinations times
- * x and y [n]. Seeds or combinations that are NULL are none. */
+/* These are the terms of a transposed product: seeds [top + 1][n], and factor times the transposed Jacobians of
+ * combinations times x and y [n]. Seeds or combinations that are NULL are left out. */
 typedef struct {
     const double *seed_Q;
     double factor;
@@ -61,8 +61,8 @@ typedef struct {
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
-/* The adjoints of Q_k that it begins with, and nothing elsewhere: operations of one order may add to those of all lower
- * ones. Of the last two orders the field is not needed. */
+/* Sets the adjoints of Q_k that the product begins with, and 0 elsewhere: operations of one order may add to those of
+ * all lower orders. The last two orders do not need the field. */
 static inline void products_seed(tvi_curve *curve, int last, const tvi_pulled *of)
 {
     enum { stride = 0 };
@@ -289,8 +289,8 @@ static inline tvi_status products_solve(tvi_closure *c, const tvi_transposed *a)
     return status;
 }
 
-/* Of a flow that is symplectic but for its truncation, J^T W J = W with W = [0, 1/kappa; -1/kappa, 0] in (q, u), hence
- * J^-1 = W^-1 J^T W. */
+/* If a flow is symplectic except for its truncation, J^T W J = W with W = [0, 1/kappa; -1/kappa, 0] in (q, u). This
+ * computes J^-1 = W^-1 J^T W times the correction. */
 static inline void products_correct(tvi_closure *c, double correction[])
 {
     const int n = curve_n(&c->curve), last = products_rough_order(c, PRODUCTS_ROUGH);
@@ -310,9 +310,10 @@ static inline void products_correct(tvi_closure *c, double correction[])
 
 /* ---- The corrections --------------------------------------------------------------------------------------------- */
 
-/* The unknowns of the closing are momenta, or u / kappa. One that is much smaller than others, as displacements, is
- * measured by them; a body whose curve has none, too, and where none has any, as at rest with degree 1, they are
- * measured by the positions; where all is at the origin, by 1. Of a subsystem; member: which components it has. */
+/* Sets the units of the unknowns of a subsystem; member: its components. The unknowns of the closing are momenta, or u
+ * / kappa. An unknown that is much smaller than others, as displacements are, is measured by the others; so is a body
+ * whose curve has no momentum. If no body has one, as at rest with degree 1, the positions measure them; if all
+ * positions are 0, the unit is 1. */
 static inline void products_set_units_of(const tvi_closure *c, const int *member, int first, int end)
 {
     const int n = curve_n(&c->curve);

@@ -1,4 +1,4 @@
-/* reach.c - see reach.h. */
+/* reach.c - calls the functions of reach.h, or those of the curve's generated code if it has them. */
 #include "generating/taylor_loops.h"
 #include "generating/reach.h"
 #include "generating/curve.h"

@@ -1,12 +1,12 @@
-/* reach.h - how far a Taylor curve serves, by its last coefficients (Jorba and Zou, A software package for the
+/* reach.h - computes how far a Taylor curve serves, by its last coefficients (Jorba and Zou, A software package for the
  * numerical integration of ODEs by means of high-order Taylor methods, Experimental Mathematics 14 (2005), section 3):
- * the step whose last term, of degree M, is a part tolerance / e^5 of the state. With M = 1 - ln(tolerance) / 2 that is
- * their step, the radius of convergence over e^2, times e^(-3/M). Their state is one vector, their tolerance absolute
- * where that is below 1, and their coefficients the last two. Here q and p are measured apart, each by its size or by
- * its movement in the step, so that no unit shows and a body may start at rest or at 0.
+ * the step whose last term, of degree M, is a part tolerance / e^5 of the state. With M = 1 - ln(tolerance) / 2 this is
+ * their step, the radius of convergence over e^2, times e^(-3/M). Their state is one vector, their tolerance is
+ * absolute if that is below 1, and they use the last two coefficients. Here q and p are measured apart, each by its
+ * size or by its movement in the step, so that no unit shows and a body may start at rest or at 0.
  *
- * Part of the text of generated code (emit.c), where every size is a constant. All others call the functions of
- * curve.h. */
+ * This file is part of the text of generated code (emit.c), where every size is a constant. Other files call the
+ * functions of curve.h. */
 #ifndef TVI_SRC_GENERATING_REACH_H
 #define TVI_SRC_GENERATING_REACH_H
 
@@ -15,8 +15,8 @@
 
 /* -log of the last term's part of a tolerance: 2 of theirs, and 3 for what errors gain in tens of revolutions. */
 static const double REACH_SAFETY = 5;
-/* The coefficients looked at, at the start, and at the end, where two in a row may happen to be small. Of q one more at
- * the start, for p_k = (k + 1) q_{k+1} of a separable system. */
+/* These count the coefficients that are looked at, at the start, and at the end, where two in a row may happen to be
+ * small. At the start one more coefficient of q is looked at, since p_k = (k + 1) q_{k+1} in a separable system. */
 enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
 /* A step is at most this part of the radius of convergence, which the last coefficients show in themselves: each with
  * the one so many orders before it, which have the same phase where a pair of singularities makes them swing. Beside a
@@ -35,7 +35,7 @@ typedef struct {
     reach_term first[REACH_FIRST], last[REACH_LAST];
 } reach_ends;
 
-/* Of q, or of p in the unit of kappa p, so that masses do not show. */
+/* Returns the size of coefficient k of q, or of p in the unit of kappa p, so that masses do not show. */
 static inline double reach_size(const tvi_curve *curve, bool of_momentum, int k)
 {
     double size = 0;
@@ -155,7 +155,7 @@ static inline void reach_sweep_rows(const tvi_curve *curve, int components, int 
     REACH_SWEEP(curve, &rows, power, x, &sums);
 }
 
-/* Of a separable system all sums are of Q; U_0 = Q_1 is no part of what kappa p rises by. */
+/* Sums the rows of a separable system, where all sums are of Q; U_0 = Q_1 is no part of the rise of kappa p. */
 static inline void reach_sweep_separable(const tvi_curve *curve, const double power[], double q[], double u[])
 {
     const tvi_taylor_rows rows = {curve_n(curve), 2, curve_top(curve), tvi_curve_slots(curve), true};

@@ -1,17 +1,17 @@
-/* refine.c - the increments of a Taylor curve X(s) beyond its roundoff, by the defect d that roundoff leaves, in long
- * double (docs/method.md section 6):
+/* refine.c - computes the increments of a Taylor curve X(s) beyond its roundoff, by the defect d that roundoff leaves,
+ * in long double (docs/method.md section 6):
  *     separable      d = h^2 M^-1 F(Q) - Q'',      dq = Q(1) - q + int (1 - s) d,   h M^-1 dp = Q'(1) - Q'(0) + int d,
  *     Hamiltonian    d = h (H_p, -H_q)(X) - X',    (dq, dp) = X(1) - X(0) + int d,
  * with the state and its low-order part in X(0), and in Q'(0) = h M^-1 p. At the steps of reach.h coefficient k is
- * e^(-2 k) of the state, and so is its roundoff: high ones are summed in double precision, and d is nearly a polynomial
- * of low degree, for which Gauss' two nodes do. */
+ * e^(-2 k) of the state, and its roundoff is the same part of the state's. High coefficients are therefore summed in
+ * double precision, and d is nearly a polynomial of low degree, for which Gauss' two nodes suffice. */
 #include "generating/refine.h"
 #include "algebra/weigh.h"
 
 /* Errors of larger tolerances are not those of roundoff. */
 static const double BELOW = 1e-13;
 
-/* Of equal weights. */
+/* The two nodes have equal weights. */
 enum { NODES = 2 };
 static const long double node[NODES] = {0.211324865405187117745L, 0.788675134594812882255L};
 
@@ -92,7 +92,7 @@ static void start(const attempt *a)
     }
 }
 
-/* What the field makes of input i in the step. */
+/* Returns the rate of input i in the step, from the field. */
 static long double rate_of(const attempt *a, int i)
 {
     const int n = a->system->n, *output = a->system->field_values->output;

@@ -1,4 +1,4 @@
-/* refine.h - the increments of a Taylor curve beyond its roundoff, for tolerances near that. */
+/* refine.h - declares the increments of a Taylor curve beyond its roundoff, for tolerances near roundoff. */
 #ifndef TVI_SRC_GENERATING_REFINE_H
 #define TVI_SRC_GENERATING_REFINE_H
 

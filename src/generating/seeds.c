@@ -1,4 +1,4 @@
-/* seeds.c - the seeds of a field at nodes on the curve (seeds.h), compiled once for each instruction set. */
+/* seeds.c - computes the seeds of a field at nodes on the curve (seeds.h), compiled once for each instruction set. */
 #define CURVE_ONE_SET
 #include "sums.h"
 

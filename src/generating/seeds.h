@@ -1,14 +1,15 @@
-/* seeds.h - the discrete action at its nodes, and the seeds of its gradient: part of the text of generated code
- * (emit.c), where every size is a constant.
+/* seeds.h - computes the seeds of the gradient of the discrete action from its nodes. It is part of the text of
+ * generated code (emit.c), where every size is a constant.
  *
  * With p the curve's momentum series, w_i the weights in scaled time, and a dot for d/ds,
  *   Lagrange   D_z = sum_i w_i [ dq_i^T tau L_q - dg_i^T p. + dg.^T (L_v - p) ]
  *   Hamilton   D_z = sum_i w_i [ dp_i^T (g. - tau H_p) - dg_i^T (p. + tau H_q) ]                             on-curve
  *              D_z = sum_i w_i [ dq_i^T tau (H_qp p - H_q) + dp_i^T tau H_pp p - dg_i^T p. - dg.^T p ]      truncated,
- * q'_i = H_p and in both, with e_r the error of the quadrature for s^r,
- *            + sum_{j,k} (j+k) e_{j+k-1} (dQ_k/dz)^T P_j,
- * what summation by parts of (p^T dg). leaves when the quadrature is not exact to its degree: with it every quadrature
- * serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 where p has degree q_degree - 1. */
+ * with q'_i = H_p. Both add, with e_r the error of the quadrature for s^r,
+ *            + sum_{j,k} (j+k) e_{j+k-1} (dQ_k/dz)^T P_j.
+ * This is left by summation by parts of (p^T dg). if the quadrature is not exact to its degree: with it every
+ * quadrature serves every degree. For a separable system L_v - p = 0, and g. - tau H_p = 0 if p has degree q_degree -
+ * 1. */
 #ifndef TVI_SRC_GENERATING_SEEDS_H
 #define TVI_SRC_GENERATING_SEEDS_H
 
@@ -172,7 +173,7 @@ static inline void seeds_end(tvi_action *action, const tvi_curve *curve, double 
     if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
 }
 
-/* Of the field alone. */
+/* Returns whether the seeds need the field alone, and no second derivatives. */
 static inline bool seeds_are_plain(const tvi_action *action) { return !(action->is_hamilton && action->truncated); }
 
 static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
@@ -200,7 +201,7 @@ typedef struct tvi_curve_code {
     void (*sum)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*measure)(const tvi_curve *curve);
     double (*tail)(const tvi_curve *curve);
-    /* Of steps that adapt. */
+    /* Steps that adapt call these three. */
     double (*reach)(const tvi_curve *curve, double log_tolerance);
     void (*end_at)(tvi_curve *curve, double factor, double q[], double u[]);
     double (*change)(const tvi_curve *curve);
@@ -209,9 +210,9 @@ typedef struct tvi_curve_code {
     void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
     const struct tvi_solver *solver; /* but for `take`; NULL: the library's own */
-    /* Of plain seeds, finite or not; NULL: the library's own. */
+    /* Computes plain seeds, finite or not; NULL: the library's own function serves. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
-    /* Of step_quickly (curve_step.h); NULL: there is none. */
+    /* Makes a step by step_quickly (curve_step.h); NULL: there is no such code. */
     bool (*step)(struct tvi_curve_work *work, double tau, const tvi_origin *origin, double dq[], double dp[],
                  tvi_stats *stats);
 } tvi_curve_code;

@@ -1,5 +1,5 @@
-/* series.h - the coefficients of a curve, and what is summed of them: part of the text of generated code (emit.c),
- * where every size is a constant. All others call the functions of curve.h. */
+/* series.h - holds the coefficients of a curve, and sums them. It is part of the text of generated code (emit.c), where
+ * every size is a constant. Other files call the functions of curve.h. */
 #ifndef TVI_SRC_GENERATING_SERIES_H
 #define TVI_SRC_GENERATING_SERIES_H
 
@@ -103,7 +103,7 @@ static inline tvi_form curve_form(const tvi_curve *curve)
     return CURVE_SIZE(CURVE_FORM, curve->system->form);
 }
 
-/* Where the outputs of the field stand, and output i. */
+/* Returns the slots of the field's outputs. */
 static inline const int *curve_output(const tvi_curve *curve)
 {
     (void)curve;

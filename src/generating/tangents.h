@@ -1,5 +1,5 @@
-/* tangents.h - the Jacobian matrices of a curve, by blocks of tangents, and what is made of them: part of the text of
- * generated code (emit.c), where every size is a constant. All others call the functions of curve.h. */
+/* tangents.h - computes the Jacobian matrices of a curve, by blocks of tangents, and multiplies by them. It is part of
+ * the text of generated code (emit.c), where every size is a constant. Other files call the functions of curve.h. */
 #ifndef TVI_SRC_GENERATING_TANGENTS_H
 #define TVI_SRC_GENERATING_TANGENTS_H
 
@@ -11,7 +11,7 @@ typedef struct {
     int first;
 } curve_block;
 
-/* Of which so many are directions: the last block may be wider. */
+/* Returns how many lanes of the block are directions: the last block may be wider. */
 static inline int curve_directions(const tvi_curve *curve, const curve_block *b)
 {
     const int left = 2 * curve_n(curve) - b->first;
@@ -70,8 +70,8 @@ static inline void curve_store(const tvi_curve *curve, const curve_block *b, con
         }
 }
 
-/* Where one block has all directions, generated code reads the Jacobians where its tangents stand, if these stand in
- * rows. */
+/* Returns whether generated code reads the Jacobians from the block of tangents. That needs one block with all
+ * directions, whose tangents stand in rows. */
 static inline bool curve_is_in_place(void) { return CURVE_SIZE(CURVE_IN_PLACE, false); }
 
 static inline void curve_end_block(tvi_curve *curve, const curve_block *b)

@@ -1,5 +1,5 @@
-/* taylor.c - the plain Taylor method: the curve from the start to the end of the step, of order N - 1 in p, and nothing
- * else. It is explicit and not symplectic. */
+/* taylor.c - describes the plain Taylor method: the curve from the start to the end of the step, of order N - 1 in p,
+ * without corrections. It is explicit and not symplectic. */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -1,5 +1,5 @@
-/* taylor_batch.c - steps of the plain Taylor method of several members of an ensemble at once: lane m of a sweep is
- * member m. A member whose curve cannot be expanded goes by itself, and fails as it does there. */
+/* taylor_batch.c - makes steps of the plain Taylor method of several members of an ensemble at once: lane m of a sweep
+ * is member m. A member whose curve cannot be expanded makes its step by itself, and fails as a single step does. */
 #include "generating/curve_stepper.h"
 #include "generating/taylor_loops.h"
 #include "method/single.h"
@@ -8,7 +8,8 @@
 #include <string.h>
 
 enum { MOST_WIDTH = 32, LEAST_WIDTH = 8 };
-/* Of a block of the series, in the first-level cache; a block of the least width may be larger. */
+/* These bound a block of the series, which is to stay in the first-level cache; a block of the least width may be
+ * larger. */
 enum { MOST_BYTES = 30 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
 
 typedef struct {

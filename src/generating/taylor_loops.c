@@ -1,4 +1,4 @@
-/* taylor_loops.c - see taylor_loops.h. */
+/* taylor_loops.c - computes the loops over members that taylor_loops.h declares. */
 #include "generating/taylor_loops.h"
 #include "algebra/sizes.h"
 #include "algebra/tail.h"

@@ -1,5 +1,5 @@
-/* taylor_loops.h - the loops of the Taylor curves of several members at once (taylor_batch.c), compiled once for each
- * instruction set: the members are the fastest lanes, so that no sum runs across lanes. */
+/* taylor_loops.h - declares the loops of the Taylor curves of several members at once (taylor_batch.c), compiled once
+ * for each instruction set: the members are the fastest lanes, so that no sum runs across lanes. */
 #ifndef TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 #define TVI_SRC_GENERATING_TAYLOR_LOOPS_H
 

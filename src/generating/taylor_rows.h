@@ -1,6 +1,6 @@
-/* taylor_rows.h - scales the rows of a Taylor curve and sums them, for one vector of components: the text of
- * taylor_sweep.h, which reads it for each length of vectors V. SIZE(x) is |x| and SWEPT(f) the name of what it defines;
- * all three end here. */
+/* taylor_rows.h - scales the rows of a Taylor curve and sums them, for one vector of components. It is the text of
+ * taylor_sweep.h, which reads it for each length of vectors V. SIZE(x) is |x| and SWEPT(f) the name of a function here;
+ * the definitions of V, SIZE and SWEPT end here. */
 
 /* The sums of one of two chains of orders, which do not wait for each other. */
 typedef struct {

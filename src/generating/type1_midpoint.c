@@ -1,6 +1,6 @@
-/* type1_midpoint.c - type I, Ld(q0, q1), expanded at the midpoint (docs/method.md section 4): q- = q0, q1 = q+,
- * p0 = p- + d0, p1 = p+ + d1 with G+^T d1 - G-^T d0 = D_z. With the mean M of G- and G+, and R = G+ - G-, the matrix is
- * I + O(h):
+/* type1_midpoint.c - describes type I, Ld(q0, q1), expanded at the midpoint (docs/method.md section 4):
+ *     q- = q0,   q1 = q+,   p0 = p- + d0,   p1 = p+ + d1   with   G+^T d1 - G-^T d0 = D_z.
+ * With the mean M of G- and G+, and R = G+ - G-, the matrix is I + O(h):
  *     M^T (d1 - d0) + R^T (d1 + d0)/2 = D_z. */
 #include "generating/closure.h"
 #include "method/list.h"

@@ -1,4 +1,5 @@
-/* type2_end.c - type II, Hd+(q0, p1), the right discrete Hamiltonian, at the end (docs/method.md section 4). */
+/* type2_end.c - closes the equations of type II, Hd+(q0, p1), the right discrete Hamiltonian, at the end
+ * (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 

@@ -1,4 +1,5 @@
-/* type2_start.c - type II, Hd+(q0, p1), the right discrete Hamiltonian, at the start (docs/method.md section 4). */
+/* type2_start.c - closes the equations of type II, Hd+(q0, p1), the right discrete Hamiltonian, at the start
+ * (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 

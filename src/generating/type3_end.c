@@ -1,4 +1,5 @@
-/* type3_end.c - type III, Hd-(q1, p0), the left discrete Hamiltonian, at the end (docs/method.md section 4). */
+/* type3_end.c - closes the equations of type III, Hd-(q1, p0), the left discrete Hamiltonian, at the end
+ * (docs/method.md section 4). */
 #include "generating/closure.h"
 #include "method/list.h"
 
