@@ -33,7 +33,8 @@ tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const doubl
     return seeds_lagrange_terms(action, curve);
 }
 
-/* Truncated, q'_i = H_p(q_i, p_i): on_q = tau (H_qp p - H_q), on_p = tau H_pp p, on_v = -p. */
+/* Computes the terms of truncated nodes with q'_i = H_p(q_i, p_i): on_q = tau (H_qp p - H_q), on_p = tau H_pp p, on_v =
+ * -p. */
 static tvi_status bent_terms(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_system *system = curve->system;

@@ -8,32 +8,32 @@
 #include "generating/seeds.h"
 #include "method/descriptor.h"
 
-/* Its sizes alone: those of the step of one curve, which generated code knows. */
+/* Returns an action with its sizes alone: those of the step of one curve, which generated code knows. */
 tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options);
-/* The tape of the field at its nodes. */
+/* Returns the tape of the field at the nodes of the action. */
 const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind);
-/* Degrees of the curve that the action uses; everything in the options is resolved. mirrors: the span is
- * symmetric, and nodes may be there twice (seeds.h). */
+/* Allocates an action. q_degree and p_degree are the degrees of the curve that the action uses; all options are
+ * resolved. mirrors: the span is symmetric, and nodes may be there twice (seeds.h). */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
                      tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors);
 void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top);
 
-/* seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. TVI_EDOMAIN,
- * TVI_ENONFINITE, TVI_ESINGULAR and TVI_ENOCONV (the velocities of a Hamiltonian). */
+/* Computes seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. Returns
+ * TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV (the velocities of a Hamiltonian). */
 TVI_NODISCARD tvi_status tvi_action_seed(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 
-/* seeds_plainly (seeds.h), by the instructions of one set each. */
+/* These are seeds_plainly (seeds.h), each compiled for one instruction set. */
 typedef tvi_status tvi_seeds_fn(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 tvi_seeds_fn tvi_seeds_plainly_base, tvi_seeds_plainly_avx2, tvi_seeds_plainly_avx512;
 
-/* The Lagrangian at nodes that lie on no single curve, at its times: from positions q, velocities v and momenta p,
- * [n][points] each, on_q = tau L_q and on_v = L_v - p. */
+/* Evaluates the Lagrangian at nodes that lie on no single curve, at the action's times: from positions q, velocities v
+ * and momenta p, [n][points] each, on_q = tau L_q and on_v = L_v - p. */
 TVI_NODISCARD tvi_status tvi_action_lagrange(tvi_action *action, tvi_curve *curve, const double q[], const double v[],
                                              const double p[]);
 
-/* Roundoff of q and p at the ends of a step of size h from (q, p), [n] each: what that of the field at the nodes of the
- * gradient last formed makes of them, and that of p itself; 0 where the motion is larger than q and p. Returns how many
- * values of the field it cost. */
+/* Estimates the roundoff of q and p at the ends of a step of size h from (q, p), [n] each. It comes from the field at
+ * the nodes of the gradient last formed, and from p itself; it is 0 if the motion is larger than q and p. Returns how
+ * many values of the field this cost. */
 int tvi_action_roundoff(tvi_action *action, const tvi_curve *curve, double h, const double q[], const double p[],
                         double of_q[], double of_p[]);
 

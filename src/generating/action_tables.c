@@ -12,7 +12,8 @@ static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *o
     return tvi_quadrature_order(options->quadrature, options->quadrature_points) >= action->q_degree + action->p_degree;
 }
 
-/* Whole vectors, where the field at the nodes takes no more of the tape's vectors for that. */
+/* Returns the length of half of the rows of nodes: whole vectors, if the field at the nodes needs no more of the tape's
+ * vectors for that. */
 static int half_of(const tvi_system *system, int points)
 {
     const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2, whole = seeds_width(half);
@@ -91,7 +92,7 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     tvi_roundoff_take(&action->roundoff, arena, system);
 }
 
-/* The error of the quadrature for s^r on the span; exactly 0 below its order. */
+/* Returns the error of the quadrature for s^r on the span; it is exactly 0 below the order of the quadrature. */
 static double quadrature_error(int order, int points, const long double s[], const long double weight[], int r,
                                tvi_span span)
 {
@@ -117,7 +118,7 @@ static void fill_powers(tvi_action *action, int node, long double s, bool at_end
     }
 }
 
-/* The even and the odd orders at the first half of the nodes. */
+/* Copies the even and the odd orders at the first half of the nodes. */
 static void fill_halves(const tvi_action *action, tvi_node_table *table, bool is_weighted, double mirrored)
 {
     const int half = action->half, orders = action->orders, width = seeds_width((orders + 1) / 2);
@@ -130,7 +131,7 @@ static void fill_halves(const tvi_action *action, tvi_node_table *table, bool is
         }
 }
 
-/* The node of the rule that a point is, and the part of its weight. */
+/* Returns the node of the rule that a point is, and sets *part to the point's part of the node's weight. */
 static int node_of(const tvi_action *action, int count, int point, double *part)
 {
     const int half = action->half, at = half > 0 ? point % half : point,

@@ -28,8 +28,8 @@ typedef struct {
 #define TVI_QUOTIENT(V, out, x, divisor) out = (x) / (divisor);
 #endif
 
-/* As vectors, of which the orders that follow read them: one that is loaded from several numbers just stored waits
- * until they are in the cache. */
+/* These write vectors, since the orders that follow read vectors: a vector loaded from several numbers just stored
+ * waits until they are in the cache. */
 #define TVI_ADVANCE_SEPARABLE(V, S)                                                                                    \
     TVI_QUOTIENT(V, JET_AT(V, next, 0), JET_OF(V, of->kappa, 0) * JET_GATHER(V, field, of->output + here) * of->tau,   \
                  divisor)
@@ -39,8 +39,8 @@ typedef struct {
         TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, of->output + here) * -tau, divisor)                      \
     }
 
-/* The quotients by k are of the coefficients and not of tau: the roundoff of tau / k would be the same in all steps,
- * and the energy would drift (docs/method.md section 6). For the same reason tau^2 / m is kappa tau. */
+/* The quotients by k are taken of the coefficients and not of tau: the roundoff of tau / k would be the same in all
+ * steps, and the energy would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
 static inline void tvi_advance_separable(const tvi_recurrence *of, int k)
 {
     enum { stride = 0 };
@@ -57,8 +57,8 @@ static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
     JET_BLOCKS(of->n, TVI_ADVANCE_HAMILTONIAN, );
 }
 
-/* The same for tangents of `lanes` directions, of which x is the block; as vectors, of which the orders that follow
- * read them. Their roundoff is that of small corrections, so that quotients may be of tau. */
+/* Advances the tangents of `lanes` directions, whose block is x, in whole vectors, since the orders that follow read
+ * vectors. Their roundoff is that of small corrections, so that tau itself may be divided. */
 #define TVI_ADVANCE_TANGENT(V, S) JET_AT(V, next, 0) = factor * JET_OF(V, field, 0);
 static inline void tvi_advance_tangent(int lanes, double factor, const double *field, double *next)
 {

@@ -98,7 +98,7 @@ static void prepare(void *taken)
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
-/* B^T multiplier = R_v;  out += sign (A - I)^T multiplier. */
+/* Solves B^T multiplier = R_v. */
 static tvi_status solve_multiplier(const tvi_both_ends *w, tvi_side *x, tvi_stats *stats)
 {
     const size_t n = (size_t)w->n;
@@ -111,7 +111,7 @@ static tvi_status solve_multiplier(const tvi_both_ends *w, tvi_side *x, tvi_stat
     return status;
 }
 
-/* Component j of (A - I)^T multiplier. */
+/* Returns component j of (A - I)^T multiplier. */
 static double pulled(const tvi_both_ends *w, const tvi_side *x, int j)
 {
     double sum = 0;
@@ -132,7 +132,7 @@ static tvi_status close_equations(tvi_both_ends *w, tvi_stats *stats)
     return TVI_OK;
 }
 
-/* A step at hand. */
+/* An attempt holds the step that is being made. */
 typedef struct {
     tvi_both_ends *work;
     const tvi_origin *origin;
@@ -169,7 +169,7 @@ static void set_scale(void *self, double scale[])
     }
 }
 
-/* r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */
+/* Computes r = (a(1) - q1, b(-1) - q0, kappa (p_a(0) + from_p - p0)). */
 static void form_residual(const attempt *a, const double q1[], double r[])
 {
     tvi_both_ends *w = a->work;
@@ -207,7 +207,8 @@ static tvi_status residual(void *self, const double x[], double r[])
     return TVI_OK;
 }
 
-/* Without the change of the small corrections, the columns v0, q1, v1 of the rows of r are
+/* Fills in the residual's Jacobian without the change of the small corrections. Its columns v0,
+ * q1, v1 are, by rows of r,
  *     B0 -I  0 ;   0  A1  B1 ;   dU_a/dv0  0  0. */
 static bool jacobian(void *self, double matrix[])
 {
@@ -242,7 +243,7 @@ static void residual_roundoff(void *self, double r[])
 
 /* ---- The step ---------------------------------------------------------------------------------------------------- */
 
-/* The curve a from (q0, p0), and its end as the data of b. */
+/* Expands the curve a from (q0, p0), and predicts the data of b as the end of a. */
 static tvi_status predict(const attempt *a)
 {
     tvi_both_ends *w = a->work;
@@ -269,7 +270,7 @@ static void keep_missing(tvi_both_ends *w, const tvi_origin *origin)
     tvi_curve_aim(&w->b.curve, w->b.dz);
 }
 
-/* dq = a(1) - q0;  kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
+/* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
 static void increments(tvi_both_ends *w, double dq[], double dp[])
 {
     const int n = w->n;
@@ -305,7 +306,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     return TVI_OK;
 }
 
-/* dq += blend (x(at) - x(0)), dp the same with the momenta. */
+/* Adds blend (x(at) - x(0)) to dq, and the same of the momenta to dp. */
 static void add_dense(tvi_both_ends *w, tvi_side *x, double at, double blend, double dq[], double dp[])
 {
     tvi_combination_set_powers(&x->q_dense, &x->curve, false, w->degree, 1, at, -1, 0);
@@ -316,7 +317,7 @@ static void add_dense(tvi_both_ends *w, tvi_side *x, double at, double blend, do
     for (int i = 0; i < w->n; i++) dp[i] += blend * w->shift[i] / x->curve.kappa[i];
 }
 
-/* The blend of the curves, b from where the step ended. */
+/* Evaluates the blend of the curves; the curve b is measured from the end of the step. */
 static void dense(void *taken, double theta, double dq[], double dp[])
 {
     tvi_both_ends *w = taken;

@@ -46,7 +46,7 @@ typedef struct {
     double *shift;                  /* [n] */
 } tvi_both_ends;
 
-/* R of both curves, in defect form. TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR, TVI_ENOCONV. */
+/* Computes R of both curves, in defect form. Returns TVI_EDOMAIN, TVI_ENONFINITE, TVI_ESINGULAR or TVI_ENOCONV. */
 TVI_NODISCARD tvi_status tvi_both_ends_gradient(tvi_both_ends *work, tvi_stats *stats);
 
 #endif

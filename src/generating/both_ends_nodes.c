@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* row = sum_{least <= k <= degree} coefficient_k table_k, coefficient_k at first + k * stride. */
+/* Computes row = sum_{least <= k <= degree} coefficient_k table_k, with coefficient_k at first + k * stride. */
 static void sum_at_nodes(tvi_both_ends *w, int least, int degree, const double *first, size_t stride,
                          const double *table)
 {
@@ -13,7 +13,7 @@ static void sum_at_nodes(tvi_both_ends *w, int least, int degree, const double *
             w->row[node] += first[(size_t)k * stride] * table[k * w->points + node];
 }
 
-/* out += w a or (1 - w) b of the sums. */
+/* Adds w a or (1 - w) b of the sums to out. */
 static void add_blended(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
                         const double *table, double out[])
 {
@@ -21,7 +21,8 @@ static void add_blended(tvi_both_ends *w, const tvi_side *x, int degree, const d
     for (int node = 0; node < w->points; node++) out[node] += x->blend[node] * w->row[node];
 }
 
-/* out -= a or += b: a - b, whose coefficients 0 nearly cancel; `apart` is what is left of them, a_0 - b_0. */
+/* Subtracts a from out or adds b, for a - b, whose coefficients 0 nearly cancel; `apart` is their difference a_0 -
+ * b_0. */
 static void add_difference(tvi_both_ends *w, const tvi_side *x, int degree, const double *first, size_t stride,
                            double apart, double out[])
 {
@@ -29,7 +30,7 @@ static void add_difference(tvi_both_ends *w, const tvi_side *x, int degree, cons
     for (int node = 0; node < w->points; node++) out[node] -= x->sign * w->row[node] + apart / 2;
 }
 
-/* The part of one curve in y, v (in s), pi and pi. of component i. */
+/* Adds the part of one curve to y, v (in s), pi and pi. of component i. */
 static void add_side_at_nodes(tvi_both_ends *w, tvi_side *x, int i)
 {
     const size_t place = (size_t)i * (size_t)w->points, stride = (size_t)w->system->field_series->slots;
@@ -45,7 +46,7 @@ static void add_side_at_nodes(tvi_both_ends *w, tvi_side *x, int i)
     add_difference(w, x, w->degree - 1, P, (size_t)w->n, p_apart, w->pi_rate + place);
 }
 
-/* y, v, pi and pi. */
+/* Computes y, v, pi and pi. at the nodes. */
 static void place_nodes(tvi_both_ends *w)
 {
     const size_t panel = (size_t)w->n * (size_t)w->points * sizeof(double);
@@ -60,7 +61,7 @@ static void place_nodes(tvi_both_ends *w)
     for (int i = 0; i < w->n * w->points; i++) w->v[i] /= w->a.curve.tau;
 }
 
-/* The seeds of one curve. */
+/* Computes the seeds of one curve. */
 static void seed_side(const tvi_both_ends *w, tvi_side *x)
 {
     for (int i = 0; i < w->n; i++)

@@ -11,26 +11,27 @@
 #include "generating/seeds.h"
 #include "method/closing.h"
 
-/* Blocks of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
+/* A half names one block of a Jacobian [n][2n]: the columns of the first or of the second half of z. */
 typedef enum { TVI_FIRST, TVI_SECOND } tvi_half;
 
-/* Equations A^T x = D_z with Jacobians of the curve's ends: with the n x n block `half` of one, or with all of two. */
+/* These are equations A^T x = D_z with Jacobians of the curve's ends: A is the n x n block `half` of one Jacobian, or
+ * two Jacobians whole. */
 typedef struct {
     const tvi_combination *first, *second; /* second NULL: one */
     tvi_half half;
 } tvi_transposed;
 
-/* How they are solved; the generating functions do not know. (matrices.c, products.c) */
+/* A solver solves these equations; the generating functions do not know which one does (matrices.c, products.c). */
 typedef struct tvi_solver {
     void (*take)(struct tvi_closure *closure, tvi_arena *arena);
     void (*begin)(struct tvi_closure *closure); /* a step: what was kept is of another one */
-    /* The corrections from the curve at z and its seeds. scale [2n]: the natural sizes of z. */
+    /* Computes the corrections from the curve at z and its seeds. scale [2n]: the natural sizes of z. */
     tvi_status (*close)(struct tvi_closure *closure, const double z[], const double scale[], tvi_stats *stats);
-    /* D [2n]: x where the equations stand, and elsewhere what is left of D_z. TVI_ESINGULAR, TVI_ENONFINITE,
-     * TVI_ENOCONV. */
+    /* Replaces D [2n] by x where the equations stand, and elsewhere by what is left of D_z. Returns TVI_ESINGULAR,
+     * TVI_ENONFINITE or TVI_ENOCONV. */
     tvi_status (*solve)(struct tvi_closure *closure, const tvi_transposed *equations);
-    /* For the corrector, one of the two: J = d(q-, u-)/dz [2n][2n], or false where the last one still serves; or
-     * correction <- J^-1 correction, nearly. */
+    /* The corrector has one of the next two functions. `jacobian` writes J = d(q-, u-)/dz [2n][2n], or returns false if
+     * the last Jacobian still serves; `correct` replaces the correction by nearly J^-1 times it. */
     bool (*jacobian)(struct tvi_closure *closure, double matrix[]);
     void (*correct)(struct tvi_closure *closure, double correction[]);
 } tvi_solver;
@@ -57,18 +58,19 @@ typedef struct tvi_closure {
     double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
 } tvi_closure;
 
-/* Solves J^T x = D_z for the half of D_z that belongs to the n x n block J of the combination's Jacobian. In D, x is in
- * that half, and what the other block leaves of D_z in the other. Statuses of tvi_solver. */
+/* Solves J^T x = D_z for the half of D_z that belongs to the n x n block J of the combination's Jacobian. In D, x
+ * replaces that half, and the other half becomes what the other block leaves of it. Returns the statuses of
+ * tvi_solver. */
 TVI_NODISCARD tvi_status tvi_close_half(tvi_closure *closure, const tvi_combination *combination, tvi_half half);
 
-/* Solves [J1; J2]^T (x, y) = D_z: D is (x, y). */
+/* Solves [J1; J2]^T (x, y) = D_z, and replaces D by (x, y). */
 TVI_NODISCARD tvi_status tvi_close_full(tvi_closure *closure, const tvi_combination *first,
                                         const tvi_combination *second);
 
-/* The same with the mean of the ends, J1, and makes the corrections of it that closure->mean says. */
+/* Solves these equations with the mean of the ends as J1, and makes the corrections that closure->mean says. */
 tvi_close_fn tvi_close_mean;
 
-/* The corrections from the solution in D, as closure->mean says. */
+/* Computes the corrections from the solution in D, as closure->mean says. */
 static inline void closure_correct_ends(const tvi_closure *c)
 {
     const tvi_mean_closing *of = c->mean;
@@ -88,7 +90,7 @@ static inline void closure_measure(const tvi_closure *c)
     for (int i = 0; i < curve_n(&c->curve); i++) c->p_size[i] /= fabs(c->curve.kappa[i]);
 }
 
-/* Type I, expanded at the start or the end of the step. */
+/* Closes type I, expanded at the start or the end of the step. */
 tvi_close_fn tvi_close_type1_end;
 
 #endif

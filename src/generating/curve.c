@@ -113,7 +113,7 @@ static tvi_status expand_by_orders(tvi_curve *curve)
     return TVI_OK;
 }
 
-/* Velocity V = (1/tau) dQ/ds. */
+/* Expands a Lagrangian's curve, with the velocity V = (1/tau) dQ/ds. */
 static tvi_status expand_lagrangian(tvi_curve *curve)
 {
     tvi_status status = TVI_OK;

@@ -18,7 +18,7 @@ enum { MOST_WIDTH = 32, LEAST_WIDTH = 8, MOST_N = 7 };
 /* These bound the blocks of the series and of its tangents along one direction, which are to stay in the first-level
  * cache; a block of the least width may be larger. */
 enum { MOST_BYTES = 32 << 10, MOST_BYTES_OF_ALL = 256 << 10 };
-/* Smaller pivots, which do not depend on units where equations are I + O(h), are left to those that exchange rows. */
+/* Smaller pivots are left to steps that exchange rows. Pivots do not depend on units where equations are I + O(h). */
 static const double LEAST_PIVOT = 0.25;
 
 typedef tvi_curve_batch_work batch;
@@ -45,7 +45,7 @@ static int top_of(const tvi_system *system, const tvi_options *options)
     return options->degree + (tvi_method_of(options)->curve.has_top_momentum && system->form == TVI_SEPARABLE);
 }
 
-/* Curves whose field needs no momenta of nodes, and nothing by parts. */
+/* Returns whether the field of the curves needs no momenta of nodes, and the action no summation by parts. */
 static bool serves(const tvi_system *system, const tvi_options *options)
 {
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
@@ -154,7 +154,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     return taken;
 }
 
-/* As curve_stepper.c and action.c have them, in one table: [points][orders]. */
+/* Sets the weights of the sums at the nodes, which curve_stepper.c and action.c also have, in one table:
+ * [points][orders]. */
 static void set_node_sums(batch *w, int which, bool of_momentum, const double *power, int degree)
 {
     const tvi_curve *curve = &w->single->closure.curve;
@@ -169,7 +170,7 @@ static void set_node_sums(batch *w, int which, bool of_momentum, const double *p
     }
 }
 
-/* dp_i of a separable system are of Q, U_k = (k+1) Q_{k+1}. */
+/* Sets the weights of the seeds. For a separable system dp_i is a sum of dQ, since U_k = (k+1) Q_{k+1}. */
 static void set_seeds(batch *w)
 {
     const tvi_action *action = &w->action;
@@ -206,7 +207,7 @@ static void prepare(void *work)
 
 /* ---- A step ------------------------------------------------------------------------------------------------------ */
 
-/* z is that of the curve from the start of the step. Returns how many are in lanes. */
+/* Begins a step, with z the data of the curve from the start of the step. Returns how many members are in lanes. */
 static int begin(batch *w, double h, const tvi_batch_origin *origin, const tvi_status status[])
 {
     const tvi_curve_members *of = &w->members;
@@ -266,7 +267,7 @@ static void iterate(batch *w, const tvi_batch_origin *origin, int count, tvi_sta
         if (w->is_moving[m]) tvi_curve_leave(w, m);
 }
 
-/* The increments of those that have converged. */
+/* Writes the increments of the members that have converged. */
 static void finish(batch *w, const tvi_batch_end *end, tvi_stats *stats)
 {
     const tvi_curve_members *of = &w->members;

@@ -9,7 +9,7 @@
 typedef jet_widest vector;
 enum { WIDEST = sizeof(vector) / sizeof(double) };
 
-/* Row r of an array at members `here` to here + WIDEST - 1, which all functions over vectors pass through. */
+/* This is row r of an array at members `here` to here + WIDEST - 1; all functions over vectors pass through these. */
 #define AT_ROW(x, r)       (*(vector *)((x) + (size_t)(r) * (size_t)width + here))
 #define OF_ROW(x, r)       (*(const vector *)((x) + (size_t)(r) * (size_t)width + here))
 #define EACH_VECTOR(width) for (int here = 0; here < (width); here += WIDEST)
@@ -21,8 +21,8 @@ JET_INLINE vector size_of(vector x) { return JET_ABS(jet_widest, x); }
 
 enum { PARTS = 4 };
 
-/* Sum o at `here`. The vectors of a row stand `part` apart: `parts` sums that do not wait for each other, and ask for
- * each weight once. */
+/* Computes sum o at `here`. The vectors of a row stand `part` apart: there are `parts` sums that do not wait for each
+ * other, and that load each weight once. */
 JET_INLINE void combine_at(const tvi_weights *w, size_t stride, int parts, int part, bool sizes, const double *x, int o,
                            double *out)
 {
@@ -65,7 +65,7 @@ static void combine_sizes(const tvi_weights *weights, size_t stride, int width, 
     combine_all(weights, stride, width, true, x, out_stride, out);
 }
 
-/* In two chains, which do not wait for each other. */
+/* Sums in two chains, which do not wait for each other. */
 static void pull(int rows, int directions, int width, const double *seed, const double *J, double *out)
 {
     for (int d = 0; d < directions; d++) EACH_VECTOR(width)
@@ -93,7 +93,7 @@ static void push(int rows, int directions, int width, const double *J, const dou
 
 /* ---- Equations --------------------------------------------------------------------------------------------------- */
 
-/* 1 / pivot stands in the diagonal. */
+/* Factors the matrices; the diagonal becomes 1 / pivot. */
 static void factor(int size, int width, double *A, double *least)
 {
     EACH_VECTOR(width)
@@ -171,7 +171,7 @@ static void residual(const tvi_curve_members *of, const double *restrict Q0, con
         }
 }
 
-/* The unknowns of a group, which begins at `first`, in a subsystem with these components. */
+/* Fills in the scales of the unknowns of a group, which begins at `first`, in a subsystem with these components. */
 JET_INLINE void fill_scale_at(double *scale, int first, const int *member, const int *end, int width, int here)
 {
     vector largest = {0}, nothing = {0};

@@ -6,7 +6,7 @@
 
 #include "method/descriptor.h"
 
-/* Sums of rows: number o of them has the weights weight[o * per_out + r * per_row] of rows r. */
+/* These weigh sums of rows: sum number o has the weights weight[o * per_out + r * per_row] of rows r. */
 typedef struct {
     double *weight;
     int outs, rows;
@@ -28,36 +28,36 @@ typedef struct {
 } tvi_curve_members;
 
 typedef struct {
-    /* out[o * out_stride ..] = sum_r weight x[r * stride ..], width of each, the last rows first; what has no weight is
-     * not read. */
+    /* Computes out[o * out_stride ..] = sum_r weight x[r * stride ..], `width` numbers each, the last rows first; rows
+     * without a weight are not read. */
     void (*combine)(const tvi_weights *weights, size_t stride, int width, const double *x, size_t out_stride,
                     double *out);
-    /* The same of |x|. */
+    /* Computes the same sums of |x|. */
     void (*combine_sizes)(const tvi_weights *weights, size_t stride, int width, const double *x, size_t out_stride,
                           double *out);
-    /* out[d] = sum_r seed[r] J[d][r], d < directions. */
+    /* Computes out[d] = sum_r seed[r] J[d][r], d < directions. */
     void (*pull)(int rows, int directions, int width, const double *seed, const double *J, double *out);
-    /* out[r] = sum_d J[d][r] dz[d]. */
+    /* Computes out[r] = sum_d J[d][r] dz[d]. */
     void (*push)(int rows, int directions, int width, const double *J, const double *dz, double *out);
-    /* A = L U in place of A [size][size][width], without exchanges; least becomes that pivot that is nearest to 0, if
-     * it is nearer. */
+    /* Computes A = L U in place of A [size][size][width], without exchanges. If a pivot is nearer to 0 than `least`,
+     * `least` becomes the pivot that is nearest to 0. */
     void (*factor)(int size, int width, double *A, double *least);
-    /* x <- A^-1 x and x <- A^-T x. */
+    /* Computes x <- A^-1 x and x <- A^-T x. */
     void (*solve)(int size, int width, const double *lu, double *x);
     void (*solve_transposed)(int size, int width, const double *lu, double *x);
-    /* out = a field - b other, so many numbers. */
+    /* Computes out = a field - b other, for `count` numbers. */
     void (*subtract)(int count, double a, const double *field, double b, const double *other, double *out);
-    /* The corrections of the ends from D. */
+    /* Computes the corrections of the ends from D. */
     void (*close)(const tvi_curve_members *of, const tvi_mean_closing *closing);
-    /* correction = -r, r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first; it is (q- - Q_0,
-     * kappa p-) beforehand, and Q0 where the curve's start stands. */
+    /* Computes correction = -r, r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first.
+     * Beforehand the correction holds (q- - Q_0, kappa p-), and Q0 the Q_0 of the curve. */
     void (*residual)(const tvi_curve_members *of, const double *Q0, const tvi_batch_origin *origin);
-    /* As newton.c: an unknown without a size has the largest of its group, or 1. */
+    /* Fills in scales as newton.c does: an unknown without a size gets the largest of its group, or 1. */
     void (*fill_scale)(const tvi_curve_members *of);
     void (*measure)(const tvi_curve_members *of);
-    /* z += correction where the mask is set. */
+    /* Adds the correction to z where the mask is set. */
     void (*move)(const tvi_curve_members *of, const long long *is_moving);
-    /* dq and dp from the curve's rise and its change by the last correction, [2n][width] each. */
+    /* Computes dq and dp from the curve's rise and its change by the last correction, [2n][width] each. */
     void (*end)(const tvi_curve_members *of, const double *curve, const double *change, double *dq, double *dp);
 } tvi_curve_loops;
 
