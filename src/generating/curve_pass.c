@@ -14,7 +14,7 @@ static tvi_curve_sums sums_of(const batch *w, const tvi_combination *combination
     return (tvi_curve_sums){combination->of_momentum, {combination->weight, 1, w->curve.top + 1, 0, 1}};
 }
 
-/* out [n][width] = the sum over orders `stride` apart. */
+/* Computes out [n][width], the sum over orders that stand `stride` apart. */
 static void sum_orders(const batch *w, const tvi_combination *combination, const double *x, size_t stride, double *out)
 {
     const int width = w->curve.width * w->curve.n;
@@ -35,7 +35,7 @@ static void sum_change(const batch *w, const tvi_combination *combination, const
     sum_orders(w, combination, of, stride_of_change(w), out);
 }
 
-/* Component i at the nodes. */
+/* Sums component i at the nodes. */
 static void sum_at_nodes(const batch *w, int which, int i, double *out)
 {
     const tvi_curve_sums *s = &w->node_sums[which];
@@ -52,7 +52,7 @@ static void leave_outside(batch *w, const jet_tape *tape, const double *x, int p
         if (w->is_moving[m] && !tvi_single_is_inside(&w->by_itself, tape, x, points, m)) tvi_curve_leave(w, m);
 }
 
-/* From z, about t + (t_low + later). */
+/* Expands the curves from z, about t + (t_low + later). */
 static void expand(batch *w, const tvi_batch_origin *origin, double later)
 {
     const tvi_taylor_lanes *curve = &w->curve;
@@ -69,7 +69,7 @@ static void expand(batch *w, const tvi_batch_origin *origin, double later)
     if (!tvi_taylor_expand(w->series, curve, tape)) leave_outside(w, tape, curve->x, 1);
 }
 
-/* dz = a unit vector. */
+/* Sets the direction dz of the tangents to a unit vector. */
 static void aim(const batch *w, int direction)
 {
     const tvi_taylor_lanes *d = &w->tangent;
@@ -97,7 +97,7 @@ static void differentiate(batch *w)
     }
 }
 
-/* The transposed Jacobians of two combinations, [2n][2n][width], one beside the other. */
+/* Joins the transposed Jacobians of two combinations, [2n][2n][width], one beside the other. */
 static void join_jacobians(const batch *w, const tvi_combination *first, const tvi_combination *second, double *out)
 {
     const size_t half = (size_t)w->curve.n * (size_t)w->curve.width;
@@ -124,7 +124,8 @@ static void run_field(batch *w, const tvi_batch_origin *origin, double later)
     if (!tape->sweeps->values(tape, w->x, lanes)) leave_outside(w, tape, w->x, action->points);
 }
 
-/* On q: tau (F or -H_q) - dp/ds. On p / kappa: dq/ds - u of a separable system, else dq/ds - tau H_p. */
+/* Computes the defects of component i: on q, tau (F or -H_q) - dp/ds; on p / kappa, dq/ds - u of a separable system,
+ * otherwise dq/ds - tau H_p. */
 static void find_defects(const batch *w, int i)
 {
     const bool is_separable = w->curve.has_masses;
@@ -154,7 +155,7 @@ static void find_seeds(const batch *w)
     }
 }
 
-/* The corrections of the ends. */
+/* Computes the corrections of the ends. */
 static void close(const batch *w)
 {
     const tvi_closure *c = &w->single->closure;

@@ -10,7 +10,8 @@
 
 typedef enum { TVI_LEFT_ALONE, TVI_MOVING, TVI_DONE, TVI_BY_ITSELF } tvi_curve_progress;
 
-/* Sums over the orders of coefficients of q, or of a Hamiltonian's p, which stand behind them. */
+/* These are the weights of sums over the orders of coefficients of q, or of a Hamiltonian's p, which stand after those
+ * of q. */
 typedef struct {
     bool of_momentum;
     tvi_weights weights;
@@ -49,19 +50,19 @@ typedef struct {
     tvi_newton_history *history; /* [width] */
 } tvi_curve_batch_work;
 
-/* The member goes by itself. */
+/* Leaves a member out: it makes its step by itself. */
 static inline void tvi_curve_leave(tvi_curve_batch_work *w, int m)
 {
     w->now[m] = TVI_BY_ITSELF;
     w->is_moving[m] = 0;
 }
 
-/* z at the centre, by the curves from the starts (q0, kappa p0) that z has. */
+/* Predicts z at the centre, by the curves from the starts (q0, kappa p0) that z holds. */
 void tvi_curve_predict_members(tvi_curve_batch_work *w, const tvi_batch_origin *origin);
-/* All that follows from z: curves, Jacobians, corrections of the ends, and the correction of z with its sizes; in the
- * first pass the natural sizes of z. */
+/* Computes all that follows from z: curves, Jacobians, corrections of the ends, and the correction of z with its sizes;
+ * the first pass also computes the natural sizes of z. */
 void tvi_curve_pass(tvi_curve_batch_work *w, const tvi_batch_origin *origin, bool is_first);
-/* dq, dp and the tails [width] of the steps, with the last correction to first order. */
+/* Computes dq, dp and the tails [width] of the steps, with the last correction to first order. */
 void tvi_curve_end_members(tvi_curve_batch_work *w);
 
 #endif

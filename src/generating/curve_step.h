@@ -8,13 +8,13 @@
 #include "generating/lagrangian_orders.h"
 #include "generating/matrices.h"
 
-/* The time about which the curve of the step is expanded. */
+/* Returns the time about which the curve of the step is expanded. */
 static inline double step_centre(const tvi_curve_work *w, const tvi_origin *origin, double tau)
 {
     return origin->t + (origin->t_low - w->closure.span.from * tau);
 }
 
-/* z at the centre, of the curve that starts at the start of the step. */
+/* Moves z to the centre, along the curve that starts at the start of the step. */
 static inline void step_move_to_centre(const tvi_curve_work *w, double z[])
 {
     const tvi_closure *c = &w->closure;
@@ -22,8 +22,8 @@ static inline void step_move_to_centre(const tvi_curve_work *w, double z[])
     CURVE_CALL(sum, &c->curve, &w->z_centre, z + curve_n(&c->curve));
 }
 
-/* The natural sizes of the unknowns. All that a curve of degree 0 or 1 knows of a body that starts at rest is the
- * corrections, which are momenta: in the unit of the unknown but for a Lagrangian. */
+/* Computes the natural sizes of the unknowns. If a body starts at rest, a curve of degree 0 or 1 knows only the
+ * corrections, which are momenta: they are in the unit of the unknown, except for a Lagrangian. */
 static inline void step_set_scale(const tvi_closure *c, double scale[])
 {
     const tvi_curve *curve = &c->curve;
@@ -36,7 +36,7 @@ static inline void step_set_scale(const tvi_closure *c, double scale[])
     }
 }
 
-/* r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
+/* Computes r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
 static inline void step_form_residual(const tvi_curve_work *w, const tvi_origin *origin, double r[])
 {
     const tvi_closure *c = &w->closure;
@@ -51,14 +51,14 @@ static inline void step_form_residual(const tvi_curve_work *w, const tvi_origin 
     }
 }
 
-/* Whether there are corrections; generated code has no steps without. */
+/* Returns whether there are corrections; generated code has no steps without them. */
 static inline bool step_corrects(const tvi_curve_work *w)
 {
     (void)w;
     return CURVE_SIZE(true, w->corrects);
 }
 
-/* out = sum of the combination at z + dz, to first order in dz. */
+/* Computes out, the sum of the combination at z + dz, to first order in dz. */
 static inline void step_sum_and_push(const tvi_curve_work *w, const tvi_combination *combination, double out[])
 {
     CURVE_CALL(sum, &w->closure.curve, combination, out);
@@ -67,7 +67,7 @@ static inline void step_sum_and_push(const tvi_curve_work *w, const tvi_combinat
     for (int i = 0; i < curve_n(&w->closure.curve); i++) out[i] += w->shift[i];
 }
 
-/* dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
+/* Computes dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
 static inline void step_increments(const tvi_curve_work *w, const tvi_combination *q_rise,
                                    const tvi_combination *u_rise, double part, double dq[], double dp[])
 {
@@ -82,7 +82,7 @@ static inline void step_increments(const tvi_curve_work *w, const tvi_combinatio
     }
 }
 
-/* The velocity at the end of a Lagrangian's curve is where that of the next step is looked for. */
+/* Stores the velocity at the end of a Lagrangian's curve: the search for the next step's velocity starts there. */
 static inline void step_leave_velocity(const tvi_curve_work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
@@ -91,7 +91,7 @@ static inline void step_leave_velocity(const tvi_curve_work *w)
     for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= curve->tau;
 }
 
-/* From the curve to what the step returns; and its tail. */
+/* Computes the increments that the step returns from the curve. Returns its tail. */
 static inline double step_finish(const tvi_curve_work *w, double dq[], double dp[])
 {
     const tvi_curve *curve = &w->closure.curve;
@@ -103,21 +103,22 @@ static inline double step_finish(const tvi_curve_work *w, double dq[], double dp
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
 
-/* The functions of a curve's code that are not of one place: series, with Jacobians or without, finite or not. */
+/* The caller gives these functions of a curve's code: the series without Jacobians and with them, and the seeds, finite
+ * or not. */
 typedef struct {
     tvi_status (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
 } step_makers;
 
-/* A step at hand. */
+/* A quick step holds the step that is being made. */
 typedef struct {
     tvi_curve_work *work;
     const step_makers *by;
     int factorisations;
 } step_quick;
 
-/* The factors of new Jacobians. The second half of what generating functions solve, where it is of the coordinates, is
- * in another unit than a Hamiltonian's p, and that of the corrector, of momenta, than a Lagrangian's tau v. */
+/* Factors new Jacobians. In the generating function's equations the second half may be of the coordinates, in another
+ * unit than a Hamiltonian's p; in the corrector's it is of momenta, in another unit than a Lagrangian's tau v. */
 static inline bool step_factor(step_quick *a, const double z[])
 {
     const tvi_closure *c = &a->work->closure;
@@ -133,8 +134,8 @@ static inline bool step_factor(step_quick *a, const double z[])
     return is_safe && (!has_back || linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, back));
 }
 
-/* The correction of a pass at x, and its size; false: it is not one that the quick step makes, as where anything on the
- * way to it is not finite. */
+/* Computes the correction of a pass at x, and its size. Returns false if the quick step does not make this pass, for
+ * example if a number on the way to the correction is not finite. */
 static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_first, tvi_newton_size *correction)
 {
     tvi_curve_work *w = a->work;
@@ -161,7 +162,7 @@ static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_fi
     return tvi_all_finite(size, r);
 }
 
-/* Passes of the corrector until they may end, so many at most; 0: they do not. */
+/* Passes of the corrector run until they may end, and at most this often; otherwise the number of passes is 0. */
 enum { STEP_QUICK_PASSES = 8 };
 static inline int step_passes(step_quick *a, const tvi_origin *origin, double *size)
 {
@@ -184,8 +185,8 @@ static inline int step_passes(step_quick *a, const tvi_origin *origin, double *s
     return 0;
 }
 
-/* The velocity of a Lagrangian that goes with the momentum, by Newton's method from that at the end of the step before,
- * as nearly as predictors need it; false: that was far away. */
+/* Finds the velocity of a Lagrangian that belongs to the momentum, by Newton's method from the velocity at the end of
+ * the step before, as nearly as predictors need it. Returns false if that velocity was far away. */
 static inline bool step_find_velocity(tvi_curve_work *w, const double p[], double v[])
 {
     enum { MOST = 4 };
@@ -208,7 +209,7 @@ static inline bool step_find_velocity(tvi_curve_work *w, const double p[], doubl
     return largest <= near * size;
 }
 
-/* The centre data of the curve from the start of the step, where they stand. */
+/* Sets the centre data of the curve to the start of the step. */
 static inline bool step_place_start(tvi_curve_work *w, const tvi_origin *origin)
 {
     tvi_curve *curve = &w->closure.curve;
@@ -225,8 +226,8 @@ static inline bool step_place_start(tvi_curve_work *w, const tvi_origin *origin)
     return step_find_velocity(w, origin->p, tvi_curve_input(curve, 0) + n);
 }
 
-/* A step whose passes converge as they mostly do, of the generating functions of tvi_close_mean; false: nothing is
- * made, and the step is one of curve_stepper.c. */
+/* Makes a step whose passes converge as they mostly do, for the generating functions of tvi_close_mean. Returns false
+ * if nothing is made; then curve_stepper.c makes the step. */
 static inline bool step_quickly(tvi_curve_work *w, const step_makers *by, double tau, const tvi_origin *origin,
                                 double dq[], double dp[], tvi_stats *stats)
 {

@@ -17,7 +17,7 @@ static const tvi_solver *const by_products[JET_ISA_COUNT] = {
 #endif
 };
 
-/* A step at hand. */
+/* An attempt holds the step that is being made. */
 typedef struct {
     work *work;
     const tvi_origin *origin;
@@ -95,7 +95,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
 
-/* z_centre: tau v = sum k Q_k s^(k-1), but p of a Hamiltonian, s = -from. */
+/* Sets the combination z_centre: tau v = sum k Q_k s^(k-1), or p of a Hamiltonian, at s = -from. */
 static void set_centre(work *w)
 {
     const tvi_curve *curve = &w->closure.curve;
@@ -147,7 +147,7 @@ static tvi_status expand(const attempt *a, const double z[], double centre)
     return tvi_curve_expand(curve, centre);
 }
 
-/* z at the centre, by the curve that starts at (q0, p0). */
+/* Predicts z at the centre, by the curve that starts at (q0, p0). */
 static tvi_status predict(const attempt *a)
 {
     work *w = a->work;
@@ -181,7 +181,7 @@ static tvi_status residual(void *self, const double z[], double r[])
     return status;
 }
 
-/* d(q-, kappa p-)/dz: the residual's without the change of the small corrections. */
+/* Computes d(q-, kappa p-)/dz, the residual's Jacobian without the change of the small corrections. */
 static bool jacobian(void *self, double matrix[])
 {
     tvi_closure *c = &((attempt *)self)->work->closure;
@@ -199,7 +199,7 @@ static void residual_roundoff(void *self, double r[])
     for (int i = 0; i < c->n; i++) r[c->n + i] *= fabs(c->curve.kappa[i]);
 }
 
-/* Or its inverse. */
+/* Multiplies the correction by the inverse of this Jacobian. */
 static void apply_inverse(void *self, double correction[])
 {
     tvi_closure *c = &((attempt *)self)->work->closure;
@@ -229,7 +229,8 @@ static tvi_status correct(attempt *a)
     return status;
 }
 
-/* Whether generated code makes the step. After one that it does not, as where steps are large, some are not tried. */
+/* Makes the step by generated code, and returns whether that did it. After a step that it does not make, as where steps
+ * are large, some steps are not tried. */
 static bool step_by_code(const attempt *a, double dq[], double dp[])
 {
     enum { NOT_TRIED = 15 };
@@ -246,7 +247,7 @@ static bool step_by_code(const attempt *a, double dq[], double dp[])
     return false;
 }
 
-/* The increments of the plain Taylor method's step of size h, by the curve, whose tau becomes that of this size. */
+/* Computes the increments of the plain Taylor method's step of size h from the curve, whose tau becomes h. */
 static void end_plainly(work *w, double h, const tvi_increments *by)
 {
     tvi_curve *curve = &w->closure.curve;
@@ -254,7 +255,8 @@ static void end_plainly(work *w, double h, const tvi_increments *by)
     for (int i = 0; i < curve->n; i++) by->dp[i] /= curve->kappa[i];
 }
 
-/* Whether it is that: a curve from the start, of a degree that the method has, of which all orders are summed. */
+/* Returns whether this is the plain Taylor method: a curve from the start, of a degree that the method has, all of
+ * whose orders are summed. */
 static bool is_plain(const work *w)
 {
     const tvi_closure *c = &w->closure;
@@ -279,12 +281,12 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
 
 /* ---- Steps that adapt -------------------------------------------------------------------------------------------- */
 
-/* A size from a curve of tau lies within tau times or over this. */
+/* A step's size is found from a curve whose tau is within this factor of it. */
 static const double WIDE = 16;
 enum { WIDE_BITS = 4, MOST_EXPANSIONS = 64 };
 
-/* The curve from the start of the step, and its tau: a power of 2 near its reach, or near the farthest it may go; from
- * a good guess that is one expansion. *reach is what serves the tolerance, without sign. */
+/* Expands the curve from the start of the step, and chooses its tau: a power of 2 near its reach, or near the farthest
+ * it may go. A good guess costs one expansion. *reach is the size that serves the tolerance, without sign. */
 static tvi_status expand_within(attempt *a, double guess, double most, double *reach)
 {
     const work *w = a->work;
@@ -313,8 +315,8 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
     return TVI_ENOCONV;
 }
 
-/* A step is at most so many times as large as the one before it. One that the coefficients allow to be larger than that
- * by much, and the first one, have to show that they are right where they end. */
+/* A step is at most MOST_GROWTH times as large as the one before it. The first step, and one that the coefficients
+ * allow to be MUCH_LARGER times as large, have to show that they are right at their end. */
 static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
 
 static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin,
@@ -351,7 +353,7 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     return TVI_OK;
 }
 
-/* The curve, with the corrections growing linearly. */
+/* Evaluates the curve, with the corrections growing linearly. */
 static void dense(void *taken, double theta, double dq[], double dp[])
 {
     work *w = taken;

@@ -33,8 +33,8 @@ typedef struct tvi_curve_work {
     tvi_refinement refinement;
 } tvi_curve_work;
 
-/* Whether the curve ends with the force that is there, dp/ds = h F, to the tolerance. Coefficients beside a state that
- * is large may tell nothing of what the body comes to. */
+/* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that
+ * is large may not show what the body will meet. */
 bool tvi_curve_ends_right(tvi_curve_work *work, double h, const tvi_origin *origin, const tvi_increments *by);
 
 #endif

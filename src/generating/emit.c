@@ -15,7 +15,7 @@ static void emit_text(jet_text *text, const char *const lines[])
     for (; *lines; lines++) jet_text_add(text, "%s", *lines);
 }
 
-/* Defines `macro` as the table of where the outputs of the tape stand. */
+/* Defines `macro` as the table of the slots of the tape's outputs. */
 static void emit_output(jet_text *text, const jet_tape *tape, const char *table, const char *macro)
 {
     jet_text_add(text, "static const int %s[] = {", table);
@@ -23,7 +23,7 @@ static void emit_output(jet_text *text, const jet_tape *tape, const char *table,
     jet_text_add(text, "};\n#define %s %s\n", macro, table);
 }
 
-/* Directions that are left of blocks of so many lanes; 0: none, or there is one block. */
+/* Returns the directions that are left of blocks of `lanes` lanes; 0: none, or there is one block. */
 static int rest_of(const tvi_system *system, int lanes)
 {
     return lanes > 0 && lanes < 2 * system->n ? 2 * system->n % lanes : 0;
@@ -41,7 +41,7 @@ static void emit_sizes(jet_text *text, const tvi_system *system, const tvi_optio
                  lanes == 2 * system->n && system->form != TVI_LAGRANGIAN, form[system->form]);
 }
 
-/* CURVE_FOLLOWS(slot): whether the slot depends on the velocity, the second input of a Lagrangian. */
+/* Defines CURVE_FOLLOWS(slot): whether the slot depends on the velocity, the second input of a Lagrangian. */
 static void emit_followers(jet_text *text, const tvi_system *system)
 {
     const jet_tape *tape = system->field_series;
@@ -56,8 +56,8 @@ static void emit_followers(jet_text *text, const tvi_system *system)
     free(follows);
 }
 
-/* How the seeds have the field at the nodes, of which code without seeds has no sweep; tangents are those of velocities
- * by momenta, by the series' tape. */
+/* Defines how the seeds evaluate the field at the nodes; code without seeds has no sweep of it. The tangents are those
+ * of velocities by momenta, by the series' tape. */
 static void emit_field(jet_text *text, const tvi_system *system, const tvi_action *a, bool has_seed)
 {
     const jet_tape *field = tvi_action_field(system, a->is_hamilton ? TVI_ACTION_HAMILTON : TVI_ACTION_LAGRANGE);
@@ -77,7 +77,7 @@ static void emit_field(jet_text *text, const tvi_system *system, const tvi_actio
     else jet_text_add(text, "#define SEEDS_VALUES(tape, x, lanes) ((void)(tape), (void)(x), false)\n");
 }
 
-/* The sizes of the action, for the initial values of a structure. */
+/* Writes the sizes of the action, as the initial values of a structure. */
 static void emit_action(jet_text *text, const tvi_action *a)
 {
     jet_text_add(text,
@@ -87,7 +87,7 @@ static void emit_action(jet_text *text, const tvi_action *a)
                  a->points, a->orders, a->half);
 }
 
-/* By tangents in so many directions, or by products. */
+/* Emits the functions of a curve, by tangents in `lanes` directions, or by products. */
 static void emit(jet_text *text, const tvi_system *system, const tvi_options *options, int lanes, bool has_products)
 {
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;

@@ -13,7 +13,7 @@
 #include "generating/seeds.h"
 #include "generating/tangents.h"
 
-/* Coefficients of the curve are so many orders above those of the field that give them. */
+/* Coefficients of the curve are this many orders above those of the field that give them. */
 enum { CURVE_RISE = CURVE_FORM == TVI_SEPARABLE ? 2 : 1 };
 
 /* ---- The series -------------------------------------------------------------------------------------------------- */
@@ -24,7 +24,7 @@ static inline tvi_recurrence code_recurrence(const tvi_curve *curve, double *blo
     return (tvi_recurrence){CURVE_N, order, CURVE_SLOT, block, curve->kappa, curve->tau};
 }
 
-/* Order k of the field, and what it gives of the curve. */
+/* Evaluates order k of the field, and computes the coefficients of the curve that follow from it. */
 static inline void code_expand_order(tvi_curve *curve, const tvi_recurrence *series, int k, tvi_status *status)
 {
     if (CURVE_FORM == TVI_LAGRANGIAN) {
@@ -37,7 +37,7 @@ static inline void code_expand_order(tvi_curve *curve, const tvi_recurrence *ser
 }
 
 #define EXPAND(k) code_expand_order(curve, &series, k, &status);
-/* TVI_EDOMAIN, TVI_ESINGULAR; otherwise TVI_OK, finite or not. */
+/* Expands the series. Returns TVI_EDOMAIN, TVI_ESINGULAR or otherwise TVI_OK, finite or not. */
 JET_APART tvi_status code_series(tvi_curve *curve)
 {
     const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
@@ -56,7 +56,7 @@ static inline tvi_status code_expand(tvi_curve *curve)
 
 #if CURVE_HAS_MATRICES
 
-/* Order k of the tangents of a block of directions. */
+/* Computes order k of the tangents of a block of directions. */
 static inline void code_differentiate_order(tvi_curve *curve, const tvi_recurrence *tangents, const curve_block *block,
                                             int k, tvi_status status)
 {
@@ -75,7 +75,7 @@ static inline void code_differentiate_order(tvi_curve *curve, const tvi_recurren
 #define EXPAND_WITH_TANGENTS(k)                                                                                        \
     code_expand_order(curve, &series, k, &status);                                                                     \
     code_differentiate_order(curve, &tangents, &block, k, status);
-/* The whole series, each order with that of its tangents in all directions, which do not wait for each other. */
+/* Expands the whole series, each order with its tangents in all directions, which do not wait for each other. */
 JET_APART tvi_status code_series_and_tangents(tvi_curve *curve)
 {
     const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
@@ -93,7 +93,7 @@ static inline void code_differentiate(tvi_curve *curve) { (void)code_series_and_
 #else
 
 #define DIFFERENTIATE(k) code_differentiate_order(curve, &tangents, &block, k, TVI_OK);
-/* The tangents of the curve last expanded in `lanes` directions, a constant, from `first` on. */
+/* Computes the tangents of the curve last expanded in `lanes` directions, a constant, from `first` on. */
 static inline void code_differentiate_block(tvi_curve *curve, int lanes, int first)
 {
     const tvi_recurrence tangents = code_recurrence(curve, curve->dx, lanes);
@@ -103,7 +103,7 @@ static inline void code_differentiate_block(tvi_curve *curve, int lanes, int fir
 }
 #undef DIFFERENTIATE
 
-/* Blocks of all directions, in the order of them. */
+/* Computes the blocks of all directions, in their order. */
 static inline void code_differentiate(tvi_curve *curve)
 {
     int first = 0;

@@ -3,45 +3,45 @@
 #ifndef TVI_SRC_GENERATING_IN_LIBRARY_H
 #define TVI_SRC_GENERATING_IN_LIBRARY_H
 
-/* A size: constant in generated code, otherwise a variable. */
+/* CURVE_SIZE is a size: a constant in generated code, otherwise a variable. */
 #define CURVE_SIZE(constant, otherwise) (otherwise)
 
-/* A function of curve.h. */
+/* CURVE_CALL calls a function of curve.h. */
 #define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
 
-/* out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride]: by the vectors of the tape, or, where
- * CURVE_ONE_SET says that the file is compiled for one instruction set, by those of the set. */
+/* Computes out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride], by the vectors of the tape. If
+ * CURVE_ONE_SET says that the file is compiled for one instruction set, it uses the vectors of that set. */
 #ifdef CURVE_ONE_SET
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
 #endif
-/* The same of rows that stand `apart`; the library has copied them side by side. */
+/* Computes this sum for rows that stand `apart`; the library has copied them side by side. */
 #define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
     ((void)(apart), CURVE_COMBINE(tape, count, c, of_c, width, table, out))
 
-/* Factors of n rows. */
+/* These factor matrices of n rows, and solve with the factors. */
 #define CURVE_FACTOR tvi_factor_compute
 #define CURVE_SOLVE  tvi_factor_solve
 
-/* Order k of the field's series, and of its tangents in `lanes` directions. */
+/* These run order k of the field's series, and of its tangents in `lanes` directions. */
 #define ORDERS_SERIES(curve, k)              jet_sweep_series((curve)->system->field_series, (curve)->x, k, 1)
 #define ORDERS_TANGENTS(curve, dx, k, lanes) jet_sweep_tangents((curve)->system->field_series, (curve)->x, dx, k, lanes)
 
-/* Products with the Jacobian of the field's series. */
+/* These multiply by the Jacobian of the field's series. */
 #define PRODUCTS_TANGENTS jet_sweep_tangents
 #define PRODUCTS_ADJOINTS jet_sweep_adjoints
 #define PRODUCTS_CLEAR(curve, bar)                                                                                     \
     memset((bar) + (curve)->n, 0, (tvi_curve_slots(curve) - (size_t)(curve)->n) * sizeof *(bar))
 
-/* The field at the nodes, and its tangents. */
+/* These evaluate the field at the nodes, and its tangents. */
 #define SEEDS_VALUES(tape, x, lanes)       jet_sweep_values(tape, x, lanes)
 #define SEEDS_TANGENTS(tape, x, dx, lanes) jet_sweep_tangents_in_lanes(tape, x, dx, 0, lanes)
 
 /* Returns the roundoff of the momenta at the nodes. */
 #define MOMENTA_ROUNDOFF(action, curve) tvi_action_momenta_roundoff(action, curve)
 
-/* The sums of a curve in another unit of time. */
+/* Sums a curve in another unit of time. */
 #define REACH_SWEEP(curve, ...) tvi_taylor_loops_of((curve)->system)->sweep(__VA_ARGS__)
 
 #endif

@@ -9,8 +9,8 @@
 
 #include <string.h>
 
-/* The n from which a system has products. They cost less from about 6 on, but stiff systems of
- * few bodies at large steps do better with matrices, which can be made anew by differences. */
+/* Systems have products from this n on. Products cost less from n = 6 or so on, but stiff systems of few bodies at
+ * large steps do better with matrices, which can be made anew by differences. */
 enum { PRODUCTS_FROM = 8 };
 
 tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
@@ -62,7 +62,8 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
     else curve_sum_jacobian(curve, combination, matrix);
 }
 
-/* Matrices take their directions in blocks, the last one of what is left. */
+/* Returns the sweeps of a curve. Matrices have their directions in blocks, and the last block has those that are
+ * left. */
 tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
                         tvi_jacobians jacobians)
 {

@@ -26,7 +26,7 @@ static inline int orders_first_slot(const tvi_curve *curve)
 
 /* ---- The centre -------------------------------------------------------------------------------------------------- */
 
-/* The derivatives of all slots in the second input, [slots][n]: tangents of order 0. */
+/* Computes the derivatives of all slots in the second input, [slots][n]: tangents of order 0. */
 static inline void orders_find_columns(tvi_curve *curve)
 {
     const int n = curve_n(curve);
@@ -42,7 +42,7 @@ static inline void orders_place_slope(const tvi_curve *curve)
         memcpy(curve->slope.lu + i * n, curve->columns + curve_slot(curve, n + i) * n, (size_t)n * sizeof(double));
 }
 
-/* L_vv at the centre is inverted where it is small and needs no exchanges, else factored. */
+/* Inverts L_vv at the centre if it is small and needs no exchanges, and factors it otherwise. */
 static inline tvi_status orders_solve_slope(tvi_curve *curve)
 {
     orders_find_columns(curve);
@@ -62,7 +62,7 @@ static inline tvi_status orders_solve_slope(tvi_curve *curve)
         JET_AT(V, out, 0) = sum;                                                                                       \
     }
 
-/* out = L_vv^-1 rest, [n][lanes]. */
+/* Computes out = L_vv^-1 rest, [n][lanes]. */
 static inline void orders_divide(const tvi_curve *curve, int lanes, double rest[], double out[])
 {
     const int n = curve_n(curve);
@@ -99,14 +99,14 @@ static inline void orders_add(const tvi_curve *curve, int lanes, const double ad
     }
 }
 
-/* Q_k = tau V_{k-1} / k, and V_k = 0. */
+/* Sets Q_k = tau V_{k-1} / k, and V_k = 0. */
 #define ORDERS_BEGIN(V, S)                                                                                             \
     {                                                                                                                  \
         TVI_QUOTIENT(V, JET_AT(V, order, 0), tau *JET_OF(V, before, n), divisor)                                       \
         JET_AT(V, order, n) = (V){0};                                                                                  \
     }
 
-/* tau [s^{k-1}] L_q / k - [s^k] L_v of component i, which is L_vv V_k. */
+/* Computes tau [s^{k-1}] L_q / k - [s^k] L_v of component i, which is L_vv V_k. */
 #define ORDERS_LEAVE(V, S)                                                                                             \
     {                                                                                                                  \
         V part;                                                                                                        \
@@ -138,7 +138,7 @@ static inline void orders_end(const tvi_curve *curve, int k, int lanes, const do
 
 /* ---- The recurrence ---------------------------------------------------------------------------------------------- */
 
-/* TVI_EDOMAIN, TVI_ESINGULAR: of order 0. */
+/* Computes order k. Order 0 may return TVI_EDOMAIN or TVI_ESINGULAR. */
 static inline tvi_status orders_expand(tvi_curve *curve, int k)
 {
     const size_t slots = tvi_curve_slots(curve);
@@ -150,7 +150,7 @@ static inline tvi_status orders_expand(tvi_curve *curve, int k)
     return TVI_OK;
 }
 
-/* The tangent of the recurrence, whose matrix at the highest order is L_vv again. */
+/* Computes the tangent of the recurrence, whose matrix at the highest order is L_vv again. */
 static inline void orders_differentiate(tvi_curve *curve, const curve_block *b, int k)
 {
     const int lanes = (int)b->lanes;

@@ -45,7 +45,7 @@ static tvi_status factor_full(tvi_closure *c, const tvi_transposed *a)
     return tvi_factor_compute(&m->full);
 }
 
-/* D_other -= J_other^T x. */
+/* Computes D_other -= J_other^T x. */
 static void take_other_half(tvi_closure *c, const tvi_transposed *a)
 {
     const size_t n = (size_t)c->n, solved = a->half == TVI_FIRST ? 0 : n, other = n - solved;

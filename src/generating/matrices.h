@@ -9,11 +9,12 @@
 /* Reused Jacobians may change the state by this at most, relative to the state: well below the roundoff of a step. */
 static const double MATRICES_STALE = DBL_EPSILON / 16;
 
-/* The corrector's Jacobian serves passes that contract this well or nearly: those before it have gone farther. */
+/* The corrector's Jacobian serves passes that contract this well or nearly so: the passes before had moved z
+ * farther. */
 static const double MATRICES_NEAR = 1e-4;
 
-/* The Jacobians of the curve, and what is made of them. They are counted as they are taken, from 0 in each step: what
- * is of the last ones is valid. */
+/* This holds the Jacobians of the curve and their factors. Jacobians are counted as they are taken, from 0 in each
+ * step; a factor is valid if it belongs to the last ones. */
 typedef struct {
     double *z;       /* [2n] where they were taken */
     int taken;       /* how often, in this step */
@@ -33,7 +34,7 @@ static inline void matrices_begin(tvi_matrices *m)
     m->is_given = false;
 }
 
-/* The Jacobians of the curve were taken at z. */
+/* Notes that the Jacobians of the curve were taken at z. */
 static inline void matrices_take(const tvi_closure *c, const double z[])
 {
     memcpy(matrices_of(c)->z, z, 2 * (size_t)curve_n(&c->curve) * sizeof *z);
@@ -48,7 +49,7 @@ static inline void matrices_join(const tvi_closure *c, const tvi_combination *fi
     CURVE_CALL(sum_jacobian, &c->curve, second, matrix + 2 * curve_n(&c->curve) * curve_n(&c->curve));
 }
 
-/* For the corrector: J = d(q-, u-)/dz, or false where the last one still serves. */
+/* Computes J = d(q-, u-)/dz for the corrector, or returns false if the last one still serves. */
 static inline bool matrices_jacobian(const tvi_closure *c, double matrix[])
 {
     tvi_matrices *m = matrices_of(c);
@@ -59,7 +60,7 @@ static inline bool matrices_jacobian(const tvi_closure *c, double matrix[])
     return true;
 }
 
-/* sum_k |seed_k| of component i. */
+/* Returns sum_k |seed_k| of component i. */
 static inline double matrices_seed_size(const tvi_closure *c, const double seed[], int i)
 {
     double size = 0;
@@ -67,7 +68,7 @@ static inline double matrices_seed_size(const tvi_closure *c, const double seed[
     return size;
 }
 
-/* How far z is from where the Jacobians were taken, relative to its size. */
+/* Returns how far z is from the point where the Jacobians were taken, relative to its size. */
 static inline double matrices_distance(const tvi_closure *c, const double z[], const double scale[])
 {
     const double *z_taken = matrices_of(c)->z;
@@ -77,9 +78,9 @@ static inline double matrices_distance(const tvi_closure *c, const double z[], c
     return distance;
 }
 
-/* Jacobians that were taken at another z are wrong by about the relative distance to it. They multiply the seeds, which
- * need not be as small as the D_z that they add up to, and the corrections: this bounds what that does to the state,
- * relative to the state. */
+/* Returns a bound of the error of the state, relative to the state, by old Jacobians. Jacobians that were taken at
+ * another z are wrong by about the relative distance to it. They multiply the corrections, and the seeds, which need
+ * not be as small as the D_z that they add up to. */
 static inline double matrices_staleness(const tvi_closure *c, double distance, const double scale[])
 {
     const bool has_U = curve_form(&c->curve) != TVI_SEPARABLE;
@@ -94,8 +95,8 @@ static inline double matrices_staleness(const tvi_closure *c, double distance, c
     return distance * part;
 }
 
-/* Whether the Jacobians are to be taken at z: those of the first pass serve the later ones as long as that shows
- * nowhere, by the corrections of the pass before. */
+/* Returns whether the Jacobians are to be taken at z: those of the first pass serve the later passes as long as no
+ * effect of that shows, by the corrections of the pass before. */
 static inline bool matrices_are_due(const tvi_closure *c, const double z[], const double scale[])
 {
     tvi_matrices *m = matrices_of(c);
