@@ -13,13 +13,13 @@ enum { MAX_REFRESHES = 3 };
 /* A pass that does not shrink the correction below this part of the last one does not contract. */
 #define CONTRACTION 0.5
 
-/* This judges the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just contract
- * are there after 53. */
+/* This rule judges the corrections relative to each unknown: half a unit of roundoff may be left. Passes that just
+ * contract get there after 53. */
 static const tvi_passes_rule of_each = {
     .most = 64, .goal = DBL_EPSILON / 2, .contraction = 1, .stuck = CONTRACTION, .period = 1};
-/* This judges the largest correction of a group against the largest unknown. Without a matrix passes are not stuck as
- * long as these settle: what one body hands on to the next in each pass, to bodies that had nothing before, is the last
- * to do so. */
+/* This rule judges the largest correction of a group against the largest unknown. Without a matrix passes are not stuck
+ * as long as these corrections settle. In each pass one body moves the next; the corrections of bodies that had none
+ * before settle last. */
 static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .period = 2};
 
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix)
@@ -40,8 +40,8 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi
     newton->history = tvi_arena_history(arena, sizeof *newton->history);
 }
 
-/* dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not contract.
- * correction holds -r(x). */
+/* Computes dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not
+ * contract. The correction holds -r(x). */
 static tvi_status difference_jacobian(tvi_newton *newton, const tvi_equations *equations)
 {
     const int size = newton->size;
@@ -69,14 +69,14 @@ static tvi_status factor_jacobian(tvi_newton *newton, const tvi_equations *equat
     return tvi_factor_compute(&newton->factor);
 }
 
-/* vector <- K^-1 vector, with K the approximate Jacobian or, once it was needed, a fresh one. */
+/* Computes vector <- K^-1 vector, with K the approximate Jacobian or, once it was needed, a fresh one. */
 static void solve(const tvi_newton *newton, const tvi_equations *equations, double vector[])
 {
     if (newton->is_fresh || equations->jacobian) tvi_factor_solve(&newton->factor, vector);
     else if (equations->solve) equations->solve(equations->self, vector);
 }
 
-/* The reach of the unknowns: their scales, and that of which the roundoff of the residual is the part
+/* Adds to the reach of each unknown, which holds its scale, the size of which the roundoff of the residual is the part
  * NEWTON_STAGNATION. Groups of the residual are taken alone, so that the parts of a sum do not cancel. */
 static void find_reach(tvi_newton *newton, const tvi_equations *equations)
 {
@@ -92,8 +92,8 @@ static void find_reach(tvi_newton *newton, const tvi_equations *equations)
     }
 }
 
-/* Corrections of q follow from those of p and these from those of q, without a matrix to make anew and where the first
- * contraction tells little. */
+/* Returns the rules of the passes. Without a matrix, or if the first contraction tells little, corrections are compared
+ * over two passes: those of q follow from those of p, and those of p from those of q. */
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough)
 {
     tvi_newton_rules rules = {tvi_passes_rule_with_options(&of_each, options, options->tolerance), of_largest};
@@ -108,7 +108,7 @@ void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_
     newton->rules = tvi_newton_rules_asked(options, newton->has_matrix, is_rough);
 }
 
-/* Whether they are, by the roundoff of the residual. */
+/* Returns whether corrections that no longer shrink are roundoff, by the roundoff of the residual. */
 static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_newton_passes *passes)
 {
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
@@ -118,7 +118,7 @@ static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_
     return true;
 }
 
-/* One pass: correction = -K^-1 r(x). */
+/* Makes one pass: correction = -K^-1 r(x). */
 static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool is_first, bool refresh,
                        tvi_stats *stats)
 {

@@ -10,22 +10,23 @@
 /* An unknown smaller than this part of the largest of its group in its subsystem is measured as if it had this size. */
 static const double TVI_LEAST_SHARE = 1e-20;
 
-/* The equations r(x) = 0 of a method. The functions are called with `self`. */
+/* These are the equations r(x) = 0 of a method. The functions are called with `self`. */
 typedef struct {
     void *self;
-    /* r(x) [size]. */
+    /* Computes r(x) [size]. */
     tvi_status (*residual)(void *self, const double x[], double r[]);
-    /* The natural size of each unknown [size], asked after the residual of the predictor: a correction below roundoff
-     * of it is none. */
+    /* Computes the natural size of each unknown [size], after the residual of the predictor: a correction below the
+     * roundoff of this size counts as none. */
     void (*scale)(void *self, double scale[]);
-    /* An approximate dr/dx [size][size] at the x of the last residual; NULL where the identity serves. false: the one
-     * last given still serves, and the matrix is left alone. */
+    /* Computes an approximate dr/dx [size][size] at the x of the last residual; NULL: the identity serves. It returns
+     * false if the matrix last computed still serves, and then leaves `matrix` alone. */
     bool (*jacobian)(void *self, double matrix[]);
-    /* Instead of a matrix, correction <- (dr/dx)^-1 correction, approximately; NULL: see jacobian. */
+    /* Computes correction <- (dr/dx)^-1 correction, approximately, in place of a matrix; NULL: `jacobian` says what
+     * serves. */
     void (*solve)(void *self, double correction[]);
-    /* How large the roundoff of each component of the residual last formed is at most, nearly: |what it is computed
-     * from| times a unit of roundoff, which the size of the unknowns need not tell. Asked where passes no longer
-     * contract. */
+    /* Estimates an upper bound of the roundoff of each component of the residual last formed: the size of what it is
+     * computed from, times a unit of roundoff. The size of the unknowns need not show that. It is called if passes no
+     * longer contract. */
     void (*roundoff)(void *self, double r[]);
 } tvi_equations;
 
@@ -35,13 +36,14 @@ typedef struct {
     int by_library; /* steps to come that are not tried by generated code, which left one of the last to the library */
 } tvi_newton_history;
 
-/* How large the corrections of a pass are: the largest relative to its unknown's scale; and the largest of a group
- * relative to the largest scale of the group. */
+/* These are the sizes of the corrections of a pass: the largest relative to its unknown's scale; and the largest of a
+ * group relative to the largest scale of the group. */
 typedef struct {
     double relative, of_group;
 } tvi_newton_size;
 
-/* When passes may end, by the one and by the other size, and what they have shown so far of each. */
+/* The rules say when passes may end, by the one and by the other size; the passes hold what has been seen so far of
+ * each size. */
 typedef struct {
     tvi_passes_rule of_each, of_largest;
 } tvi_newton_rules;
@@ -52,17 +54,18 @@ typedef struct {
 } tvi_newton_passes;
 
 tvi_newton_rules tvi_newton_rules_asked(const tvi_options *options, bool has_matrix, bool is_rough);
-/* Corrections that no longer shrink are roundoff when they are this small against the largest unknowns, or against what
- * the residual is computed from. */
+/* Corrections that no longer shrink are roundoff if they are this small against the largest unknowns, or against the
+ * numbers that the residual is computed from. */
 #define NEWTON_STAGNATION (256 * DBL_EPSILON)
 
-/* Corrections above this are no roundoff, and show slack; what checks an expectation moves no more than that. */
+/* Corrections above this are no roundoff, and show slack; a pass that checks an expectation moves no more than this. */
 #define NEWTON_SHOWS_SLACK 1e-13
 #define NEWTON_CONFIRMS    (8 * DBL_EPSILON)
 #define NEWTON_MOST_SLACK  1e6
 
-/* The matrix leaves out what a first correction, which is mostly of the highest orders, may have little of: the passes
- * after it then contract much less. The first solution shows that, as it makes a pass more than seems needed. */
+/* Begins the passes of a solution. A first correction is mostly of the highest orders, and may have little of what the
+ * matrix leaves out; then the later passes contract much less. The first solution shows this, since it makes a pass
+ * more than seems needed. */
 static inline void tvi_newton_begin(tvi_newton_passes *passes, const tvi_newton_history *history,
                                     const tvi_newton_rules *rules, bool is_rough)
 {
@@ -78,7 +81,8 @@ static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newto
     history->slack = tvi_larger(history->slack, passes->slack);
 }
 
-/* The slack that one correction shows is believed when the next one contracts again: one that was roundoff does not. */
+/* Believes the slack that one correction showed if the next one contracts again: a correction that was roundoff has no
+ * such successor. */
 static inline void tvi_newton_learn_slack(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
     const tvi_passes *of = &passes->of_each;
@@ -89,7 +93,8 @@ static inline void tvi_newton_learn_slack(tvi_newton_passes *passes, const tvi_n
     passes->seen = shows && size > NEWTON_SHOWS_SLACK ? slack : 0;
 }
 
-/* Adds a pass with a correction of this size. TVI_PASSES_STUCK: the caller measures whether it is roundoff. */
+/* Adds a pass with a correction of this size. If it returns TVI_PASSES_STUCK, the caller measures whether that is
+ * roundoff. */
 static inline tvi_passes_verdict tvi_newton_judge(tvi_newton_passes *passes, const tvi_newton_rules *rules,
                                                   tvi_newton_size size)
 {
@@ -118,7 +123,7 @@ typedef struct {
     tvi_newton_history *history;
 } tvi_newton;
 
-/* Constants of generated code, as those of series.h. */
+/* These sizes are constants in generated code, as those of series.h are. */
 static inline int newton_size(const tvi_newton *newton)
 {
     (void)newton;
@@ -159,8 +164,8 @@ static inline tvi_newton_size newton_measure(const tvi_newton *newton, const dou
     return size;
 }
 
-/* An unknown without a size has the largest of its group in the subsystem, or 1; one that is much smaller than others
- * there, such as a body that a wave has not reached, has no accuracy of its own. */
+/* Fills in the scale of unknowns that have none: the largest of the group in the subsystem, or 1. An unknown that is
+ * much smaller than others there, such as a body that a wave has not reached, has no accuracy of its own. */
 static inline void newton_fill_scale_of(const tvi_newton *newton, const int *member, int begin, int end)
 {
     for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
@@ -182,17 +187,18 @@ static inline void newton_fill_scale(const tvi_newton *newton)
         newton_fill_scale_of(newton, parts->member, first, parts->end[k]);
 }
 
-/* has_matrix: whether there is room for a Jacobian, which equations that bring `solve` do without. */
+/* Allocates the corrector. has_matrix: there is room for a Jacobian; equations that bring `solve` need none. */
 void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix);
 
-/* Once. is_rough: the first contraction tells little of the later ones: one more pass than seems needed, always. */
+/* Sets the rules, once. is_rough: the first contraction tells little of the later ones, so that there is always one
+ * more pass than seems needed. */
 void tvi_newton_prepare(tvi_newton *newton, const tvi_options *options, bool is_rough);
 
-/* From the predictor in newton->x. On success newton->x is the point of the last residual and newton->correction what
- * the last pass found to be missing from it: the caller applies it to first order, which leaves an error of
- * second order in the correction and saves the evaluation that would confirm it.
- * TVI_ENOCONV where passes do not contract, even with a fresh Jacobian by differences; else the status of the equations
- * or of the factorisation. Counts passes and factorisations, and sets stats->residual. */
+/* Solves the equations from the predictor in newton->x. On success newton->x is the point of the last residual, and
+ * newton->correction is what the last pass found to be missing from it. The caller applies the correction to first
+ * order, which leaves an error of second order in the correction and saves the evaluation that would confirm it.
+ * Returns TVI_ENOCONV if passes do not contract, even with a fresh Jacobian by differences, otherwise the status of the
+ * equations or of the factorisation. Counts passes and factorisations, and sets stats->residual. */
 TVI_NODISCARD tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, tvi_stats *stats);
 
 #endif

@@ -6,18 +6,18 @@
 #include "algebra/passes.h"
 #include "generating/nodes.h"
 
-/* The roundoff of the corrections, by that of the H_p that was last evaluated (action.c); generated code leaves those
- * that are stuck to the library. */
+/* Returns the roundoff of the corrections, from that of the H_p that was last evaluated (action.c); generated code
+ * leaves corrections that are stuck to the library. */
 double tvi_action_momenta_roundoff(tvi_action *action, tvi_curve *curve);
 
 enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_MOST_HALF };
-/* Corrections that no longer shrink are roundoff: below this part of the largest momentum, or below this many units of
- * what the roundoff of H_p and v makes of them. */
+/* Corrections that no longer shrink are roundoff if they are below this part of the largest momentum, or below this
+ * many units of their own roundoff, which follows from that of H_p and v. */
 static const double MOMENTA_STALLED = 1e-13;
-/* H_pp serves passes that leave less than this. */
+/* H_pp serves passes that leave less than this part. */
 static const double MOMENTA_SERVES = 1e-3;
 
-/* H_pp at the nodes, [n][n][points]. */
+/* Computes H_pp at the nodes, [n][n][points]. */
 static inline void momenta_find_slope(const tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_n(curve), points = action->points;
@@ -34,14 +34,14 @@ static inline void momenta_find_slope(const tvi_action *action, const tvi_curve 
     }
 }
 
-/* curve->slope of a node. */
+/* Copies H_pp of a node to curve->slope. */
 static inline void momenta_place_slope(const tvi_action *action, const tvi_curve *curve, int node)
 {
     for (int i = 0; i < curve_n(curve) * curve_n(curve); i++)
         curve->slope.lu[i] = action->H_pp[i * action->points + node];
 }
 
-/* Its inverse where that needs exchanges, column by column. TVI_ESINGULAR, TVI_ENONFINITE. */
+/* Inverts H_pp of a node column by column, if that needs exchanges. Returns TVI_ESINGULAR or TVI_ENONFINITE. */
 static inline tvi_status momenta_invert_by_columns(const tvi_action *action, tvi_curve *curve, int node)
 {
     const int n = curve_n(curve);
@@ -54,7 +54,7 @@ static inline tvi_status momenta_invert_by_columns(const tvi_action *action, tvi
     return status;
 }
 
-/* H_pp <- H_pp^-1 at all nodes. */
+/* Replaces H_pp by H_pp^-1 at all nodes. */
 static inline tvi_status momenta_solve_slope(const tvi_action *action, tvi_curve *curve)
 {
     const int n = curve_n(curve), points = action->points;
@@ -72,7 +72,7 @@ static inline tvi_status momenta_solve_slope(const tvi_action *action, tvi_curve
     return status;
 }
 
-/* correction = H_pp^-1 (v - H_p); returns the largest. v is in on_v, which is left alone. */
+/* Computes correction = H_pp^-1 (v - H_p); returns the largest. The velocities v in on_v are left alone. */
 static inline double momenta_correct(const tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_n(curve), points = action->points;
@@ -89,7 +89,7 @@ static inline double momenta_correct(const tvi_action *action, const tvi_curve *
     return tvi_largest(n * points, correction, 1);
 }
 
-/* Whether the last correction is below a unit of roundoff of every momentum. */
+/* Returns whether the last correction is below a unit of roundoff of every momentum. */
 static inline bool momenta_are_settled(const tvi_action *action, int n, const double p[])
 {
     const int points = action->points;
@@ -100,8 +100,8 @@ static inline bool momenta_are_settled(const tvi_action *action, int n, const do
     return true;
 }
 
-/* Momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method: they are left in the
- * second input, and the field is that of them. */
+/* Finds momenta with H_p(q_i, p_i) = v_i at all nodes, from those of the curve, by Newton's method. They are left in
+ * the second input, and the field is evaluated with them. */
 static inline tvi_status momenta_find(tvi_action *action, tvi_curve *curve)
 {
     const int count = curve_n(curve) * action->points;

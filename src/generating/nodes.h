@@ -26,9 +26,9 @@ typedef struct tvi_action {
     bool has_momentum_defect; /* g. - tau H_p is not 0 by construction */
     int q_degree, p_degree, points, orders; /* orders: top + 1 */
     double *s, *weight;                     /* [points] in scaled time, sum of the weights = to - from */
-    /* Nodes mirror each other: points first .. half - 1, and the others from there on. One at the centre is there
-     * twice, with half its weight each; what is left of a half is the first node without weight. 0: they do not, or the
-     * action is not plain. */
+    /* If nodes mirror each other, the first half are 0 .. half - 1, and the others follow. A node at the centre is
+     * there twice, with half its weight each; points that are left of a half repeat the first node without weight. half
+     * is 0 if they do not, or if the action is not plain. */
     int half;
     tvi_node_table power, slope; /* s_i^k and its derivative, 0 above q_degree */
     tvi_node_table second_slope; /* the second one, of all orders */
@@ -49,11 +49,11 @@ typedef struct tvi_action {
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */
 
-/* Whole vectors. */
+/* Lengths of halves are padded to whole vectors. */
 enum { SEEDS_MOST_HALF = (TVI_MAX_DEGREE + 2) / 2 + 4 };
 static inline int seeds_width(int count) { return (count + 3) / 4 * 4; }
 
-/* row[node] = sum_{k <= degree} coefficient_k table_k(node), coefficient_k at first + k * stride. */
+/* Computes row[node] = sum_{k <= degree} coefficient_k table_k(node), with coefficient_k at first + k * stride. */
 static inline void seeds_at_nodes(const tvi_action *action, int degree, const double *first, size_t stride,
                                   const tvi_node_table *table, double row[])
 {
@@ -78,7 +78,7 @@ static inline void seeds_place_times(const tvi_action *action, const tvi_curve *
     for (int node = 0; node < action->points; node++) t[node] = curve->centre + curve->tau * action->s[node];
 }
 
-/* q at the nodes into the inputs of a block; the time too. */
+/* Writes q at the nodes, and the time, into the inputs of a block. */
 static inline void seeds_place_positions(const tvi_action *action, const tvi_curve *curve, double *x)
 {
     const tvi_system *system = curve->system;
@@ -89,7 +89,7 @@ static inline void seeds_place_positions(const tvi_action *action, const tvi_cur
     seeds_place_times(action, curve, x);
 }
 
-/* v = g./tau at the nodes into the second input. */
+/* Writes v = g./tau at the nodes into the second input. */
 static inline void seeds_place_velocities(const tvi_action *action, const tvi_curve *curve, double *v)
 {
     const int points = action->points;
@@ -100,7 +100,7 @@ static inline void seeds_place_velocities(const tvi_action *action, const tvi_cu
     }
 }
 
-/* The momentum of the curve, where it is needed. */
+/* Computes the momentum of the curve at the nodes, if it is needed. */
 static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_n(curve), points = action->points, degree = action->p_degree;
@@ -111,7 +111,7 @@ static inline void seeds_momenta_at_nodes(tvi_action *action, const tvi_curve *c
         seeds_at_nodes(action, degree, action->P + i, (size_t)n, &action->power, action->momentum + i * points);
 }
 
-/* row /= divisor, by its inverse and what that leaves: many quotients take long. */
+/* Divides the row, by the inverse of the divisor and the remainder: many quotients take long. */
 static inline void seeds_divide(int points, double divisor, double row[])
 {
     const double inverse = 1 / divisor;
@@ -122,7 +122,7 @@ static inline void seeds_divide(int points, double divisor, double row[])
     }
 }
 
-/* Its derivative, which is M q'' / tau of a separable system. */
+/* Computes the derivative of this momentum, which is M q'' / tau of a separable system. */
 static inline void seeds_forces_at_nodes(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_n(curve), points = action->points, degree = action->p_degree;
@@ -150,7 +150,7 @@ static inline tvi_status seeds_run_field(const tvi_action *action)
     return SEEDS_VALUES(action->field, action->x, action->points) ? TVI_OK : TVI_EDOMAIN;
 }
 
-/* panel = factor * outputs first .. first + n - 1 of the field. */
+/* Computes panel = factor * outputs first .. first + n - 1 of the field. */
 static inline void seeds_copy_outputs(const tvi_action *action, const tvi_curve *curve, int first, double factor,
                                       double *restrict panel)
 {
@@ -161,7 +161,7 @@ static inline void seeds_copy_outputs(const tvi_action *action, const tvi_curve 
     }
 }
 
-/* panel -= other. */
+/* Subtracts `other` from the panel. */
 static inline void seeds_subtract(const tvi_action *action, int n, const double *other, double *restrict panel)
 {
     for (int i = 0; i < n * action->points; i++) panel[i] -= other[i];

@@ -82,8 +82,8 @@ static inline void products_seed(tvi_curve *curve, int last, const tvi_pulled *o
             bar[slot[i]] += part * kappa[i] * above[i];                                                                \
     }
 
-/* out[2n]: fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, and on to the operands: the recurrence downward. Only orders
- * up to last of the curve count, 1 <= last <= top: a rough product costs O(last^2). */
+/* Computes out[2n] by the recurrence downward: fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, then the adjoints of the
+ * operands. Only orders up to `last` of the curve count, 1 <= last <= top: a rough product costs O(last^2). */
 static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *of, double out[])
 {
     enum { stride = 0 };
@@ -103,8 +103,8 @@ static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *o
 
 /* ---- The equations ----------------------------------------------------------------------------------------------- */
 
-/* A^T x = D_z. Arrays of all 2n rows have room for whole vectors, and are 0 there and in rows that are not solved for:
- * where `unit` is 0, nothing counts. */
+/* This iteration solves A^T x = D_z. Arrays of all 2n rows have room for whole vectors, and are 0 there and in rows
+ * that are not solved for: if `unit` is 0, the row does not count. */
 enum { PRODUCTS_MOST = 40, PRODUCTS_VECTOR = 8 };
 typedef struct {
     double *x;                    /* the solution; that of the last pass is the guess of the next */
@@ -126,7 +126,7 @@ static inline int products_width(const tvi_closure *c)
 
 static inline void products_begin(tvi_closure *c) { products_of(c)->has_guess = false; }
 
-/* The rows that are solved for. */
+/* Returns the number of rows that are solved for. */
 static inline int products_unknowns(const tvi_closure *c, const tvi_transposed *a)
 {
     return a->second ? 2 * curve_n(&c->curve) : curve_n(&c->curve);
@@ -137,7 +137,7 @@ static inline int products_place(const tvi_closure *c, const tvi_transposed *a)
     return a->second || a->half == TVI_FIRST ? 0 : curve_n(&c->curve);
 }
 
-/* The equations' part of a product. */
+/* Returns the terms of a product that the equations have. */
 static inline tvi_pulled products_unknown(const tvi_closure *c, const tvi_transposed *a, double factor,
                                           const double x[])
 {
@@ -148,7 +148,7 @@ static inline tvi_pulled products_unknown(const tvi_closure *c, const tvi_transp
                         .y = x + curve_n(&c->curve)};
 }
 
-/* r = D_z - A^T x, both halves, by one product. */
+/* Computes r = D_z - A^T x, both halves, by one product. */
 static inline void products_form_remainder(tvi_closure *c, const tvi_transposed *a)
 {
     const tvi_iteration *it = products_of(c);
@@ -157,14 +157,14 @@ static inline void products_form_remainder(tvi_closure *c, const tvi_transposed 
     products_pull(&c->curve, curve_top(&c->curve), &left, it->r);
 }
 
-/* out = A^T x, both halves, as roughly as the iteration needs it. */
+/* Computes out = A^T x, both halves, as roughly as the iteration needs it. */
 static inline void products_apply(tvi_closure *c, int last, const tvi_transposed *a, const double x[], double out[])
 {
     const tvi_pulled product = products_unknown(c, a, 1, x);
     products_pull(&c->curve, last, &product, out);
 }
 
-/* x = P r: the weights of Q_0 and of Q_1, which lead in their halves. */
+/* Computes x = P r from the weights of Q_0 and of Q_1, which lead in their halves. */
 static inline void products_divide(const tvi_closure *c, const tvi_transposed *a, const double r[], double x[])
 {
     const int n = curve_n(&c->curve), place = products_place(c, a);
@@ -174,8 +174,8 @@ static inline void products_divide(const tvi_closure *c, const tvi_transposed *a
     for (int i = 0; i < n; i++) x[n + i] = second * r[n + i];
 }
 
-/* s = (2 P - P A^T P) r, nearly A^-T r, of the first orders alone: as of a force linear in q whose Jacobian is linear
- * in the time. */
+/* Computes s = (2 P - P A^T P) r, nearly A^-T r, from the first orders alone: those of a force linear in q whose
+ * Jacobian is linear in the time. */
 enum { PRODUCTS_NEAR = 3 };
 static inline void products_precondition(tvi_closure *c, const tvi_transposed *a, const double r[], double s[])
 {
@@ -191,10 +191,10 @@ static inline void products_precondition(tvi_closure *c, const tvi_transposed *a
 static const double PRODUCTS_ENOUGH = DBL_EPSILON / 16;
 /* Each pass forms what is left of the equations anew and exactly, and need not reduce it by more than this. */
 static const double PRODUCTS_ROUGH = 1e-6;
-/* Corrections this much below the solution, that shrink no more, are roundoff. */
+/* Corrections that no longer shrink are roundoff if they are this much below the solution. */
 static const double PRODUCTS_STALLED = 1e-12;
 
-/* max_i |x_i| / size_i. */
+/* Returns max_i |x_i| / size_i. */
 static inline double products_measure(const tvi_closure *c, const double x[])
 {
     const double *unit = products_of(c)->unit;
@@ -205,7 +205,7 @@ static inline double products_measure(const tvi_closure *c, const double x[])
     return tvi_largest(PRODUCTS_VECTOR, most, 1);
 }
 
-/* sum_i x_i y_i / size_i^2. */
+/* Returns sum_i x_i y_i / size_i^2. */
 static inline double products_product(const tvi_closure *c, const double x[], const double y[])
 {
     const double *unit = products_of(c)->unit;
@@ -221,7 +221,7 @@ static inline void products_add(const tvi_closure *c, double factor, const doubl
     for (int i = 0; i < products_width(c); i++) y[i] += factor * x[i];
 }
 
-/* The direction s of a step and v = A^T s, orthogonal to those before; x and r follow. */
+/* Makes the direction s of a step and v = A^T s orthogonal to those before, and updates x and r. */
 static inline void products_minimise(tvi_closure *c, int last, const tvi_transposed *a, int step)
 {
     tvi_iteration *it = products_of(c);
@@ -239,8 +239,8 @@ static inline void products_minimise(tvi_closure *c, int last, const tvi_transpo
     products_add(c, -part, v, it->r);
 }
 
-/* The order of the curve to which products are made that need be right to about this part only: the first from which on
- * |Q_k| is below a tenth of that part of |Q_0|, or top. */
+/* Returns the order of the curve up to which a product is summed that need be right to about this part only: the first
+ * order from which on |Q_k| is below a tenth of that part of |Q_0|, or top. */
 static inline int products_rough_order(const tvi_closure *c, double part)
 {
     const double *largest = products_of(c)->largest, bound = part / 10 * largest[0];
@@ -249,7 +249,7 @@ static inline int products_rough_order(const tvi_closure *c, double part)
     return k;
 }
 
-/* Solves A^T x = D_z by generalised conjugate residuals; x of the pass before is the guess. TVI_ENOCONV where
+/* Solves A^T x = D_z by generalised conjugate residuals, from the guess x of the pass before. Returns TVI_ENOCONV if
  * corrections do not shrink. */
 static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *a)
 {
@@ -277,7 +277,7 @@ static inline tvi_status products_iterate(tvi_closure *c, const tvi_transposed *
     return TVI_ENOCONV;
 }
 
-/* D: x where the equations stand, what is left of the gradient elsewhere. */
+/* Replaces D by x where the equations stand, and elsewhere by what is left of the gradient. */
 static inline tvi_status products_solve(tvi_closure *c, const tvi_transposed *a)
 {
     const tvi_iteration *it = products_of(c);
@@ -340,7 +340,7 @@ static inline void products_set_units(tvi_closure *c)
         products_set_units_of(c, parts->member, first, parts->end[k]);
 }
 
-/* The units are those of the first pass. */
+/* Computes the corrections; the units are those of the first pass. */
 static inline tvi_status products_close(tvi_closure *c, const double z[], const double scale[], tvi_stats *stats)
 {
     (void)z, (void)scale, (void)stats;

@@ -13,24 +13,25 @@
 #include "generating/series.h"
 #include "generating/taylor_sweep.h"
 
-/* -log of the last term's part of a tolerance: 2 of theirs, and 3 for what errors gain in tens of revolutions. */
+/* This is -log of the last term's part of a tolerance: 2 as in that paper, and 3 for the growth of errors in tens of
+ * revolutions. */
 static const double REACH_SAFETY = 5;
 /* These count the coefficients that are looked at, at the start, and at the end, where two in a row may happen to be
  * small. At the start one more coefficient of q is looked at, since p_k = (k + 1) q_{k+1} in a separable system. */
 enum { REACH_SIZED_BY = 2, REACH_FIRST = REACH_SIZED_BY + 1, REACH_LAST = 3 };
-/* A step is at most this part of the radius of convergence, which the last coefficients show in themselves: each with
- * the one so many orders before it, which have the same phase where a pair of singularities makes them swing. Beside a
- * state that is large they may be so small that they would allow any step. */
+/* A step is at most this part of the radius of convergence, which the ratios of the last coefficients show: each to the
+ * one REACH_APART orders before it, which has the same phase if a pair of singularities makes the coefficients swing.
+ * Beside a state that is large the coefficients may be so small that they would allow any step. */
 static const double REACH_PART_OF_RADIUS = 0.7;
 enum { REACH_APART = 4 };
 
-/* log max_i |x_k|; -INFINITY where there is none. */
+/* A term holds log max_i |x_k|, or -INFINITY if there is none. */
 typedef struct {
     int k;
     double log;
 } reach_term;
 
-/* Coefficients that are not 0, from the first and from the last one on. */
+/* The ends are the coefficients that are not 0, from the first and from the last one on. */
 typedef struct {
     reach_term first[REACH_FIRST], last[REACH_LAST];
 } reach_ends;
@@ -45,10 +46,10 @@ static inline double reach_size(const tvi_curve *curve, bool of_momentum, int k)
     return size;
 }
 
-/* A smaller coefficient has lost digits where it was formed, and tells no more than 0. */
+/* A smaller coefficient has lost digits when it was formed, and tells no more than 0. */
 static const double REACH_LEAST = 1e-280;
 
-/* The first one from order k on, before `end`. */
+/* Returns the first coefficient that is not 0 from order k on, before `end`. */
 static inline reach_term reach_find(const tvi_curve *curve, bool of_momentum, int k, int step, int end)
 {
     double size = 0;
@@ -68,7 +69,7 @@ static inline void reach_find_ends(const tvi_curve *curve, bool of_momentum, int
     }
 }
 
-/* log |(k + 1) q_{k+1}|; where there is none, its order may be beyond the table. */
+/* Returns log |(k + 1) q_{k+1}|; if there is none, its order may be beyond the table. */
 static inline reach_term reach_slope(const tvi_curve *curve, reach_term q)
 {
     const bool is_there = q.log > -INFINITY;
@@ -83,8 +84,9 @@ static inline void reach_find_slopes(const tvi_curve *curve, const reach_ends *q
     for (int i = 0; i < REACH_LAST; i++) p->last[i] = reach_slope(curve, q->last[i]);
 }
 
-/* log of the largest s with s^k |x_k| <= part max |x_j| s^j, of the first x_j: the size of x along the curve is that of
- * the largest of their terms. No branches: which of two is the larger changes from step to step. */
+/* Returns log of the largest s with s^k |x_k| <= part max |x_j| s^j, over the first x_j: the size of x along the curve
+ * is that of the largest of their terms. It has no branches, since the larger of two terms changes from step to
+ * step. */
 static inline double reach_of_term(const tvi_curve *curve, const reach_term first[], reach_term x, double log_part)
 {
     double farthest = -INFINITY;
@@ -97,7 +99,7 @@ static inline double reach_of_term(const tvi_curve *curve, const reach_term firs
     return farthest > -INFINITY ? farthest : INFINITY;
 }
 
-/* log of the least reach of the last coefficients. */
+/* Returns log of the least reach of the last coefficients. */
 static inline double reach_of(const tvi_curve *curve, const reach_ends *ends, int degree, double log_part)
 {
     double least = INFINITY;
@@ -110,14 +112,14 @@ static inline double reach_of(const tvi_curve *curve, const reach_ends *ends, in
     return least;
 }
 
-/* x_{k-4} / x_k, of one coefficient of q; INFINITY where there is none. */
+/* Returns x_{k-4} / x_k of one coefficient of q, or INFINITY if there is none. */
 static inline double reach_ratio(const tvi_curve *curve, int k)
 {
     const double last = k > REACH_APART + 1 ? reach_size(curve, false, k) : 0;
     return last > REACH_LEAST ? reach_size(curve, false, k - REACH_APART) / last : INFINITY;
 }
 
-/* The reach, or less where the coefficients do not become smaller so far out: two of the last three decide. */
+/* Returns the reach, or less if the coefficients do not become smaller so far out: two of the last three decide. */
 static inline double reach_converging(const tvi_curve *curve, double reach)
 {
     const int k = curve_q_degree(curve);
@@ -144,7 +146,7 @@ static inline double curve_reach(const tvi_curve *curve, double log_tolerance)
 
 /* ---- The end of the step ----------------------------------------------------------------------------------------- */
 
-/* The rows of x, scaled, and their sums, to this degree; x_k above it are scaled too. */
+/* Scales and sums the rows of x to this degree; x_k above it are scaled too. */
 static inline void reach_sweep_rows(const tvi_curve *curve, int components, int degree, const double power[], double *x,
                                     double *rise, double *size)
 {
@@ -164,7 +166,7 @@ static inline void reach_sweep_separable(const tvi_curve *curve, const double po
     for (int i = 0; i < curve_n(curve); i++) curve->kappa[i] *= power[1];
 }
 
-/* power[k] = factor^k, k = 0 .. top and up to 3 more, in chains that do not wait for each other. */
+/* Computes power[k] = factor^k, k = 0 .. top and up to 3 more, in chains that do not wait for each other. */
 enum { REACH_CHAINS = 4 };
 static inline void reach_powers(double factor, int top, double power[])
 {

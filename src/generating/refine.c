@@ -8,17 +8,17 @@
 #include "generating/refine.h"
 #include "algebra/weigh.h"
 
-/* Errors of larger tolerances are not those of roundoff. */
+/* Larger tolerances have errors larger than roundoff. */
 static const double BELOW = 1e-13;
 
 /* The two nodes have equal weights. */
 enum { NODES = 2 };
 static const long double node[NODES] = {0.211324865405187117745L, 0.788675134594812882255L};
 
-/* X at the nodes; Q'' or X' there; X(1); Q'(1). */
+/* The sums are X at the nodes; Q'' or X' there; X(1); Q'(1). */
 enum { VALUE, RATE = NODES, END = 2 * NODES, SLOPE, LOW = TVI_REFINE_LOW };
 
-/* A step at hand. */
+/* An attempt holds the step that is being made. */
 typedef struct {
     const tvi_refinement *at;
     const tvi_curve *curve;

@@ -4,7 +4,7 @@
 
 #include "generating/curve.h"
 
-/* Sums over the coefficients x_k: X and what the field is equal to, at two nodes, and the increments. */
+/* These count the sums over the coefficients x_k: X and its rate, Q'' or X', at two nodes, and the increments. */
 enum { TVI_REFINE_LOW = 4, TVI_REFINE_SUMS = 6 };
 
 typedef struct {
@@ -21,10 +21,10 @@ typedef struct {
 void tvi_refinement_take(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve);
 void tvi_refinement_prepare(tvi_refinement *refinement, const tvi_curve *curve);
 
-/* Whether the increments to this tolerance are to be had so. */
+/* Returns whether the increments to this tolerance are computed in this way. */
 bool tvi_refines(const tvi_system *system, double tolerance);
 
-/* The increments of the curve's step of size h = tau from the origin. */
+/* Computes the increments of the curve's step of size h = tau from the origin. */
 void tvi_refine(const tvi_refinement *refinement, const tvi_curve *curve, double h, const tvi_origin *origin,
                 const tvi_increments *by);
 

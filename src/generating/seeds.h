@@ -18,7 +18,7 @@
 
 /* ---- What multiplies dq_i, dv_i and dp_i ------------------------------------------------------------------------- */
 
-/* Separable: on_q = tau F; L_v = p on the curve. */
+/* Computes the terms of a separable system: on_q = tau F; L_v = p on the curve. */
 static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *curve)
 {
     const tvi_status status = seeds_run_field(action);
@@ -26,7 +26,8 @@ static inline tvi_status seeds_force_terms(tvi_action *action, const tvi_curve *
     return status;
 }
 
-/* From the positions in action->x, the velocities in on_v and the momenta: on_q = tau L_q, on_v = L_v - p. */
+/* Computes on_q = tau L_q and on_v = L_v - p, from the positions in action->x, the velocities in on_v and the
+ * momenta. */
 static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *curve)
 {
     const int n = curve_n(curve), points = action->points;
@@ -54,7 +55,7 @@ static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *cur
     return status;
 }
 
-/* On-curve: on_q = -tau H_q, on_p = g. - tau H_p. */
+/* Computes the terms of on-curve nodes: on_q = -tau H_q, on_p = g. - tau H_p. */
 static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curve *curve)
 {
     const int n = curve_n(curve), points = action->points;
@@ -78,7 +79,7 @@ static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curv
 
 /* ---- The seeds --------------------------------------------------------------------------------------------------- */
 
-/* row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
+/* Computes row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
 static inline const double *seeds_over_nodes(const tvi_action *action, const tvi_node_table *weighted, const double *x)
 {
     const int half = action->half, orders = action->orders, width = seeds_width((orders + 1) / 2);
@@ -99,7 +100,8 @@ static inline const double *seeds_over_nodes(const tvi_action *action, const tvi
     return action->row;
 }
 
-/* dq_i^T on_q - dg_i^T p. as one defect, less what a truncated node leaves out of dq_i. */
+/* Computes the seeds of dq_i^T on_q - dg_i^T p. as one defect, less the term that a truncated node leaves out of
+ * dq_i. */
 static inline void seeds_positions(tvi_action *action, int n, double seed[])
 {
     const int points = action->points, N = action->q_degree;
@@ -123,7 +125,7 @@ static inline void seeds_velocities(const tvi_action *action, int n, double seed
     }
 }
 
-/* dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
+/* Adds dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const int n = curve_n(curve);
@@ -150,7 +152,8 @@ static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *cur
 
 /* ---- All of them ------------------------------------------------------------------------------------------------- */
 
-/* The curve at the nodes. Seeds that are not set are 0; those of U, which a separable system has not, are never set. */
+/* Evaluates the curve at the nodes. Seeds that are not set are 0; those of U, which a separable system does not have,
+ * are never set. */
 static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     for (int i = (action->q_degree + 1) * curve_n(curve); i < (curve_top(curve) + 1) * curve_n(curve); i++)
@@ -162,7 +165,7 @@ static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, doubl
     seeds_place_positions(action, curve, action->x);
 }
 
-/* From the terms at the nodes. */
+/* Computes the seeds from the terms at the nodes. */
 static inline void seeds_end(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
     const int n = curve_n(curve);
@@ -189,12 +192,12 @@ static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, dou
 
 /* ---- What generated code has ------------------------------------------------------------------------------------- */
 
-/* The functions of curve.h and action.h, for curves and actions of these sizes. */
+/* These are the functions of curve.h and action.h, for curves and actions of these sizes. */
 struct tvi_curve_work;
 struct tvi_solver;
 typedef struct tvi_curve_code {
     int top;
-    /* The whole series from the centre data; NULL: order by order. */
+    /* Expands the whole series from the centre data; NULL: the library expands it order by order. */
     tvi_status (*expand)(tvi_curve *curve);
     void (*differentiate)(tvi_curve *curve);
     void (*sizes)(const tvi_curve *curve, double size[]);

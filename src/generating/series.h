@@ -10,12 +10,12 @@
 #include "generating/in_library.h"
 #include "system/system.h"
 
-/* How the Jacobians are had: not at all; as matrices, by tangents in all 2n directions; or only their products with
- * vectors, each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's whatever n is.
- */
+/* These are the ways to the Jacobians: none; matrices, by tangents in all 2n directions; or only products with vectors,
+ * each by one adjoint or one tangent sweep, whose cost is a small multiple of the expansion's for any n. */
 typedef enum { TVI_NO_JACOBIANS, TVI_JACOBIAN_MATRICES, TVI_JACOBIAN_PRODUCTS } tvi_jacobians;
 
-/* A combination of the curve's coefficients, sum_k weight_k Q_k or sum_k weight_k U_k. Made once for a method. */
+/* A combination of the curve's coefficients is sum_k weight_k Q_k or sum_k weight_k U_k. It is made once for a
+ * method. */
 typedef struct {
     bool of_momentum;
     double *weight; /* [top + 1] */
@@ -52,7 +52,8 @@ static inline bool tvi_curve_has_products(const tvi_curve *curve) { return curve
 
 /* ---- The sizes --------------------------------------------------------------------------------------------------- */
 
-/* Constants of generated code, which has them before this text; CURVE_SLOT: the slots of the field. */
+/* These sizes are constants in generated code, which defines them before this text; CURVE_SLOT: the slots of the
+ * field. */
 
 static inline int curve_n(const tvi_curve *curve)
 {
@@ -66,7 +67,7 @@ static inline int curve_top(const tvi_curve *curve)
     return CURVE_SIZE(CURVE_TOP, curve->top);
 }
 
-/* The degrees to which Q and P are summed. */
+/* These return the degrees to which Q and P are summed. */
 static inline int curve_q_degree(const tvi_curve *curve)
 {
     (void)curve;
@@ -112,7 +113,8 @@ static inline const int *curve_output(const tvi_curve *curve)
 
 static inline int curve_slot(const tvi_curve *curve, int i) { return curve_output(curve)[i]; }
 
-/* Whether a combination is one of coefficients of its own: those of a separable system's momentum are of q. */
+/* Returns whether a combination sums coefficients of the momentum; a separable system's momentum is summed from those
+ * of q. */
 static inline bool curve_is_of_momentum(const tvi_curve *curve, const tvi_combination *combination)
 {
     return curve_form(curve) != TVI_SEPARABLE && combination->of_momentum;
@@ -128,7 +130,8 @@ static inline size_t tvi_curve_slots(const tvi_curve *curve)
     return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots);
 }
 
-/* The same of generated code, whose small systems have one sweep; a whole vector costs less than two parts. */
+/* Returns the lanes of a block in generated code, whose small systems have one sweep; a whole vector costs less than
+ * two parts. */
 static inline int tvi_curve_lanes_of(const tvi_system *system)
 {
     const int directions = 2 * system->n;
@@ -138,13 +141,13 @@ static inline int tvi_curve_lanes_of(const tvi_system *system)
 
 static inline size_t tvi_curve_lanes(const tvi_curve *curve) { return (size_t)tvi_curve_lanes_of(curve->system); }
 
-/* Order k: q, then velocity or momentum of a Lagrangian or a Hamiltonian. */
+/* Returns the inputs of order k: q, then the velocity of a Lagrangian or the momentum of a Hamiltonian. */
 static inline double *tvi_curve_input(const tvi_curve *curve, int k)
 {
     return curve->x + (size_t)k * tvi_curve_slots(curve);
 }
 
-/* Output i of the field at order k. */
+/* Returns output i of the field at order k. */
 static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
 {
     return tvi_curve_input(curve, k)[curve_slot(curve, i)];
@@ -152,7 +155,7 @@ static inline double tvi_curve_field(const tvi_curve *curve, int k, int i)
 
 /* ---- Where it starts --------------------------------------------------------------------------------------------- */
 
-/* tau, and what follows from it. */
+/* Sets tau, and the kappa that follows from it. */
 static inline void curve_set_step(tvi_curve *curve, double tau)
 {
     curve->tau = tau;
@@ -160,7 +163,7 @@ static inline void curve_set_step(tvi_curve *curve, double tau)
         curve->kappa[i] = tau / curve->system->mass[i];
 }
 
-/* z, of which the second half is tau v of a Lagrangian. */
+/* Places z in the block; for a Lagrangian its second half is tau v. */
 static inline void curve_place(const tvi_curve *curve, const double z[])
 {
     const int n = curve_n(curve);
@@ -182,7 +185,7 @@ static inline void curve_place_time(const tvi_curve *curve)
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
-/* U_k = kappa P_k of component i. */
+/* Returns U_k = kappa P_k of component i. */
 static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
 {
     switch (curve_form(curve)) {
@@ -192,7 +195,7 @@ static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
     }
 }
 
-/* Q_k where it stands. */
+/* Returns the place of Q_k in the block. */
 static inline const double *tvi_curve_Q(const tvi_curve *curve, int k) { return tvi_curve_input(curve, k); }
 
 static inline bool curve_is_finite(const tvi_curve *curve)
@@ -200,7 +203,7 @@ static inline bool curve_is_finite(const tvi_curve *curve)
     return tvi_rows_are_finite(curve_top(curve) + 1, tvi_curve_slots(curve), curve_inputs(curve), curve->x);
 }
 
-/* The natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
+/* Computes the natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
 static inline void curve_sizes(const tvi_curve *curve, double size[])
 {
     const int n = curve_n(curve);
@@ -215,7 +218,7 @@ static inline void curve_sizes(const tvi_curve *curve, double size[])
     }
 }
 
-/* P_k of all orders k, [degree + 1][n]. */
+/* Computes P_k of all orders k, [degree + 1][n]. */
 static inline void curve_momenta(const tvi_curve *curve, int degree, double out[])
 {
     const int n = curve_n(curve);
@@ -248,7 +251,7 @@ static inline void curve_sum(const tvi_curve *curve, const tvi_combination *comb
     curve_sum_by(tvi_add_rows, curve, combination, out);
 }
 
-/* p = |U_0| + sum k |U_k|, q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
+/* Returns p = |U_0| + sum k |U_k| and q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
 static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
@@ -269,7 +272,7 @@ static inline void curve_measure(const tvi_curve *curve)
     curve_sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
 }
 
-/* The tail of a subsystem, whose components are these. */
+/* Returns the tail of a subsystem, whose components are first .. end - 1 of the list. */
 static inline double curve_tail_of(const tvi_curve *curve, int first, int end)
 {
     const tvi_subsystems *parts = &curve->system->parts;
@@ -300,8 +303,8 @@ static inline double curve_tail(const tvi_curve *curve)
     return tail;
 }
 
-/* |q'| |dp| + |p'| |dq| with what the last two terms are, of which one may happen to be small: terms of which each is
- * three quarters of the one before it add up to three times the last. */
+/* Returns the change |q'| |dp| + |p'| |dq| of the energy by the last two terms, one of which may happen to be small:
+ * terms that are each three quarters of the one before it add up to three times the last. */
 static inline double curve_change(const tvi_curve *curve)
 {
     enum { OFTEN = 8 };

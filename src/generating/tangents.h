@@ -5,7 +5,7 @@
 
 #include "generating/series.h"
 
-/* A block of directions: tangents of order k of slot i are at dx + k * order + i * lanes. */
+/* A block holds the tangents of some directions: those of order k of slot i are at dx + k * order + i * lanes. */
 typedef struct {
     size_t lanes, order;
     int first;
@@ -23,13 +23,13 @@ static inline double *curve_tangent(const tvi_curve *curve, const curve_block *b
     return curve->dx + (size_t)k * b->order + (size_t)slot * b->lanes;
 }
 
-/* out = factor * in, over the lanes. */
+/* Computes out = factor * in, over the lanes. */
 static inline void curve_scale_lanes(size_t lanes, double factor, const double *in, double *out)
 {
     for (size_t lane = 0; lane < lanes; lane++) out[lane] = factor * in[lane];
 }
 
-/* dz = unit vectors: where the components of z stand among the inputs. */
+/* Sets dz to unit vectors, at the inputs that are components of z. */
 static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
 {
     const tvi_form form = curve_form(curve);
@@ -43,8 +43,8 @@ static inline void curve_seed_directions(tvi_curve *curve, const curve_block *b)
     }
 }
 
-/* Inputs that no order before gives are 0, but for the direction; so are all orders of the time and of constants, which
- * stand where the number of lanes says. */
+/* Clears the inputs that no earlier order gives, except for the direction. All orders of the time and of constants are
+ * 0; their place depends on the number of lanes. */
 static inline void curve_begin_block(tvi_curve *curve, const curve_block *b)
 {
     const size_t inputs = (size_t)curve_inputs(curve) * b->lanes * sizeof(double);
@@ -91,7 +91,7 @@ static inline const double *curve_jacobians(const tvi_curve *curve, bool of_mome
     return of_momentum ? curve->dU : curve->dQ;
 }
 
-/* From one order to the next. */
+/* Returns the distance from one order of the Jacobian to the next. */
 static inline size_t curve_apart(const tvi_curve *curve)
 {
     const size_t n = (size_t)curve_n(curve);
@@ -116,7 +116,7 @@ static inline void curve_push(const tvi_curve *curve, const tvi_combination *com
     }
 }
 
-/* out = sum_k J_k^T seed[k], where they stand. */
+/* Computes out = sum_k J_k^T seed[k], from Jacobians in the block of tangents. */
 #define CURVE_PULL(V, S)                                                                                               \
     {                                                                                                                  \
         V sum = {0}, odd = {0};                                                                                        \

@@ -78,7 +78,7 @@ static void prepare(void *work)
     for (int k = 0; k <= w->degree; k++) w->power[k] = 1;
 }
 
-/* The data at the start: (q, tau v) or (q, p). */
+/* Sets the data at the start: (q, tau v) or (q, p). */
 static void set_start(batch *w, double h, const tvi_batch_origin *origin)
 {
     tvi_taylor_lanes *curve = &w->curve;
@@ -98,7 +98,7 @@ static void set_start(batch *w, double h, const tvi_batch_origin *origin)
     }
 }
 
-/* As curve_end_at of reach.h. */
+/* Ends the steps as curve_end_at of reach.h does. */
 static void end_at(batch *w)
 {
     const tvi_taylor_lanes *curve = &w->curve;
@@ -148,8 +148,8 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
     }
 }
 
-/* Steps of a given size leave nothing to the next one. A step to a tolerance leaves its size, which members go on from
- * in later runs. */
+/* Copies what a member keeps. Steps of a given size leave nothing to the next one. A step to a tolerance leaves its
+ * size, from which the member continues in later runs. */
 static void get(const void *work, int lane, void *one)
 {
     *((tvi_curve_work *)one)->chosen = ((const batch *)work)->chosen[lane];

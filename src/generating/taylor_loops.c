@@ -7,10 +7,10 @@
 
 #include <math.h>
 
-/* Row i of order k. */
+/* ROW is row i of order k. */
 #define ROW(curve, k, i) ((curve)->x + (size_t)(k) * (curve)->stride + (size_t)(i) * (size_t)(curve)->width)
 
-/* As in curve.c: tau and the divisor are not made one factor. */
+/* Advances the recurrence; as in curve.c, tau and the divisor are not made one factor. */
 static void advance(const tvi_taylor_lanes *curve, int k)
 {
     const int n = curve->n, width = curve->width, of_p = curve->has_masses ? 0 : n;
@@ -23,7 +23,7 @@ static void advance(const tvi_taylor_lanes *curve, int k)
     }
 }
 
-/* sum_{k=from}^{to} factor_k |row i of order k|, small terms first; factor_k = k, or k (k - 1) of p = Q'. */
+/* Computes sum_{k=from}^{to} factor_k |row i of order k|, small terms first; factor_k = k, or k (k - 1) of p = Q'. */
 #define SUM_SIZES(V, S)                                                                                                \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
@@ -50,7 +50,7 @@ static void measure(const tvi_taylor_lanes *curve, int q_degree, int p_degree, c
     }
 }
 
-/* As curve_tail_part of series.h, momenta in the unit of kappa p. */
+/* Computes shares and ratios as curve_tail_part of series.h does, with momenta in the unit of kappa p. */
 JET_INLINE void tails_of(const tvi_taylor_lanes *curve, int q_degree, int p_degree, bool has_masses,
                          const tvi_taylor_sums *sums, double *restrict share, double *restrict ratio)
 {

@@ -6,7 +6,7 @@
 #include "generating/taylor_sweep.h"
 #include "system/system.h"
 
-/* The block of the series: order k of row i of member m stands at x[k * stride + i * width + m]. */
+/* This describes the block of the series: order k of row i of member m stands at x[k * stride + i * width + m]. */
 typedef struct {
     int n, width, top;
     size_t stride;
@@ -19,18 +19,19 @@ typedef struct {
 } tvi_taylor_lanes;
 
 typedef struct {
-    /* The curve's coefficients that order k of the field gives (docs/method.md section 2). */
+    /* Computes the curve's coefficients that order k of the field gives (docs/method.md section 2). */
     void (*advance)(const tvi_taylor_lanes *curve, int k);
-    /* The sums of sizes that the tail is made of, for P and Q to these degrees, as curve_measure of series.h. */
+    /* Computes the sums of sizes that the tail is made of, for P and Q to these degrees, as curve_measure of series.h
+     * does. */
     void (*measure)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, const tvi_taylor_sums *sums);
-    /* tvi_stats.tail of each member, of these sums; share, ratio [n][width]: scratch. */
+    /* Computes tvi_stats.tail of each member from these sums; share, ratio [n][width]: scratch. */
     void (*tail)(const tvi_taylor_lanes *curve, int q_degree, int p_degree, const tvi_taylor_sums *sums, double *share,
                  double *ratio, double *tail);
-    /* x_k *= power[k], and their sums, the small terms first. */
+    /* Computes x_k *= power[k], and the sums of these x_k, the small terms first. */
     void (*sweep)(const tvi_taylor_rows *rows, const double *power, double *x, const tvi_taylor_sums *sums);
 } tvi_taylor_loops;
 
-/* All orders from order 0; false where a value of the field is outside its domain. */
+/* Expands all orders from order 0; returns false if a value of the field is outside its domain. */
 static inline bool tvi_taylor_expand(const tvi_taylor_loops *loops, const tvi_taylor_lanes *curve, const jet_tape *tape)
 {
     const int first = curve->has_masses ? 2 : 1;

@@ -2,12 +2,12 @@
  * taylor_sweep.h, which reads it for each length of vectors V. SIZE(x) is |x| and SWEPT(f) the name of a function here;
  * the definitions of V, SIZE and SWEPT end here. */
 
-/* The sums of one of two chains of orders, which do not wait for each other. */
+/* A chain holds the sums of one of two chains of orders, which do not wait for each other. */
 typedef struct {
     V rise, size, slope, bend;
 } SWEPT(chain);
 
-/* Adds row k of weight k. */
+/* Adds row k with weight k. */
 JET_INLINE void SWEPT(add)(SWEPT(chain) * chain, V *row, double power, double weight, bool has_slope)
 {
     const V none = {0}, now = *row * power, size = SIZE(now);

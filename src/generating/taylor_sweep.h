@@ -7,16 +7,16 @@
 
 #include <math.h>
 
-/* Rows x_k, k = least .. degree, [components], `stride` apart: of one curve, or of several, whose components are lanes
- * that know nothing of each other. */
+/* These are the rows x_k, k = least .. degree, [components], `stride` apart: of one curve, or of several curves, whose
+ * components are lanes that are independent of each other. */
 typedef struct {
     int components, least, degree;
     size_t stride;
     bool has_slope;
 } tvi_taylor_rows;
 
-/* Their sums, [components]: of x_k and k |x_k|. Rows with a slope begin with k = 2, but x_1 is in these sums, too; they
- * also have that of k x_k, and |x_1| and that of (k - 1) k |x_k|. */
+/* These are the sums of the rows, [components]: of x_k and k |x_k|. Rows with a slope begin with k = 2, but x_1 is in
+ * these sums, too; such rows also have the sum of k x_k, and that of |x_1| and (k - 1) k |x_k|. */
 typedef struct {
     double *rise, *size, *slope, *bend;
 } tvi_taylor_sums;
@@ -42,7 +42,7 @@ typedef struct {
 #define SWEPT(f) taylor_one_##f
 #include "generating/taylor_rows.h"
 
-/* x_k *= power[k], and their sums, the small terms first; has_slope is a constant. */
+/* Computes x_k *= power[k], and the sums of these x_k, the small terms first; has_slope is a constant. */
 JET_INLINE void taylor_sweep_by(const tvi_taylor_rows *rows, const double *power, double *x,
                                 const tvi_taylor_sums *sums, bool has_slope)
 {

@@ -3,8 +3,9 @@
  *     G+^T d1 - G-^T d0 = D_z.                                                                          (I-defect) */
 #include "generating/closure.h"
 
-/* z = (q0, v) or (q1, v), the Jacobians there and at the other end are (I, 0) and (A, B), and R = G+ - G- is (A - I, B)
- * or (I - A, -B): with the other end's d,  R_v^T d = D_v,  d1 - d0 = D_q - R_q^T d. */
+/* Closes the equations with z = (q0, v) or (q1, v). The Jacobians there and at the other end are (I, 0) and (A, B), and
+ * R = G+ - G- is (A - I, B) or (I - A, -B). With the other end's d,
+ *     R_v^T d = D_v,   d1 - d0 = D_q - R_q^T d. */
 tvi_status tvi_close_type1_end(tvi_closure *c)
 {
     const tvi_status status = tvi_close_half(c, &c->q_rise, TVI_SECOND);

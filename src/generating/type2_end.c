@@ -3,7 +3,8 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* z = (w, p1), q- = q0, p1 = p+:  (q-_w)^T d0 = -D_w,  p0 = p- + d0,  q1 = w - D_p - (q-_p)^T d0. */
+/* Closes the equations with z = (w, p1), q- = q0, p1 = p+:
+ *     (q-_w)^T d0 = -D_w,   p0 = p- + d0,   q1 = w - D_p - (q-_p)^T d0. */
 static tvi_status close_type2_end(tvi_closure *c)
 {
     const int n = c->n;

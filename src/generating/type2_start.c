@@ -3,7 +3,8 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* z = (q0, w), p1 = p+:  (p+_w)^T l = -D_w,  q1 = q+ + l,  p0 = p- - D_q - (p+_q)^T l. With u = kappa p: l / kappa. */
+/* Closes the equations with z = (q0, w), p1 = p+. With u = kappa p the solution is l / kappa.
+ *     (p+_w)^T l = -D_w,   q1 = q+ + l,   p0 = p- - D_q - (p+_q)^T l. */
 static tvi_status close_type2_start(tvi_closure *c)
 {
     const int n = c->n;

@@ -3,7 +3,8 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* z = (q1, w), p- = p0:  (p-_w)^T l = D_w,  q0 = q- + l,  p1 = w + D_q - (p-_q)^T l. */
+/* Closes the equations with z = (q1, w), p- = p0:
+ *     (p-_w)^T l = D_w,   q0 = q- + l,   p1 = w + D_q - (p-_q)^T l. */
 static tvi_status close_type3_end(tvi_closure *c)
 {
     const int n = c->n;

@@ -3,7 +3,8 @@
 #include "generating/closure.h"
 #include "method/list.h"
 
-/* z = (w, p0), q1 = q+:  (q+_w)^T d = D_w,  p1 = p+ + d,  q0 = w + D_p - (q+_p)^T d. */
+/* Closes the equations with z = (w, p0), q1 = q+:
+ *     (q+_w)^T d = D_w,   p1 = p+ + d,   q0 = w + D_p - (q+_p)^T d. */
 static tvi_status close_type3_start(tvi_closure *c)
 {
     const int n = c->n;
