@@ -7,9 +7,9 @@
 
 typedef struct {
     int n;
-    size_t stride;     /* of orders in the block */
-    const int *output; /* slots of the field */
-    double *x;         /* block of the series */
+    size_t stride;     /* the distance of orders in the block */
+    const int *output; /* the slots of the field */
+    double *x;         /* the block of the series */
     const double *kappa;
     double tau;
 } tvi_recurrence;

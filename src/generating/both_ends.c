@@ -162,7 +162,7 @@ static void set_scale(void *self, double scale[])
             scale[2 * n + i] += fabs(b[i + (hamiltonian ? n : 0)]);
         }
     }
-    for (int i = 0; w->degree == 1 && i < n; i++) { /* what curves of degree 1 know of a body at rest */
+    for (int i = 0; w->degree == 1 && i < n; i++) { /* if a body is at rest, curves of degree 1 know only this */
         const double change = fabs(w->a.curve.kappa[i]) * (fabs(w->from_p[i]) + fabs(w->rise_p[i]));
         scale[i] += change;
         scale[2 * n + i] += change;

@@ -12,7 +12,7 @@ typedef struct {
     tvi_curve curve;
     tvi_action action;      /* tables of powers at the nodes; that of a evaluates the nodes of both */
     double *P;              /* [r][n] */
-    double sign;            /* of the curve in a - b */
+    double sign;            /* the sign of the curve in a - b */
     double end;             /* the scaled time of the other end: 1 or -1 */
     tvi_combination to_end; /* a(1) - q0 or b(-1) - q1 */
     tvi_combination near_u; /* U_0 */
@@ -35,14 +35,14 @@ typedef struct {
     tvi_newton newton; /* unknowns v0, q1, v1, scaled as the z of the curves */
     tvi_legendre legendre;
     tvi_combination q_unit, z_unit; /* the centre data of a, a unit of scaled time later */
-    double *y, *v, *pi, *pi_rate;   /* [n][points] at the nodes; pi. */
-    double *on_q, *on_v, *apart;    /* [n][points] what multiplies dy_i, dv_i and (da - db)_i */
+    double *y, *v, *pi, *pi_rate;   /* [n][points] these at the nodes; pi_rate is pi. */
+    double *on_q, *on_v, *apart;    /* [n][points] the factors of dy_i, dv_i and (da - db)_i */
     double *row;                    /* [points] */
     double *z;                      /* [2n] */
-    double *velocity;               /* [n] of the last predictor, Lagrangian; in the history */
+    double *velocity;               /* [n] the velocity of the last predictor, Lagrangian; in the history */
     double *from_p;                 /* [n] p0 - p_a(0) */
-    double *rise_p;                 /* [n] what p1 - p0 has beyond p_b(0) - p_a(0) */
-    double *dq, *dp;                /* [n] of the last step */
+    double *rise_p;                 /* [n] p1 - p0 less p_b(0) - p_a(0) */
+    double *dq, *dp;                /* [n] the increments of the last step */
     double *shift;                  /* [n] */
 } tvi_both_ends;
 

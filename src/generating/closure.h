@@ -42,19 +42,19 @@ typedef struct tvi_closure {
     int n;
     tvi_span span;
     tvi_curve curve;
-    tvi_combination q_from, q_to, q_rise,
-        q_mean; /* q-, q+, q+ - q-, and (to q- - from q+)/(to - from), which has no Q_1
-                                                     in it: at the midpoint the mean of the ends */
-    tvi_combination u_from, u_to, u_rise, u_mean; /* the same of the scaled momentum u = kappa p */
-    tvi_combination p_sizes;                      /* of p_size */
-    int p_degree;                                 /* of the momentum */
+    /* These give q-, q+, q+ - q-, and (to q- - from q+)/(to - from). The last has no Q_1 in it, and is the mean of the
+     * ends if the expansion is at the midpoint. */
+    tvi_combination q_from, q_to, q_rise, q_mean;
+    tvi_combination u_from, u_to, u_rise, u_mean; /* these of the scaled momentum u = kappa p */
+    tvi_combination p_sizes;                      /* the sums of p_size */
+    int p_degree;                                 /* the degree of the momentum */
     double *p_size;                               /* [n] sum_k |P_k| */
-    tvi_close_fn *close;                          /* the generating function's, */
-    const tvi_mean_closing *mean;                 /* and what it is where that is tvi_close_mean */
-    double *seed_Q, *seed_U;                      /* [top + 1][n] of D_z */
+    tvi_close_fn *close;                          /* the generating function's closing */
+    const tvi_mean_closing *mean;                 /* how tvi_close_mean closes, if that is the closing */
+    double *seed_Q, *seed_U;                      /* [top + 1][n] the seeds of D_z */
     double *D;                                    /* [2n] D_z, then the solution of the equations */
     const tvi_solver *solver;
-    void *solving;                             /* what it needs */
+    void *solving;                             /* the data of the solver */
     double *from_q, *from_p, *rise_q, *rise_p; /* [n] the corrections */
 } tvi_closure;
 

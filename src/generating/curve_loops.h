@@ -21,8 +21,8 @@ typedef struct {
     double *kappa;               /* [n] */
     double *z, *scale;           /* the data at the centre, and their natural sizes */
     double *D;                   /* D_z, then the solution of the generating function's equations */
-    double *from, *rise;         /* the corrections of q and p at the start, and of what they rise by */
-    double *correction;          /* of z */
+    double *from, *rise;         /* the corrections of q and p at the start, and of their rise */
+    double *correction;          /* the correction of z */
     double *least;               /* [width] the least pivot of all equations */
     double *relative, *of_group; /* [width] tvi_newton_size; NaN where a correction is no number */
 } tvi_curve_members;

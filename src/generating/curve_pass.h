@@ -22,13 +22,13 @@ enum { TVI_SUM_Q, TVI_SUM_U, TVI_SUM_Q_SLOPE, TVI_SUM_U_SLOPE, TVI_SUMS };
 
 typedef struct {
     tvi_single by_itself;
-    tvi_curve_work *single; /* its work, which has the tables of the curve */
-    tvi_action action;      /* the tables of the nodes, each of them there once */
+    tvi_curve_work *single; /* the work of a single step, which has the tables of the curve */
+    tvi_action action;      /* the tables of the nodes, each node once */
     const tvi_system *system;
     const tvi_mean_closing *closing;
     const tvi_taylor_loops *series;
     const tvi_curve_loops *loops;
-    tvi_taylor_lanes curve, tangent; /* tangent: of one direction after the other */
+    tvi_taylor_lanes curve, tangent; /* tangent: one direction after the other */
     tvi_curve_members members;
     double *J;                       /* [2n][top + 1][inputs][width] dQ_k/dz, and dP_k/dz of a Hamiltonian */
     double *full, *back;             /* [2n][2n][width] transposed: of D and of the corrector; then their factors */
@@ -37,8 +37,8 @@ typedef struct {
     double *x;                       /* block of the field's values, node * width + m */
     double *at_nodes[TVI_SUMS];      /* [points][width] of one component */
     double *defect;                  /* [2][points][width] of one component: what multiplies dq_i, dp_i / kappa */
-    double *dq, *dp, *share, *ratio; /* [n][width], */
-    tvi_taylor_sums sizes;           /* as these: size and bend */
+    double *dq, *dp, *share, *ratio; /* [n][width] the increments; share, ratio: scratch */
+    tvi_taylor_sums sizes;           /* the sums of sizes: size and bend, [n][width] */
     double *tail;                    /* [width] */
     tvi_curve_sums node_sums[TVI_SUMS]; /* at all nodes */
     tvi_weights seeds_q, seeds_p;       /* from the defects */

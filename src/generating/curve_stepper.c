@@ -293,7 +293,7 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
     const tvi_curve *curve = &w->closure.curve;
     int exponent, highest;
     double least =
-        INFINITY; /* reach of the curves that were too large: coefficients that are 0 in smaller ones show it */
+        INFINITY; /* the reach of curves that were too large: their coefficients that are 0 in smaller curves show it */
     (void)frexp(guess, &exponent);
     (void)frexp(most, &highest);
     for (int count = 0; count < MOST_EXPANSIONS; count++) {
@@ -301,7 +301,7 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
         tvi_status status = predict(a);
         if (status == TVI_OK) status = expand(a, w->z, centre(a));
         if (status != TVI_OK && status != TVI_ENONFINITE) return status;
-        double part = 0; /* where the coefficients overflow */
+        double part = 0; /* it stays 0 if the coefficients overflow */
         if (status == TVI_OK) part = tvi_curve_reach(curve, w->log_tolerance);
         *reach = fmin(part * fabs(a->tau), least);
         if (part >= 1 / WIDE && (part <= WIDE || exponent >= highest)) return TVI_OK;
@@ -332,7 +332,7 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
         w->log_tolerance = log(tolerance);
     }
     const tvi_status status = expand_within(&a, before != 0 ? before : *h, *h, &reach);
-    if (status != TVI_OK) { /* of the curve of this size */
+    if (status != TVI_OK) { /* the curve of this size fails */
         *h = a.tau;
         return status;
     }

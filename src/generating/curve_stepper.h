@@ -24,11 +24,11 @@ typedef struct tvi_curve_work {
     tvi_combination dense_q, dense_u;   /* for one point of dense output */
     double *z;                          /* [2n] predictor */
     double *dz;                         /* [2n] what z lacks at the end of the passes */
-    double *velocity;                   /* [n] where the next predictor's is looked for, Lagrangian; in the history */
+    double *velocity;                   /* [n] the first guess of the next predictor's, Lagrangian; in the history */
     double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
-    double *field;                      /* a block of the field's values at the end of one, of a separable system, */
-    tvi_roundoff roundoff;              /* and what roundoff makes of them */
-    double tolerance, log_tolerance;    /* of the last step that adapted */
+    double *field;                      /* the field's values at the end of such a step, separable systems */
+    tvi_roundoff roundoff;              /* the roundoff of these values */
+    double tolerance, log_tolerance;    /* those of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
 } tvi_curve_work;

@@ -16,14 +16,14 @@ static const double MATRICES_NEAR = 1e-4;
 /* This holds the Jacobians of the curve and their factors. Jacobians are counted as they are taken, from 0 in each
  * step; a factor is valid if it belongs to the last ones. */
 typedef struct {
-    double *z;       /* [2n] where they were taken */
-    int taken;       /* how often, in this step */
-    int factored;    /* the factor is of these */
-    bool is_given;   /* the corrector has one, */
-    double moved;    /* from which z has moved so far, relative to its size, before the last ones were taken */
+    double *z;       /* [2n] the z at which the last Jacobians were taken */
+    int taken;       /* how often Jacobians were taken in this step */
+    int factored;    /* the count of those that the factor belongs to */
+    bool is_given;   /* the corrector has a Jacobian */
+    double moved;    /* the path of z since that Jacobian, relative to its size, until the last ones were taken */
     double *G;       /* [n][2n] scratch for Jacobians of the ends */
-    tvi_factor half; /* n x n, or */
-    tvi_factor full; /* 2n x 2n: a generating function has one of them */
+    tvi_factor half; /* n x n; a generating function has this factor */
+    tvi_factor full; /* 2n x 2n; or it has this one */
 } tvi_matrices;
 
 static inline tvi_matrices *matrices_of(const tvi_closure *c) { return c->solving; }

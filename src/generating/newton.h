@@ -115,7 +115,7 @@ typedef struct {
     bool is_rough;
     tvi_newton_rules rules;
     int size, group;                /* unknowns come in groups that share a unit, each of the components of all */
-    const tvi_subsystems *parts;    /* of the components */
+    const tvi_subsystems *parts;    /* the subsystems of the components */
     double *x, *correction, *scale; /* [size] */
     double *reach;              /* [size] the scale, and more where the roundoff of the corrections is that of more */
     double *trial, *difference; /* [size] scratch */

@@ -14,7 +14,7 @@
  * [half][seeds_width(orders / 2)]. */
 typedef struct {
     double *full, *even, *odd;
-    double mirrored; /* what even orders are multiplied by, 1 or -1 */
+    double mirrored; /* the factor of even orders at the other half, 1 or -1 */
 } tvi_node_table;
 
 typedef struct tvi_action {
@@ -30,21 +30,21 @@ typedef struct tvi_action {
      * there twice, with half its weight each; points that are left of a half repeat the first node without weight. half
      * is 0 if they do not, or if the action is not plain. */
     int half;
-    tvi_node_table power, slope; /* s_i^k and its derivative, 0 above q_degree */
-    tvi_node_table second_slope; /* the second one, of all orders */
-    tvi_node_table node_power; /* the same as `power` as far as q_i uses it: 0 where the node rule leaves a term out */
-    tvi_node_table weighted_power, weighted_slope; /* times the weight, for sums over the nodes */
+    tvi_node_table power, slope;                   /* s_i^k and its derivative, 0 above q_degree */
+    tvi_node_table second_slope;                   /* the second derivative, of all orders */
+    tvi_node_table node_power;                     /* `power` as q_i uses it: 0 if the node rule leaves the term out */
+    tvi_node_table weighted_power, weighted_slope; /* these times the weight, for sums over the nodes */
     double *row;                                   /* [top + 1] */
     double *by_parts; /* [q_degree + 1][p_degree + 1]: (j+k) (error of the quadrature for s^(j+k-1)); NULL: all 0 */
     double *x;        /* block of the field's values at the nodes, a lane each */
     double *bend;     /* truncated Hamiltonian: block of the bend's values */
     double *P;        /* [p_degree + 1][n] */
     double *momentum, *force;   /* [n][points]: p and p' (in s) of the curve at the nodes */
-    double *on_q, *on_v, *on_p; /* [n][points]: what multiplies dq_i, dv_i (tau), dp_i in the gradient of the action */
+    double *on_q, *on_v, *on_p; /* [n][points]: the factors of dq_i, dv_i (tau), dp_i in the gradient of the action */
     double *correction;         /* [n][points] of the momenta at the nodes, of a Hamiltonian's velocities */
-    double *H_pp;               /* [n][n][points] that or its inverse, */
-    double *dx;                 /* and the block of one tangent of the field at each */
-    tvi_roundoff roundoff;      /* of the field at the nodes */
+    double *H_pp;               /* [n][n][points] H_pp or its inverse */
+    double *dx;                 /* the block of one tangent of the field at each node */
+    tvi_roundoff roundoff;      /* the roundoff of the field at the nodes */
 } tvi_action;
 
 /* ---- The curve at the nodes -------------------------------------------------------------------------------------- */

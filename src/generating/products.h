@@ -110,7 +110,7 @@ typedef struct {
     double *x;                    /* the solution; that of the last pass is the guess of the next */
     double *r;                    /* D - A^T x, all of it */
     double *s, *v;                /* [PRODUCTS_MOST] directions, and A^T times them */
-    double square[PRODUCTS_MOST]; /* of v */
+    double square[PRODUCTS_MOST]; /* the square of each v */
     double *unit;                 /* 1 / what the unknowns' errors are measured by */
     double *scratch, *product;    /* [2n] */
     double *largest;              /* [top + 1] max_i |Q_k| */

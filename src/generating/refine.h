@@ -14,8 +14,8 @@ typedef struct {
     double *high, *rest;                                  /* [sums][top + 1] of the others, and their sum [inputs] */
     long double *sum, *defect;                            /* [inputs] */
     long double *once, *twice;                            /* [inputs] the integrals of the defect */
-    long double *y;                                       /* [slots] the field, */
-    double *block;                                        /* and its constants */
+    long double *y;                                       /* [slots] the field */
+    double *block;                                        /* the block of the constants of the field */
 } tvi_refinement;
 
 void tvi_refinement_take(tvi_refinement *refinement, tvi_arena *arena, const tvi_curve *curve);

@@ -212,7 +212,7 @@ typedef struct tvi_curve_code {
     void (*aim)(tvi_curve *curve, const double dz[]);
     void (*push)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*pull)(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
-    const struct tvi_solver *solver; /* but for `take`; NULL: the library's own */
+    const struct tvi_solver *solver; /* `take` is not in it; NULL: the library's own */
     /* Computes plain seeds, finite or not; NULL: the library's own function serves. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* Makes a step by step_quickly (curve_step.h); NULL: there is no such code. */

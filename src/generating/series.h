@@ -31,17 +31,17 @@ typedef struct {
     double centre, tau;
     double *kappa;          /* [n] */
     double *x;              /* block of the field's series, orders 0 .. top */
-    double *dx;             /* the same for CURVE_LANES directions; products: for one */
-    size_t lanes;           /* of the block that stands there; 0: none */
-    double *bar;            /* products: the same for adjoints */
+    double *dx;             /* tangents of x in CURVE_LANES directions; products: in one */
+    size_t lanes;           /* the lanes of the block in dx; 0: none */
+    double *bar;            /* products: the adjoints of x */
     double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
     double *dz;             /* [2n] the direction of pushes */
     double *by_U;           /* [2n] a pull's part by dU */
     double *pushed;         /* [n][2n] the Jacobian of a push */
     double *per, *log_of;   /* [top + 2] 1 / k and log k */
-    int q_degree, p_degree; /* of the tail, */
+    int q_degree, p_degree; /* the degrees of the tail */
     tvi_combination q_sizes, u_sizes;
-    double *movement, *momentum; /* [n] and what these sums are */
+    double *movement, *momentum; /* [n] the values of q_sizes and u_sizes */
     tvi_factor slope;            /* not separable: L_vv or H_pp at the centre */
     bool has_inverse;            /* slope.lu is its inverse */
     double *columns;             /* [slots][n] derivatives of all slots in the second input at the centre */

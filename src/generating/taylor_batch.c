@@ -19,10 +19,10 @@ typedef struct {
     int degree;
     tvi_taylor_lanes curve;
     double *kappa;                    /* [n] */
-    double *share, *ratio, *tail;     /* [n][width], */
-    tvi_taylor_sums sums;             /* as these: the increments are rise and slope, */
-    double power[TVI_MAX_DEGREE + 2]; /* of the unit of time, which stays: 1 */
-    double *chosen;                   /* [width] as that of curve_stepper.h, in the history */
+    double *share, *ratio, *tail;     /* [n][width] scratch, and the tails [width] */
+    tvi_taylor_sums sums;             /* [n][width] each; the increments are rise and slope */
+    double power[TVI_MAX_DEGREE + 2]; /* the powers of the unit of time, which stays: 1 */
+    double *chosen;                   /* [width] `chosen` of curve_stepper.h, in the history */
 } batch;
 
 static const tvi_taylor_loops *const loops_of[JET_ISA_COUNT] = {

@@ -12,7 +12,7 @@ typedef struct {
     size_t stride;
     double tau;
     const double *kappa; /* [n] */
-    const int *output;   /* of the field */
+    const int *output;   /* the slots of the field's outputs */
     double *x;
     bool has_masses; /* a separable system */
     const tvi_system *system;
