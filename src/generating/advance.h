@@ -31,30 +31,32 @@ typedef struct {
 /* These write vectors, since the orders that follow read vectors: a vector loaded from several numbers just stored
  * waits until they are in the cache. */
 #define TVI_ADVANCE_SEPARABLE(V, S)                                                                                    \
-    TVI_QUOTIENT(V, JET_AT(V, next, 0), JET_OF(V, of->kappa, 0) * JET_GATHER(V, field, of->output + here) * of->tau,   \
+    TVI_QUOTIENT(V, JET_AT(V, next, 0),                                                                                \
+                 JET_OF(V, recurrence->kappa, 0) * JET_GATHER(V, field, recurrence->output + here) * recurrence->tau,  \
                  divisor)
 #define TVI_ADVANCE_HAMILTONIAN(V, S)                                                                                  \
     {                                                                                                                  \
-        TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, of->output + of->n + here) * tau, divisor)               \
-        TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, of->output + here) * -tau, divisor)                      \
+        TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, recurrence->output + recurrence->n + here) * tau,        \
+                     divisor)                                                                                          \
+        TVI_QUOTIENT(V, JET_AT(V, p, 0), JET_GATHER(V, field, recurrence->output + here) * -tau, divisor)              \
     }
 
 /* The quotients by k are taken of the coefficients and not of tau: the roundoff of tau / k would be the same in all
  * steps, and the energy would drift (docs/method.md section 6). For this reason tau^2 / m is computed as kappa tau. */
-static inline void tvi_advance_separable(const tvi_recurrence *of, int k)
+static inline void tvi_advance_separable(const tvi_recurrence *recurrence, int k)
 {
     enum { stride = 0 };
-    const double divisor = (k + 1) * (k + 2), *field = of->x + (size_t)k * of->stride;
-    double *next = of->x + (size_t)(k + 2) * of->stride;
-    JET_BLOCKS(of->n, TVI_ADVANCE_SEPARABLE, );
+    const double divisor = (k + 1) * (k + 2), *field = recurrence->x + (size_t)k * recurrence->stride;
+    double *next = recurrence->x + (size_t)(k + 2) * recurrence->stride;
+    JET_BLOCKS(recurrence->n, TVI_ADVANCE_SEPARABLE, );
 }
 
-static inline void tvi_advance_hamiltonian(const tvi_recurrence *of, int k)
+static inline void tvi_advance_hamiltonian(const tvi_recurrence *recurrence, int k)
 {
     enum { stride = 0 };
-    const double divisor = k + 1, tau = of->tau, *field = of->x + (size_t)k * of->stride;
-    double *q = of->x + (size_t)(k + 1) * of->stride, *p = q + of->n;
-    JET_BLOCKS(of->n, TVI_ADVANCE_HAMILTONIAN, );
+    const double divisor = k + 1, tau = recurrence->tau, *field = recurrence->x + (size_t)k * recurrence->stride;
+    double *q = recurrence->x + (size_t)(k + 1) * recurrence->stride, *p = q + recurrence->n;
+    JET_BLOCKS(recurrence->n, TVI_ADVANCE_HAMILTONIAN, );
 }
 
 /* Advances the tangents of `lanes` directions, whose block is x, in whole vectors, since the orders that follow read
@@ -66,21 +68,23 @@ static inline void tvi_advance_tangent(int lanes, double factor, const double *f
     JET_BLOCKS(lanes, TVI_ADVANCE_TANGENT, );
 }
 
-static inline void tvi_tangents_separable(const tvi_recurrence *of, int k, int lanes)
+static inline void tvi_tangents_separable(const tvi_recurrence *recurrence, int k, int lanes)
 {
-    const double factor = of->tau / ((k + 1) * (k + 2)), *field = of->x + (size_t)k * of->stride;
-    double *next = of->x + (size_t)(k + 2) * of->stride;
-    for (int i = 0; i < of->n; i++)
-        tvi_advance_tangent(lanes, of->kappa[i] * factor, field + of->output[i] * lanes, next + i * lanes);
+    const double factor = recurrence->tau / ((k + 1) * (k + 2)),
+                 *field = recurrence->x + (size_t)k * recurrence->stride;
+    double *next = recurrence->x + (size_t)(k + 2) * recurrence->stride;
+    for (int i = 0; i < recurrence->n; i++)
+        tvi_advance_tangent(lanes, recurrence->kappa[i] * factor, field + recurrence->output[i] * lanes,
+                            next + i * lanes);
 }
 
-static inline void tvi_tangents_hamiltonian(const tvi_recurrence *of, int k, int lanes)
+static inline void tvi_tangents_hamiltonian(const tvi_recurrence *recurrence, int k, int lanes)
 {
-    const double factor = of->tau / (k + 1), *field = of->x + (size_t)k * of->stride;
-    double *q = of->x + (size_t)(k + 1) * of->stride, *p = q + of->n * lanes;
-    for (int i = 0; i < of->n; i++) {
-        tvi_advance_tangent(lanes, factor, field + of->output[of->n + i] * lanes, q + i * lanes);
-        tvi_advance_tangent(lanes, -factor, field + of->output[i] * lanes, p + i * lanes);
+    const double factor = recurrence->tau / (k + 1), *field = recurrence->x + (size_t)k * recurrence->stride;
+    double *q = recurrence->x + (size_t)(k + 1) * recurrence->stride, *p = q + recurrence->n * lanes;
+    for (int i = 0; i < recurrence->n; i++) {
+        tvi_advance_tangent(lanes, factor, field + recurrence->output[recurrence->n + i] * lanes, q + i * lanes);
+        tvi_advance_tangent(lanes, -factor, field + recurrence->output[i] * lanes, p + i * lanes);
     }
 }
 

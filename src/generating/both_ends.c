@@ -271,7 +271,7 @@ static void keep_missing(tvi_both_ends *w, const tvi_origin *origin)
 }
 
 /* Computes dq = a(1) - q0 and kappa dp = (U_b - U_a) + kappa rise_p, with what z lacks to first order. */
-static void increments(tvi_both_ends *w, double dq[], double dp[])
+static void form_increments(tvi_both_ends *w, double dq[], double dp[])
 {
     const int n = w->n;
     tvi_curve_sum(&w->a.curve, &w->a.to_end, dq);
@@ -286,10 +286,11 @@ static void increments(tvi_both_ends *w, double dq[], double dp[])
     for (int i = 0; i < n; i++) dp[i] = (dp[i] - w->shift[i]) / w->a.curve.kappa[i] + w->rise_p[i];
 }
 
-static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
+                       tvi_stats *stats)
 {
     tvi_both_ends *w = taken;
-    const size_t bytes = (size_t)w->n * sizeof *by->dq;
+    const size_t bytes = (size_t)w->n * sizeof *increments->dq;
     attempt a = {w, origin, h, stats};
     const tvi_equations equations = {
         .self = &a, .residual = residual, .scale = set_scale, .jacobian = jacobian, .roundoff = residual_roundoff};
@@ -297,9 +298,9 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     if (status == TVI_OK) status = tvi_newton_solve(&w->newton, &equations, stats);
     if (status != TVI_OK) return status;
     keep_missing(w, origin);
-    increments(w, by->dq, by->dp);
-    memcpy(w->dq, by->dq, bytes);
-    memcpy(w->dp, by->dp, bytes);
+    form_increments(w, increments->dq, increments->dp);
+    memcpy(w->dq, increments->dq, bytes);
+    memcpy(w->dp, increments->dp, bytes);
     tvi_curve_measure(&w->a.curve);
     tvi_curve_measure(&w->b.curve);
     stats->tail = fmax(tvi_curve_tail(&w->a.curve), tvi_curve_tail(&w->b.curve));

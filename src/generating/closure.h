@@ -73,13 +73,13 @@ tvi_close_fn tvi_close_mean;
 /* Computes the corrections from the solution in D, as closure->mean says. */
 static inline void closure_correct_ends(const tvi_closure *c)
 {
-    const tvi_mean_closing *of = c->mean;
+    const tvi_mean_closing *mean = c->mean;
     for (int i = 0; i < curve_n(&c->curve); i++) {
         const double x = c->D[i], y = c->D[curve_n(&c->curve) + i], of_q = c->curve.kappa[i] * y;
-        c->from_q[i] = of->from_q * of_q;
-        c->rise_q[i] = of->rise_q * of_q;
-        c->from_p[i] = of->from_p[0] * x + of->from_p[1] * y;
-        c->rise_p[i] = of->rise_p[0] * x + of->rise_p[1] * y;
+        c->from_q[i] = mean->from_q * of_q;
+        c->rise_q[i] = mean->rise_q * of_q;
+        c->from_p[i] = mean->from_p[0] * x + mean->from_p[1] * y;
+        c->rise_p[i] = mean->rise_p[0] * x + mean->rise_p[1] * y;
     }
 }
 

@@ -104,11 +104,12 @@ static tvi_status expand_by_orders(tvi_curve *curve)
 {
     const jet_tape *tape = curve->system->field_series;
     const bool is_separable = curve->system->form == TVI_SEPARABLE;
-    const tvi_recurrence of = {curve->n, tvi_curve_slots(curve), tape->output, curve->x, curve->kappa, curve->tau};
+    const tvi_recurrence recurrence = {curve->n, tvi_curve_slots(curve), tape->output,
+                                       curve->x, curve->kappa,           curve->tau};
     for (int k = 0; k + 1 + is_separable <= curve->top; k++) {
         if (!jet_sweep_series(tape, curve->x, k, 1)) return TVI_EDOMAIN;
-        if (is_separable) tvi_advance_separable(&of, k);
-        else tvi_advance_hamiltonian(&of, k);
+        if (is_separable) tvi_advance_separable(&recurrence, k);
+        else tvi_advance_hamiltonian(&recurrence, k);
     }
     return TVI_OK;
 }

@@ -68,18 +68,19 @@ static int width_of(const tvi_system *system, const tvi_options *options)
     return width;
 }
 
-static void take_members(tvi_curve_members *of, tvi_arena *arena, const tvi_system *system, int width)
+static void take_members(tvi_curve_members *members, tvi_arena *arena, const tvi_system *system, int width)
 {
     const int n = system->n;
     const size_t row = (size_t)width, rows = 2 * (size_t)n;
-    double **const vectors[] = {&of->z, &of->scale, &of->D, &of->from, &of->rise, &of->correction};
+    double **const vectors[] = {&members->z,    &members->scale, &members->D,
+                                &members->from, &members->rise,  &members->correction};
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, rows * row);
-    double **const numbers[] = {&of->least, &of->relative, &of->of_group};
+    double **const numbers[] = {&members->least, &members->relative, &members->of_group};
     for (size_t i = 0; i < 3; i++) *numbers[i] = tvi_arena_doubles(arena, row);
-    of->kappa = tvi_arena_doubles(arena, (size_t)n);
-    of->n = n;
-    of->parts = &system->parts;
-    of->width = width;
+    members->kappa = tvi_arena_doubles(arena, (size_t)n);
+    members->n = n;
+    members->parts = &system->parts;
+    members->width = width;
 }
 
 static tvi_taylor_lanes lanes_of(const tvi_system *system, int top, int width, const double *kappa, double *x)
@@ -147,7 +148,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     for (size_t i = 0; i < 6; i++) *of_n[i] = tvi_arena_doubles(arena, (size_t)n * count);
     w.tail = tvi_arena_doubles(arena, count);
     w.is_moving = tvi_arena_take(arena, count * sizeof *w.is_moving);
-    w.now = tvi_arena_take(arena, count * sizeof *w.now);
+    w.progress = tvi_arena_take(arena, count * sizeof *w.progress);
     w.history = tvi_arena_history(arena, count * sizeof *w.history);
     w.passes = tvi_arena_take(arena, count * sizeof *w.passes);
     if (taken) *taken = w;
@@ -210,18 +211,19 @@ static void prepare(void *work)
 /* Begins a step, with z the data of the curve from the start of the step. Returns how many members are in lanes. */
 static int begin(batch *w, double h, const tvi_batch_origin *origin, const tvi_status status[])
 {
-    const tvi_curve_members *of = &w->members;
-    const int half = of->n * of->width;
+    const tvi_curve_members *members = &w->members;
+    const int half = members->n * members->width;
     int count = 0;
     w->curve.tau = w->tangent.tau = w->single->closure.span.tau * h;
-    memcpy(of->z, origin->q, (size_t)half * sizeof *of->z);
-    for (int i = 0; i < of->n; i++) {
-        of->kappa[i] = w->curve.has_masses ? w->curve.tau / w->system->mass[i] : 1;
-        for (int at = i * of->width; at < (i + 1) * of->width; at++) of->z[half + at] = of->kappa[i] * origin->p[at];
+    memcpy(members->z, origin->q, (size_t)half * sizeof *members->z);
+    for (int i = 0; i < members->n; i++) {
+        members->kappa[i] = w->curve.has_masses ? w->curve.tau / w->system->mass[i] : 1;
+        for (int at = i * members->width; at < (i + 1) * members->width; at++)
+            members->z[half + at] = members->kappa[i] * origin->p[at];
     }
-    for (int m = 0; m < of->width; m++) {
+    for (int m = 0; m < members->width; m++) {
         const bool moves = status[m] == TVI_OK;
-        w->now[m] = moves ? TVI_MOVING : TVI_LEFT_ALONE;
+        w->progress[m] = moves ? TVI_MOVING : TVI_LEFT_ALONE;
         w->is_moving[m] = moves ? -1 : 0;
         if (moves) tvi_newton_begin(&w->passes[m], &w->history[m], &w->rules, w->single->is_rough);
         count += moves;
@@ -233,21 +235,21 @@ static int begin(batch *w, double h, const tvi_batch_origin *origin, const tvi_s
  * move. */
 static int judge(batch *w)
 {
-    const tvi_curve_members *of = &w->members;
+    const tvi_curve_members *members = &w->members;
     int count = 0;
-    for (int m = 0; m < of->width; m++) {
+    for (int m = 0; m < members->width; m++) {
         if (!w->is_moving[m]) continue;
-        const tvi_newton_size size = {of->relative[m], of->of_group[m]};
-        const bool is_solved = isfinite(size.relative) && of->least[m] >= LEAST_PIVOT;
+        const tvi_newton_size size = {members->relative[m], members->of_group[m]};
+        const bool is_solved = isfinite(size.relative) && members->least[m] >= LEAST_PIVOT;
         const tvi_passes_verdict verdict =
             is_solved ? tvi_newton_judge(&w->passes[m], &w->rules, size) : TVI_PASSES_STUCK;
         if (verdict == TVI_PASSES_STUCK) tvi_curve_leave(w, m);
         if (verdict != TVI_PASSES_MAY_END) continue;
-        w->now[m] = TVI_DONE;
+        w->progress[m] = TVI_DONE;
         w->is_moving[m] = 0;
         tvi_newton_learn(&w->history[m], &w->passes[m]);
     }
-    for (int m = 0; m < of->width; m++) count += w->is_moving[m] != 0;
+    for (int m = 0; m < members->width; m++) count += w->is_moving[m] != 0;
     return count;
 }
 
@@ -270,18 +272,18 @@ static void iterate(batch *w, const tvi_batch_origin *origin, int count, tvi_sta
 /* Writes the increments of the members that have converged. */
 static void finish(batch *w, const tvi_batch_end *end, tvi_stats *stats)
 {
-    const tvi_curve_members *of = &w->members;
-    const int half = of->n * of->width;
+    const tvi_curve_members *members = &w->members;
+    const int half = members->n * members->width;
     tvi_curve_end_members(w);
-    for (int m = 0; m < of->width; m++) {
-        if (w->now[m] != TVI_DONE) continue;
-        for (int at = m; at < half; at += of->width) {
+    for (int m = 0; m < members->width; m++) {
+        if (w->progress[m] != TVI_DONE) continue;
+        for (int at = m; at < half; at += members->width) {
             end->increments.dq[at] = w->dq[at];
             end->increments.dp[at] = w->dp[at];
         }
         end->tail[m] = stats->tail = w->tail[m];
         end->passes[m] = w->passes[m].of_each.count;
-        stats->residual = of->relative[m];
+        stats->residual = members->relative[m];
     }
 }
 
@@ -313,7 +315,7 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
     iterate(w, origin, count, stats);
     finish(w, end, stats);
     for (int m = 0; m < w->members.width; m++)
-        if (w->now[m] == TVI_BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
+        if (w->progress[m] == TVI_BY_ITSELF) step_by_itself(w, h, origin, end, m, stats);
 }
 
 const tvi_batch_stepper tvi_curve_batch = {.width = width_of,

@@ -143,14 +143,14 @@ static void subtract(int count, double a, const double *field, double b, const d
     for (int at = 0; at < count; at++) out[at] = a * field[at] - b * other[at];
 }
 
-static void close(const tvi_curve_members *of, const tvi_mean_closing *closing)
+static void close(const tvi_curve_members *members, const tvi_mean_closing *closing)
 {
-    const int width = of->width, half = of->n * width;
-    const double *restrict x = of->D, *restrict y = of->D + half;
-    double *restrict from = of->from, *restrict rise = of->rise;
-    for (int i = 0; i < of->n; i++)
+    const int width = members->width, half = members->n * width;
+    const double *restrict x = members->D, *restrict y = members->D + half;
+    double *restrict from = members->from, *restrict rise = members->rise;
+    for (int i = 0; i < members->n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            const double of_q = of->kappa[i] * y[at];
+            const double of_q = members->kappa[i] * y[at];
             from[at] = closing->from_q * of_q;
             rise[at] = closing->rise_q * of_q;
             from[half + at] = closing->from_p[0] * x[at] + closing->from_p[1] * y[at];
@@ -158,15 +158,15 @@ static void close(const tvi_curve_members *of, const tvi_mean_closing *closing)
         }
 }
 
-static void residual(const tvi_curve_members *of, const double *restrict Q0, const tvi_batch_origin *origin)
+static void residual(const tvi_curve_members *members, const double *restrict Q0, const tvi_batch_origin *origin)
 {
-    const int width = of->width, half = of->n * width;
+    const int width = members->width, half = members->n * width;
     const double *q = origin->q, *q_low = origin->q_low, *p = origin->p, *p_low = origin->p_low;
-    double *restrict r = of->correction;
-    for (int i = 0; i < of->n; i++)
+    double *restrict r = members->correction;
+    for (int i = 0; i < members->n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            const double kappa = of->kappa[i], of_p = of->from[half + at] - p_low[at];
-            r[at] = -(r[at] + ((Q0[at] - q[at]) + (of->from[at] - q_low[at])));
+            const double kappa = members->kappa[i], of_p = members->from[half + at] - p_low[at];
+            r[at] = -(r[at] + ((Q0[at] - q[at]) + (members->from[at] - q_low[at])));
             r[half + at] = -((r[half + at] - kappa * p[at]) + kappa * of_p);
         }
 }
@@ -183,65 +183,65 @@ JET_INLINE void fill_scale_at(double *scale, int first, const int *member, const
     }
 }
 
-static void fill_scale(const tvi_curve_members *of)
+static void fill_scale(const tvi_curve_members *members)
 {
-    const int width = of->width, *member = of->parts->member;
-    for (int k = 0; k < of->parts->count; k++) {
-        const int *const end = of->parts->member + of->parts->end[k];
-        for (int first = 0; first < 2 * of->n; first += of->n)
-            EACH_VECTOR(width) fill_scale_at(of->scale, first, member, end, width, here);
+    const int width = members->width, *member = members->parts->member;
+    for (int k = 0; k < members->parts->count; k++) {
+        const int *const end = members->parts->member + members->parts->end[k];
+        for (int first = 0; first < 2 * members->n; first += members->n)
+            EACH_VECTOR(width) fill_scale_at(members->scale, first, member, end, width, here);
         member = end;
     }
 }
 
 /* Measures the corrections of the same group. A correction that is not a number makes both sizes NaN: x - x is 0 for
  * all other x. */
-JET_INLINE void measure_at(const tvi_curve_members *of, int first, const int *member, const int *end, int width,
+JET_INLINE void measure_at(const tvi_curve_members *members, int first, const int *member, const int *end, int width,
                            int here)
 {
-    vector relative = OF_ROW(of->relative, 0), largest = {0}, most = {0}, nothing = {0};
+    vector relative = OF_ROW(members->relative, 0), largest = {0}, most = {0}, nothing = {0};
     for (const int *i = member; i < end; i++) {
-        const vector x = OF_ROW(of->correction, first + *i), scale = OF_ROW(of->scale, first + *i);
+        const vector x = OF_ROW(members->correction, first + *i), scale = OF_ROW(members->scale, first + *i);
         nothing += x - x;
         relative = larger(size_of(x) / scale, relative);
         largest = larger(size_of(x), largest);
         most = larger(scale, most);
     }
-    AT_ROW(of->relative, 0) = relative + nothing;
-    AT_ROW(of->of_group, 0) = larger(largest / most, OF_ROW(of->of_group, 0)) + nothing;
+    AT_ROW(members->relative, 0) = relative + nothing;
+    AT_ROW(members->of_group, 0) = larger(largest / most, OF_ROW(members->of_group, 0)) + nothing;
 }
 
-static void measure(const tvi_curve_members *of)
+static void measure(const tvi_curve_members *members)
 {
-    const int width = of->width, *member = of->parts->member;
-    for (int m = 0; m < width; m++) of->relative[m] = of->of_group[m] = 0;
-    for (int k = 0; k < of->parts->count; k++) {
-        const int *const end = of->parts->member + of->parts->end[k];
-        for (int first = 0; first < 2 * of->n; first += of->n)
-            EACH_VECTOR(width) measure_at(of, first, member, end, width, here);
+    const int width = members->width, *member = members->parts->member;
+    for (int m = 0; m < width; m++) members->relative[m] = members->of_group[m] = 0;
+    for (int k = 0; k < members->parts->count; k++) {
+        const int *const end = members->parts->member + members->parts->end[k];
+        for (int first = 0; first < 2 * members->n; first += members->n)
+            EACH_VECTOR(width) measure_at(members, first, member, end, width, here);
         member = end;
     }
 }
 
-static void move(const tvi_curve_members *of, const long long *is_moving)
+static void move(const tvi_curve_members *members, const long long *is_moving)
 {
-    const int width = of->width;
-    for (int i = 0; i < 2 * of->n; i++) EACH_VECTOR(width)
+    const int width = members->width;
+    for (int i = 0; i < 2 * members->n; i++) EACH_VECTOR(width)
         {
-            const vector z = OF_ROW(of->z, i), moved = z + OF_ROW(of->correction, i);
+            const vector z = OF_ROW(members->z, i), moved = z + OF_ROW(members->correction, i);
             const JET_MASK(jet_widest) moves = *(const JET_MASK(jet_widest) *)(is_moving + here);
-            AT_ROW(of->z, i) = JET_CHOOSE(jet_widest, moves, moved, z);
+            AT_ROW(members->z, i) = JET_CHOOSE(jet_widest, moves, moved, z);
         }
 }
 
-static void end(const tvi_curve_members *of, const double *curve, const double *change, double *restrict dq,
+static void end(const tvi_curve_members *members, const double *curve, const double *change, double *restrict dq,
                 double *restrict dp)
 {
-    const int width = of->width, half = of->n * width;
-    for (int i = 0; i < of->n; i++)
+    const int width = members->width, half = members->n * width;
+    for (int i = 0; i < members->n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
-            dq[at] = (curve[at] + change[at]) + of->rise[at];
-            dp[at] = (curve[half + at] + change[half + at]) / of->kappa[i] + of->rise[half + at];
+            dq[at] = (curve[at] + change[at]) + members->rise[at];
+            dp[at] = (curve[half + at] + change[half + at]) / members->kappa[i] + members->rise[half + at];
         }
 }
 

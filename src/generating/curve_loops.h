@@ -48,17 +48,17 @@ typedef struct {
     /* Computes out = a field - b other, for `count` numbers. */
     void (*subtract)(int count, double a, const double *field, double b, const double *other, double *out);
     /* Computes the corrections of the ends from D. */
-    void (*close)(const tvi_curve_members *of, const tvi_mean_closing *closing);
+    void (*close)(const tvi_curve_members *members, const tvi_mean_closing *closing);
     /* Computes correction = -r, r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first.
      * Beforehand the correction holds (q- - Q_0, kappa p-), and Q0 the Q_0 of the curve. */
-    void (*residual)(const tvi_curve_members *of, const double *Q0, const tvi_batch_origin *origin);
+    void (*residual)(const tvi_curve_members *members, const double *Q0, const tvi_batch_origin *origin);
     /* Fills in scales as newton.c does: an unknown without a size gets the largest of its group, or 1. */
-    void (*fill_scale)(const tvi_curve_members *of);
-    void (*measure)(const tvi_curve_members *of);
+    void (*fill_scale)(const tvi_curve_members *members);
+    void (*measure)(const tvi_curve_members *members);
     /* Adds the correction to z where the mask is set. */
-    void (*move)(const tvi_curve_members *of, const long long *is_moving);
+    void (*move)(const tvi_curve_members *members, const long long *is_moving);
     /* Computes dq and dp from the curve's rise and its change by the last correction, [2n][width] each. */
-    void (*end)(const tvi_curve_members *of, const double *curve, const double *change, double *dq, double *dp);
+    void (*end)(const tvi_curve_members *members, const double *curve, const double *change, double *dq, double *dp);
 } tvi_curve_loops;
 
 extern const tvi_curve_loops tvi_curve_loops_base, tvi_curve_loops_avx2, tvi_curve_loops_avx512;

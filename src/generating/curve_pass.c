@@ -30,9 +30,9 @@ static void sum_curve(const batch *w, const tvi_combination *combination, double
 /* Returns the stride of the orders in a change of the coefficients, [top + 1][inputs][width]. */
 static size_t stride_of_change(const batch *w) { return (size_t)w->system->inputs * (size_t)w->curve.width; }
 
-static void sum_change(const batch *w, const tvi_combination *combination, const double *of, double *out)
+static void sum_change(const batch *w, const tvi_combination *combination, const double *change, double *out)
 {
-    sum_orders(w, combination, of, stride_of_change(w), out);
+    sum_orders(w, combination, change, stride_of_change(w), out);
 }
 
 /* Sums component i at the nodes. */
@@ -159,46 +159,46 @@ static void find_seeds(const batch *w)
 static void close(const batch *w)
 {
     const tvi_closure *c = &w->single->closure;
-    const tvi_curve_members *of = &w->members;
-    const int size = 2 * of->n, rows = (w->curve.top + 1) * w->system->inputs;
+    const tvi_curve_members *members = &w->members;
+    const int size = 2 * members->n, rows = (w->curve.top + 1) * w->system->inputs;
     join_jacobians(w, &c->q_mean, w->closing->has_momenta ? &c->u_mean : &c->q_rise, w->full);
-    w->loops->pull(rows, size, of->width, w->seed, w->J, of->D);
-    w->loops->factor(size, of->width, w->full, of->least);
-    w->loops->solve(size, of->width, w->full, of->D);
-    w->loops->close(of, w->closing);
+    w->loops->pull(rows, size, members->width, w->seed, w->J, members->D);
+    w->loops->factor(size, members->width, w->full, members->least);
+    w->loops->solve(size, members->width, w->full, members->D);
+    w->loops->close(members, w->closing);
 }
 
 static void find_scale(const batch *w)
 {
-    const tvi_curve_members *of = &w->members;
-    const int width = of->n * of->width;
+    const tvi_curve_members *members = &w->members;
+    const int width = members->n * members->width;
     const tvi_weights q = {w->q_sizes, 1, w->curve.top + 1, 0, 1}, z = {w->z_sizes, 1, w->curve.top + 1, 0, 1};
-    w->loops->combine_sizes(&q, w->curve.stride, width, w->curve.x, 0, of->scale);
+    w->loops->combine_sizes(&q, w->curve.stride, width, w->curve.x, 0, members->scale);
     w->loops->combine_sizes(&z, w->curve.stride, width, w->curve.x + (w->curve.has_masses ? 0 : width), 0,
-                            of->scale + width);
-    w->loops->fill_scale(of);
+                            members->scale + width);
+    w->loops->fill_scale(members);
 }
 
 void tvi_curve_pass(batch *w, const tvi_batch_origin *origin, bool is_first)
 {
     const tvi_closure *c = &w->single->closure;
-    const tvi_curve_members *of = &w->members;
-    const int size = 2 * of->n, half = of->n * of->width;
+    const tvi_curve_members *members = &w->members;
+    const int size = 2 * members->n, half = members->n * members->width;
     const double later = -c->span.from * w->curve.tau;
-    for (int m = 0; m < of->width; m++) of->least[m] = INFINITY;
+    for (int m = 0; m < members->width; m++) members->least[m] = INFINITY;
     expand(w, origin, later);
     run_field(w, origin, later);
     find_seeds(w);
     differentiate(w);
     close(w);
-    sum_curve(w, &w->single->q_back, of->correction);
-    sum_curve(w, &c->u_from, of->correction + half);
-    w->loops->residual(of, w->curve.x, origin);
+    sum_curve(w, &w->single->q_back, members->correction);
+    sum_curve(w, &c->u_from, members->correction + half);
+    w->loops->residual(members, w->curve.x, origin);
     if (is_first) find_scale(w);
     join_jacobians(w, &c->q_from, &c->u_from, w->back);
-    w->loops->factor(size, of->width, w->back, of->least);
-    w->loops->solve_transposed(size, of->width, w->back, of->correction);
-    w->loops->measure(of);
+    w->loops->factor(size, members->width, w->back, members->least);
+    w->loops->solve_transposed(size, members->width, w->back, members->correction);
+    w->loops->measure(members);
 }
 
 /* ---- The ends of a step ------------------------------------------------------------------------------------------ */
@@ -214,14 +214,14 @@ void tvi_curve_predict_members(batch *w, const tvi_batch_origin *origin)
 void tvi_curve_end_members(batch *w)
 {
     const tvi_closure *c = &w->single->closure;
-    const tvi_curve_members *of = &w->members;
-    const int half = of->n * of->width, rows = (w->curve.top + 1) * w->system->inputs;
-    w->loops->push(rows, 2 * of->n, of->width, w->J, of->correction, w->seed);
+    const tvi_curve_members *members = &w->members;
+    const int half = members->n * members->width, rows = (w->curve.top + 1) * w->system->inputs;
+    w->loops->push(rows, 2 * members->n, members->width, w->J, members->correction, w->seed);
     sum_curve(w, &c->q_rise, w->values);
     sum_curve(w, &c->u_rise, w->values + half);
     sum_change(w, &c->q_rise, w->seed, w->change);
     sum_change(w, &c->u_rise, w->seed, w->change + half);
-    w->loops->end(of, w->values, w->change, w->dq, w->dp);
+    w->loops->end(members, w->values, w->change, w->dq, w->dp);
     if (c->p_degree > 1) {
         const int q_degree = w->single->q_degree;
         w->series->measure(&w->curve, q_degree, c->p_degree, &w->sizes);

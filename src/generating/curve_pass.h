@@ -44,7 +44,7 @@ typedef struct {
     tvi_weights seeds_q, seeds_p;       /* from the defects */
     double *q_sizes, *z_sizes;          /* [top + 1] weights of the natural sizes */
     long long *is_moving;               /* [width] */
-    tvi_curve_progress *now;            /* [width] */
+    tvi_curve_progress *progress;       /* [width] */
     tvi_newton_rules rules;
     tvi_newton_passes *passes;   /* [width] */
     tvi_newton_history *history; /* [width] */
@@ -53,7 +53,7 @@ typedef struct {
 /* Leaves a member out: it makes its step by itself. */
 static inline void tvi_curve_leave(tvi_curve_batch_work *w, int m)
 {
-    w->now[m] = TVI_BY_ITSELF;
+    w->progress[m] = TVI_BY_ITSELF;
     w->is_moving[m] = 0;
 }
 

@@ -113,7 +113,7 @@ typedef struct {
 /* A quick step holds the step that is being made. */
 typedef struct {
     tvi_curve_work *work;
-    const step_makers *by;
+    const step_makers *makers;
     int factorisations;
 } step_quick;
 
@@ -145,8 +145,8 @@ static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_fi
     double *x = newton->x, *r = newton->correction;
     const bool is_due = matrices_are_due(c, x, newton->scale);
     curve_place(&c->curve, x);
-    if ((is_due ? a->by->expand_all : a->by->expand)(&c->curve) != TVI_OK) return false;
-    if (a->by->seed(&w->action, &c->curve, c->seed_Q, c->seed_U) != TVI_OK) return false;
+    if ((is_due ? a->makers->expand_all : a->makers->expand)(&c->curve) != TVI_OK) return false;
+    if (a->makers->seed(&w->action, &c->curve, c->seed_Q, c->seed_U) != TVI_OK) return false;
     if (is_due && !step_factor(a, x)) return false;
     CURVE_CALL(pull, &c->curve, c->seed_Q, c->seed_U, c->D);
     linear_unpivoted_solve_transposed(size, &matrices_of(c)->full, c->D);
@@ -167,16 +167,16 @@ enum { STEP_QUICK_PASSES = 8 };
 static inline int step_passes(step_quick *a, const tvi_origin *origin, double *size)
 {
     tvi_newton *newton = &a->work->newton;
-    tvi_newton_passes at;
-    tvi_newton_begin(&at, newton->history, &newton->rules, newton->is_rough);
+    tvi_newton_passes passes;
+    tvi_newton_begin(&passes, newton->history, &newton->rules, newton->is_rough);
     matrices_begin(matrices_of(&a->work->closure));
     for (int count = 1; count <= STEP_QUICK_PASSES; count++) {
         tvi_newton_size correction;
         if (!step_pass(a, origin, count == 1, &correction)) break;
-        const tvi_passes_verdict verdict = tvi_newton_judge(&at, &newton->rules, correction);
+        const tvi_passes_verdict verdict = tvi_newton_judge(&passes, &newton->rules, correction);
         if (verdict == TVI_PASSES_STUCK) break;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_learn(newton->history, &at);
+            tvi_newton_learn(newton->history, &passes);
             *size = correction.relative;
             return count;
         }
@@ -228,16 +228,16 @@ static inline bool step_place_start(tvi_curve_work *w, const tvi_origin *origin)
 
 /* Makes a step whose passes converge as they mostly do, for the generating functions of tvi_close_mean. Returns false
  * if nothing is made; then curve_stepper.c makes the step. */
-static inline bool step_quickly(tvi_curve_work *w, const step_makers *by, double tau, const tvi_origin *origin,
+static inline bool step_quickly(tvi_curve_work *w, const step_makers *makers, double tau, const tvi_origin *origin,
                                 double dq[], double dp[], tvi_stats *stats)
 {
     tvi_curve *curve = &w->closure.curve;
     curve_set_step(curve, tau);
-    if (!step_place_start(w, origin) || by->expand(curve) != TVI_OK) return false;
+    if (!step_place_start(w, origin) || makers->expand(curve) != TVI_OK) return false;
     step_move_to_centre(w, w->newton.x);
     curve->centre = step_centre(w, origin, tau);
     curve_place_time(curve);
-    step_quick at_hand = {w, by, 0};
+    step_quick at_hand = {w, makers, 0};
     const int passes = step_passes(&at_hand, origin, &stats->residual);
     if (passes == 0) return false;
     for (int i = 0; i < 2 * curve_n(curve); i++) curve->dz[i] = w->newton.correction[i];

@@ -248,11 +248,11 @@ static bool step_by_code(const attempt *a, double dq[], double dp[])
 }
 
 /* Computes the increments of the plain Taylor method's step of size h from the curve, whose tau becomes h. */
-static void end_plainly(work *w, double h, const tvi_increments *by)
+static void end_plainly(work *w, double h, const tvi_increments *increments)
 {
     tvi_curve *curve = &w->closure.curve;
-    tvi_curve_end_at(curve, h / curve->tau, by->dq, by->dp);
-    for (int i = 0; i < curve->n; i++) by->dp[i] /= curve->kappa[i];
+    tvi_curve_end_at(curve, h / curve->tau, increments->dq, increments->dp);
+    for (int i = 0; i < curve->n; i++) increments->dp[i] /= curve->kappa[i];
 }
 
 /* Returns whether this is the plain Taylor method: a curve from the start, of a degree that the method has, all of
@@ -263,19 +263,20 @@ static bool is_plain(const work *w)
     return !w->corrects && c->span.from == 0 && w->q_degree > 1 && c->curve.top == w->q_degree;
 }
 
-static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *by, tvi_stats *stats)
+static tvi_status step(void *taken, double h, const tvi_origin *origin, const tvi_increments *increments,
+                       tvi_stats *stats)
 {
     work *w = taken;
     attempt a = {w, origin, w->closure.span.tau * h, stats};
-    if (w->corrects && step_by_code(&a, by->dq, by->dp)) return TVI_OK;
+    if (w->corrects && step_by_code(&a, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
     if (is_plain(w)) {
-        end_plainly(w, h, by);
+        end_plainly(w, h, increments);
         step_leave_velocity(w);
         stats->tail = tvi_curve_tail(&w->closure.curve);
-    } else stats->tail = step_finish(w, by->dq, by->dp);
+    } else stats->tail = step_finish(w, increments->dq, increments->dp);
     return TVI_OK;
 }
 
@@ -320,7 +321,7 @@ static tvi_status expand_within(attempt *a, double guess, double most, double *r
 static const double MOST_GROWTH = 4, MUCH_LARGER = 1.5;
 
 static tvi_status step_within(void *taken, double tolerance, double *h, const tvi_origin *origin,
-                              const tvi_increments *by, tvi_stats *stats)
+                              const tvi_increments *increments, tvi_stats *stats)
 {
     work *w = taken;
     tvi_curve *curve = &w->closure.curve;
@@ -340,16 +341,16 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     if (before != 0) reach = fmin(reach, MOST_GROWTH * before);
     bool is_chosen = reach < fabs(*h);
     if (is_chosen) *h = copysign(reach, *h);
-    end_plainly(w, *h, by);
-    while (looks && !tvi_curve_ends_right(w, *h, origin, by) && origin->t + *h != origin->t) {
+    end_plainly(w, *h, increments);
+    while (looks && !tvi_curve_ends_right(w, *h, origin, increments) && origin->t + *h != origin->t) {
         *h /= 2;
         is_chosen = true;
-        end_plainly(w, *h, by);
+        end_plainly(w, *h, increments);
     }
     if (is_chosen) *w->chosen = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
     stats->tail = tvi_curve_tail(curve);
-    if (tvi_refines(w->closure.system, tolerance)) tvi_refine(&w->refinement, curve, *h, origin, by);
+    if (tvi_refines(w->closure.system, tolerance)) tvi_refine(&w->refinement, curve, *h, origin, increments);
     return TVI_OK;
 }
 

@@ -35,6 +35,6 @@ typedef struct tvi_curve_work {
 
 /* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that
  * is large may not show what the body will meet. */
-bool tvi_curve_ends_right(tvi_curve_work *work, double h, const tvi_origin *origin, const tvi_increments *by);
+bool tvi_curve_ends_right(tvi_curve_work *work, double h, const tvi_origin *origin, const tvi_increments *increments);
 
 #endif

@@ -24,12 +24,12 @@ static void differentiate_explicit(tvi_curve *curve, const curve_block *b)
 {
     const jet_tape *tape = curve->system->field_series;
     const bool is_separable = curve->system->form == TVI_SEPARABLE;
-    const tvi_recurrence of = {curve->n, b->order, tape->output, curve->dx, curve->kappa, curve->tau};
+    const tvi_recurrence recurrence = {curve->n, b->order, tape->output, curve->dx, curve->kappa, curve->tau};
     const int lanes = (int)b->lanes;
     for (int k = 0; k + 1 + is_separable <= curve->top; k++) {
         jet_sweep_tangents(tape, curve->x, curve->dx, k, lanes);
-        if (is_separable) tvi_tangents_separable(&of, k, lanes);
-        else tvi_tangents_hamiltonian(&of, k, lanes);
+        if (is_separable) tvi_tangents_separable(&recurrence, k, lanes);
+        else tvi_tangents_hamiltonian(&recurrence, k, lanes);
     }
 }
 

@@ -145,8 +145,8 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
 tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, tvi_stats *stats)
 {
     const tvi_newton_rules *rules = &newton->rules;
-    tvi_newton_passes at;
-    tvi_newton_begin(&at, newton->history, &newton->rules, newton->is_rough);
+    tvi_newton_passes passes;
+    tvi_newton_begin(&passes, newton->history, &newton->rules, newton->is_rough);
     int refreshes = 0;
     bool refresh = false;
     for (int count = 1; count <= rules->of_each.most; count++) {
@@ -156,10 +156,10 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         if (status != TVI_OK) return status;
         const tvi_newton_size size = newton_measure(newton, newton->scale);
         stats->residual = size.relative;
-        tvi_passes_verdict verdict = tvi_newton_judge(&at, rules, size);
-        if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &at)) verdict = TVI_PASSES_MAY_END;
+        tvi_passes_verdict verdict = tvi_newton_judge(&passes, rules, size);
+        if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &passes)) verdict = TVI_PASSES_MAY_END;
         if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_learn(newton->history, &at);
+            tvi_newton_learn(newton->history, &passes);
             return TVI_OK;
         }
         for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];

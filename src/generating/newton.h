@@ -85,11 +85,11 @@ static inline void tvi_newton_learn(tvi_newton_history *history, const tvi_newto
  * such successor. */
 static inline void tvi_newton_learn_slack(tvi_newton_passes *passes, const tvi_newton_rules *rules, double size)
 {
-    const tvi_passes *of = &passes->of_each;
-    const bool shows = size <= rules->of_each.stuck * of->size;
-    if (of->count < 2) return;
+    const tvi_passes *each = &passes->of_each;
+    const bool shows = size <= rules->of_each.stuck * each->size;
+    if (each->count < 2) return;
     if (shows) passes->slack = tvi_smaller(tvi_larger(passes->slack, passes->seen), NEWTON_MOST_SLACK);
-    const double slack = of->slack * size / of->next;
+    const double slack = each->slack * size / each->next;
     passes->seen = shows && size > NEWTON_SHOWS_SLACK ? slack : 0;
 }
 

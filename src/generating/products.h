@@ -55,15 +55,15 @@ typedef struct {
 #define PRODUCTS_SEED(V, S)                                                                                            \
     {                                                                                                                  \
         V sum = {0};                                                                                                   \
-        if (of->seed_Q) sum += JET_OF(V, of->seed_Q + k * n, 0);                                                       \
-        if (of->of_x) sum += of->factor * of->of_x->weight[k] * JET_OF(V, of->x, 0);                                   \
-        if (of->of_y) sum += of->factor * of->of_y->weight[k] * JET_OF(V, of->y, 0);                                   \
+        if (terms->seed_Q) sum += JET_OF(V, terms->seed_Q + k * n, 0);                                                 \
+        if (terms->of_x) sum += terms->factor * terms->of_x->weight[k] * JET_OF(V, terms->x, 0);                       \
+        if (terms->of_y) sum += terms->factor * terms->of_y->weight[k] * JET_OF(V, terms->y, 0);                       \
         JET_AT(V, bar, 0) = sum;                                                                                       \
     }
 
 /* Sets the adjoints of Q_k that the product begins with, and 0 elsewhere: operations of one order may add to those of
  * all lower orders. The last two orders do not need the field. */
-static inline void products_seed(tvi_curve *curve, int last, const tvi_pulled *of)
+static inline void products_seed(tvi_curve *curve, int last, const tvi_pulled *terms)
 {
     enum { stride = 0 };
     const int n = curve_n(curve);
@@ -84,10 +84,10 @@ static inline void products_seed(tvi_curve *curve, int last, const tvi_pulled *o
 
 /* Computes out[2n] by the recurrence downward: fbar_k = tau^2 / ((k+1)(k+2)) M^-1 qbar_{k+2}, then the adjoints of the
  * operands. Only orders up to `last` of the curve count, 1 <= last <= top: a rough product costs O(last^2). */
-static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *of, double out[])
+static inline void products_pull(tvi_curve *curve, int last, const tvi_pulled *terms, double out[])
 {
     enum { stride = 0 };
-    products_seed(curve, last, of);
+    products_seed(curve, last, terms);
     const size_t n = (size_t)curve_n(curve);
     const double *kappa = curve->kappa;
     const int *slot = curve_output(curve);

@@ -20,7 +20,7 @@ enum { VALUE, RATE = NODES, END = 2 * NODES, SLOPE, LOW = TVI_REFINE_LOW };
 
 /* An attempt holds the step that is being made. */
 typedef struct {
-    const tvi_refinement *at;
+    const tvi_refinement *refinement;
     const tvi_curve *curve;
     const tvi_system *system;
     const tvi_origin *origin;
@@ -66,7 +66,7 @@ void tvi_refinement_prepare(tvi_refinement *r, const tvi_curve *curve)
 
 static const long double *sum_of(const attempt *a, int which)
 {
-    const tvi_refinement *r = a->at;
+    const tvi_refinement *r = a->refinement;
     const tvi_curve *curve = a->curve;
     const size_t orders = (size_t)curve->top + 1, inputs = (size_t)a->system->inputs;
     const int top = curve->top < LOW ? curve->top : LOW;
@@ -83,7 +83,7 @@ static void start(const attempt *a)
 {
     const int n = a->system->n;
     const tvi_origin *o = a->origin;
-    const tvi_refinement *r = a->at;
+    const tvi_refinement *r = a->refinement;
     for (int i = 0; i < n; i++) {
         const long double p = o->p[i] + (long double)o->p_low[i];
         r->start[i] = o->q[i] + (long double)o->q_low[i];
@@ -96,14 +96,14 @@ static void start(const attempt *a)
 static long double rate_of(const attempt *a, int i)
 {
     const int n = a->system->n, *output = a->system->field_values->output;
-    const long double *y = a->at->y, h = a->h;
+    const long double *y = a->refinement->y, h = a->h;
     if (a->system->form == TVI_SEPARABLE) return h * y[output[i]] / a->system->mass[i] * h;
     return i < n ? h * y[output[n + i]] : -h * y[output[i - n]];
 }
 
 static void find_defect(const attempt *a, int j)
 {
-    const tvi_refinement *r = a->at;
+    const tvi_refinement *r = a->refinement;
     const int inputs = a->system->inputs;
     const long double *sum = sum_of(a, VALUE + j);
     for (int i = 0; i < inputs; i++) r->y[i] = r->start[i] + (node[j] * r->drift[i] + sum[i]);
@@ -115,7 +115,7 @@ static void find_defect(const attempt *a, int j)
 
 static void integrate_defect(const attempt *a)
 {
-    const tvi_refinement *r = a->at;
+    const tvi_refinement *r = a->refinement;
     const size_t bytes = (size_t)a->system->inputs * sizeof *r->once;
     memset(r->once, 0, bytes);
     memset(r->twice, 0, bytes);
@@ -137,7 +137,7 @@ static void split(long double x, double *high, double *low)
 }
 
 void tvi_refine(const tvi_refinement *r, const tvi_curve *curve, double h, const tvi_origin *origin,
-                const tvi_increments *by)
+                const tvi_increments *increments)
 {
     const tvi_system *system = curve->system;
     const attempt a = {r, curve, system, origin, h};
@@ -146,11 +146,11 @@ void tvi_refine(const tvi_refinement *r, const tvi_curve *curve, double h, const
     integrate_defect(&a);
     const bool separable = system->form == TVI_SEPARABLE;
     const long double *sum = sum_of(&a, END), *of_q = separable ? r->twice : r->once;
-    for (int i = 0; i < n; i++) split(r->drift[i] + (sum[i] + of_q[i]), &by->dq[i], &by->dq_low[i]);
+    for (int i = 0; i < n; i++) split(r->drift[i] + (sum[i] + of_q[i]), &increments->dq[i], &increments->dq_low[i]);
     if (separable) sum = sum_of(&a, SLOPE);
     for (int i = 0; i < n; i++) {
         const int at = separable ? i : n + i;
         const long double rise = sum[at] + r->once[at];
-        split(separable ? system->mass[i] / a.h * rise : rise, &by->dp[i], &by->dp_low[i]);
+        split(separable ? system->mass[i] / a.h * rise : rise, &increments->dp[i], &increments->dp_low[i]);
     }
 }

@@ -26,6 +26,6 @@ bool tvi_refines(const tvi_system *system, double tolerance);
 
 /* Computes the increments of the curve's step of size h = tau from the origin. */
 void tvi_refine(const tvi_refinement *refinement, const tvi_curve *curve, double h, const tvi_origin *origin,
-                const tvi_increments *by);
+                const tvi_increments *increments);
 
 #endif

@@ -102,17 +102,17 @@ static void set_start(batch *w, double h, const tvi_batch_origin *origin)
 static void end_at(batch *w)
 {
     const tvi_taylor_lanes *curve = &w->curve;
-    const tvi_taylor_sums *of = &w->sums, of_p = {of->slope, of->bend, NULL, NULL};
+    const tvi_taylor_sums *sums = &w->sums, of_p = {sums->slope, sums->bend, NULL, NULL};
     const int numbers = curve->n * curve->width, degree = w->degree;
     double *const x = curve->x;
     if (curve->has_masses) {
-        w->loops->sweep(&(tvi_taylor_rows){numbers, 2, degree, curve->stride, true}, w->power, x, of);
-        for (int at = 0; at < numbers; at++) of->slope[at] /= w->kappa[at / curve->width];
+        w->loops->sweep(&(tvi_taylor_rows){numbers, 2, degree, curve->stride, true}, w->power, x, sums);
+        for (int at = 0; at < numbers; at++) sums->slope[at] /= w->kappa[at / curve->width];
         return;
     }
-    w->loops->sweep(&(tvi_taylor_rows){numbers, 1, degree, curve->stride, false}, w->power, x, of);
+    w->loops->sweep(&(tvi_taylor_rows){numbers, 1, degree, curve->stride, false}, w->power, x, sums);
     w->loops->sweep(&(tvi_taylor_rows){numbers, 1, degree - 1, curve->stride, false}, w->power, x + numbers, &of_p);
-    for (int at = 0; at < numbers; at++) of->bend[at] += fabs(x[numbers + at]);
+    for (int at = 0; at < numbers; at++) sums->bend[at] += fabs(x[numbers + at]);
 }
 
 static bool is_finite(const batch *w, int m)

@@ -5,7 +5,7 @@
 
 #include <math.h>
 
-bool tvi_curve_ends_right(tvi_curve_work *w, double h, const tvi_origin *origin, const tvi_increments *by)
+bool tvi_curve_ends_right(tvi_curve_work *w, double h, const tvi_origin *origin, const tvi_increments *increments)
 {
     const tvi_curve *curve = &w->closure.curve;
     const tvi_system *system = w->closure.system;
@@ -13,7 +13,7 @@ bool tvi_curve_ends_right(tvi_curve_work *w, double h, const tvi_origin *origin,
     const double t = origin->t + h;
     double most = 0, scale = 0;
     if (!w->field) return true;
-    for (int i = 0; i < curve->n; i++) w->field[i] = origin->q[i] + by->dq[i];
+    for (int i = 0; i < curve->n; i++) w->field[i] = origin->q[i] + increments->dq[i];
     tvi_system_set_time(system, w->field, 1, &t);
     if (!tape->sweeps->values(tape, w->field, 1)) return false;
     for (int i = 0; i < curve->n; i++) {
@@ -21,7 +21,7 @@ bool tvi_curve_ends_right(tvi_curve_work *w, double h, const tvi_origin *origin,
         for (int k = w->closure.p_degree; k > 0; k--) slope += k * tvi_curve_U(curve, k, i);
         w->shift[i] = fabs(h * w->field[tape->output[i]] - slope / curve->kappa[i]);
         most = fmax(most, w->shift[i]);
-        scale = fmax(scale, fabs(origin->p[i]) + fabs(by->dp[i]));
+        scale = fmax(scale, fabs(origin->p[i]) + fabs(increments->dp[i]));
     }
     const double limit = w->q_degree * w->tolerance * scale;
     if (most <= limit || !isfinite(most)) return most <= limit;
