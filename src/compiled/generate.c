@@ -49,7 +49,7 @@ static void emit_code(jet_text *text, const jet_emission *const tapes[], const t
 
 void tvi_compiled_text(jet_text *text, const tvi_system *stepped, const tvi_options *resolved, const char *name)
 {
-    const tvi_uses uses = tvi_method_stepper(resolved)->uses(stepped, resolved);
+    const tvi_used_tapes uses = tvi_method_stepper(resolved)->uses(stepped, resolved);
     const jet_emission *const wanted[TVI_CODE_TAPES] = {&uses.series, &uses.values, &uses.bend, &uses.hessian};
     const jet_tape *const tapes[TVI_CODE_TAPES] = {stepped->field_series, stepped->field_values, stepped->bend_values,
                                                    stepped->hessian_values};

@@ -332,11 +332,11 @@ static void emit_loops(jet_text *text, const tvi_system *system, const tvi_optio
     free(memory);
 }
 
-static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
     const int lanes = lanes_for(options->degree), width = tvi_galerkin_batch.width(system, options);
     const int of_batch = width > 1 ? width * options->degree : 0;
-    tvi_uses used = {
+    tvi_used_tapes used = {
         .values = {.name = "tvi_values", .lanes = {lanes, of_batch}, .is_force = system->form == TVI_SEPARABLE},
         .member = "galerkin",
         .emit_loops = emit_loops};

@@ -330,9 +330,9 @@ static void dense(void *taken, double theta, double dq[], double dp[])
     add_dense(w, &w->b, theta - 1, theta, dq, dp);
 }
 
-static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
-    return tvi_curve_uses(system, options, options->degree, options->quadrature_points, TVI_JACOBIAN_MATRICES);
+    return tvi_curve_used_tapes(system, options, options->degree, options->quadrature_points, TVI_JACOBIAN_MATRICES);
 }
 
 static const tvi_stepper stepper = {.take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses};

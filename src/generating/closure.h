@@ -83,8 +83,8 @@ static inline void closure_correct_ends(const tvi_closure *c)
     }
 }
 
-/* Sets p_size. */
-static inline void closure_measure(const tvi_closure *c)
+/* Sets p_size [n], the sums of the sizes of the terms of p, by which corrections of p are measured. */
+static inline void closure_set_p_size(const tvi_closure *c)
 {
     curve_sum_by(tvi_add_sizes, &c->curve, &c->p_sizes, c->p_size);
     for (int i = 0; i < curve_n(&c->curve); i++) c->p_size[i] /= fabs(c->curve.kappa[i]);

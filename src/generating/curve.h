@@ -42,10 +42,11 @@ void tvi_curve_differentiate(tvi_curve *curve);
 tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system);
 
 /* Returns the sweeps that a stepper runs if its curves have these Jacobians and its action has `points` nodes. */
-tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
-                        tvi_jacobians jacobians);
+tvi_used_tapes tvi_curve_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
+                                    tvi_jacobians jacobians);
 
-/* These emit tvi_curve_code (seeds.h) for tvi_uses.emit_loops, without Jacobians, with products and with matrices. */
+/* These emit tvi_curve_code (seeds.h) for tvi_used_tapes.emit_loops: without Jacobians, with products and with
+ * matrices. */
 void tvi_curve_emit_series(jet_text *text, const tvi_system *system, const tvi_options *options);
 void tvi_curve_emit_products(jet_text *text, const tvi_system *system, const tvi_options *options);
 void tvi_curve_emit_matrices(jet_text *text, const tvi_system *system, const tvi_options *options);

@@ -274,7 +274,7 @@ static void finish(batch *w, const tvi_batch_end *end, tvi_stats *stats)
 {
     const tvi_curve_members *members = &w->members;
     const int half = members->n * members->width;
-    tvi_curve_end_members(w);
+    tvi_curve_finish_members(w);
     for (int m = 0; m < members->width; m++) {
         if (w->progress[m] != TVI_DONE) continue;
         for (int at = m; at < half; at += members->width) {

@@ -211,7 +211,7 @@ void tvi_curve_predict_members(batch *w, const tvi_batch_origin *origin)
     sum_curve(w, &w->single->z_centre, w->members.z + half);
 }
 
-void tvi_curve_end_members(batch *w)
+void tvi_curve_finish_members(batch *w)
 {
     const tvi_closure *c = &w->single->closure;
     const tvi_curve_members *members = &w->members;

@@ -63,6 +63,6 @@ void tvi_curve_predict_members(tvi_curve_batch_work *w, const tvi_batch_origin *
  * the first pass also computes the natural sizes of z. */
 void tvi_curve_pass(tvi_curve_batch_work *w, const tvi_batch_origin *origin, bool is_first);
 /* Computes dq, dp and the tails [width] of the steps, with the last correction to first order. */
-void tvi_curve_end_members(tvi_curve_batch_work *w);
+void tvi_curve_finish_members(tvi_curve_batch_work *w);
 
 #endif

@@ -367,13 +367,13 @@ static void dense(void *taken, double theta, double dq[], double dp[])
 
 static double most_change(const void *taken) { return tvi_curve_change(&((const work *)taken)->closure.curve); }
 
-static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
     const tvi_action shape = tvi_action_of(system, options);
-    return tvi_curve_uses(system, options, shape.orders - 1, shape.points,
-                          corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
+    return tvi_curve_used_tapes(system, options, shape.orders - 1, shape.points,
+                                corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
 }
 
 const tvi_stepper tvi_stepper_curve = {

@@ -64,14 +64,14 @@ void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combi
 
 /* Returns the sweeps of a curve. Matrices have their directions in blocks, and the last block has those that are
  * left. */
-tvi_uses tvi_curve_uses(const tvi_system *system, const tvi_options *options, int top, int points,
-                        tvi_jacobians jacobians)
+tvi_used_tapes tvi_curve_used_tapes(const tvi_system *system, const tvi_options *options, int top, int points,
+                                    tvi_jacobians jacobians)
 {
     const int directions = 2 * system->n, left = directions % TVI_CURVE_LANES;
     const bool is_whole = system->form != TVI_LAGRANGIAN || system->n <= LINEAR_SMALL;
-    tvi_uses used = {.series = {.name = "tvi_series", .lanes = {1}, .top = top, .has_series = !is_whole},
-                     .member = "curve",
-                     .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
+    tvi_used_tapes used = {.series = {.name = "tvi_series", .lanes = {1}, .top = top, .has_series = !is_whole},
+                           .member = "curve",
+                           .emit_loops = is_whole ? tvi_curve_emit_series : NULL};
     if (jacobians == TVI_NO_JACOBIANS) return used;
     used.series.has_adjoints = jacobians == TVI_JACOBIAN_PRODUCTS;
     used.series.tangent_vectors = used.series.has_adjoints ? 0 : (directions + TVI_CURVE_LANES - 1) / TVI_CURVE_LANES;

@@ -85,7 +85,7 @@ static inline double matrices_staleness(const tvi_closure *c, double distance, c
 {
     const bool has_U = curve_form(&c->curve) != TVI_SEPARABLE;
     double part = 0;
-    closure_measure(c);
+    closure_set_p_size(c);
     for (int i = 0; i < curve_n(&c->curve); i++) {
         const double of_q = has_U ? fabs(c->curve.kappa[i]) * matrices_seed_size(c, c->seed_U, i) : 0,
                      of_p = matrices_seed_size(c, c->seed_Q, i);

@@ -138,8 +138,8 @@ static inline int products_place(const tvi_closure *c, const tvi_transposed *a)
 }
 
 /* Returns the terms of a product that the equations have. */
-static inline tvi_pulled products_unknown(const tvi_closure *c, const tvi_transposed *a, double factor,
-                                          const double x[])
+static inline tvi_pulled products_pull_unknown(const tvi_closure *c, const tvi_transposed *a, double factor,
+                                               const double x[])
 {
     return (tvi_pulled){.factor = factor,
                         .of_x = a->first,
@@ -152,7 +152,7 @@ static inline tvi_pulled products_unknown(const tvi_closure *c, const tvi_transp
 static inline void products_form_remainder(tvi_closure *c, const tvi_transposed *a)
 {
     const tvi_iteration *it = products_of(c);
-    tvi_pulled left = products_unknown(c, a, -1, it->x);
+    tvi_pulled left = products_pull_unknown(c, a, -1, it->x);
     left.seed_Q = c->seed_Q;
     products_pull(&c->curve, curve_top(&c->curve), &left, it->r);
 }
@@ -160,7 +160,7 @@ static inline void products_form_remainder(tvi_closure *c, const tvi_transposed 
 /* Computes out = A^T x, both halves, as roughly as the iteration needs it. */
 static inline void products_apply(tvi_closure *c, int last, const tvi_transposed *a, const double x[], double out[])
 {
-    const tvi_pulled product = products_unknown(c, a, 1, x);
+    const tvi_pulled product = products_pull_unknown(c, a, 1, x);
     products_pull(&c->curve, last, &product, out);
 }
 
@@ -333,7 +333,7 @@ static inline void products_set_units_of(const tvi_closure *c, const int *member
 static inline void products_set_units(tvi_closure *c)
 {
     const tvi_subsystems *parts = &c->curve.system->parts;
-    closure_measure(c);
+    closure_set_p_size(c);
     for (int k = 0; k <= curve_top(&c->curve); k++)
         products_of(c)->largest[k] = tvi_largest(curve_n(&c->curve), tvi_curve_input(&c->curve, k), 1);
     for (int k = 0, first = 0; k < parts->count; first = parts->end[k++])

@@ -82,7 +82,7 @@ static void dense(void *work, double theta, double dq[], double dp[])
 }
 
 /* The tapes that generated code needs for a half; its adjoint runs the same ones. */
-static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
     tvi_options half = *options;
     half.compose_adjoint = false;

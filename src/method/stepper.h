@@ -19,7 +19,7 @@ typedef struct {
      * there is no such thing. */
     const char *member;
     void (*emit_loops)(jet_text *text, const tvi_system *system, const tvi_options *options);
-} tvi_uses;
+} tvi_used_tapes;
 
 /* The results of a step of several members. The stepper writes nothing else but its own work. */
 typedef struct {
@@ -85,7 +85,7 @@ typedef struct {
     double (*most_change)(const void *work);
     /* Tells whether the work's part of a loaded history has its indices within their arrays. NULL: it has none. */
     bool (*is_sound)(const void *work);
-    tvi_uses (*uses)(const tvi_system *system, const tvi_options *options);
+    tvi_used_tapes (*uses)(const tvi_system *system, const tvi_options *options);
     const tvi_batch_stepper *batch; /* NULL: members of an ensemble are stepped one by one */
 } tvi_stepper;
 

@@ -178,9 +178,9 @@ static double most_change(const void *work)
     return change;
 }
 
-static tvi_uses uses(const tvi_system *system, const tvi_options *options)
+static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
 {
-    return (tvi_uses){.values = {.name = "tvi_values", .lanes = {1, width_of(system, options)}}};
+    return (tvi_used_tapes){.values = {.name = "tvi_values", .lanes = {1, width_of(system, options)}}};
 }
 
 static const tvi_stepper stepper = {
