@@ -13,6 +13,15 @@ ends 1
 ends 2
 cmp end.1 end.2
 
+# a lock of Open MPI's that a run left as it was killed, which holds no other up
+locked=/dev/shm/sem.OMPIO_orbits.end
+[ ! -d /dev/shm ] || head -c 32 /dev/zero >$locked
+status=0
+timeout 60 mpirun --oversubscribe -n 2 ./a.out $last >locked.out || status=$?
+rm -f $locked
+[ $status = 0 ] || { echo "a lock that was left behind holds up a run"; exit 1; }
+cmp end.1 orbits.end
+
 sum_of() { [ ! -e orbits.state ] || cksum <orbits.state; }
 rm -f orbits.*
 kills=0
