@@ -121,7 +121,7 @@ function begin()
     section("NAME")
     put(page " \\- functions of Taylor variational integrators")
     section("SYNOPSIS")
-    put(".nf\n.B #include <" page ".h>\n.PP\ncc program.c $(pkg\\-config \\-\\-cflags \\-\\-libs tvi)\n.fi")
+    put(".nf\n.B #include <" page ".h>\n.PP\ncc program.c $(pkg\\-config \\-\\-cflags \\-\\-libs tvi) \\-lm\n.fi")
     section("DESCRIPTION")
     print_text(comment, comments)
     comments = 0

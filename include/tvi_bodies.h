@@ -84,7 +84,8 @@ TVI_INLINE jet tvi_bodies_potential(const jet q[], jet t, void *ctx)
 }
 
 /* This is a tvi_rescale_fn, the g for tvi_system_rescaled (docs/adaptive.md), whose ctx is a tvi_bodies:
- *   g = (sum_{i<j} ((G (m_i + m_j))^(1/3) / r_ij)^k)^(-3/(2k)), of a single pair (r^3 / (G (m_i + m_j)))^(1/2). */
+ *   g = (sum_{i<j} ((G (m_i + m_j))^(1/3) / r_ij)^k)^(-3/(2k)), of a single pair (r^3 / (G (m_i + m_j)))^(1/2).
+ * Beside two or more masses it does not see test particles: an eccentric one needs tvi_bodies_field_scale. */
 TVI_INLINE jet tvi_bodies_scale(const jet q[], const jet p[], jet t, void *ctx)
 {
     const tvi_bodies *b = (const tvi_bodies *)ctx;

@@ -181,7 +181,8 @@ def lyapunov(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
     orbits.
 
     q0, p0, v0: [n] for a number, [member, n] for [member]; nan where a member failed. h: the step. The vector starts
-    along w0 [2n], (dq, dp), None: (1, ..., 1), and is brought back to length 1 after every so many steps.
+    along w0 [2n], (dq, dp), None: (1, ..., 1), and is brought back to length 1 after every so many steps. Where masses
+    differ by much give dp of velocities of 1, as (1, ..., 1, m_1, ..., m_n).
 
     >>> import tvi
     >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)
