@@ -2,7 +2,6 @@
  *   cc ensemble.c $(pkg-config --cflags --libs tvi) -lm */
 #include "ensemble.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 /* The largest |x| that each orbit comes to: an observer, after each step. */

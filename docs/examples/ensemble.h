@@ -2,6 +2,7 @@
 #include <tvi.h>
 
 #include <math.h>
+#include <stdio.h>
 
 enum { ORBITS = 64, N = 2 };
 

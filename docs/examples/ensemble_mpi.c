@@ -1,10 +1,10 @@
 /* ensemble_mpi.c - the orbits of ensemble.c on many machines, a share for each process. All states go into one file,
  * from which the same number of processes goes on after a kill: the end has the same bits, for any number of them.
  *   mpicc ensemble_mpi.c $(pkg-config --cflags --libs tvi) -lm && mpirun -n 2 ./a.out 100; mpirun -n 2 ./a.out 400 */
+#define _POSIX_C_SOURCE 200112L /* setenv */
 #include "ensemble.h"
 
 #include <mpi.h>
-#include <stdio.h>
 #include <stdlib.h>
 
 enum { PART = 100 }; /* steps between two files */
