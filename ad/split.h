@@ -10,7 +10,7 @@ typedef enum {
     JET_SPLIT_SUMS, /* sums of multiples, and runs whose operands are not adjacent */
     /* All runs. Each operation stands after what it reads, and directly before what waits for it alone. Values only. */
     JET_SPLIT_ALL,
-    /* As JET_SPLIT_ALL, with the factors of interactions between pairs moved. */
+    /* Everything that JET_SPLIT_ALL splits, with the factors of interactions between pairs moved. */
     JET_SPLIT_PAIRS
 } jet_split;
 

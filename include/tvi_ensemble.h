@@ -70,8 +70,8 @@ TVI_NODISCARD tvi_status tvi_ensemble_load(tvi_ensemble *ensemble, const void *b
 TVI_NODISCARD tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double t[], double q[], double p[],
                                            tvi_status status[]);
 
-/* As tvi_state_to_text and tvi_state_from_text, for one member: t[member], column `member` of q and p, and its
- * parameters. The text is that of an integrator, and either reads it. A member that has failed goes on from it.
+/* These do for one member what tvi_state_to_text and tvi_state_from_text do: t[member], column `member` of q and p, and
+ * its parameters. The text is that of an integrator, and either reads it. A member that has failed goes on from it.
  *   TVI_EINVAL  also no such member */
 TVI_NODISCARD tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[],
                                                      const double q[], const double p[], char *text, size_t *size);

@@ -35,7 +35,8 @@ typedef struct {
 typedef struct {
     /* The number of members of a batch, a power of two; 1: single members serve the system better. */
     int (*width)(const tvi_system *system, const tvi_options *options);
-    /* As the functions of the stepper. The history is that of one batch, and all zeros before a first step. */
+    /* These do what the stepper's functions of the same names do. The history is that of one batch, and all zeros
+     * before a first step. */
     void *(*take)(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
     void (*prepare)(void *work);
     /* Makes a step. Lanes that are not stepped hold a finite state, in the domain as far as is known. The stats count

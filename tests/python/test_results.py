@@ -295,6 +295,10 @@ class Many(unittest.TestCase):
         self.assertTrue(exponents[0] < 0.01 < 0.03 < exponents[1])
         scaled = tvi.megno(kepler().rescaled(lambda q, p: (q @ q)**0.75), (0, 1000), [1, 0], [0, 0.8], h=0.3, threads=1)
         self.assertTrue(1.8 < scaled < 2.2)
+        light = tvi.potential(2, lambda q: 2.0**-100 * -1 / np.sqrt(q @ q), mass=2.0**-100)
+        heavy = tvi.potential(2, lambda q: -1 / np.sqrt(q @ q))
+        self.assertEqual(tvi.megno(light, (0, 100), [1, 0], v0=[0, 0.8], h=0.25),
+                         tvi.megno(heavy, (0, 100), [1, 0], v0=[0, 0.8], h=0.25))
         self.assertTrue(np.isnan(tvi.megno(kepler(), (0, 50), [[1, 0], [1e-9, 0]], [0, 1], h=0.1)[1]))
         for wrong in ({"w0": [0, 0]}, {"w0": [1]}, {"h": 0.1, "every": 0}):
             with self.assertRaises(ValueError):

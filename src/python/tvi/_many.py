@@ -137,9 +137,11 @@ def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Array) -> 
     """The times of the members since the start, and ln of the growth of their tangent vectors in the steps between."""
     n, start = orbits.system.n, orbits.t.copy()
     rows = 2 * n + orbits.system._count
+    unit = np.ones((rows, 1))  # of dq, and of the momenta dp of velocities of 1
+    unit[n:2 * n, 0] = orbits.system.masses
     w = np.zeros((orbits.members, rows, 1))
-    w[:, :2 * n, 0] = spread("w0", np.ones(2 * n) if w0 is None else w0, orbits.members, 2 * n)
-    length = np.sqrt((w**2).sum(axis=1, keepdims=True))
+    w[:, :2 * n, 0] = spread("w0", unit[:2 * n, 0] if w0 is None else w0, orbits.members, 2 * n)
+    length = np.sqrt(((w / unit)**2).sum(axis=1, keepdims=True))
     if not (length > 0).all():
         raise ValueError("w0 is 0")
     orbits.tangent = w / length
@@ -150,7 +152,7 @@ def _growth(orbits: Ensemble, h: float, t_end: float, every: int, w0: Array) -> 
         if not orbits.system.is_rescaled:
             plan.steps = min(every, max(1, math.ceil(float(np.max((t_end - orbits.t[going]) / h)) - 1e-9)))
         check(orbits._call(plan))
-        length = np.sqrt((tangent**2).sum(axis=(0, 1)))
+        length = np.sqrt(((tangent / unit[..., None])**2).sum(axis=(0, 1)))
         tangent /= length
         yield orbits.t - start, np.where(orbits._codes == 0, np.log(length), 0.0)
 
@@ -181,8 +183,8 @@ def lyapunov(system: System, t_span: Array, q0: Array, p0: Array = None, v0: Arr
     orbits.
 
     q0, p0, v0: [n] for a number, [member, n] for [member]; nan where a member failed. h: the step. The vector starts
-    along w0 [2n], (dq, dp), None: (1, ..., 1), and is brought back to length 1 after every so many steps. Where masses
-    differ by much give dp of velocities of 1, as (1, ..., 1, m_1, ..., m_n).
+    along w0 [2n], (dq, dp), and is brought back to length 1 after every so many steps; its length is that of (dq, dv),
+    dv = dp / m. None: all of these are 1.
 
     >>> import tvi
     >>> spring = tvi.potential(1, lambda q: q[0]**2 / 2)

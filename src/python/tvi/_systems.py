@@ -55,6 +55,14 @@ class System:
         return self.kind == "rescaled" or self.kind == "driven" and self._arguments[0].is_rescaled
 
     @property
+    def masses(self) -> np.ndarray:
+        """The masses [n] of the coordinates; 1 for a Lagrangian and a Hamiltonian, which state none."""
+        if self.kind in ("rescaled", "driven"):
+            return self._arguments[0].masses
+        mass = self._arguments[2] if self.kind in ("potential", "force") else None
+        return spread("mass", 1.0 if mass is None else mass, self.n).copy()
+
+    @property
     def has_energy(self) -> bool:
         """Whether it has a Hamiltonian: all but a force."""
         return self.kind != "force"
