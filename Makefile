@@ -84,7 +84,7 @@ OPENMP_LIB := $(if $(filter-out 0,$(OPENMP)),$(shell o=$$(mktemp) && \
                   printf 'void f(void);\nint main(void) {\n#pragma omp parallel\nf();\n}\nvoid f(void) { }\n' | \
                   $(CC) -fopenmp -include omp.h -x c -c -o $$o - 2>/dev/null && for lib in gomp omp; do \
                   $(CC) -o $$o.out $$o -l$$lib 2>/dev/null && echo $$lib && break; done; rm -f $$o $$o.out))
-$(BUILD)/src/run/spread.o: BASE += $(if $(OPENMP_LIB),-fopenmp)
+$(BUILD)/src/run/parallel_for.o: BASE += $(if $(OPENMP_LIB),-fopenmp)
 
 # what runs a tape is compiled once for each instruction set, and one is chosen at run time (ad/isa.c). Those that have
 # fused multiply-adds use them.
@@ -96,9 +96,9 @@ SRC_LANES    := $(addprefix src/,galerkin/loops.c generating/taylor_loops.c gene
 AD_OBJECTS   := $(patsubst %.c,$(BUILD)/%.o,$(wildcard ad/*.c)) $(BUILD)/ad/embedded_rules.o \
                 $(foreach isa,$(ISAS),$(ISA_SOURCES:%.c=$(BUILD)/%.$(isa).o))
 GALERKIN_FORMS := galerkin_plain galerkin_lagrangian galerkin_hamiltonian
-SRC_OBJECTS  := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products generated_curve) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
-                $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
 EMBEDDED_SRC := $(patsubst %,$(BUILD)/src/embedded_%.o,code galerkin $(GALERKIN_FORMS) curve products generated_curve)
+SRC_OBJECTS  := $(EMBEDDED_SRC) $(patsubst %.c,$(BUILD)/%.o,$(wildcard src/*/*.c)) \
+                $(foreach isa,$(ISAS),$(SRC_LANES:%.c=$(BUILD)/%.$(isa).o))
 EMBEDDED    := $(BUILD)/ad/embedded_rules.o $(EMBEDDED_SRC)
 OBJECTS     := $(AD_OBJECTS) $(SRC_OBJECTS)
 LIBS         = $(shell pkg-config --libs lapack blas $(HAS_SLEEF)) $(OPENMP_LIB:%=-l%) -lm
@@ -167,11 +167,11 @@ $(BUILD)/ad/%.o: ad/%.c
 	$(call SAY,CC $<)$(CC) $(BASE) $(CFLAGS) -MMD -MP -c -o $@ $<
 
 # the text of the rules, for generated code (ad/emit.h)
-EMBEDDED_RULES := $(addprefix ad/,devices.h compiler.h vector.h roots.h graph.h tape.h rule.h sums.h elementary.h) $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
-FIRST_RULES    := $(addprefix ad/,devices.h compiler.h vector.h)
-$(BUILD)/ad/embedded_rules.c: ad/embed.awk include/jet.h $(EMBEDDED_RULES)
+EMBEDDED_RULES := $(addprefix ad/,devices.h compiler.h vector.h) include/jet.h $(addprefix ad/,roots.h graph.h tape.h rule.h sums.h elementary.h) \
+                  $(wildcard ad/rule_*.c ad/sum_*.c) ad/emitted.h
+$(BUILD)/ad/embedded_rules.c: ad/embed.awk $(EMBEDDED_RULES)
 	@mkdir -p $(@D)
-	$(call SAY,AWK $@)awk -v NAME=jet_embedded_rules -f ad/embed.awk $(FIRST_RULES) include/jet.h $(filter-out $(FIRST_RULES),$(EMBEDDED_RULES)) >$@
+	$(call SAY,AWK $@)awk -v NAME=jet_embedded_rules -f ad/embed.awk $(EMBEDDED_RULES) >$@
 # what defines generated code
 $(BUILD)/src/embedded_code.c: ad/embed.awk src/compiled/code.h
 	@mkdir -p $(@D)

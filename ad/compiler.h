@@ -1,6 +1,7 @@
 /* compiler.h - Holds what is asked of the compilers, gcc and clang, each with its reason: attributes, pragmas, built-in
- * functions and barriers stand here, and nowhere else in ad/ and src/ but for OpenMP's and what isa.c asks. None
- * changes what is computed, but for the last bits where sums become vectors. Generated code begins with this text. */
+ * functions and barriers stand here, and nowhere else in ad/ and src/ but for OpenMP's, what isa.c asks, and the
+ * visibility of bodies.c. None changes what is computed, but for the last bits where sums become vectors. Generated
+ * code begins with this text. */
 #ifndef TVI_AD_COMPILER_H
 #define TVI_AD_COMPILER_H
 

@@ -8,8 +8,8 @@
 
 #define JET_DEVICE_PAD       1   /* runs as long as whole vectors: tape_pad.c, asked for in tape.c */
 #define JET_DEVICE_TOGETHER  2   /* sine and cosine, and powers of one operand: rule_power.c, asked for in tape.c */
-#define JET_DEVICE_TERMS     4   /* sums of products as one operation: place.c */
-#define JET_DEVICE_SCATTERED 8   /* products read operands where they are: place.c */
+#define JET_DEVICE_TERMS     4   /* sums of products as one operation: lowering.c */
+#define JET_DEVICE_SCATTERED 8   /* products read operands where they are: lowering.c */
 #define JET_DEVICE_ROOTS     16  /* a^(-3/2) from an estimate, with AVX-512: roots.h */
 #define JET_DEVICE_SPLIT     32  /* generated code has operations alone: tape_split.c, asked for in emit.c */
 #define JET_DEVICE_PAIRS     64  /* and two neighbours in one vector: sum_products.c, asked for in emit.c */

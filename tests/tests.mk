@@ -321,6 +321,8 @@ check-symbols: ; $(REPORT) "symbols: the ABI, no globals that change, nothing th
 do-symbols: $(BUILD)/libtvi.so $(BUILD)/libtvi.a
 	$(call ABI,compare)
 	tests/symbols.sh $^ tests/abi.txt
+	# threads, where the compiler has OpenMP
+	$(if $(OPENMP_LIB),nm $(BUILD)/src/run/parallel_for.o | grep -q omp_get_max_threads)
 abi: $(BUILD)/libtvi.so
 	$(call ABI,renew)
 .PHONY: abi

@@ -321,6 +321,4 @@ JET_INLINE bool linear_unpivoted_invert(int n, double a[])
     return is_safe;
 }
 
-#undef JET_UNROLLED
-
 #endif

@@ -152,10 +152,16 @@ static int wait_for(pid_t child)
     return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
+#ifdef __GLIBC__
+#if __GLIBC_PREREQ(2, 34)
+#define HAS_CLOSEFROM
+#endif
+#endif
+
 /* Closes the program's own files for the compiler, and for a server that the compiler may leave behind. */
 static bool closes_others(posix_spawn_file_actions_t *actions)
 {
-#if defined __GLIBC__ && __GLIBC_PREREQ(2, 34)
+#ifdef HAS_CLOSEFROM
     return posix_spawn_file_actions_addclosefrom_np(actions, 3) == 0;
 #else
     return actions != NULL;

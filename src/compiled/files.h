@@ -1,5 +1,5 @@
-/* files.h - Reads and writes the files of generated code, and starts the compiler. No other file asks the operating
- * system for anything. */
+/* files.h - Reads and writes the files of generated code, and starts the compiler. Other files ask
+ * the operating system only to load libraries, and for the processor (load.c, attach.c, ad/isa.c). */
 #ifndef TVI_SRC_COMPILED_FILES_H
 #define TVI_SRC_COMPILED_FILES_H
 

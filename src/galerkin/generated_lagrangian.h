@@ -44,7 +44,7 @@ static void galerkin_steps(const galerkin_frame *given, const tvi_step_run *row,
     w.output[false] = galerkin_value_slot;
     w.output[true] = galerkin_hessian_slot;
     w.model.n = w.mass.n = N;
-    w.model.lanes = w.mass.lanes = GALERKIN_LANES;
+    w.model.lanes = GALERKIN_LANES;
     w.model.hessian = w.blocks.hessian;
     w.model.term = galerkin_term;
     w.model.end = galerkin_end;

@@ -15,7 +15,7 @@ typedef struct {
     const galerkin_nodes *nodes;
     galerkin_nodes rates; /* as unknowns that begin at 0 */
     const double *matrix; /* of a movement */
-    const int *rate_row;  /* row of each unknown's rate in `stage_rates` */
+    const int *rate_row;  /* [unknowns] the row of each unknown's rate in nodes->x */
     galerkin_blocks blocks;
     /* [unknowns] The row of each unknown's rate, in the block of values, and in that with second derivatives. */
     const int *slot[2];

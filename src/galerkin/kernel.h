@@ -1,7 +1,7 @@
 /* kernel.h - Defines the loops of a Galerkin step over its nodes, in one text over vectors. It is included once for
  * each number of LANES of one member, and once for several members (MEMBERS). A vector V holds nodes of one member, or
  * one node of several members from member `here` on. The text is the same for both, so that a member has the same bits
- * alone and among others. loops.h explains the functions at the end of the file. */
+ * alone and among others. loops.h explains the functions of kernel_table.h. */
 #undef NAME
 #define NUMBERS_OF(V) ((int)(sizeof(V) / sizeof(double)))
 #if MEMBERS

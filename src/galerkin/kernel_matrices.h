@@ -1,6 +1,9 @@
 /* kernel_matrices.h - the part of kernel.h's text that solves the equations of a Lagrangian at the nodes: each lane has
  * a matrix of its own (lanes_inverse). */
 
+/* The former element of the diagonal, as a part of the pivot, is between this and its inverse in a matrix that is
+ * factored without exchanges: LINEAR_LEAST_INVERTED of linear_small.h, which this text does not include. */
+#define LEAST_PIVOT (1.0 / 16)
 /* Vector v of number i of an array that has LANES of each. */
 #define LANE_AT(x, i, v)        BLOCK_AT(V, (x) + (size_t)(i)*LANES, v)
 #define EACH_VECTOR_OF_LANES(v) for (int v = 0; v < LANES / NUMBERS_OF(V); v++)
@@ -140,7 +143,7 @@ JET_INLINE void NAME(invert_column)(lanes_inverse *f, int column)
 /* ---- Without scales and exchanges, of matrices that are plain ---------------------------------------------------- */
 
 /* Gauss and Jordan's, in the inverse's place; false: some pivot is not plain, and nothing stands there. The former
- * element of the diagonal is, as a part of the pivot, between LANES_LEAST_PLAIN and its inverse, as in
+ * element of the diagonal is, as a part of the pivot, between LEAST_PIVOT and its inverse, as in
  * algebra/linear_small.h. */
 JET_INLINE bool NAME(invert_unpivoted)(lanes_inverse *f)
 {
@@ -154,7 +157,7 @@ JET_INLINE bool NAME(invert_unpivoted)(lanes_inverse *f)
         EACH_VECTOR_OF_LANES(v)
         {
             const V inverse = 1 / LANE_AT(row, j, v), part = NAME(size)(LANE_AT(f->lu, j * n + j, v) * inverse);
-            const V excess = NAME(larger)(LANES_LEAST_PLAIN - part, part - 1 / LANES_LEAST_PLAIN);
+            const V excess = NAME(larger)(LEAST_PIVOT - part, part - 1 / LEAST_PIVOT);
             LANE_AT(worst, 0, v) = NAME(larger)(excess, LANE_AT(worst, 0, v));
             for (int k = 0; k < n; k++) LANE_AT(row, k, v) *= inverse;
             LANE_AT(row, j, v) = inverse;
@@ -217,3 +220,4 @@ OWN void NAME(linearise)(const lanes_model *m, double *out)
 
 #undef LANE_AT
 #undef EACH_VECTOR_OF_LANES
+#undef LEAST_PIVOT

@@ -65,13 +65,11 @@ JET_INLINE NAME(table) NAME(table_of)(const double *number)
 }
 
 /* Adds sum_j (row j of the table) x_j, for vector v, in chains that do not wait for each other. */
-enum { NAME(chains) = 4 };
 JET_INLINE void NAME(add_product)(V sum[], const NAME(table) *table, const MEMBER x[], int v, galerkin_shape s)
 {
     const int nodes = MEMBERS ? s.points : s.lanes;
     (void)v;
-    for (int j = 0; j < nodes; j++)
-        sum[j % NAME(chains)] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % NAME(chains)]);
+    for (int j = 0; j < nodes; j++) sum[j % CHAINS] = FUSED(V, OF_TABLE(table, j, v), x[j] - (V){0}, sum[j % CHAINS]);
 }
 
 /* The numbers of a row; those of members are in registers. */
@@ -145,8 +143,8 @@ JET_INLINE MEMBER NAME(move_unknowns)(const galerkin_nodes *given, const double 
         double *x = ROW(nodes->x, u);
         NUMBERS_IN(impulse, ROW(nodes->impulse, u))
         for (int v = 0; v < VECTORS; v++) {
-            V sum[NAME(chains)];
-            NAME(clear)(sum, NAME(chains));
+            V sum[CHAINS];
+            NAME(clear)(sum, CHAINS);
             NAME(add_product)(sum, &table, impulse, v, s);
             const V way = FUSED(V, scale, NAME(sum_of_chains)(sum), AT(base, v)), moved_to = AT(high, v) + way;
             const V change = (moved_to - AT(x, v)) * inverse_size;
@@ -176,12 +174,12 @@ JET_INLINE void NAME(extrapolate)(V sum[], const galerkin_extrapolation *by, int
     const JET_MASK(jet_widest) is_rough = *(const JET_MASK(jet_widest) *)(by->is_rough + here);
     const V none = {0};
     for (int j = 0; j < s.points; j++)
-        sum[j % NAME(chains)] = FUSED(V, JET_CHOOSE(V, is_rough, none, OF_NODE(of_before + j * s.lanes, v)),
-                                      AT(before, j), sum[j % NAME(chains)]);
+        sum[j % CHAINS] = FUSED(V, JET_CHOOSE(V, is_rough, none, OF_NODE(of_before + j * s.lanes, v)), AT(before, j),
+                                sum[j % CHAINS]);
     for (int j = 0; j < s.points; j++)
-        sum[j % NAME(chains)] = FUSED(
+        sum[j % CHAINS] = FUSED(
             V, JET_CHOOSE(V, is_rough, OF_NODE(by->from_last + j * s.lanes, v), OF_NODE(by->from_two + j * s.lanes, v)),
-            AT(last, j), sum[j % NAME(chains)]);
+            AT(last, j), sum[j % CHAINS]);
 }
 #endif
 
@@ -204,8 +202,8 @@ JET_INLINE void NAME(predict_all)(const galerkin_nodes *given, const galerkin_ex
         const V scale = nodes->scale[u] - (V){0};
         double *x = ROW(nodes->x, u);
         for (int v = 0; v < VECTORS; v++) {
-            V sum[NAME(chains)];
-            NAME(clear)(sum, NAME(chains));
+            V sum[CHAINS];
+            NAME(clear)(sum, CHAINS);
 #if MEMBERS
             NAME(extrapolate)(sum, &by, u, v, s, here);
 #else

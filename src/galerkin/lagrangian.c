@@ -19,7 +19,7 @@ typedef struct {
 static void take_inverse(lanes_inverse *matrix, tvi_arena *arena, int n, int lanes)
 {
     const size_t numbers = (size_t)n * (size_t)lanes;
-    *matrix = (lanes_inverse){.n = n, .lanes = lanes};
+    *matrix = (lanes_inverse){.n = n};
     matrix->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
     matrix->inverse = tvi_arena_doubles(arena, (size_t)n * numbers);
     matrix->row_scale = tvi_arena_doubles(arena, numbers);

@@ -7,20 +7,10 @@
 #include "galerkin/loops.h"
 #include "vector.h"
 
-#define FOR_LANES(lanes, call)                                                                                         \
-    switch (lanes) {                                                                                                   \
-    case 1: call(1); break;                                                                                            \
-    case 2: call(2); break;                                                                                            \
-    case 4: call(4); break;                                                                                            \
-    case 8: call(8); break;                                                                                            \
-    default: call(TVI_GALERKIN_MAX_LANES);                                                                             \
-    }
-
 #define KERNEL_JOIN(f, suffix) f##_##suffix
 #define KERNEL_NAME(f, suffix) KERNEL_JOIN(f, suffix)
 
 /* All lanes at once: BODY(V, blocks), with the jet_widest vectors of which there are as many as make all lanes. */
-enum { MOST_BLOCKS = TVI_GALERKIN_MAX_LANES };
 enum { WIDEST = sizeof(jet_widest) / sizeof(double) };
 #define ALL_LANES(lanes, BODY)                                                                                         \
     if (WIDEST >= 8 && lanes % 8 == 0) BODY(jet_v8, (lanes / 8))                                                       \

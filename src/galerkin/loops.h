@@ -134,11 +134,6 @@ typedef struct {
     const long long *is_moving;
 } galerkin_nodes;
 
-static inline galerkin_shape galerkin_shape_of(const galerkin_nodes *nodes)
-{
-    return (galerkin_shape){nodes->points, nodes->lanes, nodes->width};
-}
-
 /* A copy of the nodes with all unknowns moving. */
 static inline galerkin_nodes galerkin_all_moving(const galerkin_nodes *nodes)
 {
@@ -156,7 +151,7 @@ typedef struct {
 
 /* A matrix A of n rows at each node. */
 typedef struct {
-    int n, lanes;
+    int n;
     double *lu;                       /* [n][n][lanes] A: fill it, then invert, which may leave its factors there */
     double *inverse;                  /* [n][n][lanes] */
     double *row_scale, *column_scale; /* [n][lanes] */

@@ -12,10 +12,6 @@ enum { MOST_ROUNDS = 32 };
 /* The unit of relative movements, whose squares, from 2^-144 on, are single numbers in it. */
 #define ROUNDS_UNIT 0x1p-40
 
-/* In a matrix factored without exchanges, the former element of the diagonal is no smaller a part of the pivot than
- * this (kernel_matrices.h). */
-#define LANES_LEAST_PLAIN (1.0 / 16)
-
 typedef float single_jet_v8 JET_VECTOR(float, 8);
 typedef float single_jet_v4 JET_VECTOR(float, 4);
 typedef float single_jet_v2 JET_VECTOR(float, 2);

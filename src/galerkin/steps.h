@@ -31,7 +31,7 @@ typedef struct galerkin_frame {
 typedef struct {
     /* Makes the next pass from the current unknowns. moved [width] is measured as in loops.h. A roundoff that is not
      * NULL asks, for passes that no longer shrink, for the movement by the roundoff of a pass, if it can be
-     * measured. */
+     * measured; `moved` then has the movement of the pass before. */
     tvi_status (*pass)(void *work, const galerkin_nodes *nodes, double moved[], double *roundoff);
     void (*predict)(void *work, const galerkin_nodes *nodes, const galerkin_extrapolation *by);
     void (*made)(void *work); /* called after each step of a run; NULL: nothing */
@@ -185,8 +185,8 @@ JET_INLINE bool galerkin_advance(int n, const tvi_step_run *row, const tvi_run_s
     return true;
 }
 
-/* Makes steps of one member from the origin, which is `state` and is updated. NULL: it makes one step, which is not
- * added. If no step precedes the first one, `begin` of galerkin.c has set its unknowns. */
+/* Makes steps of one member from the origin, which is `now` and is updated. If `now` is NULL, it makes one step, which
+ * is not added. If no step precedes the first one, `begin` of galerkin.c has set its unknowns. */
 JET_INLINE void galerkin_make_steps(const galerkin_frame *frame, galerkin_nodes *nodes, const galerkin_solver *solver,
                                     const tvi_step_run *row, const tvi_origin *origin, const tvi_run_state *now,
                                     galerkin_outcome *to)

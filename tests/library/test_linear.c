@@ -220,10 +220,9 @@ typedef struct {
     int pivot[MOST * LANES];
 } lanes_room;
 
-static lanes_inverse lanes_inverse_in(lanes_room *room, int n, int lanes)
+static lanes_inverse lanes_inverse_in(lanes_room *room, int n)
 {
     return (lanes_inverse){.n = n,
-                           .lanes = lanes,
                            .lu = room->lu,
                            .inverse = room->inverse,
                            .row_scale = room->row_scale,
@@ -232,23 +231,23 @@ static lanes_inverse lanes_inverse_in(lanes_room *room, int n, int lanes)
                            .x = room->x};
 }
 
-static void put_lane(const lanes_inverse *f, int lane, const double A[])
+static void put_lane(const lanes_inverse *f, int lanes, int lane, const double A[])
 {
-    for (int i = 0; i < f->n * f->n; i++) f->lu[i * f->lanes + lane] = A[i];
+    for (int i = 0; i < f->n * f->n; i++) f->lu[i * lanes + lane] = A[i];
 }
 
 /* V = from + A^-1 ((P - p) - change), a matrix of its own in each lane: all with no need to exchange rows, or the last
  * of 16. */
-static void check_lanes(const galerkin_loops *loops, lanes_inverse *f, bool are_plain)
+static void check_lanes(const galerkin_loops *loops, lanes_inverse *f, int lanes, bool are_plain)
 {
-    const int n = f->n, lanes = f->lanes;
+    const int n = f->n;
     static const double none[MOST * LANES];
     double A[LANES][MOST * MOST], P[MOST * LANES], V[MOST * LANES], back[MOST * LANES];
     for (int lane = 0; lane < lanes; lane++) {
         fill(n, lane, A[lane]);
         for (int i = 0; (are_plain || lane == LANES - 1) && i < n * n; i++)
             A[lane][i] = i % (n + 1) ? cos(1 + i + lane) : 3 * n;
-        put_lane(f, lane, A[lane]);
+        put_lane(f, lanes, lane, A[lane]);
         for (int i = 0; i < n; i++) P[i * lanes + lane] = cos(1 + i + lane) * ldexp(1, 9 * i);
     }
     ck_assert_double_gt(loops->invert(f), n * DBL_EPSILON);
@@ -268,10 +267,10 @@ START_TEST(lanes_are_solved_alone)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_inverse f = lanes_inverse_in(&room, n, lanes);
+    lanes_inverse f = lanes_inverse_in(&room, n);
     const galerkin_loops *loops;
     for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
-        for (int are_plain = 0; are_plain < 2; are_plain++) check_lanes(loops, &f, are_plain);
+        for (int are_plain = 0; are_plain < 2; are_plain++) check_lanes(loops, &f, lanes, are_plain);
 }
 END_TEST
 
@@ -280,7 +279,7 @@ START_TEST(singular_lanes_are_seen)
 {
     const int n = 1 + _i / LANE_COUNTS, lanes = lane_counts[_i % LANE_COUNTS];
     static lanes_room room;
-    lanes_inverse f = lanes_inverse_in(&room, n, lanes);
+    lanes_inverse f = lanes_inverse_in(&room, n);
     double regular[MOST * MOST], rank_one[MOST * MOST], zero[MOST * MOST] = {0}, broken[MOST * MOST];
     double endless[MOST * MOST];
     for (int i = 0; i < n * n; i++) {
@@ -293,7 +292,7 @@ START_TEST(singular_lanes_are_seen)
     const galerkin_loops *loops;
     for (int isa = 0; (loops = loops_at(isa, _i % LANE_COUNTS)); isa++)
         for (int kind = 0; kind < 5; kind++) {
-            for (int lane = 0; lane < lanes; lane++) put_lane(&f, lane, lane == lanes / 2 ? bad[kind] : regular);
+            for (int lane = 0; lane < lanes; lane++) put_lane(&f, lanes, lane, lane == lanes / 2 ? bad[kind] : regular);
             const double least = loops->invert(&f);
             if (kind == 0) ck_assert_double_gt(least, 0.1);
             else ck_assert_double_le(least, n * DBL_EPSILON);
