@@ -1,5 +1,6 @@
-/* devices.h - what is done for speed alone: a device each, with its file and the place where it is asked for. Without
- * them all is the same to roundoff. docs/adding.md says what each gives, and when one stays.
+/* devices.h - Names what is done for speed alone: a device each, with its file and the place where it is asked for.
+ * Without them all is the same to roundoff. docs/adding.md says where each applies and when one stays; `make devices`
+ * measures what each gives.
  *
  * Built with TVI_PLAIN, as make PLAIN=1 does, the library has none of them. Built with TVI_DEVICES, as make devices
  * does, it has all but those of the mask jet_without, which then is a variable. */

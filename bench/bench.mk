@@ -48,13 +48,13 @@ chaos: need-bench
 .PHONY: chaos
 
 # The generated tables and pictures of the documents: all made anew and compared, but for times; or put into the
-# documents; or those alone that one target makes: make performance-docs, make choose-docs. Without REBOUND what shows it
-# stays as it is.
+# documents; or those alone that one target makes: make performance-docs, make choose-docs. Without REBOUND and
+# heyoka what shows them stays as it is.
 DOCUMENTS ?= README.md $(wildcard docs/*.md)
 verify: need-bench
 	MAKE='$(MAKE)' bench/tables.sh verify $(BUILD) all $(DOCUMENTS)
 docs-tables: need-bench
-	MAKE='$(MAKE)' WITHOUT=$(if $(REBOUND),,peers) bench/tables.sh replace $(BUILD) all $(DOCUMENTS)
+	MAKE='$(MAKE)' WITHOUT=$(if $(and $(REBOUND),$(HEYOKA)),,peers) bench/tables.sh replace $(BUILD) all $(DOCUMENTS)
 %-docs: need-bench
 	MAKE='$(MAKE)' bench/tables.sh replace $(BUILD) $* $(DOCUMENTS)
 .PHONY: verify docs-tables

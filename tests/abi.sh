@@ -9,7 +9,8 @@ way=$1 folder=$2 library=$3 abi=$4
 shift 4
 mkdir -p "$folder"
 for header; do echo "#include \"$(cd "$(dirname "$header")" && pwd)/${header##*/}\""; done >"$folder/all.h"
-$CC -E -DTVI_INLINE= "$folder/all.h" | awk -f "$(dirname "$0")/abi.awk" >"$folder/abi.c"
+$CC -E -DTVI_INLINE= "$folder/all.h" >"$folder/all.i"
+awk -f "$(dirname "$0")/abi.awk" "$folder/all.i" >"$folder/abi.c"
 $CC -std=c11 -Wall -Werror -o "$folder/abi" "$folder/abi.c"
 {
     LC_ALL=C objdump -p "$library" | awk '$1 == "SONAME" { print $2 }'

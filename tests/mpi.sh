@@ -15,6 +15,8 @@ cmp end.1 end.2
 
 # a lock of Open MPI's that a run left as it was killed, which holds no other up
 locked=/dev/shm/sem.OMPIO_orbits.end
+rm -f orbits.*
+trap 'rm -f $locked' EXIT
 [ ! -d /dev/shm ] || head -c 32 /dev/zero >$locked
 status=0
 timeout 60 mpirun --oversubscribe -n 2 ./a.out $last >locked.out || status=$?

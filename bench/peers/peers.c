@@ -94,8 +94,9 @@ static bool run_once(measured *m)
     const bool good = m->peer->go(one, q);
     const double seconds = run_clock() - begin;
     m->peer->close(one);
+    if (!good) return false;
     m->error = error_of(m->question, q);
-    if (!good || !(m->error < USELESS)) return false;
+    if (!(m->error < USELESS)) return false;
     m->seconds = fmin(m->seconds, seconds);
     return true;
 }

@@ -50,27 +50,3 @@ big_system bodies_make(int count, int dimensions)
     experiment_insist(tvi_system_potential(&b.system, b.n, mass, gravity_potential, &g), "a system of many bodies");
     return b;
 }
-
-/* ---- The chain ------------------------------------------------------------------------------------------------------
- */
-
-static jet chain_potential(const jet q[], jet t, void *ctx)
-{
-    const int n = *(const int *)ctx;
-    jet V = jet_const(0);
-    (void)t;
-    for (int i = 0; i <= n; i++) {
-        const jet right = i < n ? q[i] : jet_const(0), left = i > 0 ? q[i - 1] : jet_const(0);
-        const jet d2 = jet_sqr(jet_sub(right, left));
-        V = jet_add(V, jet_add(jet_mul(0.5, d2), jet_mul(0.25, jet_sqr(d2))));
-    }
-    return V;
-}
-
-big_system chain_make(int n)
-{
-    big_system b = {.name = "chain", .n = n, .h = 0.5};
-    for (int i = 0; i < n; i++) b.q[i] = 0.4 * sin(1 + 1.7 * i), b.p[i] = 0.3 * cos(2.3 * i);
-    experiment_insist(tvi_system_potential(&b.system, n, NULL, chain_potential, &n), "a system of many bodies");
-    return b;
-}

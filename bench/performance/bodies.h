@@ -17,7 +17,5 @@ typedef struct {
 /* A star of mass 1 and count - 1 planets on nearly circular orbits around it, in 2 or 3 dimensions; G = 1, and the
  * innermost year is 10.4. All attract each other. */
 big_system bodies_make(int count, int dimensions);
-/* A chain of n masses with ends held: V = sum d^2/2 + d^4/4 of the n + 1 springs. */
-big_system chain_make(int n);
 
 #endif

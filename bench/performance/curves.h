@@ -1,5 +1,4 @@
-/* curves.h - Declares a curve of the library about the middle of a step, and the gradient of the discrete action along
- * it: the parts of a step of type I at the midpoint. */
+/* curves.h - Declares a curve of the library about the middle of a step, a part of a step of type I at the midpoint. */
 #ifndef CURVES_H
 #define CURVES_H
 

@@ -3,7 +3,7 @@
 #include "scene.h"
 
 /* Fermi-Pasta-Ulam chain of six unit masses, three stiff springs of frequency w = 50 between soft ones, q_0 = q_7 = 0
- * (docs/method.md section 8.8 in q):
+ * (docs/method.md section 9 in q):
  *   V = w^2/4 sum_{i=1..3} (q_{2i} - q_{2i-1})^2 + sum_{i=0..3} (q_{2i+1} - q_{2i})^4.
  * A context is another w. */
 enum { N = 6 };

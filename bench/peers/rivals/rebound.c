@@ -24,7 +24,7 @@ static const double *settings(const peer *self, const problem *p)
     return p->map_steps;
 }
 
-/* Where a loose tolerance lets two bodies fall into each other the steps never end. */
+/* If a loose tolerance lets two bodies fall into each other, the steps never end. */
 static void give_up(struct reb_simulation *r)
 {
     if (r->steps_done > 200000) reb_simulation_stop(r);
