@@ -365,17 +365,18 @@ TVI_NODISCARD tvi_status tvi_state_peek(const void *buffer, size_t size, int *n,
  *   TVI_EINVAL  before a step and after a reset; NULL */
 TVI_NODISCARD tvi_status tvi_state_last(const tvi_integrator *integrator, double *t, double q[], double p[]);
 
-/* The state (t, q, p) as text that every version from this one on, every machine and instruction set and every method
- * reads, some 50 characters a number (docs/roundoff.md): with the low-order parts that the integrator has of it where
- * its last step returned it, and with its parameters. A run goes on from it to roundoff, not bit for bit: the history
- * of the steps is not in it, nor which event ended the run there.
- * To text: text and *size as the buffer and *size of tvi_state_save; it ends with a new line and no 0.
+/* Give and take the state (t, q, p) as text that every version from this one on, every machine and instruction set and
+ * every method reads, some 50 characters a number (docs/roundoff.md): with the low-order parts that the integrator has
+ * of it where its last step returned it, and with its parameters. A run goes on from it to roundoff, not bit for bit:
+ * the history of the steps is not in it, nor which event ended the run there.
+ * tvi_state_to_text takes text and *size as the buffer and *size of tvi_state_save; it ends with a new line and no 0.
  *   TVI_EINVAL      NULL, a buffer that is too small
  *   TVI_ENONFINITE  a state that is not finite
  *   TVI_ENOMEM      no memory
- * From text: sets t, q and p, from which steps go on, and the parameters. The system has to be that of the text, of
- * which only n and the number of parameters can be seen; counts go on as they were.
- *   TVI_EINVAL      NULL; what is no such text, is damaged or cut short, or of another n or number of parameters
+ * tvi_state_from_text sets t, q and p, from which steps go on, and the parameters. The system has to be that of the
+ * text, of which only n and the number of parameters can be seen; counts go on as they were.
+ *   TVI_EINVAL      NULL; what is no such text, is damaged or cut short, or of another n or number of parameters; a
+ *                   call from an observer
  *   TVI_ENOMEM      no memory
  *   others          of a rescaled system, as of tvi_energy */
 TVI_NODISCARD tvi_status tvi_state_to_text(const tvi_integrator *integrator, double t, const double q[],

@@ -24,7 +24,7 @@ typedef struct {
     double G;                   /* 0 stands for 1 */
     double softening;           /* r^2 + softening^2 stands for r^2 */
     double J2, radius, pole[3]; /* of the oblate body; of the pole the length does not matter, 0 is the third axis */
-    int oblate;                 /* its number */
+    int oblate;                 /* its number, from 0 to bodies - 1 */
     double sharpness;           /* k of g; 0: 3 where one mass is ten times all others together, 1 elsewhere */
 } tvi_bodies;
 
@@ -127,7 +127,8 @@ TVI_INLINE void tvi_bodies_masses(const tvi_bodies *b, double mass[])
 TVI_NODISCARD TVI_INLINE tvi_status tvi_bodies_system(tvi_system **out, const tvi_bodies *b)
 {
     double mass[TVI_MAX_DIMENSION];
-    const bool fits = b && b->mass && b->axes >= 1 && b->axes <= 3 && b->bodies <= TVI_MAX_DIMENSION / b->axes;
+    const bool fits = b && b->mass && b->axes >= 1 && b->axes <= 3 && b->bodies <= TVI_MAX_DIMENSION / b->axes &&
+                      (b->J2 == 0 || (b->oblate >= 0 && b->oblate < b->bodies));
     if (fits) tvi_bodies_masses(b, mass);
     return tvi_system_potential(out, fits ? b->bodies * b->axes : 0, mass, tvi_bodies_potential, (void *)b);
 }

@@ -72,7 +72,7 @@ TVI_NODISCARD tvi_status tvi_ensemble_last(const tvi_ensemble *ensemble, double 
 
 /* These do for one member what tvi_state_to_text and tvi_state_from_text do: t[member], column `member` of q and p, and
  * its parameters. The text is that of an integrator, and either reads it. A member that has failed goes on from it.
- *   TVI_EINVAL  also no such member */
+ *   TVI_EINVAL  also no such member, and a call from an observer of a member, during which the ensemble holds none */
 TVI_NODISCARD tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *ensemble, int member, const double t[],
                                                      const double q[], const double p[], char *text, size_t *size);
 TVI_NODISCARD tvi_status tvi_ensemble_member_from_text(tvi_ensemble *ensemble, int member, const char *text,

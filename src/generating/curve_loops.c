@@ -9,7 +9,7 @@
 typedef jet_widest vector;
 enum { WIDEST = sizeof(vector) / sizeof(double) };
 
-/* This is row r of an array at members `here` to here + WIDEST - 1; all functions over vectors pass through these. */
+/* This is row r of an array at members `here` to here + WIDEST - 1. */
 #define AT_ROW(x, r)       (*(vector *)((x) + (size_t)(r) * (size_t)width + here))
 #define OF_ROW(x, r)       (*(const vector *)((x) + (size_t)(r) * (size_t)width + here))
 #define EACH_VECTOR(width) for (int here = 0; here < (width); here += WIDEST)
@@ -21,8 +21,8 @@ JET_INLINE vector size_of(vector x) { return JET_ABS(jet_widest, x); }
 
 enum { PARTS = 4 };
 
-/* Computes sum o at `here`. The vectors of a row stand `part` apart: there are `parts` sums that do not wait for each
- * other, and that load each weight once. */
+/* Computes sum o of the vectors at x into those at out. The vectors of a row stand `part` apart: there are `parts` sums
+ * that do not wait for each other, and that load each weight once. */
 JET_INLINE void combine_at(const tvi_weights *w, size_t stride, int parts, int part, bool sizes, const double *x, int o,
                            double *out)
 {

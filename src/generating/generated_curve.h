@@ -108,7 +108,7 @@ static inline void code_differentiate(tvi_curve *curve)
 {
     int first = 0;
     for (; first == 0 || first + CURVE_LANES <= 2 * CURVE_N; first += CURVE_LANES)
-        code_differentiate_block(curve, CURVE_LANES, 2 * CURVE_N > CURVE_LANES ? first : 0);
+        code_differentiate_block(curve, CURVE_LANES, first);
     if (CURVE_REST > 0) code_differentiate_block(curve, CURVE_REST, first);
 }
 

@@ -41,7 +41,7 @@
 /* Returns the roundoff of the momenta at the nodes. */
 #define MOMENTA_ROUNDOFF(action, curve) tvi_action_momenta_roundoff(action, curve)
 
-/* Sums a curve in another unit of time. */
+/* Scales a curve to another unit of time, and sums it. */
 #define REACH_SWEEP(curve, ...) tvi_taylor_loops_of((curve)->system)->sweep(__VA_ARGS__)
 
 #endif

@@ -140,6 +140,8 @@ tvi_status tvi_ensemble_set_parameters(tvi_ensemble *e, const double value[])
         return tvi_refuse_null(2, (const void *const[]){e, value}, (const char *const[]){"ensemble", "value"});
     for (size_t i = 0; i < parameter_count(e); i++)
         if (!isfinite(value[i])) return jet_refuse(TVI_ENONFINITE, "value[%zu] is not finite", i);
+    const tvi_status idle = tvi_ensemble_check_idle(e);
+    if (idle != TVI_OK) return idle;
     memmove(e->parameters, value, parameter_count(e) * sizeof *value);
     memset(e->stops, 0, (size_t)e->members * tvi_stop_bytes(e->n)); /* the events had other parameters */
     tvi_ensemble_reset(e);
@@ -215,7 +217,8 @@ tvi_status tvi_ensemble_save(const tvi_ensemble *e, void *buffer, size_t *size)
     if (!e || !size) return jet_refuse(TVI_EINVAL, "%s is NULL", e ? "size" : "ensemble");
     tvi_stats stats;
     tvi_pieces pieces;
-    const tvi_status status = tvi_ensemble_stats(e, &stats);
+    tvi_status status = tvi_ensemble_check_idle(e);
+    if (status == TVI_OK) status = tvi_ensemble_stats(e, &stats);
     if (status != TVI_OK) return status;
     list_pieces(e, &stats, &pieces);
     const tvi_identity own = identity_of(e, &pieces);
@@ -249,6 +252,8 @@ tvi_status tvi_ensemble_load(tvi_ensemble *e, const void *buffer, size_t size)
     tvi_stats stats;
     tvi_pieces pieces;
     tvi_identity who;
+    const tvi_status idle = tvi_ensemble_check_idle(e);
+    if (idle != TVI_OK) return idle;
     list_pieces(e, &stats, &pieces);
     const tvi_identity own = identity_of(e, &pieces);
     const char *const misfit = tvi_saved_misfit(&own, buffer, size);
@@ -270,6 +275,8 @@ tvi_status tvi_ensemble_last(const tvi_ensemble *e, double t[], double q[], doub
     if (!e || !t || !q || !p || !status)
         return tvi_refuse_null(5, (const void *const[]){e, t, q, p, status},
                                (const char *const[]){"ensemble", "t", "q", "p", "status"});
+    const tvi_status idle = tvi_ensemble_check_idle(e);
+    if (idle != TVI_OK) return idle;
     if (!e->has_run) return jet_refuse(TVI_EINVAL, "the ensemble has made no run, or was reset");
     tvi_worker *w = e->worker;
     for (int m = 0; m < e->members; m++) {

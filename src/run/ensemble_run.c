@@ -102,7 +102,9 @@ static tvi_status run_all(const piece *r)
 {
     const tvi_ensemble *e = r->e;
     tvi_status status = TVI_OK;
+    r->e->is_running = true;
     tvi_parallel_for(e->threads, e->batches, run_batch, (void *)r);
+    r->e->is_running = false;
     for (int member = 0; member < e->members; member++)
         if (r->status[member] == TVI_ENOMEM) status = jet_refuse_memory(TVI_ENOMEM);
     r->e->has_run = true;
@@ -145,7 +147,8 @@ tvi_status tvi_ensemble_run(tvi_ensemble *e, const tvi_ensemble_plan *plan, doub
                             tvi_status status[])
 {
     if (!e || !t || !q || !p || !status) return refuse_null(e, t, q, p, status);
-    const tvi_status checked = tvi_plan_check(e->worker->single, plan);
+    tvi_status checked = tvi_ensemble_check_idle(e);
+    if (checked == TVI_OK) checked = tvi_plan_check(e->worker->single, plan);
     if (checked != TVI_OK) return checked;
     const tvi_status provided = provide_columns(e, plan->columns);
     if (provided != TVI_OK) return provided;
@@ -160,6 +163,8 @@ tvi_status tvi_ensemble_integrate(tvi_ensemble *e, double h, long steps, double 
     if (!e || !t || !q || !p || !status) return refuse_null(e, t, q, p, status);
     if (h == 0 || !isfinite(h)) return jet_refuse(TVI_EINVAL, "h is 0 or not finite");
     if (steps < 0) return jet_refuse(TVI_EINVAL, "steps is negative");
+    const tvi_status idle = tvi_ensemble_check_idle(e);
+    if (idle != TVI_OK) return idle;
     const tvi_run_plan plan = {.h = h, .steps = steps, .observer = observer, .ctx = ctx};
     piece r = {e, plan, TVI_RUN_STEPS, true, 0, t, q, p, status};
     return run_steps(&r);

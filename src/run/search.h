@@ -12,7 +12,7 @@ typedef struct {
     int which;           /* index of the event */
     int number;          /* in the order in which roots were found, from 0 */
     int sign_after;      /* the sign of g after the root */
-    double a, ga, b, gb; /* the bracket; g has the sign `after`, or 0, at b */
+    double a, ga, b, gb; /* the bracket; g has the sign `sign_after`, or 0, at b */
     double guess;        /* an estimate of the root, or NAN */
     /* The step begins on the event, and g has left 0 at a with the sign of ga (start.h). */
     bool is_return;

@@ -73,7 +73,6 @@ tvi_status tvi_state_load(tvi_integrator *it, const void *buffer, size_t size)
     stats.is_compiled = it->stats.is_compiled;
     it->stats = stats;
     tvi_integrator_apply_parameters(it);
-    it->parameter_sets++;
     it->has_dense = false;
     return TVI_OK;
 }

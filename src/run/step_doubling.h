@@ -13,7 +13,7 @@ typedef struct {
     tvi_scout_orbit full, halved; /* the orbits with steps h and h/2 */
     double size_q, size_p;        /* the largest coordinate and momentum */
     tvi_rates rates;              /* of a rescaled system */
-    double *x, *rate;             /* [2n + 1] a state of `whole`, [2n] its rates */
+    double *x, *rate;             /* [2n + 1] a state of `full`, [2n] its rates */
     double *states;               /* of the scout */
     double fastest;               /* the largest rate so far, relative to the sizes */
     double distance;              /* the distance when it was measured last */

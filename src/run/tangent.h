@@ -12,7 +12,7 @@ typedef struct {
     double h;
 } tvi_lifted_step;
 
-/* Tangent vectors D[2n + parameters][columns], whose numbers are `apart` numbers apart. */
+/* Tangent vectors D[2n + parameters][columns], whose numbers stand `spacing` apart. */
 typedef struct {
     double *D;
     int columns;

@@ -96,7 +96,8 @@ tvi_status tvi_state_to_text(const tvi_integrator *it, double t, const double q[
     return status;
 }
 
-/* own: room for the history. If it fails, all is as it was. */
+/* Makes the text's state the integrator's. own: room for the history and the parameters. If it fails, all is as it
+ * was. */
 static tvi_status adopt_alone(tvi_integrator *it, const tvi_state_text *x, char *own)
 {
     const size_t bytes = (size_t)x->parameters * sizeof *x->value;
@@ -122,6 +123,8 @@ tvi_status tvi_state_from_text(tvi_integrator *it, const char *text, size_t size
     if (!it || !text || !t || !q || !p)
         return tvi_refuse_null(5, (const void *const[]){it, text, t, q, p},
                                (const char *const[]){"integrator", "text", "t", "q", "p"});
+    if (it->is_in_observer)
+        return jet_refuse(TVI_EINVAL, "the integrator is in a run, whose observer may not load a state");
     tvi_state_text x;
     tvi_status status = read_text(&x, it->system, text, size);
     if (status != TVI_OK) return status;
@@ -142,7 +145,7 @@ static tvi_status check_member(const tvi_ensemble *e, int member, const void *co
         if (!all[i]) return tvi_refuse_null(5, all, (const char *const[]){"ensemble", "t", "q", "p", last});
     if (member < 0 || member >= e->members)
         return jet_refuse(TVI_EINVAL, "member = %d is not from 0 to %d", member, e->members - 1);
-    return TVI_OK;
+    return tvi_ensemble_check_idle(e);
 }
 
 tvi_status tvi_ensemble_member_to_text(const tvi_ensemble *e, int member, const double t[], const double q[],

@@ -28,7 +28,7 @@ typedef struct {
     /* The length of the run as the scout counts it, and its weight. */
     double way, weight;
     double start_position; /* the position where the last trial began */
-    const double *state;   /* [2n + 1] q, p and t at `from` */
+    const double *state;   /* [2n + 1] q, p and t at `start_position` */
     long reserve;          /* steps for the companion */
     double run;            /* steps of the run with the current h */
     double longest;        /* the largest part of the run's error that a trial covered */
