@@ -188,6 +188,61 @@ START_TEST(arguments_that_are_missing)
 }
 END_TEST
 
+static group seen, asking, silent;
+
+/* Calls all that may not be called while the workers hold the members. */
+static int ask_in_a_run(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    tvi_ensemble *e = ctx;
+    const tvi_run_plan plan = {.h = H, .steps = 1};
+    char text[1000];
+    size_t size = sizeof text, bytes;
+    (void)member, (void)which, (void)t, (void)q, (void)p;
+    const tvi_status asked[] = {
+        tvi_ensemble_run(e, &plan, seen.t, seen.q, seen.p, seen.status),
+        tvi_ensemble_integrate(e, H, 1, seen.t, seen.q, seen.p, seen.status, NULL, NULL),
+        tvi_ensemble_last(e, seen.t, seen.q, seen.p, seen.status),
+        tvi_ensemble_member_to_text(e, 0, seen.t, seen.q, seen.p, text, &size),
+        tvi_ensemble_member_from_text(e, 0, text, sizeof text, seen.t, seen.q, seen.p),
+        tvi_ensemble_save(e, NULL, &bytes),
+        tvi_ensemble_load(e, text, sizeof text),
+        tvi_ensemble_set_parameters(e, seen.t),
+    };
+    for (size_t k = 0; k < sizeof asked / sizeof *asked; k++)
+        ck_assert_msg(asked[k] == TVI_EINVAL, "call %zu: %s", k, tvi_status_string(asked[k]));
+    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "in a run"));
+    return 0;
+}
+
+static int ask_nothing(int member, int which, double t, const double q[], const double p[], void *ctx)
+{
+    (void)member, (void)which, (void)t, (void)q, (void)p, (void)ctx;
+    return 0;
+}
+
+/* A run whose observer asks has the bits of one whose observer does not. */
+START_TEST(members_are_not_read_in_a_run)
+{
+    tvi_system *system = system_of(&forms[0]);
+    tvi_options options;
+    tvi_ensemble *e;
+    ck_assert(has_options(system, &methods[_i], &options));
+    for (int asks = 0; asks < 2; asks++) {
+        OK(tvi_ensemble_create(&e, system, &options, MEMBERS, 1));
+        const tvi_run_plan plan = {.h = H, .steps = 3, .at_step = asks ? ask_in_a_run : ask_nothing, .ctx = e};
+        group *g = asks ? &asking : &silent;
+        start_group(g, MEMBERS, 0);
+        start_group(&seen, MEMBERS, 0);
+        OK(tvi_ensemble_run(e, &plan, g->t, g->q, g->p, g->status));
+        OK(tvi_ensemble_last(e, seen.t, seen.q, seen.p, seen.status));
+        tvi_ensemble_free(e);
+    }
+    for (int m = 0; m < MEMBERS; m++) ck_assert(asking.t[m] == silent.t[m] && asking.status[m] == TVI_OK);
+    for (int i = 0; i < N * MEMBERS; i++) ck_assert(asking.q[i] == silent.q[i] && asking.p[i] == silent.p[i]);
+    tvi_system_free(system);
+}
+END_TEST
+
 Suite *suite_refused(void)
 {
     Suite *suite = suite_create("refused");
@@ -198,5 +253,8 @@ Suite *suite_refused(void)
     if (getenv("CK_FORK") == NULL) tcase_add_test(tests, too_many_threads); /* whose limit stays */
     tcase_add_test(tests, arguments_that_are_missing);
     suite_add_tcase(suite, tests);
+    TCase *running = tcase_create("running");
+    tcase_add_loop_test(running, members_are_not_read_in_a_run, 0, method_count);
+    suite_add_tcase(suite, running);
     return suite;
 }

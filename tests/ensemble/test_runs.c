@@ -319,61 +319,6 @@ START_TEST(an_observer_of_all_with_events)
 }
 END_TEST
 
-static group seen;
-
-/* Calls all that may not be called while the workers hold the members. */
-static int ask_in_a_run(int member, int which, double t, const double q[], const double p[], void *ctx)
-{
-    tvi_ensemble *ensemble = ctx;
-    const tvi_run_plan plan = {.h = H, .steps = 1};
-    char text[1000];
-    size_t size = sizeof text, bytes;
-    (void)member, (void)which, (void)t, (void)q, (void)p;
-    const tvi_status asked[] = {
-        tvi_ensemble_run(ensemble, &plan, seen.t, seen.q, seen.p, seen.status),
-        tvi_ensemble_integrate(ensemble, H, 1, seen.t, seen.q, seen.p, seen.status, NULL, NULL),
-        tvi_ensemble_last(ensemble, seen.t, seen.q, seen.p, seen.status),
-        tvi_ensemble_member_to_text(ensemble, 0, seen.t, seen.q, seen.p, text, &size),
-        tvi_ensemble_member_from_text(ensemble, 0, text, sizeof text, seen.t, seen.q, seen.p),
-        tvi_ensemble_save(ensemble, NULL, &bytes),
-        tvi_ensemble_load(ensemble, text, sizeof text),
-        tvi_ensemble_set_parameters(ensemble, seen.t),
-    };
-    for (size_t k = 0; k < sizeof asked / sizeof *asked; k++)
-        ck_assert_msg(asked[k] == TVI_EINVAL, "call %zu: %s", k, tvi_status_string(asked[k]));
-    ck_assert_ptr_nonnull(strstr(tvi_last_error(), "in a run"));
-    return 0;
-}
-
-static int ask_nothing(int member, int which, double t, const double q[], const double p[], void *ctx)
-{
-    (void)member, (void)which, (void)t, (void)q, (void)p, (void)ctx;
-    return 0;
-}
-
-/* A run whose observer asks has the bits of one whose observer does not. */
-START_TEST(members_are_not_read_in_a_run)
-{
-    tvi_system *system = system_of(&forms[0]);
-    tvi_options options;
-    tvi_ensemble *ensemble;
-    ck_assert(has_options(system, &methods[_i], &options));
-    for (int asks = 0; asks < 2; asks++) {
-        OK(tvi_ensemble_create(&ensemble, system, &options, MEMBERS, 1));
-        const tvi_run_plan plan = {.h = H, .steps = 3, .at_step = asks ? ask_in_a_run : ask_nothing, .ctx = ensemble};
-        group *g = asks ? &all : &one;
-        start_group(g, MEMBERS, 0);
-        start_group(&seen, MEMBERS, 0);
-        OK(tvi_ensemble_run(ensemble, &plan, g->t, g->q, g->p, g->status));
-        OK(tvi_ensemble_last(ensemble, seen.t, seen.q, seen.p, seen.status));
-        tvi_ensemble_free(ensemble);
-    }
-    for (int m = 0; m < MEMBERS; m++) ck_assert(all.t[m] == one.t[m] && all.status[m] == TVI_OK);
-    for (int i = 0; i < N * MEMBERS; i++) ck_assert(all.q[i] == one.q[i] && all.p[i] == one.p[i]);
-    tvi_system_free(system);
-}
-END_TEST
-
 static void make_events(void)
 {
     OK(tvi_event_create(&events[0], N, TVI_RISING, false, crossing, NULL));
@@ -397,7 +342,6 @@ Suite *suite_runs(void)
     tcase_add_loop_test(following, runs_follow_each_other, 0, method_count);
     tcase_add_test(following, an_observer_stops_and_changes_columns);
     tcase_add_test(following, an_observer_of_all_with_events);
-    tcase_add_loop_test(following, members_are_not_read_in_a_run, 0, method_count);
     suite_add_tcase(suite, following);
     return suite;
 }

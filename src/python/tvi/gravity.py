@@ -39,8 +39,6 @@ class Bodies:
     def __init__(self, mass: Array, axes: int = 3, *, G: float = 1.0, softening: float = 0.0, J2: float = 0.0,
                  radius: float = 0.0, pole: Array = None, oblate: int = 0, sharpness: float = 0.0):
         self._mass = numbers("mass", mass, None)
-        if not ((self._mass >= 0).all() and self._mass.any()):
-            raise ValueError("mass has a negative value, or is all 0")
         self._mass.flags.writeable = False
         bodies = self._bodies = ffi.new("tvi_bodies *")
         bodies.axes = integer("axes", axes, 1, 3)
