@@ -147,13 +147,16 @@ static tvi_status run_to_end(const void *argument, bool *cleared)
 
 static tvi_status move_as_text(const void *argument, bool *cleared)
 {
-    const run_arguments *of = argument;
+    const run_arguments *given = argument;
     char text[2000];
     size_t size = sizeof text;
+    const double kept[N] = {42, 42, 42};
     double t = 42, q[N], p[N];
-    tvi_status status = tvi_state_to_text(of->integrator, 0, some_q, some_p, text, &size);
-    if (status == TVI_OK) status = tvi_state_from_text(of->integrator, text, size, &t, q, p);
-    *cleared = t == 42;
+    memcpy(q, kept, sizeof q);
+    memcpy(p, kept, sizeof p);
+    tvi_status status = tvi_state_to_text(given->integrator, 0, some_q, some_p, text, &size);
+    if (status == TVI_OK) status = tvi_state_from_text(given->integrator, text, size, &t, q, p);
+    *cleared = t == 42 && memcmp(q, kept, sizeof q) == 0 && memcmp(p, kept, sizeof p) == 0;
     return status;
 }
 

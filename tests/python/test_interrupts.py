@@ -1,5 +1,6 @@
 """Ctrl-C ends runs, callbacks and compilations as KeyboardInterrupt, and gives the state that was reached."""
 
+import faulthandler
 import os
 import signal
 import subprocess
@@ -17,14 +18,14 @@ SOON = 15  # seconds within which Ctrl-C is heard on a busy machine; what is int
 
 
 def setUpModule():
-    """Programs in the background of a shell ignore SIGINT, and so would Python; what does not hear it is ended."""
+    """Programs in the background of a shell ignore SIGINT, and so would Python; what does not hear it is ended, and
+    where it stands is told."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    signal.signal(signal.SIGALRM, signal.SIG_DFL)
-    signal.alarm(400)
+    faulthandler.dump_traceback_later(400, exit=True)
 
 
 def tearDownModule():
-    signal.alarm(0)
+    faulthandler.cancel_dump_traceback_later()
 
 
 class Pressed:
