@@ -100,9 +100,9 @@ static void forge(uint64_t *bits, unsigned char *bytes, size_t first, size_t siz
     tvi_saved_add_checksum(bytes, size);
 }
 
-/* The same of a text, of `size` characters: some of its words are others, and so are some characters. Returns the new
- * size, of at most LONGEST_TEXT. */
-enum { LONGEST_TEXT = 4000 };
+/* The same of a text, of `size` characters: some of its words are others, and so are some characters. Half of the texts
+ * have other numbers alone, many of which are read. Returns the new size, of at most LONGEST_TEXT. */
+enum { LONGEST_TEXT = 4000, NUMBERS = 4 };
 static size_t forge_text(uint64_t *bits, const char *text, char forged[LONGEST_TEXT])
 {
     static const char *const others[] = {"0x1p+1023", "-0x1.fffffffffffffp+1023",
@@ -114,16 +114,19 @@ static size_t forge_text(uint64_t *bits, const char *text, char forged[LONGEST_T
                                          "q",         "end",
                                          "tvi",       "3",
                                          "-1",        "0x1.00000000000000000000000000000000000p+0"};
+    const bool is_mild = below(bits, 2) == 0;
+    const uint64_t choice = is_mild ? NUMBERS : sizeof others / sizeof *others;
     uint64_t hash = JET_HASH_OF_NOTHING, changes = 1 + below(bits, 3);
     size_t size = 0;
     for (const char *at = text; *at;) {
         const size_t length = strcspn(at, " \n");
-        const bool is_changed = changes > 0 && below(bits, 20) == 0, is_end = strncmp(at, "end ", 4) == 0;
-        const char *const word = is_changed ? others[below(bits, sizeof others / sizeof *others)] : at;
+        const bool is_end = strncmp(at, "end ", 4) == 0, is_open = !is_mild || strncmp(at, "0x", 2) == 0 || *at == '-';
+        const bool is_changed = changes > 0 && is_open && below(bits, is_mild ? 8 : 20) == 0;
+        const char *const word = is_changed ? others[below(bits, choice)] : at;
         const size_t count = is_changed ? strlen(word) : length;
         changes -= is_changed;
         memcpy(forged + size, word, count);
-        if (!is_changed && changes > 0 && below(bits, 60) == 0) forged[size] = (char)below(bits, 256);
+        if (!is_changed && !is_mild && changes > 0 && below(bits, 60) == 0) forged[size] = (char)below(bits, 256);
         hash = jet_hash(jet_hash(hash, forged + size, count), " ", 1);
         size += count;
         forged[size++] = at[length];
@@ -175,7 +178,8 @@ static void run_integrator(tvi_integrator *it)
     }
 }
 
-/* In one of four it is cut short, too. */
+/* One of four is cut short, too, and counts as neither loaded nor refused. One that is as it was is not tried: what was
+ * forged is counted. */
 static void try_texts(uint64_t *bits, tvi_integrator *it, long count, counts *sum)
 {
     double t, q[N], p[N];
@@ -185,12 +189,14 @@ static void try_texts(uint64_t *bits, tvi_integrator *it, long count, counts *su
     insist(tvi_state_to_text(it, t, q, p, text, &size) == TVI_OK, tvi_last_error());
     for (long k = 0; k < count; k++) {
         size = forge_text(bits, text, forged);
-        if (below(bits, 4) == 0) size = (size_t)below(bits, size);
+        const bool is_cut = below(bits, 4) == 0;
+        if (is_cut) size = (size_t)below(bits, size);
+        else if (size == strlen(text) && memcmp(forged, text, size) == 0) continue;
         char *copy = copy_of(forged, size + 1); /* which the last character is no part of */
         const tvi_status status = tvi_state_from_text(it, copy, size, &t, q, p);
         insist(status < TVI_STATUS_COUNT && is_finite(q, N) && is_finite(p, N), "a text is read as no state");
         if (status == TVI_OK) run_integrator(it);
-        *(status == TVI_OK ? &sum->loaded : &sum->refused) += 1;
+        if (!is_cut) *(status == TVI_OK ? &sum->loaded : &sum->refused) += 1;
         free(copy);
     }
 }
@@ -291,6 +297,6 @@ int main(int argc, char *argv[])
     const counts sum = try_all(seed, count, &texts);
     printf("%ld forged states: %ld loaded, %ld refused\n", sum.loaded + sum.refused, sum.loaded, sum.refused);
     printf("%ld forged texts: %ld read, %ld refused\n", texts.loaded + texts.refused, texts.loaded, texts.refused);
-    return sum.loaded < count / 20 || sum.refused < count / 20 || texts.loaded < count / 20 ||
-           texts.refused < count / 20; /* else it tried nothing */
+    /* else it tried nothing: 9929 and 6512 states of 20000 were seen, and 4701 texts read or refused, the least */
+    return sum.loaded < count / 4 || sum.refused < count / 5 || texts.loaded < count / 8 || texts.refused < count / 8;
 }
