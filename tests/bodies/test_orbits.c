@@ -66,7 +66,11 @@ START_TEST(there_and_back)
         ck_assert_int_eq(tvi_orbit_of(mu, x, v, &found), TVI_OK);
         ck_assert_int_eq(tvi_orbit_state(&found, mu, y, w), TVI_OK);
         conditions(&found, mu, x, v, condition);
-        worst = fmax(worst, fmax(distance(x, y) / condition[0], distance(v, w) / condition[1]));
+        const double far[] = {distance(x, y), distance(v, w)};
+        for (int i = 0; i < 2; i++) {
+            ck_assert(isfinite(far[i]) && condition[i] > 0); /* fmax drops NaN */
+            worst = fmax(worst, far[i] / condition[i]);
+        }
         ck_assert(fabs(found.e - o.e) <= 1e-9 * (1 + o.e) && found.i >= 0 && found.i <= acos(-1));
     }
     ck_assert_msg(worst <= BOUND, "%.2f units", worst / DBL_EPSILON);
@@ -120,8 +124,11 @@ START_TEST(back_and_there)
         sensitivities(&found, mu, x, v, of);
         differences(&o, &found, mu, d);
         const double parts[] = {condition[0] / length(x) / 2, condition[1] / length(v) / 2};
-        for (int i = 0; i < known; i++)
-            worst = fmax(worst, d[i] / (own[i] + parts[0] * of[0][i] + parts[1] * of[1][i]));
+        for (int i = 0; i < known; i++) {
+            const double unit = own[i] + parts[0] * of[0][i] + parts[1] * of[1][i];
+            ck_assert(isfinite(d[i]) && isfinite(unit)); /* fmax drops NaN */
+            worst = fmax(worst, d[i] == 0 ? 0 : d[i] / unit);
+        }
     }
     ck_assert_msg(worst <= BOUND, "%.2f units", worst / DBL_EPSILON);
 }

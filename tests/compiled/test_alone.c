@@ -54,7 +54,7 @@ START_TEST(the_text_is_whole)
 {
     const char *directory = directory_make();
     const tvi_descriptor *method = tvi_methods[_i];
-    int turn = 7 * _i;
+    int turn = 7 * _i, texts = 0;
     for (int nodes = TVI_NODES_ON_CURVE; nodes <= TVI_NODES_TRUNCATED; nodes++)
         for (int first = 0, done = 0; first < DEGREES * FORMS && (runs_all() || done == 0); first++) {
             const int degree = 1 + (first + turn) % DEGREES;
@@ -63,8 +63,9 @@ START_TEST(the_text_is_whole)
             if (!write_text(directory, forms[(first / DEGREES + turn) % FORMS], &options)) continue;
             read_alone(directory, compilers[turn % COMPILERS], instructions[turn / COMPILERS % INSTRUCTIONS],
                        method->title, degree);
-            turn++, done++;
+            turn++, done++, texts++;
         }
+    ck_assert_msg(texts > 0, "%s: no text was written", method->title);
     directory_remove(directory);
 }
 END_TEST
