@@ -113,9 +113,10 @@ do-plain:
 	$(MAKE) -s --no-print-directory BUILD=$(BUILD)/plain PLAIN=1 CFLAGS=-O1 $(BUILD)/plain/libtvi.a
 	$(MAKE) -s --no-print-directory $(PLAIN_FOLDERS:%=$(BUILD)/plain/check/%)
 	export TVI_TESTS=plain; \
-	for folder in ad ensemble; do tests/suites.sh '' $(BUILD)/plain/check/$$folder || exit 1; done & \
+	for folder in ad ensemble; do tests/suites.sh '' $(BUILD)/plain/check/$$folder || exit 1; done & beside=$$!; \
 	tests/suites.sh '' $(BUILD)/plain/check/library && \
-	tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/plain/check/generating && wait $$!
+	tests/suites.sh 'forms,orders,points,convergence,dense,galerkin,references' $(BUILD)/plain/check/generating; \
+	own=$$?; wait $$beside && exit $$own
 
 # generated code: every scene with every method beside the memory of all kinds of steps, then the suites of orders,
 # geometry, tangents, states and random programs; some minutes of the compiler, few where the cache below

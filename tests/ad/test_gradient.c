@@ -253,6 +253,15 @@ END_TEST
     ROW(logarithm, jet_log(x), jet_div(1, x), jet_const(0), 2)                                                         \
     ROW(chain, jet_sin(jet_exp(x)), jet_mul(jet_exp(x), jet_cos(jet_exp(x))), jet_const(0), 1)                         \
     ROW(fan, jet_mul(x, jet_sin(x)), jet_add(jet_sin(x), jet_mul(x, jet_cos(x))), jet_const(0), 2)                     \
+    ROW(cubic, (first = jet_sub(0.5, y), jet_mul(jet_sqr(y), first)), jet_const(0),                                    \
+        jet_sub(jet_sub(y, jet_mul(2, jet_sqr(y))), jet_sqr(y)), 3)                                                    \
+    ROW(mixed, jet_add(jet_mul(0.5, jet_sqr(y)), jet_mul(y, jet_sub(x, jet_div(jet_sqr(y), 3)))), y,                   \
+        jet_add(jet_sub(x, jet_div(jet_sqr(y), 3)), jet_sub(y, jet_mul(2 / 3.0, jet_sqr(y)))), 4)                      \
+    ROW(numbers,                                                                                                       \
+        (first = jet_mul(y, 3), first = jet_mul(first, jet_add(jet_sin(x), y)),                                        \
+         jet_add(jet_mul(y, jet_add(jet_sin(x), 1)), first)),                                                          \
+        jet_mul(4, jet_mul(y, jet_cos(x))),                                                                            \
+        jet_sum(((jet[]){jet_add(jet_sin(x), 1), jet_mul(3, y), jet_mul(3, jet_add(jet_sin(x), y))}), 3), 5)           \
     ROW(differences, (first = jet_sqr(jet_sub(x, 2)), jet_add(jet_sqr(jet_sub(x, y)), first)),                         \
         jet_add(jet_mul(2, jet_sub(x, y)), jet_mul(2, jet_sub(x, 2))), jet_mul(-2, jet_sub(x, y)), 4)
 
