@@ -32,7 +32,7 @@ static jet spring(const jet q[], jet t, void *ctx)
 {
     (void)t, (void)ctx;
     const jet stretch = jet_sub(jet_sqrt(jet_dot(q, q, 2)), 1);
-    return jet_add(jet_mul(0.5e4, jet_sqr(stretch)), q[1]);
+    return jet_add(jet_mul(0.5e4, jet_sqr(stretch)), jet_add(q[1], 1));
 }
 
 /* Bodies in the plane. */
@@ -191,7 +191,7 @@ const hard_case spring_pendulum = {
               .q = (const double[]){1.01, 0},
               .p = (const double[]){0, 0},
               .t_end = 50,
-              .energy_scale = 0.5},
+              .energy_scale = 1.5},
     .bound = 1e-2,
     .h_most = 1,
     .h_least = 3e-4,

@@ -3,6 +3,7 @@
  * last term of the forces (tail.h), and the energy, if the system conserves one. The energy is computed if the step may
  * be wrong, and if the step costs so much more that its energy is cheap. */
 #include "run/guard.h"
+#include "run/energy_zero.h"
 #include "algebra/sizes.h"
 #include "system/refuse.h"
 #include "vector.h"
@@ -51,27 +52,6 @@ static void find_energies(tvi_integrator *it, const double *q, const double *p, 
         if (it->needs_energy[m]) H[m] = energy_of(it, m, q, p);
 }
 
-/* Sets the size of the energy where the run began; 0 means that it is not known. */
-static void set_scale(tvi_reference_energy *reference, double H)
-{
-    reference->scale = isfinite(H) ? fabs(H) : 0;
-    reference->has_scale = true;
-}
-
-static void find_scales(tvi_integrator *it)
-{
-    const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    find_energies(it, q, p, it->energy_before);
-    for (int m = 0; m < it->width; m++)
-        if (it->needs_energy[m] && !it->reference[m].has_scale) set_scale(&it->reference[m], it->energy_before[m]);
-}
-
-void tvi_guard_begin(tvi_integrator *it, int m)
-{
-    const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
-    if (it->stepper->most_change && conserves_energy(it)) set_scale(&it->reference[m], energy_of(it, m, q, p));
-}
-
 /* ---- What a step changes ----------------------------------------------------------------------------------------- */
 
 /* p.dq/dt of the step, which is twice the kinetic energy if there is one. */
@@ -84,19 +64,27 @@ static double action_of(const tvi_integrator *it, int m)
     return action / (2 * fabs(dq[end + m]));
 }
 
-/* The roundoff of the energy that the roundoff of q and p causes, by H_p = dq/dt and -H_q = dp/dt. It is large if the
- * terms of the energy cancel, as along an unstable direction. */
-static double roundoff_of(const tvi_integrator *it, int m)
+/* The roundoff of the energy H: its own, and that which the roundoff of q and p causes by H_p = dq/dt and -H_q = dp/dt.
+ * It is large if the terms of the energy cancel, as along an unstable direction. */
+static double roundoff_of(const tvi_integrator *it, int m, double H)
 {
     const int width = it->width, end = it->system->n * width;
     const double *q = it->state.q, *p = it->state.p, *dp = it->increments.dp, *dq = it->increments.dq;
     double sum = 0;
     for (int k = m; k < end; k += width) sum += fabs(q[k] * dp[k]) + fabs(p[k] * dq[k]);
-    return ROUNDOFF * sum / fabs(dq[end + m]);
+    return ROUNDOFF * (sum / fabs(dq[end + m]) + fabs(H));
+}
+
+/* The size of the member's energy `before` its step. */
+static double size_of_energy(const tvi_reference_energy *reference, double before, double action)
+{
+    if (reference->scale <= NO_ENERGY * action) return PART_OF_ACTION * action;
+    return fmax(reference->scale, fabs(before - reference->zero));
 }
 
 /* Tells whether the energy changes to `after` by more than a right step can change it. If the energy has no value the
- * answer is false, and the next step fails. */
+ * answer is false, and the next step fails. The first step from rest of a method of order 1 may move p alone: it has no
+ * action, and nothing is known. */
 static bool loses_energy(tvi_integrator *it, int m, double after)
 {
     tvi_reference_energy *reference = &it->reference[m];
@@ -104,23 +92,23 @@ static bool loses_energy(tvi_integrator *it, int m, double after)
     reference->is_known = isfinite(before) && isfinite(after);
     if (!reference->is_known) return isfinite(before) && isinf(after);
     reference->H = after;
-    const double action = action_of(it, m),
-                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + m] : 0;
-    const double size =
-        reference->scale > NO_ENERGY * action ? fmax(reference->scale, fabs(before)) : PART_OF_ACTION * action;
-    return fabs(after - before + change_of_e) > MOST_CHANGE * size + roundoff_of(it, m);
+    const double action = action_of(it, m), roundoff = roundoff_of(it, m, before),
+                 change_of_e = tvi_is_rescaled(it) ? it->increments.dp[it->system->n * it->width + m] : 0,
+                 change = fabs(after - before + change_of_e);
+    if (change <= roundoff) return false;
+    if (!reference->has_scale) tvi_energy_zero_find(it, m, before, roundoff);
+    if (!reference->has_scale && action == 0) return false;
+    if (change <= MOST_CHANGE * size_of_energy(reference, before, action) + roundoff) return false;
+    tvi_energy_zero_lower(it, m);
+    return change > MOST_CHANGE * size_of_energy(reference, before, action) + roundoff;
 }
 
 /* Refuses the members whose energy says that the step is too large. */
 static void check_energies(tvi_integrator *it)
 {
     const int width = it->width, n = it->system->n;
-    bool has_scales = true, knows_all = true;
-    for (int m = 0; m < width; m++) {
-        has_scales = has_scales && (it->reference[m].has_scale || !it->needs_energy[m]);
-        knows_all = knows_all && (it->reference[m].is_known || !it->needs_energy[m]);
-    }
-    if (!has_scales) find_scales(it);
+    bool knows_all = true;
+    for (int m = 0; m < width; m++) knows_all = knows_all && (it->reference[m].is_known || !it->needs_energy[m]);
     if (!knows_all) find_energies(it, it->state.q, it->state.p, it->energy_before);
     for (int k = 0; k < (n + 1) * width; k++) it->end.q[k] = it->state.q[k] + it->increments.dq[k];
     for (int k = 0; k < n * width; k++) it->end.p[k] = it->state.p[k] + it->increments.dp[k];

@@ -7,10 +7,6 @@
 
 #include <math.h>
 
-/* Begins the run of a member at its state, whose energy the steps are to conserve. That energy is computed here if
- * every step asks for it, otherwise when a step first does. */
-void tvi_guard_begin(tvi_integrator *integrator, int member);
-
 /* The limits up to which steps need no check of their energies. */
 tvi_skip_limits tvi_guard_skip_limits(const tvi_integrator *integrator);
 

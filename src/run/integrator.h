@@ -10,10 +10,14 @@
 #include <math.h>
 #include <string.h>
 
-/* The energy that the guard compares with: its size where the run began, and its value at the current state. */
+/* The energy that the guard compares with (energy_zero.h). */
 typedef struct {
-    double scale, H;
-    long has_scale, is_known; /* whether scale is set, and H */
+    double zero;     /* the energy from which it is counted */
+    double scale;    /* its size, where it was first asked for */
+    double H;        /* its value at the current state */
+    long has_scale;  /* zero and scale are set */
+    long is_lowered; /* the zero is an estimate, which may be lowered */
+    long is_known;   /* H is set */
 } tvi_reference_energy;
 
 /* The memory of tvi_step_tangent, which is made when that is first called (tangent.c). */

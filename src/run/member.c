@@ -165,6 +165,5 @@ tvi_status tvi_member_begin(tvi_integrator *it, int member, const tvi_given_stat
         *at(it, it->state.p, i, member) = *at(it, it->run_start, n + 1 + i, member) = it->member_state.p[i];
     }
     *at(it, it->state.q, n, member) = *at(it, it->run_start, n, member) = given->t;
-    tvi_guard_begin(it, member);
     return tvi_is_rescaled(it) ? set_energy(it, member) : TVI_OK;
 }

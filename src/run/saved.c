@@ -9,7 +9,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { STATE_VERSION = 12 };
+enum { STATE_VERSION = 13 };
 
 static const char MAGIC[] = "tvistate";
 
@@ -138,7 +138,7 @@ bool tvi_history_is_sound(const tvi_integrator *it)
     bool is_sound = tvi_all_finite(rows + width, state->q) && tvi_all_finite(rows + width, state->q_low) &&
                     tvi_all_finite(rows, state->p) && tvi_all_finite(rows, state->p_low);
     for (int m = 0; m < width; m++)
-        is_sound = is_sound && isfinite(it->reference[m].scale) &&
+        is_sound = is_sound && isfinite(it->reference[m].zero) && isfinite(it->reference[m].scale) &&
                    (!it->reference[m].is_known || isfinite(it->reference[m].H));
     bool (*const of_work)(const void *) = batch ? batch->is_sound : it->stepper->is_sound;
     return is_sound && (!of_work || of_work(it->work));

@@ -66,7 +66,7 @@ tvi_status pair_step(const hard_pair *pair, double h, hard_state *x)
     return tvi_step(pair->integrator, h, &x->t, x->q, x->p);
 }
 
-static Suite *(*const suites[])(void) = {suite_failing, suite_limits,     suite_extremes,
-                                         suite_lowest,  suite_equilibria, suite_guard};
+static Suite *(*const suites[])(void) = {suite_failing,    suite_limits, suite_extremes, suite_lowest,
+                                         suite_equilibria, suite_guard,  suite_zero};
 
 int main(void) { return RUN_SUITES(suites); }

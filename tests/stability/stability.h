@@ -12,6 +12,7 @@ Suite *suite_extremes(void);
 Suite *suite_lowest(void);
 Suite *suite_equilibria(void);
 Suite *suite_guard(void);
+Suite *suite_zero(void);
 
 extern const hard_case *const all_cases[]; /* those of the search, the chains, and the largest and smallest states */
 extern const hard_method all_methods[];    /* every named method at orders that it has */

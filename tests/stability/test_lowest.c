@@ -54,7 +54,7 @@ static void run(int n, const tvi_options *options, double q[], double p[])
     }
     ck_assert_int_eq(tvi_system_potential(&system, n, NULL, poles, &n), TVI_OK);
     ck_assert_int_eq(tvi_integrator_create(&integrator, system, options), TVI_OK);
-    const tvi_status status = tvi_integrate(integrator, 0.1, STEPS, &t, q, p, NULL, NULL);
+    const tvi_status status = tvi_integrate(integrator, 0.05, STEPS, &t, q, p, NULL, NULL);
     ck_assert_msg(status == TVI_OK, "method %d at %d, nodes %d, n = %d: %s", (int)options->method,
                   (int)options->expansion, (int)options->nodes, n, tvi_status_string(status));
     tvi_integrator_free(integrator);

@@ -1,0 +1,112 @@
+/* energy_zero.c - Finds the zero from which the guard counts the energy of a member (energy_zero.h).
+ *
+ * The zero is an energy of the system at rest, H(q, 0):
+ *   - the limit of H(c q, 0) for large c, if there is one, as where bodies attract each other; or else
+ *   - the lowest energy at rest along straight lines from the state, up to where it rises. This is about the energy of
+ *     an equilibrium. It is lowered later, wherever the member's energy at rest is found to be lower.
+ * A constant added to H is added to the zero, too. An H that is not even in p, as in a magnetic field, has no energy at
+ * rest; its zero is 0, and its scale is |H| where the run began. */
+#include "run/energy_zero.h"
+
+#include <math.h>
+
+/* Two factors of q that are so large that the forces of bodies are negligible, and the part of the energy by which H
+ * may differ between them. */
+static const double FAR = 0x1p60, FARTHER = 0x1p90, MOST_DIFFERENCE = 1e-9;
+/* The lines are searched from NEAREST increments of the step to FARTHEST, by factors of RATIO. A step from rest that is
+ * too large may be a billion times as long as it should be. */
+static const double NEAREST = 0x1p-30, FARTHEST = 0x1p12, RATIO = 2;
+
+/* Lines from the start of a step. They go forward and back along its increment of q, or move each coordinate by the
+ * increment's size in the direction of its force. */
+typedef enum { FORWARD, BACK, DOWNHILL, LINES } line;
+
+/* The component of the line's direction for the increments dq, dp in a time of this sign. */
+static double direction_of(line along, double dq, double dp, double time)
+{
+    return along == FORWARD ? dq : along == BACK ? -dq : copysign(dq, dp * time);
+}
+
+static double energy_of(tvi_integrator *it, int m)
+{
+    double H;
+    return tvi_member_energy(it, m, it->end.q, it->end.p, &H) == TVI_OK ? H : NAN;
+}
+
+/* H(factor q + distance d, 0), where q is where the member's step starts and d the direction of the line. */
+static double energy_at_rest(tvi_integrator *it, int m, double factor, double distance, line along)
+{
+    const int width = it->width, end = it->system->n * width;
+    const double *dq = it->increments.dq, *dp = it->increments.dp;
+    for (int k = m; k < end; k += width) {
+        it->end.q[k] = factor * it->state.q[k] + distance * direction_of(along, dq[k], dp[k], dq[end + m]);
+        it->end.p[k] = 0;
+    }
+    it->end.q[end + m] = it->state.q[end + m];
+    return energy_of(it, m);
+}
+
+static double energy_at_rest_here(tvi_integrator *it, int m) { return energy_at_rest(it, m, 1, 0, FORWARD); }
+
+/* Tells whether H(q, -p) is H, to roundoff. */
+static bool is_even(tvi_integrator *it, int m, double H, double roundoff)
+{
+    const int width = it->width, end = it->system->n * width;
+    for (int k = m; k < end; k += width) {
+        it->end.q[k] = it->state.q[k];
+        it->end.p[k] = -it->state.p[k];
+    }
+    it->end.q[end + m] = it->state.q[end + m];
+    return fabs(H - energy_of(it, m)) <= roundoff;
+}
+
+/* The lowest energy at rest along the line, from `here` to where it rises. */
+static double lowest_along(tvi_integrator *it, int m, line along, double here, double roundoff)
+{
+    double lowest = here;
+    for (double distance = NEAREST; distance <= FARTHEST; distance *= RATIO) {
+        const double next = energy_at_rest(it, m, 1, distance, along);
+        if (!(next <= lowest + roundoff)) break;
+        lowest = fmin(next, lowest);
+    }
+    return lowest;
+}
+
+static double lowest_nearby(tvi_integrator *it, int m, double roundoff)
+{
+    const double here = energy_at_rest_here(it, m);
+    double lowest = here;
+    for (line along = 0; along < LINES; along++) lowest = fmin(lowest, lowest_along(it, m, along, here, roundoff));
+    return lowest;
+}
+
+/* |H| where the member's run began. */
+static double first_size(tvi_integrator *it, int m)
+{
+    double H;
+    const double *q = it->run_start, *p = q + (it->system->n + 1) * it->width;
+    return tvi_member_energy(it, m, q, p, &H) == TVI_OK ? fabs(H) : NAN;
+}
+
+void tvi_energy_zero_find(tvi_integrator *it, int m, double H, double roundoff)
+{
+    tvi_reference_energy *reference = &it->reference[m];
+    const double far = energy_at_rest(it, m, FAR, 0, FORWARD), farther = energy_at_rest(it, m, FARTHER, 0, FORWARD);
+    const bool has_rest = is_even(it, m, H, roundoff),
+               has_limit = has_rest && fabs(far - farther) <= MOST_DIFFERENCE * fabs(H - farther);
+    reference->zero = has_limit ? farther : has_rest ? lowest_nearby(it, m, roundoff) : 0;
+    reference->is_lowered = has_rest && !has_limit;
+    reference->scale = has_rest ? fabs(H - reference->zero) : first_size(it, m);
+    reference->has_scale = reference->scale > roundoff;
+    if (!reference->has_scale) reference->zero = reference->scale = 0; /* may be NaN */
+}
+
+void tvi_energy_zero_lower(tvi_integrator *it, int m)
+{
+    tvi_reference_energy *reference = &it->reference[m];
+    if (!reference->is_lowered) return;
+    const double fall = reference->zero - energy_at_rest_here(it, m);
+    if (!(fall > 0) || !isfinite(fall)) return;
+    reference->zero -= fall;
+    reference->scale += fall;
+}

@@ -1,0 +1,16 @@
+/* energy_zero.h - Declares the search for the zero from which the guard counts the energy of a member. The zero of a
+ * potential is anybody's choice, and so |H| does not measure a motion. guard.c calls it. */
+#ifndef TVI_SRC_RUN_ENERGY_ZERO_H
+#define TVI_SRC_RUN_ENERGY_ZERO_H
+
+#include "run/integrator.h"
+
+/* Sets the member's reference zero and scale at the state where its step starts. The state has the energy H, with this
+ * roundoff. */
+void tvi_energy_zero_find(tvi_integrator *integrator, int member, double H, double roundoff);
+
+/* Lowers the zero to the energy of the member at rest where its step starts, if that is lower. A zero that is the
+ * energy far away is kept. */
+void tvi_energy_zero_lower(tvi_integrator *integrator, int member);
+
+#endif

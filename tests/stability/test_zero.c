@@ -1,0 +1,186 @@
+/* test_zero.c - Tests that a constant in V, L or H changes neither the status of a step nor the orbit: the guard knows
+ * no zero of the energy (run/energy_zero.c). */
+#include "stability.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- Motions ----------------------------------------------------------------------------------------------------- */
+
+static jet spring(const jet q[]) { return jet_div(jet_sqr(q[0]), 2); }
+static jet attraction(const jet q[]) { return jet_neg(jet_pow(jet_dot(q, q, 2), -0.5)); }
+static jet pendulum(const jet q[]) { return jet_neg(jet_cos(q[0])); }
+static jet valley(const jet q[])
+{
+    const jet cubic = jet_mul(q[1], jet_sub(jet_sqr(q[0]), jet_div(jet_sqr(q[1]), 3)));
+    return jet_add(jet_div(jet_dot(q, q, 2), 2), cubic);
+}
+static jet flat_valley(const jet q[]) { return jet_div(jet_sqr(jet_sqr(q[0])), 4); }
+
+/* `period` is about the shortest time in which the motion changes. */
+typedef struct {
+    const char *name;
+    jet (*potential)(const jet q[]);
+    int n;
+    double q[2], p[2], period;
+} motion;
+
+static const motion motions[] = {
+    {"spring from rest", spring, 1, {1}, {0}, 6.28},
+    {"spring", spring, 1, {0.3}, {0.8}, 6.28},
+    {"Kepler, e = 0.9, from the apocentre", attraction, 2, {1.9, 0}, {0, 0.22941573387056177}, 6.28},
+    {"Kepler, e = 0.9, from the pericentre", attraction, 2, {0.1, 0}, {0, 4.358898943540674}, 0.4},
+    {"pendulum from rest", pendulum, 1, {1.5}, {0}, 7},
+    {"pendulum that turns", pendulum, 1, {0.5}, {2.5}, 3},
+    {"Henon-Heiles from rest", valley, 2, {0.3, -0.35}, {0, 0}, 6.28},
+    {"Henon-Heiles", valley, 2, {0, 0.1}, {0.5, 0.1}, 6.28},
+    {"spring of order 4 from rest", flat_valley, 1, {1}, {0}, 7},
+    {"spring of order 4 from its equilibrium", flat_valley, 1, {0}, {0.7}, 7},
+};
+enum { MOTIONS = sizeof motions / sizeof *motions };
+
+/* ---- Systems ----------------------------------------------------------------------------------------------------- */
+
+typedef struct {
+    const motion *motion;
+    double constant;
+} energy;
+
+static jet potential(const jet q[], jet t, void *ctx)
+{
+    const energy *e = ctx;
+    (void)t;
+    return jet_add(e->motion->potential(q), e->constant);
+}
+
+static jet hamiltonian(const jet q[], const jet p[], jet t, void *ctx)
+{
+    return jet_add(jet_div(jet_dot(p, p, ((const energy *)ctx)->motion->n), 2), potential(q, t, ctx));
+}
+
+static jet lagrangian(const jet q[], const jet v[], jet t, void *ctx)
+{
+    return jet_sub(jet_div(jet_dot(v, v, ((const energy *)ctx)->motion->n), 2), potential(q, t, ctx));
+}
+
+static jet time_scale(const jet q[], const jet p[], jet t, void *ctx)
+{
+    const motion *a = ((const energy *)ctx)->motion;
+    (void)p, (void)t;
+    return jet_add(0.5, jet_div(jet_dot(q, q, a->n), 4));
+}
+
+enum { POTENTIAL, HAMILTONIAN, LAGRANGIAN, RESCALED, FORMS };
+
+static tvi_system *system_of(int form, energy *e)
+{
+    tvi_system *system = NULL, *rescaled = NULL;
+    const int n = e->motion->n;
+    if (form == HAMILTONIAN) ck_assert_int_eq(tvi_system_hamiltonian(&system, n, hamiltonian, e), TVI_OK);
+    else if (form == LAGRANGIAN) ck_assert_int_eq(tvi_system_lagrangian(&system, n, lagrangian, e), TVI_OK);
+    else ck_assert_int_eq(tvi_system_potential(&system, n, NULL, potential, e), TVI_OK);
+    if (form != RESCALED) return system;
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, system, time_scale, e), TVI_OK);
+    tvi_system_free(system);
+    return rescaled;
+}
+
+/* ---- Runs -------------------------------------------------------------------------------------------------------- */
+
+enum { STEPS = 25 };
+static const double steps_a_period[] = {3, 8, 20, 100};
+enum { SIZES = sizeof steps_a_period / sizeof *steps_a_period };
+
+/* The results of runs with steps of all sizes. */
+typedef struct {
+    int made[SIZES];
+    tvi_status status[SIZES];
+    hard_state end[SIZES];
+} outcome;
+
+/* false: the method does not serve the form. */
+static bool run(int form, energy e, const hard_method *m, outcome *out)
+{
+    tvi_system *system = system_of(form, &e);
+    tvi_options options;
+    tvi_integrator *integrator;
+    ck_assert(hard_options(m, &options));
+    const tvi_status served = tvi_integrator_create(&integrator, system, &options);
+    for (int k = 0; served == TVI_OK && k < SIZES; k++) {
+        hard_state x = {0, {e.motion->q[0], e.motion->q[1]}, {e.motion->p[0], e.motion->p[1]}};
+        const double h = e.motion->period / steps_a_period[k];
+        tvi_status status = TVI_OK;
+        tvi_integrator_reset(integrator);
+        out->made[k] = 0;
+        while (out->made[k] < STEPS && (status = tvi_step(integrator, h, &x.t, x.q, x.p)) == TVI_OK) out->made[k]++;
+        out->status[k] = status;
+        out->end[k] = x;
+    }
+    tvi_integrator_free(integrator);
+    tvi_system_free(system);
+    ck_assert(served == TVI_OK || served == TVI_EUNSUPPORTED);
+    return served == TVI_OK;
+}
+
+static double distance(const hard_state *a, const hard_state *b)
+{
+    double most = fabs(a->t - b->t);
+    for (int i = 0; i < 2; i++) most = fmax(most, fmax(fabs(a->q[i] - b->q[i]), fabs(a->p[i] - b->p[i])));
+    return most;
+}
+
+/* K = g (H + e) has the constant in H and in e, whose roundoff is left; else the forces are the same bits. */
+static void compare(int form, const energy *e, const hard_method *m, const outcome *plain, const outcome *shifted)
+{
+    const double roundoff = form == RESCALED ? 1e-12 * (1 + fabs(e->constant)) : 0;
+    for (int k = 0; k < SIZES; k++) {
+        const double apart = distance(&plain->end[k], &shifted->end[k]);
+        ck_assert_msg(plain->status[k] == shifted->status[k] && plain->made[k] == shifted->made[k],
+                      "%s, form %d, %s %d, constant %g, %g steps: %s after %d, without it %s after %d", e->motion->name,
+                      form, m->name, m->order, e->constant, steps_a_period[k], tvi_status_string(shifted->status[k]),
+                      shifted->made[k], tvi_status_string(plain->status[k]), plain->made[k]);
+        ck_assert_msg(apart <= roundoff, "%s, form %d, %s %d, constant %g, %g steps: apart %g", e->motion->name, form,
+                      m->name, m->order, e->constant, steps_a_period[k], apart);
+    }
+}
+
+/* The orbits of these methods depend on the zero of a momentum, here of e = -H. */
+static bool is_gauged(const hard_method *m)
+{
+    return strcmp(m->name, "htvi-right") == 0 || strcmp(m->name, "htvi-left") == 0 || strcmp(m->name, "svhd") == 0;
+}
+
+/* The equations of types II and III have the product of e and the time, whose roundoff may keep passes from ending. */
+static bool loses_digits(const hard_method *m) { return strcmp(m->name, "right") == 0 || strcmp(m->name, "left") == 0; }
+
+START_TEST(a_constant_does_not_show)
+{
+    const motion *a = &motions[_i / FORMS];
+    const int form = _i % FORMS;
+    tvi_system *system = system_of(POTENTIAL, &(energy){a, 0});
+    double H;
+    ck_assert_int_eq(tvi_energy(system, 0, a->q, a->p, &H), TVI_OK);
+    tvi_system_free(system);
+    const double constants[] = {-H, 1e-3 - H, 1, 1e3, 1e6};
+    for (int i = 0; i < method_count; i++) {
+        outcome plain, shifted;
+        if (form == RESCALED && is_gauged(&all_methods[i])) continue;
+        if (!run(form, (energy){a, 0}, &all_methods[i], &plain)) continue;
+        for (int k = 0; k < 5; k++) {
+            const energy e = {a, constants[k]};
+            if (form == RESCALED && e.constant > 1e3 && loses_digits(&all_methods[i])) continue;
+            run(form, e, &all_methods[i], &shifted);
+            compare(form, &e, &all_methods[i], &plain, &shifted);
+        }
+    }
+}
+END_TEST
+
+Suite *suite_zero(void)
+{
+    Suite *suite = suite_create("zero");
+    TCase *tcase = tcase_create("zero");
+    tcase_add_loop_test(tcase, a_constant_does_not_show, 0, MOTIONS * FORMS);
+    suite_add_tcase(suite, tcase);
+    return suite;
+}
