@@ -95,7 +95,7 @@ static void take_tail_inputs(galerkin_tail_inputs *inputs, tvi_arena *arena, con
     for (size_t i = 0; i < 6; i++) *vectors[i] = tvi_arena_doubles(arena, (size_t)system->inputs + 7);
     inputs->n = system->n;
     inputs->is_separable = system->form == TVI_SEPARABLE;
-    inputs->has_masses = system->has_masses;
+    inputs->has_masses = system->compares_movements;
     inputs->parts = system->parts;
     inputs->scale = scale;
     inputs->per_scale = tvi_arena_doubles(arena, (size_t)system->n);

@@ -276,7 +276,7 @@ static inline void curve_measure(const tvi_curve *curve)
 static inline double curve_tail_of(const tvi_curve *curve, int first, int end)
 {
     const tvi_subsystems *parts = &curve->system->parts;
-    const bool has_masses = curve->system->has_masses;
+    const bool has_masses = curve->system->compares_movements;
     tvi_tail_survey survey = {0, 0, 0};
     for (int k = first; k < end; k++) {
         const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k));

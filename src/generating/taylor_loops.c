@@ -68,7 +68,7 @@ JET_INLINE void tails_of(const tvi_taylor_lanes *curve, int q_degree, int p_degr
                                   .position = fabs(q0[m])};
             part.per_momentum = 1 / part.momentum;
             part.per_movement = 1 / part.movement;
-            share[m] = tvi_tail_share(&part, has_masses || curve->system->has_masses);
+            share[m] = tvi_tail_share(&part, has_masses || curve->system->compares_movements);
             ratio[m] = tvi_tail_ratio(&part);
         }
     }

@@ -79,6 +79,8 @@ tvi_status tvi_system_rescaled(tvi_system **out, const tvi_system *system, tvi_r
     if (status != TVI_OK) return jet_refuse(status, "K = g (H + e): %s", jet_refusal());
     stepped->regular = false; /* K_ee = 0 */
     stepped->is_automatic = !g;
+    stepped->compares_movements = system->has_masses;
+    tvi_system_split_time(stepped);
     status = tvi_system_hamiltonian(&rescaled, system->n, tvi_stated_hamiltonian, (void *)system);
     if (status != TVI_OK) {
         tvi_system_free(stepped);

@@ -298,6 +298,7 @@ static tvi_status lower(recording *rec, const statement *given)
     system->field_values = jet_tape_create(system->graph, outputs, outputs, rec->field, JET_TAPE_VALUES);
     if (!system->field_series || !system->field_values) return TVI_ENOMEM;
     if (tvi_system_find_subsystems(system) != TVI_OK) return TVI_ENOMEM;
+    system->compares_movements = system->has_masses;
     system->uses_time = system->field_series->inputs > outputs;
     if (system->form == TVI_HAMILTONIAN) {
         system->bend_values = jet_tape_create(system->graph, 3 * n + 1, 2 * n, rec->bend, JET_TAPE_VALUES);

@@ -76,3 +76,18 @@ tvi_status tvi_system_find_subsystems(tvi_system *system)
     free(counts);
     return has_memory ? TVI_OK : TVI_ENOMEM;
 }
+
+void tvi_system_split_time(tvi_system *system)
+{
+    tvi_subsystems *parts = &system->parts;
+    const int n = system->n;
+    int kept = 0, k = 0;
+    for (int part = 0, at = 0; part < parts->count; part++) {
+        for (; at < parts->end[part]; at++)
+            if (parts->member[at] != n - 1) parts->member[k++] = parts->member[at];
+        if (k > (kept ? parts->end[kept - 1] : 0)) parts->end[kept++] = k;
+    }
+    parts->member[k] = n - 1;
+    parts->end[kept++] = n;
+    parts->count = kept;
+}

@@ -34,6 +34,8 @@ struct tvi_system {
     double *mass;
     /* p = M v + f(q, t), M diagonal and constant, as in a rotating frame, or in a driven system. */
     bool has_masses;
+    /* The parts of the tail are compared by the movements of the coordinates (algebra/tail.h). */
+    bool compares_movements;
     tvi_subsystems parts;
     /* Lagrangian or Hamiltonian: L_vv or H_pp is regular somewhere. */
     bool regular;
@@ -96,6 +98,8 @@ void tvi_system_find_inertia(tvi_system *system, const jet linear[]);
 
 /* Sets system->parts from the field. TVI_ENOMEM. */
 TVI_NODISCARD tvi_status tvi_system_find_subsystems(tvi_system *system);
+/* Makes the time, the last coordinate of a rescaled system, a subsystem of its own, whose tail counts in full. */
+void tvi_system_split_time(tvi_system *system);
 
 /* The number of outputs of the field. */
 static inline int tvi_system_outputs(const tvi_system *system)

@@ -186,12 +186,48 @@ START_TEST(who_steers)
 }
 END_TEST
 
+/* A star, a planet of hardly any mass and a comet without mass, whose pericentre g does not see: the orbit of the comet
+ * is right, or the tail is large or the step is refused. Its semi-major axis is known. */
+START_TEST(a_comet_shows_in_the_tail)
+{
+    static const double comet_masses[] = {1, 1e-12, 0}, steps[] = {0.1, 0.25, 0.5, 0.8, 1.1}, a = 3;
+    const double e = 0.1 * _i + (_i == 10 ? -0.05 : 0), q0[] = {0, 0, 1, 0, -a * (1 + e), 0},
+                 v0[] = {0, 0, 0, 1, 0, -sqrt((1 - e) / (1 + e) / a)};
+    const tvi_bodies bodies = {.bodies = 3, .axes = 2, .mass = comet_masses, .sharpness = 3};
+    double mass[6], q[6], p[6], v[6];
+    tvi_bodies_masses(&bodies, mass);
+    tvi_system *base, *rescaled;
+    ck_assert_int_eq(tvi_system_potential(&base, 6, mass, tvi_bodies_potential, (void *)&bodies), TVI_OK);
+    ck_assert_int_eq(tvi_system_rescaled(&rescaled, base, tvi_bodies_scale, (void *)&bodies), TVI_OK);
+    const tvi_options options = tvi_options_default();
+    for (int k = 0; k < 5; k++) {
+        tvi_integrator *integrator;
+        double t = 0;
+        memcpy(q, q0, sizeof q);
+        tvi_bodies_momenta(&bodies, v0, p);
+        ck_assert_int_eq(tvi_integrator_create(&integrator, rescaled, &options), TVI_OK);
+        const tvi_status status = tvi_integrate(integrator, steps[k], 500, &t, q, p, NULL, NULL);
+        const double tail = tvi_integrator_stats(integrator)->largest_tail;
+        tvi_bodies_velocities(&bodies, p, v);
+        const double energy = (v[4] * v[4] + v[5] * v[5]) / 2 - 1 / hypot(q[4] - q[0], q[5] - q[1]);
+        const double error = fabs(-1 / (2 * energy) - a);
+        ck_assert_msg(status != TVI_OK || error < 1e-2 || tail > 1e-2, "e = %g, h = %g: a is off by %g, the tail is %g",
+                      e, steps[k], error, tail);
+        if (e < 0.25 && steps[k] < 1) ck_assert_msg(status == TVI_OK && error < 1e-3 && tail < 1e-3, "e = %g", e);
+        tvi_integrator_free(integrator);
+    }
+    tvi_system_free(rescaled);
+    tvi_system_free(base);
+}
+END_TEST
+
 Suite *suite_scales(void)
 {
     Suite *suite = suite_create("scales");
     TCase *tests = tcase_create("scales");
     tcase_add_loop_test(tests, as_by_hand, 0, ROWS);
     tcase_add_test(tests, who_steers);
+    tcase_add_loop_test(tests, a_comet_shows_in_the_tail, 0, 11);
     suite_add_tcase(suite, tests);
     return suite;
 }
