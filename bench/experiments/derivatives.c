@@ -23,10 +23,10 @@ static prolongation prolong(const tvi_system *system, const scene *s, int top)
 {
     prolongation x;
     tvi_arena arena = {0};
-    tvi_curve_take(&x.curve, &arena, system, top, true);
+    tvi_curve_take(&x.curve, &arena, system, top, true, 1);
     x.memory = tvi_arena_open(&arena);
     if (!x.memory) exit(EXIT_FAILURE);
-    tvi_curve_take(&x.curve, &arena, system, top, true);
+    tvi_curve_take(&x.curve, &arena, system, top, true, 1);
     tvi_blocks_prepare(arena.blocks);
     tvi_curve_prepare(&x.curve);
     double z[2 * BASELINE_N_MAX];

@@ -19,14 +19,17 @@ void dgetrs_(const char *trans, const int *n, const int *nrhs, const double *a, 
  * it dgetf2 is called. */
 enum { DGETRF_BELOW = 100 };
 
-void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n)
+void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n) { tvi_factor_take_several(factor, arena, n, 1); }
+
+void tvi_factor_take_several(tvi_factor *factor, tvi_arena *arena, int n, int width)
 {
+    const size_t numbers = (size_t)n * (size_t)width;
     factor->n = n;
-    factor->lu = tvi_arena_doubles(arena, (size_t)n * (size_t)n);
-    factor->row_scale = tvi_arena_doubles(arena, (size_t)n);
+    factor->lu = tvi_arena_doubles(arena, (size_t)n * numbers);
+    factor->row_scale = tvi_arena_doubles(arena, numbers);
     factor->column_scale = tvi_arena_doubles(arena, (size_t)n);
     factor->pivot = tvi_arena_take(arena, (size_t)n * sizeof(int));
-    factor->matrix = tvi_arena_doubles(arena, (size_t)n * (size_t)n);
+    factor->matrix = tvi_arena_doubles(arena, (size_t)n * numbers);
     factor->given = tvi_arena_doubles(arena, (size_t)n);
     factor->residual = tvi_arena_doubles(arena, (size_t)n);
 }

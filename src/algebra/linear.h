@@ -19,6 +19,8 @@ typedef struct {
 } tvi_factor;
 
 void tvi_factor_take(tvi_factor *factor, tvi_arena *arena, int n);
+/* Takes the factors of several members (linear_small.h), which stand side by side. */
+void tvi_factor_take_several(tvi_factor *factor, tvi_arena *arena, int n, int width);
 
 /* Factors P L U in place. TVI_ESINGULAR; TVI_ENONFINITE if the matrix is not finite. */
 TVI_NODISCARD tvi_status tvi_factor_compute(tvi_factor *factor);

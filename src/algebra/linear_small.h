@@ -235,63 +235,86 @@ JET_INLINE bool linear_is_safe_pivot(double pivot, double before, double least)
     return size > least * most && least * size < most;
 }
 
+/* The systems of several members stand side by side: `width` numbers in the place of each, the member fastest. */
+enum { LINEAR_MOST_WIDTH = 32 };
+
+#define LINEAR_TAKE_PRODUCT(V, S) JET_AT(V, x, 0) -= JET_OF(V, a, 0) * JET_OF(V, b, 0);
+#define LINEAR_MULTIPLY(V, S)     JET_AT(V, x, 0) = JET_OF(V, a, 0) * JET_OF(V, b, 0);
+
+/* x <- x - a b, and x <- a b, [width] */
+JET_INLINE void linear_take_product(int width, const double a[], const double b[], double x[])
+{
+    enum { stride = 0 };
+    JET_BLOCKS(width, LINEAR_TAKE_PRODUCT, );
+}
+JET_INLINE void linear_multiply(int width, const double a[], const double b[], double x[])
+{
+    enum { stride = 0 };
+    JET_BLOCKS(width, LINEAR_MULTIPLY, );
+}
+
 /* A = L U, row-major: U in the upper half of factor->lu, L below the diagonal of factor->matrix, and 1 / U_jj in
  * factor->row_scale. In this layout rows are only written as a whole. The first `in_units` rows are in the units of
- * their columns. Returns false if a pivot needs an exchange of rows, or is no number. */
-JET_INLINE bool linear_unpivoted_factor(int n, int in_units, tvi_factor *factor)
+ * their columns. Clears is_safe [width] if a pivot needs an exchange of rows, or is no number. */
+JET_INLINE void linear_unpivoted_factor(int n, int in_units, int width, const tvi_factor *factor, long long is_safe[])
 {
     const size_t stride = (size_t)n;
-    bool is_safe = true;
-    double before[LINEAR_SMALL] = {0};
+    double before[LINEAR_SMALL * LINEAR_MOST_WIDTH];
     JET_UNROLLED
-    for (int j = 0; j < n; j++) before[j] = factor->lu[j * n + j];
+    for (int j = 0; j < n; j++)
+        for (int m = 0; m < width; m++) before[j * width + m] = factor->lu[(j * n + j) * width + m];
     JET_UNROLLED
     for (int j = 0; j < n; j++) {
-        const double *row = factor->lu + j * n, pivot = row[j], inverse = 1 / pivot;
-        is_safe &= linear_is_safe_pivot(pivot, before[j], LINEAR_LEAST_PIVOT);
-        if (j < in_units) is_safe &= fabs(pivot) >= LINEAR_LEAST_PIVOT;
-        factor->row_scale[j] = inverse;
+        const double *row = factor->lu + j * n * width, *pivot = row + j * width;
+        double *inverse = factor->row_scale + j * width;
+        for (int m = 0; m < width; m++) {
+            const bool is_large = j >= in_units || fabs(pivot[m]) >= LINEAR_LEAST_PIVOT;
+            inverse[m] = 1 / pivot[m];
+            is_safe[m] &=
+                -(long long)(is_large & linear_is_safe_pivot(pivot[m], before[j * width + m], LINEAR_LEAST_PIVOT));
+        }
         JET_UNROLLED
         for (int i = j + 1; i < n; i++) {
-            double *other = factor->lu + i * n;
-            const double part = other[j] * inverse;
-            factor->matrix[i * n + j] = part;
-            if (n >= 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
+            double *other = factor->lu + i * n * width, *l = factor->matrix + (i * n + j) * width;
+            linear_multiply(width, other + j * width, inverse, l);
+            const double part = *l;
+            if (width == 1 && n >= 4) JET_BLOCKS(n, LINEAR_ELIMINATE, );
             JET_UNROLLED
-            for (int k = j + 1; n < 4 && k < n; k++) other[k] -= part * row[k];
+            for (int k = j + 1; (width > 1 || n < 4) && k < n; k++)
+                linear_take_product(width, l, row + k * width, other + k * width);
         }
     }
-    return is_safe;
 }
 
 /* x <- A^-1 x. The last known unknown is subtracted last. */
-JET_INLINE void linear_unpivoted_solve(int n, const tvi_factor *factor, double x[])
+JET_INLINE void linear_unpivoted_solve(int n, int width, const tvi_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) JET_UNROLLED
-    for (int j = 0; j < i; j++) x[i] -= l[i * n + j] * x[j];
+    for (int j = 0; j < i; j++) linear_take_product(width, l + (i * n + j) * width, x + j * width, x + i * width);
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) {
         JET_UNROLLED
-        for (int j = n - 1; j > i; j--) x[i] -= u[i * n + j] * x[j];
-        x[i] *= factor->row_scale[i];
+        for (int j = n - 1; j > i; j--)
+            linear_take_product(width, u + (i * n + j) * width, x + j * width, x + i * width);
+        linear_multiply(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
 }
 
 /* x <- A^-T x */
-JET_INLINE void linear_unpivoted_solve_transposed(int n, const tvi_factor *factor, double x[])
+JET_INLINE void linear_unpivoted_solve_transposed(int n, int width, const tvi_factor *factor, double x[])
 {
     const double *l = factor->matrix, *u = factor->lu;
     JET_UNROLLED
     for (int i = 0; i < n; i++) {
         JET_UNROLLED
-        for (int j = 0; j < i; j++) x[i] -= u[j * n + i] * x[j];
-        x[i] *= factor->row_scale[i];
+        for (int j = 0; j < i; j++) linear_take_product(width, u + (j * n + i) * width, x + j * width, x + i * width);
+        linear_multiply(width, x + i * width, factor->row_scale + i * width, x + i * width);
     }
     JET_UNROLLED
     for (int i = n - 1; i >= 0; i--) JET_UNROLLED
-    for (int j = n - 1; j > i; j--) x[i] -= l[j * n + i] * x[j];
+    for (int j = n - 1; j > i; j--) linear_take_product(width, l + (j * n + i) * width, x + j * width, x + i * width);
 }
 
 /* A <- A^-1, row-major. Returns false if a pivot needs an exchange of rows; then the contents of A are undefined. */

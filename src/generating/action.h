@@ -13,9 +13,9 @@ tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options);
 /* Returns the tape of the field at the nodes of the action. */
 const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind);
 /* Allocates an action. q_degree and p_degree are the degrees of the curve that the action uses; all options are
- * resolved. mirrors: the span is symmetric, and nodes may be there twice (seeds.h). */
+ * resolved. mirrors: the span is symmetric, and nodes may be there twice (seeds.h). width: that of the curve. */
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors);
+                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width);
 void tvi_action_prepare(tvi_action *action, const tvi_options *options, tvi_span span, int top);
 
 /* Computes seed_Q, seed_U [top + 1][n] with D_z = sum_k (dQ_k/dz)^T seed_Q[k] + (dU_k/dz)^T seed_U[k]. Returns

@@ -14,14 +14,15 @@ static bool sums_by_parts_exactly(const tvi_action *action, const tvi_options *o
 
 /* Returns the length of half of the rows of nodes: whole vectors, if the field at the nodes needs no more of the tape's
  * vectors for that. */
-static int half_of(const tvi_system *system, int points)
+static int half_of(const tvi_system *system, int points, int width)
 {
+    if (width > 1) return (points + 1) / 2;
     const int lanes = 2 << system->field_values->sweeps->isa, half = (points + 1) / 2, whole = seeds_width(half);
     return (2 * whole + lanes - 1) / lanes > (2 * half + lanes - 1) / lanes ? half : whole;
 }
 
 static tvi_action shape_of(const tvi_system *system, const tvi_options *options, tvi_action_kind kind, int q_degree,
-                           int p_degree, int top, bool mirrors)
+                           int p_degree, int top, bool mirrors, int width)
 {
     const int points = options->quadrature_points;
     const bool is_hamilton = kind == TVI_ACTION_HAMILTON, is_separable = system->form == TVI_SEPARABLE;
@@ -32,9 +33,10 @@ static tvi_action shape_of(const tvi_system *system, const tvi_options *options,
                         .q_degree = q_degree,
                         .p_degree = p_degree,
                         .points = points,
-                        .orders = top + 1};
+                        .orders = top + 1,
+                        .width = width};
     if (mirrors && seeds_are_plain(&shape) && tvi_quadrature_mirrored(options->quadrature) == options->quadrature) {
-        shape.half = half_of(system, points);
+        shape.half = half_of(system, points, width);
         shape.points = 2 * shape.half;
     }
     return shape;
@@ -46,7 +48,7 @@ tvi_action tvi_action_of(const tvi_system *system, const tvi_options *options)
     const int degree = options->degree, p_degree = expanded->has_top_momentum ? degree : degree - 1;
     const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE;
     return shape_of(system, options, expanded->action, degree, p_degree, degree + one_more,
-                    expanded->span.from == -expanded->span.to);
+                    expanded->span.from == -expanded->span.to, 1);
 }
 
 const jet_tape *tvi_action_field(const tvi_system *system, tvi_action_kind kind)
@@ -63,10 +65,10 @@ static void take_table(tvi_node_table *table, tvi_arena *arena, size_t rows, siz
 }
 
 void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *system, const tvi_options *options,
-                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors)
+                     tvi_action_kind kind, int q_degree, int p_degree, int top, bool mirrors, int width)
 {
-    const size_t orders = (size_t)top + 1, n = (size_t)system->n;
-    *action = shape_of(system, options, kind, q_degree, p_degree, top, mirrors);
+    const size_t orders = (size_t)top + 1, n = (size_t)system->n * (size_t)width;
+    *action = shape_of(system, options, kind, q_degree, p_degree, top, mirrors, width);
     const size_t points = (size_t)action->points;
     action->field = tvi_action_field(system, kind);
     action->sweeps = action->field->sweeps;
@@ -76,9 +78,9 @@ void tvi_action_take(tvi_action *action, tvi_arena *arena, const tvi_system *sys
     for (int i = 0; i < 4; i++) take_table(at_nodes[i], arena, orders, points, (orders + 1) / 2, action->half);
     take_table(&action->weighted_power, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
     take_table(&action->weighted_slope, arena, points, orders, (size_t)action->half, (int)(orders + 1) / 2);
-    action->row = tvi_arena_doubles(arena, orders);
+    action->row = tvi_arena_doubles(arena, orders * (size_t)width);
     if (!sums_by_parts_exactly(action, options)) action->by_parts = tvi_arena_doubles(arena, orders * orders);
-    action->x = tvi_arena_block(arena, action->field, 1, action->points, 0);
+    action->x = tvi_arena_block(arena, action->field, 1, action->points * width, 0);
     if (system->form == TVI_HAMILTONIAN && kind == TVI_ACTION_HAMILTON && action->truncated)
         action->bend = tvi_arena_block(arena, system->bend_values, 1, action->points, 0);
     action->P = tvi_arena_doubles(arena, orders * n);

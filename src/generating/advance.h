@@ -6,7 +6,7 @@
 #include "fused.h"
 
 typedef struct {
-    int n;
+    int n, width;
     size_t stride;     /* the distance of orders in the block */
     const int *output; /* the slots of the field */
     double *x;         /* the block of the series */
@@ -34,6 +34,14 @@ typedef struct {
     TVI_QUOTIENT(V, JET_AT(V, next, 0),                                                                                \
                  JET_OF(V, recurrence->kappa, 0) * JET_GATHER(V, field, recurrence->output + here) * recurrence->tau,  \
                  divisor)
+/* Advances component i of several members. */
+#define TVI_ADVANCE_EACH(V, S) TVI_QUOTIENT(V, JET_AT(V, next, i), kappa *JET_OF(V, field, slot) * tau, divisor)
+static inline void tvi_advance_each(const tvi_recurrence *recurrence, double kappa, double tau, double divisor,
+                                    const double *field, int slot, double *next, int i)
+{
+    const size_t stride = (size_t)recurrence->width;
+    JET_BLOCKS(recurrence->width, TVI_ADVANCE_EACH, );
+}
 #define TVI_ADVANCE_HAMILTONIAN(V, S)                                                                                  \
     {                                                                                                                  \
         TVI_QUOTIENT(V, JET_AT(V, q, 0), JET_GATHER(V, field, recurrence->output + recurrence->n + here) * tau,        \
@@ -48,7 +56,10 @@ static inline void tvi_advance_separable(const tvi_recurrence *recurrence, int k
     enum { stride = 0 };
     const double divisor = (k + 1) * (k + 2), *field = recurrence->x + (size_t)k * recurrence->stride;
     double *next = recurrence->x + (size_t)(k + 2) * recurrence->stride;
-    JET_BLOCKS(recurrence->n, TVI_ADVANCE_SEPARABLE, );
+    if (recurrence->width == 1) JET_BLOCKS(recurrence->n, TVI_ADVANCE_SEPARABLE, );
+    for (int i = 0; recurrence->width > 1 && i < recurrence->n; i++)
+        tvi_advance_each(recurrence, recurrence->kappa[i], recurrence->tau, divisor, field, recurrence->output[i], next,
+                         i);
 }
 
 static inline void tvi_advance_hamiltonian(const tvi_recurrence *recurrence, int k)
@@ -56,7 +67,12 @@ static inline void tvi_advance_hamiltonian(const tvi_recurrence *recurrence, int
     enum { stride = 0 };
     const double divisor = k + 1, tau = recurrence->tau, *field = recurrence->x + (size_t)k * recurrence->stride;
     double *q = recurrence->x + (size_t)(k + 1) * recurrence->stride, *p = q + recurrence->n;
-    JET_BLOCKS(recurrence->n, TVI_ADVANCE_HAMILTONIAN, );
+    const int n = recurrence->n, *output = recurrence->output;
+    if (recurrence->width == 1) JET_BLOCKS(n, TVI_ADVANCE_HAMILTONIAN, );
+    for (int i = 0; recurrence->width > 1 && i < n; i++) {
+        tvi_advance_each(recurrence, 1, tau, divisor, field, output[n + i], q, i);
+        tvi_advance_each(recurrence, 1, -tau, divisor, field, output[i], q, n + i);
+    }
 }
 
 /* Advances the tangents of `lanes` directions, whose block is x, in whole vectors, since the orders that follow read

@@ -24,8 +24,8 @@ static void take_side(tvi_side *x, tvi_arena *arena, const tvi_system *system, c
     const int r = options->degree;
     const size_t n = (size_t)system->n;
     x->sign = x->end = sign;
-    tvi_curve_take(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES);
-    tvi_action_take(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false);
+    tvi_curve_take(&x->curve, arena, system, r, TVI_JACOBIAN_MATRICES, 1);
+    tvi_action_take(&x->action, arena, system, &plain, TVI_ACTION_LAGRANGE, r, r - 1, r, false, 1);
     tvi_combination *const combinations[] = {&x->to_end, &x->near_u, &x->q_dense, &x->u_dense};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
         *combinations[i] = tvi_combination_take(&x->curve, arena);
@@ -51,7 +51,7 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     take_side(&w.a, arena, system, options, 1);
     take_side(&w.b, arena, system, options, -1);
     w.has_pi = tvi_quadrature_order(options->quadrature, w.points) >= 2 * options->degree + 1;
-    tvi_newton_take(&w.newton, arena, 3, system, true);
+    tvi_newton_take(&w.newton, arena, 3, system, true, 1);
     if (system->form == TVI_LAGRANGIAN) {
         tvi_legendre_take(&w.legendre, arena, system);
         w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
@@ -303,7 +303,7 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
     memcpy(w->dp, increments->dp, bytes);
     tvi_curve_measure(&w->a.curve);
     tvi_curve_measure(&w->b.curve);
-    stats->tail = fmax(tvi_curve_tail(&w->a.curve), tvi_curve_tail(&w->b.curve));
+    stats->tail = fmax(tvi_curve_tail(&w->a.curve, 0), tvi_curve_tail(&w->b.curve, 0));
     return TVI_OK;
 }
 

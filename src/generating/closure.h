@@ -74,20 +74,26 @@ tvi_close_fn tvi_close_mean;
 static inline void closure_correct_ends(const tvi_closure *c)
 {
     const tvi_mean_closing *mean = c->mean;
-    for (int i = 0; i < curve_n(&c->curve); i++) {
-        const double x = c->D[i], y = c->D[curve_n(&c->curve) + i], of_q = c->curve.kappa[i] * y;
-        c->from_q[i] = mean->from_q * of_q;
-        c->rise_q[i] = mean->rise_q * of_q;
-        c->from_p[i] = mean->from_p[0] * x + mean->from_p[1] * y;
-        c->rise_p[i] = mean->rise_p[0] * x + mean->rise_p[1] * y;
-    }
+    const int width = curve_width(&c->curve);
+    double *restrict from_q = c->from_q, *restrict rise_q = c->rise_q;
+    double *restrict from_p = c->from_p, *restrict rise_p = c->rise_p;
+    for (int i = 0; i < curve_n(&c->curve); i++)
+        for (int at = i * width; at < (i + 1) * width; at++) {
+            const double x = c->D[at], y = c->D[curve_numbers(&c->curve) + at], of_q = c->curve.kappa[i] * y;
+            from_q[at] = mean->from_q * of_q;
+            rise_q[at] = mean->rise_q * of_q;
+            from_p[at] = mean->from_p[0] * x + mean->from_p[1] * y;
+            rise_p[at] = mean->rise_p[0] * x + mean->rise_p[1] * y;
+        }
 }
 
 /* Sets p_size [n], the sums of the sizes of the terms of p, by which corrections of p are measured. */
 static inline void closure_set_p_size(const tvi_closure *c)
 {
     curve_sum_by(tvi_add_sizes, &c->curve, &c->p_sizes, c->p_size);
-    for (int i = 0; i < curve_n(&c->curve); i++) c->p_size[i] /= fabs(c->curve.kappa[i]);
+    const int width = curve_width(&c->curve);
+    for (int i = 0; i < curve_n(&c->curve); i++)
+        for (int at = i * width; at < (i + 1) * width; at++) c->p_size[at] /= fabs(c->curve.kappa[i]);
 }
 
 /* Closes type I, expanded at the start or the end of the step. */

@@ -10,7 +10,7 @@
  *
  * The field is evaluated as a power series along the curve, one order after the other. */
 #include "generating/curve.h"
-#include "generating/lagrangian_orders.h"
+#include "generating/orders.h"
 #include "generating/seeds.h"
 
 #include <math.h>
@@ -23,38 +23,41 @@ static const tvi_curve_code *code_of(const tvi_system *system, int top)
     return code && code->top == top ? code : NULL;
 }
 
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians)
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
+                    int width)
 {
-    const size_t orders = (size_t)top + 1, n = (size_t)system->n, jacobian = orders * n * 2 * n;
+    const size_t orders = (size_t)top + 1, n = (size_t)system->n, numbers = n * (size_t)width,
+                 jacobian = orders * n * 2 * numbers, slots = (size_t)system->field_series->slots * (size_t)width;
     memset(curve, 0, sizeof *curve);
     curve->system = system;
-    curve->code = code_of(system, top);
+    curve->code = width > 1 ? NULL : code_of(system, top);
     curve->jacobians = jacobians;
     curve->n = system->n;
+    curve->width = width;
     curve->top = top;
     curve->kappa = tvi_arena_doubles(arena, n);
-    curve->movement = tvi_arena_doubles(arena, n);
-    curve->momentum = tvi_arena_doubles(arena, n);
+    curve->movement = tvi_arena_doubles(arena, numbers);
+    curve->momentum = tvi_arena_doubles(arena, numbers);
     curve->q_sizes = tvi_combination_take(curve, arena);
     curve->u_sizes = tvi_combination_take(curve, arena);
     curve->per = tvi_arena_doubles(arena, orders + 1);
     curve->log_of = tvi_arena_doubles(arena, orders + 1);
-    curve->x = tvi_arena_block(arena, system->field_series, top + 1, 1, 0);
+    curve->x = tvi_arena_block(arena, system->field_series, top + 1, width, 0);
     if (jacobians == TVI_JACOBIAN_PRODUCTS) {
-        curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
-        curve->bar = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve));
+        curve->dx = tvi_arena_doubles(arena, orders * slots);
+        curve->bar = tvi_arena_doubles(arena, orders * slots);
     }
     if (jacobians == TVI_JACOBIAN_MATRICES) {
-        curve->dx = tvi_arena_doubles(arena, orders * tvi_curve_slots(curve) * tvi_curve_lanes(curve));
-        curve->dz = tvi_arena_doubles(arena, 2 * n);
+        curve->dx = tvi_arena_doubles(arena, orders * slots * tvi_curve_lanes(curve));
+        curve->dz = tvi_arena_doubles(arena, 2 * numbers);
         curve->dQ = tvi_arena_doubles(arena, jacobian);
-        curve->by_U = tvi_arena_doubles(arena, 2 * n);
-        curve->pushed = tvi_arena_doubles(arena, n * 2 * n);
+        curve->by_U = tvi_arena_doubles(arena, 2 * numbers);
+        curve->pushed = tvi_arena_doubles(arena, 2 * n * numbers);
         curve->dU = system->form == TVI_SEPARABLE ? NULL : tvi_arena_doubles(arena, jacobian);
     }
     if (system->form != TVI_SEPARABLE) {
         tvi_factor_take(&curve->slope, arena, system->n);
-        curve->columns = tvi_arena_doubles(arena, tvi_curve_slots(curve) * n);
+        curve->columns = tvi_arena_doubles(arena, slots * n);
         curve->rest = tvi_arena_doubles(arena, n * tvi_curve_lanes(curve));
         curve->column = tvi_arena_doubles(arena, n);
     }
@@ -102,23 +105,8 @@ void tvi_curve_set(tvi_curve *curve, double tau, const double z[])
 
 static tvi_status expand_by_orders(tvi_curve *curve)
 {
-    const jet_tape *tape = curve->system->field_series;
-    const bool is_separable = curve->system->form == TVI_SEPARABLE;
-    const tvi_recurrence recurrence = {curve->n, tvi_curve_slots(curve), tape->output,
-                                       curve->x, curve->kappa,           curve->tau};
-    for (int k = 0; k + 1 + is_separable <= curve->top; k++) {
-        if (!jet_sweep_series(tape, curve->x, k, 1)) return TVI_EDOMAIN;
-        if (is_separable) tvi_advance_separable(&recurrence, k);
-        else tvi_advance_hamiltonian(&recurrence, k);
-    }
-    return TVI_OK;
-}
-
-/* Expands a Lagrangian's curve, with the velocity V = (1/tau) dQ/ds. */
-static tvi_status expand_lagrangian(tvi_curve *curve)
-{
     tvi_status status = TVI_OK;
-    for (int k = 0; k <= curve->top && status == TVI_OK; k++) status = orders_expand(curve, k);
+    for (int k = 0; k <= curve->top; k++) curve_expand_order(curve, k, &status);
     return status;
 }
 
@@ -138,13 +126,10 @@ tvi_status tvi_curve_factor_slope(tvi_curve *curve)
 
 tvi_status tvi_curve_expand(tvi_curve *curve, double centre)
 {
-    const tvi_system *system = curve->system;
-    curve->centre = centre;
-    curve_place_time(curve);
+    static const double none = 0;
+    curve_place_time(curve, &centre, &none, 0);
     const bool has_code = curve->code && curve->code->expand;
-    const tvi_status status = has_code                         ? expand_by_code(curve)
-                              : system->form == TVI_LAGRANGIAN ? expand_lagrangian(curve)
-                                                               : expand_by_orders(curve);
+    const tvi_status status = has_code ? expand_by_code(curve) : expand_by_orders(curve);
     if (has_code || status != TVI_OK) return status;
     return curve_is_finite(curve) ? TVI_OK : TVI_ENONFINITE;
 }
@@ -177,4 +162,7 @@ void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree)
 
 void tvi_curve_measure(const tvi_curve *curve) { curve->code ? curve->code->measure(curve) : curve_measure(curve); }
 
-double tvi_curve_tail(const tvi_curve *curve) { return curve->code ? curve->code->tail(curve) : curve_tail(curve); }
+double tvi_curve_tail(const tvi_curve *curve, int m)
+{
+    return curve->code ? curve->code->tail(curve, m) : curve_tail(curve, m);
+}

@@ -14,7 +14,8 @@
 #include "generating/series.h"
 #include "method/stepper.h"
 
-void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians);
+void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system, int top, tvi_jacobians jacobians,
+                    int width);
 void tvi_curve_prepare(tvi_curve *curve); /* once, when the memory is there */
 
 tvi_combination tvi_combination_take(const tvi_curve *curve, tvi_arena *arena);
@@ -65,11 +66,11 @@ void tvi_curve_push(const tvi_curve *curve, const tvi_combination *combination, 
 void tvi_curve_pull(tvi_curve *curve, const double seed_Q[], const double seed_U[], double out[]);
 
 /* tvi_curve_prepare_tail is called once: Q and P are summed to these degrees. tvi_curve_measure computes the sizes of
- * movement and momentum of each curve, and tvi_curve_tail computes tvi_stats.tail from them (tail.h); it is 0 if p' has
- * one term only. */
+ * movement and momentum of each curve, and tvi_curve_tail computes tvi_stats.tail of member m from them (tail.h); it is
+ * 0 if p' has one term only. */
 void tvi_curve_prepare_tail(tvi_curve *curve, int q_degree, int p_degree);
 void tvi_curve_measure(const tvi_curve *curve);
-double tvi_curve_tail(const tvi_curve *curve);
+double tvi_curve_tail(const tvi_curve *curve, int m);
 
 /* Returns more than the terms that are left out change the energy by, for a step that is the curve, after its tail was
  * computed; INFINITY if these terms are not known. */

@@ -5,21 +5,18 @@
 
 #include "algebra/linear_small.h"
 #include "generating/curve_stepper.h"
-#include "generating/lagrangian_orders.h"
+#include "generating/orders.h"
 #include "generating/matrices.h"
 
-/* Returns the time about which the curve of the step is expanded. */
-static inline double step_centre(const tvi_curve_work *w, const tvi_origin *origin, double tau)
-{
-    return origin->t + (origin->t_low - w->closure.span.from * tau);
-}
+/* Returns by how much the centre of the step is later than its start. */
+static inline double step_later(const tvi_curve_work *w, double tau) { return -w->closure.span.from * tau; }
 
 /* Moves z to the centre, along the curve that starts at the start of the step. */
 static inline void step_move_to_centre(const tvi_curve_work *w, double z[])
 {
     const tvi_closure *c = &w->closure;
     CURVE_CALL(sum, &c->curve, &w->q_centre, z);
-    CURVE_CALL(sum, &c->curve, &w->z_centre, z + curve_n(&c->curve));
+    CURVE_CALL(sum, &c->curve, &w->z_centre, z + curve_numbers(&c->curve));
 }
 
 /* Computes the natural sizes of the unknowns. If a body starts at rest, a curve of degree 0 or 1 knows only the
@@ -27,27 +24,30 @@ static inline void step_move_to_centre(const tvi_curve_work *w, double z[])
 static inline void step_set_scale(const tvi_closure *c, double scale[])
 {
     const tvi_curve *curve = &c->curve;
-    const int n = curve_n(&c->curve);
+    const int numbers = curve_numbers(curve);
     CURVE_CALL(sizes, curve, scale);
     if (curve_top(curve) > 1 || curve_form(&c->curve) == TVI_LAGRANGIAN) return;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < numbers; i++) {
+        const double kappa = fabs(c->curve.kappa[i / curve_width(curve)]);
         scale[i] += fabs(c->from_q[i]) + fabs(c->rise_q[i]);
-        scale[n + i] += fabs(c->curve.kappa[i]) * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
+        scale[numbers + i] += kappa * (fabs(c->from_p[i]) + fabs(c->rise_p[i]));
     }
 }
 
 /* Computes r = (q- + from_q - q0, kappa (p- + from_p - p0)), the small differences first. */
-static inline void step_form_residual(const tvi_curve_work *w, const tvi_origin *origin, double r[])
+static inline void step_form_residual(const tvi_curve_work *w, const tvi_batch_origin *origin, double *restrict r)
 {
     const tvi_closure *c = &w->closure;
-    const int n = curve_n(&c->curve);
+    const int numbers = curve_numbers(&c->curve), width = curve_width(&c->curve);
     const double *Q0 = tvi_curve_Q(&c->curve, 0);
     CURVE_CALL(sum, &c->curve, &w->q_back, r);
-    CURVE_CALL(sum, &c->curve, &c->u_from, r + n);
-    for (int i = 0; i < n; i++) {
+    CURVE_CALL(sum, &c->curve, &c->u_from, r + numbers);
+    for (int i = 0; i < curve_n(&c->curve); i++) {
         const double kappa = c->curve.kappa[i];
-        r[i] += (Q0[i] - origin->q[i]) + (c->from_q[i] - origin->q_low[i]);
-        r[n + i] = (r[n + i] - kappa * origin->p[i]) + kappa * (c->from_p[i] - origin->p_low[i]);
+        for (int at = i * width; at < (i + 1) * width; at++) {
+            r[at] += (Q0[at] - origin->q[at]) + (c->from_q[at] - origin->q_low[at]);
+            r[numbers + at] = (r[numbers + at] - kappa * origin->p[at]) + kappa * (c->from_p[at] - origin->p_low[at]);
+        }
     }
 }
 
@@ -64,7 +64,7 @@ static inline void step_sum_and_push(const tvi_curve_work *w, const tvi_combinat
     CURVE_CALL(sum, &w->closure.curve, combination, out);
     if (!step_corrects(w)) return;
     CURVE_CALL(push, &w->closure.curve, combination, w->shift);
-    for (int i = 0; i < curve_n(&w->closure.curve); i++) out[i] += w->shift[i];
+    for (int i = 0; i < curve_numbers(&w->closure.curve); i++) out[i] += w->shift[i];
 }
 
 /* Computes dq = (q+ - q-) + rise_q and dp = (p+ - p-) + rise_p, or a part of the way. */
@@ -72,10 +72,11 @@ static inline void step_increments(const tvi_curve_work *w, const tvi_combinatio
                                    const tvi_combination *u_rise, double part, double dq[], double dp[])
 {
     const tvi_closure *c = &w->closure;
+    const int width = curve_width(&c->curve);
     step_sum_and_push(w, q_rise, dq);
     step_sum_and_push(w, u_rise, dp);
-    for (int i = 0; i < curve_n(&c->curve); i++) {
-        dp[i] /= c->curve.kappa[i];
+    for (int i = 0; i < curve_numbers(&c->curve); i++) {
+        dp[i] /= c->curve.kappa[i / width];
         if (!step_corrects(w)) continue;
         dq[i] += part * c->rise_q[i];
         dp[i] += part * c->rise_p[i];
@@ -91,98 +92,157 @@ static inline void step_leave_velocity(const tvi_curve_work *w)
     for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= curve->tau;
 }
 
-/* Computes the increments that the step returns from the curve. Returns its tail. */
-static inline double step_finish(const tvi_curve_work *w, double dq[], double dp[])
+/* Computes the increments that the step returns from the curve, and the tails of the members. */
+static inline void step_finish(const tvi_curve_work *w, double dq[], double dp[], double tail[])
 {
     const tvi_curve *curve = &w->closure.curve;
     step_increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
     step_leave_velocity(w);
     CURVE_CALL(measure, curve);
-    return CURVE_CALL(tail, curve);
+    for (int m = 0; m < curve_width(curve); m++) tail[m] = CURVE_CALL(tail, curve, m);
 }
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
 
-/* The caller gives these functions of a curve's code: the series without Jacobians and with them, and the seeds, finite
- * or not. */
+/* The caller gives these functions of a curve: the series without Jacobians and with them, and the seeds, finite or
+ * not. */
 typedef struct {
     tvi_status (*expand)(tvi_curve *curve), (*expand_all)(tvi_curve *curve);
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
+    /* Several members: leaves out those for which a tape has no values, in the block of the series or of the nodes. */
+    void (*leave_outside)(const tvi_curve_work *work, bool at_nodes, long long is_moving[]);
 } step_makers;
 
-/* A quick step holds the step that is being made. */
+/* A quick step holds the step that is being made, of the members that still move. */
 typedef struct {
     tvi_curve_work *work;
     const step_makers *makers;
-    int factorisations;
+    const tvi_batch_origin *origin;
+    long long *is_moving;
+    long factorisations;
 } step_quick;
 
+/* Returns how many members move. */
+static inline int step_count(const step_quick *a)
+{
+    int count = 0;
+    for (int m = 0; m < curve_width(&a->work->closure.curve); m++) count += a->is_moving[m] != 0;
+    return count;
+}
+
+/* Leaves out the members that a status of all is of. Returns whether some move on. */
+static inline bool step_goes_on(const step_quick *a, tvi_status status, bool at_nodes)
+{
+    if (status == TVI_OK) return true;
+    if (curve_width(&a->work->closure.curve) == 1) return false;
+    a->makers->leave_outside(a->work, at_nodes, a->is_moving);
+    return true;
+}
+
+/* Finds the members whose Jacobians are to be taken at z. Returns how many there are. */
+static inline int step_find_due(const step_quick *a, const double z[])
+{
+    tvi_closure *c = &a->work->closure;
+    long long is_due[CURVE_MOST_WIDTH];
+    int count = 0;
+    matrices_find_due(c, z, a->work->newton.scale, a->is_moving, is_due);
+    for (int m = 0; m < curve_width(&c->curve); m++) {
+        count += (is_due[m] & a->is_moving[m]) != 0;
+        if (curve_width(&c->curve) > 1) c->curve.is_taken[m] = is_due[m];
+    }
+    c->curve.keeps = count < curve_width(&c->curve) && matrices_of(c)->taken > 0;
+    return count;
+}
+
 /* Factors new Jacobians. In the generating function's equations the second half may be of the coordinates, in another
- * unit than a Hamiltonian's p; in the corrector's it is of momenta, in another unit than a Lagrangian's tau v. */
-static inline bool step_factor(step_quick *a, const double z[])
+ * unit than a Hamiltonian's p; in the corrector's it is of momenta, in another unit than a Lagrangian's tau v. Leaves
+ * out members whose factors need exchanges of rows. */
+static inline void step_factor(step_quick *a, int due, const double z[])
 {
     const tvi_closure *c = &a->work->closure;
     const tvi_form form = curve_form(&c->curve);
-    const int n = curve_n(&c->curve), size = 2 * n;
+    const int n = curve_n(&c->curve), size = 2 * n, width = curve_width(&c->curve);
     const bool has_momenta = c->mean->has_momenta;
     tvi_factor *full = &matrices_of(c)->full, *back = &a->work->newton.factor;
     matrices_take(c, z);
     matrices_join(c, &c->q_mean, has_momenta ? &c->u_mean : &c->q_rise, full->lu);
     const bool has_back = matrices_jacobian(c, back->lu);
-    const bool is_safe = linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, full);
-    a->factorisations += 1 + has_back;
-    return is_safe && (!has_back || linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, back));
+    linear_unpivoted_factor(size, form != TVI_HAMILTONIAN || has_momenta ? size : n, width, full, a->is_moving);
+    if (has_back) linear_unpivoted_factor(size, form != TVI_LAGRANGIAN ? size : n, width, back, a->is_moving);
+    a->factorisations += due * (1 + has_back);
 }
 
-/* Computes the correction of a pass at x, and its size. Returns false if the quick step does not make this pass, for
- * example if a number on the way to the correction is not finite. */
-static inline bool step_pass(step_quick *a, const tvi_origin *origin, bool is_first, tvi_newton_size *correction)
+/* Computes the corrections of a pass. Returns false if no member goes on. */
+static inline bool step_pass(step_quick *a, bool is_first)
 {
     tvi_curve_work *w = a->work;
     tvi_closure *c = &w->closure;
     tvi_newton *newton = &w->newton;
-    const int size = 2 * curve_n(&c->curve);
+    const int size = 2 * curve_n(&c->curve), width = curve_width(&c->curve);
     double *x = newton->x, *r = newton->correction;
-    const bool is_due = matrices_are_due(c, x, newton->scale);
+    const int due = step_find_due(a, x);
     curve_place(&c->curve, x);
-    if ((is_due ? a->makers->expand_all : a->makers->expand)(&c->curve) != TVI_OK) return false;
-    if (a->makers->seed(&w->action, &c->curve, c->seed_Q, c->seed_U) != TVI_OK) return false;
-    if (is_due && !step_factor(a, x)) return false;
+    if (!step_goes_on(a, (due > 0 ? a->makers->expand_all : a->makers->expand)(&c->curve), false)) return false;
+    if (!step_goes_on(a, a->makers->seed(&w->action, &c->curve, c->seed_Q, c->seed_U), true)) return false;
+    if (due > 0) step_factor(a, due, x);
+    if (step_count(a) == 0) return false;
     CURVE_CALL(pull, &c->curve, c->seed_Q, c->seed_U, c->D);
-    linear_unpivoted_solve_transposed(size, &matrices_of(c)->full, c->D);
+    linear_unpivoted_solve_transposed(size, width, &matrices_of(c)->full, c->D);
     closure_correct_ends(c);
-    step_form_residual(w, origin, r);
+    step_form_residual(w, a->origin, r);
     if (is_first) {
         step_set_scale(c, newton->scale);
-        newton_fill_scale(newton);
+        for (int m = 0; m < width; m++) newton_fill_scale(newton, m);
     }
-    for (int i = 0; i < size; i++) r[i] = -r[i];
-    linear_unpivoted_solve(size, &newton->factor, r);
-    *correction = newton_measure(newton, newton->scale);
-    return tvi_all_finite(size, r);
+    for (int i = 0; i < size * width; i++) r[i] = -r[i];
+    linear_unpivoted_solve(size, width, &newton->factor, r);
+    return true;
 }
 
-/* Passes of the corrector run until they may end, and at most this often; otherwise the number of passes is 0. */
-enum { STEP_QUICK_PASSES = 8 };
-static inline int step_passes(step_quick *a, const tvi_origin *origin, double *size)
+/* Judges the correction of member m, which stops moving if it is the last one, or if the quick step does not make this
+ * step, for example if a number is not finite. */
+static inline void step_judge(const step_quick *a, tvi_newton_passes *passes, const tvi_newton_sizes *sizes, int m,
+                              const tvi_curve_end *end)
 {
-    tvi_newton *newton = &a->work->newton;
-    tvi_newton_passes passes;
-    tvi_newton_begin(&passes, newton->history, &newton->rules, newton->is_rough);
+    const tvi_newton *newton = &a->work->newton;
+    const tvi_newton_size size = {sizes->relative[m], sizes->of_group[m]};
+    tvi_passes_verdict verdict = TVI_PASSES_STUCK;
+    if (isfinite(size.relative)) verdict = tvi_newton_judge(passes, &newton->rules, size);
+    if (verdict != TVI_PASSES_GO_ON) a->is_moving[m] = 0;
+    if (verdict != TVI_PASSES_MAY_END) return;
+    tvi_newton_learn(&newton->history[m], passes);
+    end->residual[m] = size.relative;
+    end->passes[m] = passes->of_each.count;
+}
+
+/* Adds the corrections of the members that move. */
+static inline void step_move(const step_quick *a)
+{
+    const tvi_newton *newton = &a->work->newton;
+    const int width = curve_width(&a->work->closure.curve);
+    const double *correction = newton->correction;
+    double *restrict x = newton->x;
+    for (int i = 0; i < newton_size(newton); i++, x += width, correction += width)
+        for (int m = 0; m < width; m++) x[m] = a->is_moving[m] ? x[m] + correction[m] : x[m];
+}
+
+/* Passes of the corrector run until each member's may end. */
+static inline void step_passes(step_quick *a, const tvi_curve_end *end)
+{
+    const tvi_newton *newton = &a->work->newton;
+    const int width = curve_width(&a->work->closure.curve);
+    tvi_newton_passes passes[CURVE_MOST_WIDTH];
+    for (int m = 0; m < width; m++) tvi_newton_begin(&passes[m], &newton->history[m], &newton->rules, newton->is_rough);
     matrices_begin(matrices_of(&a->work->closure));
-    for (int count = 1; count <= STEP_QUICK_PASSES; count++) {
-        tvi_newton_size correction;
-        if (!step_pass(a, origin, count == 1, &correction)) break;
-        const tvi_passes_verdict verdict = tvi_newton_judge(&passes, &newton->rules, correction);
-        if (verdict == TVI_PASSES_STUCK) break;
-        if (verdict == TVI_PASSES_MAY_END) {
-            tvi_newton_learn(newton->history, &passes);
-            *size = correction.relative;
-            return count;
-        }
-        for (int i = 0; i < newton->size; i++) newton->x[i] += newton->correction[i];
+    for (int count = 1; count <= newton->rules.of_each.most; count++) {
+        tvi_newton_sizes sizes;
+        if (!step_pass(a, count == 1)) return;
+        newton_measure(newton, newton->scale, &sizes);
+        for (int m = 0; m < width; m++)
+            if (a->is_moving[m]) step_judge(a, &passes[m], &sizes, m, end);
+        if (step_count(a) == 0) return;
+        step_move(a);
     }
-    return 0;
 }
 
 /* Finds the velocity of a Lagrangian that belongs to the momentum, by Newton's method from the velocity at the end of
@@ -210,41 +270,46 @@ static inline bool step_find_velocity(tvi_curve_work *w, const double p[], doubl
 }
 
 /* Sets the centre data of the curve to the start of the step. */
-static inline bool step_place_start(tvi_curve_work *w, const tvi_origin *origin)
+static inline bool step_place_start(tvi_curve_work *w, const tvi_batch_origin *origin)
 {
     tvi_curve *curve = &w->closure.curve;
-    const int n = curve_n(curve);
+    const int n = curve_n(curve), width = curve_width(curve);
     double *z = w->newton.x;
-    curve->centre = origin->t + origin->t_low;
-    for (int i = 0; i < n; i++) {
-        z[i] = origin->q[i];
-        z[n + i] = curve->kappa[i] * origin->p[i];
-    }
+    for (int i = 0; i < n; i++)
+        for (int at = i * width; at < (i + 1) * width; at++) {
+            z[at] = origin->q[at];
+            z[n * width + at] = curve->kappa[i] * origin->p[at];
+        }
     curve_place(curve, z);
-    curve_place_time(curve);
+    curve_place_time(curve, origin->t, origin->t_low, 0);
     if (curve_form(curve) != TVI_LAGRANGIAN) return true;
     return step_find_velocity(w, origin->p, tvi_curve_input(curve, 0) + n);
 }
 
-/* Makes a step whose passes converge as they mostly do, for the generating functions of tvi_close_mean. Returns false
- * if nothing is made; then curve_stepper.c makes the step. */
-static inline bool step_quickly(tvi_curve_work *w, const step_makers *makers, double tau, const tvi_origin *origin,
-                                double dq[], double dp[], tvi_stats *stats)
+/* Makes the steps whose passes converge as they mostly do, for the generating functions of tvi_close_mean: of the
+ * members that move. Returns whether there are any; curve_stepper.c makes the others. */
+static inline bool step_quickly(tvi_curve_work *w, const step_makers *makers, double tau,
+                                const tvi_batch_origin *origin, const tvi_curve_end *end, tvi_stats *stats)
 {
     tvi_curve *curve = &w->closure.curve;
+    step_quick a = {w, makers, origin, end->is_moving, 0};
+    int made = 0, passes = 0;
     curve_set_step(curve, tau);
-    if (!step_place_start(w, origin) || makers->expand(curve) != TVI_OK) return false;
+    for (int m = 0; m < curve_width(curve); m++) end->passes[m] = 0;
+    if (!step_place_start(w, origin) || !step_goes_on(&a, makers->expand(curve), false)) return false;
     step_move_to_centre(w, w->newton.x);
-    curve->centre = step_centre(w, origin, tau);
-    curve_place_time(curve);
-    step_quick at_hand = {w, makers, 0};
-    const int passes = step_passes(&at_hand, origin, &stats->residual);
-    if (passes == 0) return false;
-    for (int i = 0; i < 2 * curve_n(curve); i++) curve->dz[i] = w->newton.correction[i];
-    stats->tail = step_finish(w, dq, dp);
+    curve_place_time(curve, origin->t, origin->t_low, step_later(w, tau));
+    step_passes(&a, end);
+    for (int m = 0; m < curve_width(curve); m++) {
+        made += end->passes[m] > 0;
+        passes += end->passes[m];
+    }
+    if (made == 0) return false;
+    for (int i = 0; i < 2 * curve_numbers(curve); i++) curve->dz[i] = w->newton.correction[i];
+    step_finish(w, end->dq, end->dp, end->tail);
     stats->passes += passes;
-    stats->expansions += 1 + passes;
-    stats->factorisations += at_hand.factorisations;
+    stats->expansions += made + passes;
+    stats->factorisations += a.factorisations;
     stats->force_evaluations += passes * w->options->quadrature_points;
     return true;
 }

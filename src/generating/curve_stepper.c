@@ -17,6 +17,15 @@ static const tvi_solver *const by_products[JET_ISA_COUNT] = {
 #endif
 };
 
+/* Of one member, and of several. */
+static tvi_quick_fn *const quickly_of[JET_ISA_COUNT][2] = {
+    [jet_isa_base] = {tvi_step_quickly_base, tvi_step_members_base},
+#ifdef JET_ISA_X86
+    [jet_isa_avx2] = {tvi_step_quickly_avx2, tvi_step_members_avx2},
+    [jet_isa_avx512] = {tvi_step_quickly_avx512, tvi_step_members_avx512},
+#endif
+};
+
 /* An attempt holds the step that is being made. */
 typedef struct {
     work *work;
@@ -26,9 +35,9 @@ typedef struct {
 } attempt;
 
 static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *system, const tvi_expanded *expanded,
-                         int degree, bool corrects)
+                         int degree, bool corrects, int width)
 {
-    const size_t n = (size_t)system->n;
+    const size_t n = (size_t)system->n * (size_t)width;
     const tvi_jacobians jacobians = corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS;
     const bool one_more = expanded->has_top_momentum && system->form == TVI_SEPARABLE; /* p_N is from Q_{N+1} */
     c->system = system;
@@ -39,7 +48,7 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->mean = &expanded->mean;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
     const tvi_solver *solver = has_products ? by_products[system->field_series->sweeps->isa] : &tvi_by_matrices;
-    tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians);
+    tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians, width);
     c->solver = c->curve.code && c->curve.code->solver ? c->curve.code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise, &c->q_mean, &c->u_from,
                                              &c->u_to,   &c->u_rise, &c->u_mean, &c->p_sizes};
@@ -56,15 +65,24 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->seed_U = tvi_arena_doubles(arena, seeds);
 }
 
-static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+/* Returns what makes steps quickly: with matrices that are small, and seeds without second derivatives. */
+static tvi_quick_fn *find_quick(const tvi_closure *c, const tvi_action *action)
+{
+    if (c->close != tvi_close_mean || !seeds_are_plain(action) || tvi_curve_has_products(&c->curve)) return NULL;
+    if (2 * c->n > LINEAR_SMALL) return NULL;
+    if (c->curve.code) return c->curve.code->step;
+    return quickly_of[c->system->field_series->sweeps->isa][c->curve.width > 1];
+}
+
+void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
 {
     work *taken = tvi_arena_take(arena, sizeof *taken);
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
     const bool corrects = expanded->close && options->passes != TVI_PREDICT_ONLY;
     const int degree = options->degree;
-    const size_t n = (size_t)system->n;
+    const size_t n = (size_t)system->n * (size_t)width;
     work w = {.corrects = corrects, .is_rough = expanded->is_rough, .options = options, .q_degree = degree};
-    take_closure(&w.closure, arena, system, expanded, degree, corrects);
+    take_closure(&w.closure, arena, system, expanded, degree, corrects, width);
     const tvi_curve *curve = &w.closure.curve;
     tvi_combination *const combinations[] = {&w.q_back, &w.q_centre, &w.z_centre, &w.v_end, &w.dense_q, &w.dense_u};
     for (size_t i = 0; i < sizeof combinations / sizeof *combinations; i++)
@@ -86,11 +104,18 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
     w.dz = tvi_arena_doubles(arena, 2 * n);
     if (corrects) {
         tvi_action_take(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
-                        expanded->span.from == -expanded->span.to);
-        tvi_newton_take(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL);
+                        expanded->span.from == -expanded->span.to, width);
+        tvi_newton_take(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
+        w.quickly = find_quick(&w.closure, &w.action);
     }
+    if (width > 1) w.closure.curve.is_taken = tvi_arena_take(arena, (size_t)width * sizeof(long long));
     if (taken) *taken = w;
     return taken;
+}
+
+static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options *options)
+{
+    return tvi_curve_work_take(arena, system, options, 1);
 }
 
 /* ---- The weights of the ends ------------------------------------------------------------------------------------- */
@@ -109,7 +134,7 @@ static void set_centre(work *w)
     tvi_combination_set(&w->v_end, curve, false, weight);
 }
 
-static void prepare(void *taken)
+void tvi_curve_work_prepare(void *taken)
 {
     work *w = taken;
     tvi_closure *c = &w->closure;
@@ -160,7 +185,7 @@ static tvi_status predict(const attempt *a)
     return status;
 }
 
-static double centre(const attempt *a) { return step_centre(a->work, a->origin, a->tau); }
+static double centre(const attempt *a) { return a->origin->t + (a->origin->t_low + step_later(a->work, a->tau)); }
 
 /* ---- The residual ------------------------------------------------------------------------------------------------ */
 
@@ -177,7 +202,8 @@ static tvi_status residual(void *self, const double z[], double r[])
     status = tvi_action_seed(&w->action, &c->curve, c->seed_Q, c->seed_U);
     if (status != TVI_OK) return status;
     status = c->solver->close(c, z, w->newton.scale, a->stats);
-    if (status == TVI_OK) step_form_residual(w, a->origin, r);
+    const tvi_batch_origin origin = tvi_origin_of_one(a->origin);
+    if (status == TVI_OK) step_form_residual(w, &origin, r);
     return status;
 }
 
@@ -229,22 +255,15 @@ static tvi_status correct(attempt *a)
     return status;
 }
 
-/* Makes the step by generated code, and returns whether that did it. After a step that it does not make, as where steps
- * are large, some steps are not tried. */
-static bool step_by_code(const attempt *a, double dq[], double dp[])
+/* Makes the step as most steps are made, and returns whether that did it. */
+static bool step_quick_one(const attempt *a, double dq[], double dp[])
 {
-    enum { NOT_TRIED = 15 };
     work *w = a->work;
-    const tvi_curve_code *code = w->closure.curve.code;
-    int *by_library = &w->newton.history->by_library;
-    if (!code || !code->step) return false;
-    if (*by_library > 0) {
-        --*by_library;
-        return false;
-    }
-    if (code->step(w, a->tau, a->origin, dq, dp, a->stats)) return true;
-    *by_library = NOT_TRIED;
-    return false;
+    int passes;
+    long long is_moving = -1;
+    const tvi_curve_end end = {dq, dp, &a->stats->tail, &a->stats->residual, &passes, &is_moving};
+    const tvi_batch_origin origin = tvi_origin_of_one(a->origin);
+    return w->quickly && w->quickly(w, a->tau, &origin, &end, a->stats);
 }
 
 /* Computes the increments of the plain Taylor method's step of size h from the curve, whose tau becomes h. */
@@ -268,15 +287,15 @@ static tvi_status step(void *taken, double h, const tvi_origin *origin, const tv
 {
     work *w = taken;
     attempt a = {w, origin, w->closure.span.tau * h, stats};
-    if (w->corrects && step_by_code(&a, increments->dq, increments->dp)) return TVI_OK;
+    if (step_quick_one(&a, increments->dq, increments->dp)) return TVI_OK;
     tvi_status status = predict(&a);
     if (status == TVI_OK) status = w->corrects ? correct(&a) : expand(&a, w->z, centre(&a));
     if (status != TVI_OK) return status;
     if (is_plain(w)) {
         end_plainly(w, h, increments);
         step_leave_velocity(w);
-        stats->tail = tvi_curve_tail(&w->closure.curve);
-    } else stats->tail = step_finish(w, increments->dq, increments->dp);
+        stats->tail = tvi_curve_tail(&w->closure.curve, 0);
+    } else step_finish(w, increments->dq, increments->dp, &stats->tail);
     return TVI_OK;
 }
 
@@ -349,7 +368,7 @@ static tvi_status step_within(void *taken, double tolerance, double *h, const tv
     }
     if (is_chosen) *w->chosen = fabs(*h);
     if (is_chosen && origin->t + *h == origin->t) return TVI_ENOCONV;
-    stats->tail = tvi_curve_tail(curve);
+    stats->tail = tvi_curve_tail(curve, 0);
     if (tvi_refines(w->closure.system, tolerance)) tvi_refine(&w->refinement, curve, *h, origin, increments);
     return TVI_OK;
 }
@@ -376,10 +395,14 @@ static tvi_used_tapes uses(const tvi_system *system, const tvi_options *options)
                                 corrects ? tvi_curve_jacobians_for(system) : TVI_NO_JACOBIANS);
 }
 
-const tvi_stepper tvi_stepper_curve = {
-    .take = take, .prepare = prepare, .step = step, .dense = dense, .uses = uses, .batch = &tvi_curve_batch};
+const tvi_stepper tvi_stepper_curve = {.take = take,
+                                       .prepare = tvi_curve_work_prepare,
+                                       .step = step,
+                                       .dense = dense,
+                                       .uses = uses,
+                                       .batch = &tvi_curve_batch};
 const tvi_stepper tvi_stepper_taylor = {.take = take,
-                                        .prepare = prepare,
+                                        .prepare = tvi_curve_work_prepare,
                                         .step = step,
                                         .dense = dense,
                                         .step_within = step_within,

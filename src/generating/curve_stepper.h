@@ -9,6 +9,12 @@
 #include "system/legendre.h"
 #include "system/roundoff.h"
 
+/* This is step_quickly (curve_step.h), of generated code or compiled for one instruction set. */
+typedef bool tvi_quick_fn(struct tvi_curve_work *work, double tau, const tvi_batch_origin *origin,
+                          const tvi_curve_end *end, tvi_stats *stats);
+tvi_quick_fn tvi_step_quickly_base, tvi_step_quickly_avx2, tvi_step_quickly_avx512;
+tvi_quick_fn tvi_step_members_base, tvi_step_members_avx2, tvi_step_members_avx512;
+
 typedef struct tvi_curve_work {
     tvi_closure closure;
     bool corrects;
@@ -31,7 +37,13 @@ typedef struct tvi_curve_work {
     double tolerance, log_tolerance;    /* those of the last step that adapted */
     double *shift;                      /* [n] */
     tvi_refinement refinement;
+    tvi_quick_fn *quickly;              /* makes the steps that converge as they mostly do; NULL: the method has none */
+    const struct tvi_single *by_itself; /* several members: one of them alone */
 } tvi_curve_work;
+
+/* Allocates the work of `width` members, and fills its tables. */
+void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
+void tvi_curve_work_prepare(void *work);
 
 /* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that
  * is large may not show what the body will meet. */

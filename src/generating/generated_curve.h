@@ -7,40 +7,18 @@
 
 #include "generating/advance.h"
 #include "generating/curve_step.h"
-#include "generating/lagrangian_orders.h"
+#include "generating/orders.h"
 #include "generating/products.h"
 #include "generating/reach.h"
 #include "generating/seeds.h"
 #include "generating/tangents.h"
 
-/* Coefficients of the curve are this many orders above those of the field that give them. */
-enum { CURVE_RISE = CURVE_FORM == TVI_SEPARABLE ? 2 : 1 };
-
 /* ---- The series -------------------------------------------------------------------------------------------------- */
 
-static inline tvi_recurrence code_recurrence(const tvi_curve *curve, double *block, int lanes)
-{
-    const size_t order = (size_t)tvi_series.slots * (size_t)lanes;
-    return (tvi_recurrence){CURVE_N, order, CURVE_SLOT, block, curve->kappa, curve->tau};
-}
-
-/* Evaluates order k of the field, and computes the coefficients of the curve that follow from it. */
-static inline void code_expand_order(tvi_curve *curve, const tvi_recurrence *series, int k, tvi_status *status)
-{
-    if (CURVE_FORM == TVI_LAGRANGIAN) {
-        if (*status == TVI_OK) *status = orders_expand(curve, k);
-    } else if (k + CURVE_RISE <= CURVE_TOP) {
-        if (!tvi_series_series_of(series->x, k)) *status = TVI_EDOMAIN;
-        if (CURVE_FORM == TVI_SEPARABLE) tvi_advance_separable(series, k);
-        else tvi_advance_hamiltonian(series, k);
-    }
-}
-
-#define EXPAND(k) code_expand_order(curve, &series, k, &status);
+#define EXPAND(k) curve_expand_order(curve, k, &status);
 /* Expands the series. Returns TVI_EDOMAIN, TVI_ESINGULAR or otherwise TVI_OK, finite or not. */
 JET_APART tvi_status code_series(tvi_curve *curve)
 {
-    const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
     tvi_status status = TVI_OK;
     tvi_series_ORDERS(EXPAND) return status;
 }
@@ -56,31 +34,15 @@ static inline tvi_status code_expand(tvi_curve *curve)
 
 #if CURVE_HAS_MATRICES
 
-/* Computes order k of the tangents of a block of directions. */
-static inline void code_differentiate_order(tvi_curve *curve, const tvi_recurrence *tangents, const curve_block *block,
-                                            int k, tvi_status status)
-{
-    const int lanes = (int)block->lanes;
-    if (CURVE_FORM == TVI_LAGRANGIAN) {
-        if (status == TVI_OK) orders_differentiate(curve, block, k);
-    } else if (k + CURVE_RISE <= CURVE_TOP) {
-        (void)tvi_series_tangents_of(curve->x, tangents->x, k, lanes);
-        if (CURVE_FORM == TVI_SEPARABLE) tvi_tangents_separable(tangents, k, lanes);
-        else tvi_tangents_hamiltonian(tangents, k, lanes);
-    }
-}
-
 #if CURVE_HAS_STEP
 
 #define EXPAND_WITH_TANGENTS(k)                                                                                        \
-    code_expand_order(curve, &series, k, &status);                                                                     \
-    code_differentiate_order(curve, &tangents, &block, k, status);
+    curve_expand_order(curve, k, &status);                                                                             \
+    if (CURVE_FORM != TVI_LAGRANGIAN || status == TVI_OK) curve_differentiate_order(curve, &block, k);
 /* Expands the whole series, each order with its tangents in all directions, which do not wait for each other. */
 JET_APART tvi_status code_series_and_tangents(tvi_curve *curve)
 {
-    const tvi_recurrence series = code_recurrence(curve, curve->x, 1);
-    const tvi_recurrence tangents = code_recurrence(curve, curve->dx, CURVE_LANES);
-    const curve_block block = {CURVE_LANES, tangents.stride, 0};
+    const curve_block block = {CURVE_LANES, tvi_curve_slots(curve) * CURVE_LANES, 0};
     tvi_status status = TVI_OK;
     curve_begin_block(curve, &block);
     tvi_series_ORDERS(EXPAND_WITH_TANGENTS) curve_end_block(curve, &block);
@@ -92,12 +54,11 @@ static inline void code_differentiate(tvi_curve *curve) { (void)code_series_and_
 
 #else
 
-#define DIFFERENTIATE(k) code_differentiate_order(curve, &tangents, &block, k, TVI_OK);
+#define DIFFERENTIATE(k) curve_differentiate_order(curve, &block, k);
 /* Computes the tangents of the curve last expanded in `lanes` directions, a constant, from `first` on. */
 static inline void code_differentiate_block(tvi_curve *curve, int lanes, int first)
 {
-    const tvi_recurrence tangents = code_recurrence(curve, curve->dx, lanes);
-    const curve_block block = {(size_t)lanes, tangents.stride, first};
+    const curve_block block = {(size_t)lanes, tvi_curve_slots(curve) * (size_t)lanes, first};
     curve_begin_block(curve, &block);
     tvi_series_ORDERS(DIFFERENTIATE) curve_end_block(curve, &block);
 }
@@ -139,11 +100,11 @@ JET_APART tvi_status code_seed(tvi_action *given, tvi_curve *curve, double seed_
 #endif
 #if CURVE_HAS_STEP
 
-static inline bool code_step(tvi_curve_work *work, double tau, const tvi_origin *origin, double dq[], double dp[],
+static inline bool code_step(tvi_curve_work *work, double tau, const tvi_batch_origin *origin, const tvi_curve_end *end,
                              tvi_stats *stats)
 {
-    static const step_makers makers = {code_series, code_series_and_tangents, code_seed};
-    return step_quickly(work, &makers, tau, origin, dq, dp, stats);
+    static const step_makers makers = {code_series, code_series_and_tangents, code_seed, NULL};
+    return step_quickly(work, &makers, tau, origin, end, stats);
 }
 
 #endif

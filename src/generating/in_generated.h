@@ -5,11 +5,15 @@
 #define TVI_SRC_GENERATING_IN_GENERATED_H
 
 #define CURVE_SIZE(constant, otherwise) (constant)
+#define CURVE_WIDTH(work)               1
 #define CURVE_CALL(function, ...)       curve_##function(__VA_ARGS__)
 
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
 #define CURVE_COMBINE_APART(tape, count, c, of_c, width, apart, table, out)                                            \
     ((void)(tape), jet_combine_apart(count, c, of_c, width, apart, table, out))
+
+enum { CURVE_MOST_WIDTH = 1 };
+#define CURVE_COMBINE_EACH jet_combine_apart
 
 #define CURVE_FACTOR(factor)   linear_small_compute(CURVE_N, factor)
 #define CURVE_SOLVE(factor, x) linear_solve_scaled(CURVE_N, factor, false, linear_small_apply, x)

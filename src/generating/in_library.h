@@ -6,12 +6,31 @@
 /* CURVE_SIZE is a size: a constant in generated code, otherwise a variable. */
 #define CURVE_SIZE(constant, otherwise) (otherwise)
 
-/* CURVE_CALL calls a function of curve.h. */
-#define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
+/* CURVE_WIDTH is the number of members: one, but for CURVE_MEMBERS, which only code of one instruction set serves. */
+#ifdef CURVE_MEMBERS
+enum { CURVE_MOST_WIDTH = 32 };
+#define CURVE_WIDTH(work)  ((work)->width & ~7)
+#define CURVE_COMBINE_EACH members_combine
+#else
+enum { CURVE_MOST_WIDTH = 1 };
+#define CURVE_WIDTH(work)                                           ((void)(work), 1)
+#define CURVE_COMBINE_EACH(count, c, of_c, width, stride, row, out) ((void)(stride), (void)(out))
+#endif
 
-/* Computes out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride], by the vectors of the tape. If
- * CURVE_ONE_SET says that the file is compiled for one instruction set, it uses the vectors of that set. */
+/* CURVE_CALL calls a function of curve.h. If CURVE_ONE_SET says that the file is compiled for one instruction set, it
+ * calls the function of the text, as generated code does. */
 #ifdef CURVE_ONE_SET
+#define CURVE_CALL(function, ...) curve_##function(__VA_ARGS__)
+#else
+#define CURVE_CALL(function, ...) tvi_curve_##function(__VA_ARGS__)
+#endif
+
+/* Computes out[width] = sum_{j < count} c_j table[j][width], c_j = c[j * stride], by the vectors of the tape or of the
+ * instruction set. */
+#ifdef CURVE_MEMBERS
+#define CURVE_COMBINE(tape, count, c, of_c, width, table, out)                                                         \
+    ((void)(tape), members_combine(count, c, of_c, width, (size_t)(width), table, out))
+#elif defined CURVE_ONE_SET
 #define CURVE_COMBINE(tape, ...) ((void)(tape), jet_combine(__VA_ARGS__))
 #else
 #define CURVE_COMBINE(tape, ...) (tape)->sweeps->combine(__VA_ARGS__)
@@ -25,8 +44,10 @@
 #define CURVE_SOLVE  tvi_factor_solve
 
 /* These run order k of the field's series, and of its tangents in `lanes` directions. */
-#define ORDERS_SERIES(curve, k)              jet_sweep_series((curve)->system->field_series, (curve)->x, k, 1)
-#define ORDERS_TANGENTS(curve, dx, k, lanes) jet_sweep_tangents((curve)->system->field_series, (curve)->x, dx, k, lanes)
+#define ORDERS_SERIES(curve, k) jet_sweep_series((curve)->system->field_series, (curve)->x, k, CURVE_WIDTH(curve))
+#define ORDERS_TANGENTS(curve, dx, k, lanes)                                                                           \
+    (CURVE_WIDTH(curve) > 1 ? jet_sweep_tangents_in_lanes : jet_sweep_tangents)((curve)->system->field_series,         \
+                                                                                (curve)->x, dx, k, lanes)
 
 /* These multiply by the Jacobian of the field's series. */
 #define PRODUCTS_TANGENTS jet_sweep_tangents

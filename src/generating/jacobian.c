@@ -2,7 +2,7 @@
  * directions; sums them, and multiplies vectors by them or by the products of products.h. */
 #include "algebra/linear_small.h"
 #include "generating/curve.h"
-#include "generating/lagrangian_orders.h"
+#include "generating/orders.h"
 #include "generating/products.h"
 #include "generating/seeds.h"
 #include "generating/tangents.h"
@@ -20,40 +20,10 @@ tvi_jacobians tvi_curve_jacobians_for(const tvi_system *system)
 
 /* ---- Matrices ---------------------------------------------------------------------------------------------------- */
 
-static void differentiate_explicit(tvi_curve *curve, const curve_block *b)
-{
-    const jet_tape *tape = curve->system->field_series;
-    const bool is_separable = curve->system->form == TVI_SEPARABLE;
-    const tvi_recurrence recurrence = {curve->n, b->order, tape->output, curve->dx, curve->kappa, curve->tau};
-    const int lanes = (int)b->lanes;
-    for (int k = 0; k + 1 + is_separable <= curve->top; k++) {
-        jet_sweep_tangents(tape, curve->x, curve->dx, k, lanes);
-        if (is_separable) tvi_tangents_separable(&recurrence, k, lanes);
-        else tvi_tangents_hamiltonian(&recurrence, k, lanes);
-    }
-}
-
-static void differentiate_block(tvi_curve *curve, const curve_block *b)
-{
-    curve_begin_block(curve, b);
-    if (curve->system->form == TVI_LAGRANGIAN)
-        for (int k = 0; k <= curve->top; k++) orders_differentiate(curve, b, k);
-    else differentiate_explicit(curve, b);
-    curve_end_block(curve, b);
-}
-
 void tvi_curve_differentiate(tvi_curve *curve)
 {
-    const size_t directions = 2 * (size_t)curve->n;
-    if (curve->code && curve->code->differentiate) {
-        curve->code->differentiate(curve);
-        return;
-    }
-    for (size_t first = 0; first < directions; first += TVI_CURVE_LANES) {
-        const size_t left = directions - first, lanes = left < TVI_CURVE_LANES ? left : TVI_CURVE_LANES;
-        const curve_block b = {lanes, tvi_curve_slots(curve) * lanes, (int)first};
-        differentiate_block(curve, &b);
-    }
+    if (curve->code && curve->code->differentiate) curve->code->differentiate(curve);
+    else curve_differentiate(curve);
 }
 
 void tvi_curve_sum_jacobian(const tvi_curve *curve, const tvi_combination *combination, double matrix[])

@@ -9,12 +9,14 @@
 
 static void take(tvi_closure *c, tvi_arena *arena)
 {
-    const size_t n = (size_t)c->n;
+    const size_t n = (size_t)c->n, width = (size_t)c->curve.width;
     tvi_matrices *taken = tvi_arena_take(arena, sizeof *taken), m = {0};
-    m.z = tvi_arena_doubles(arena, 2 * n);
+    m.z = tvi_arena_doubles(arena, 2 * n * width);
+    m.moved = tvi_arena_doubles(arena, width);
+    if (width > 1) m.given = tvi_arena_doubles(arena, 2 * n * 2 * n * width);
     m.G = tvi_arena_doubles(arena, n * 2 * n);
     tvi_factor_take(&m.half, arena, c->n);
-    tvi_factor_take(&m.full, arena, 2 * c->n);
+    tvi_factor_take_several(&m.full, arena, 2 * c->n, c->curve.width);
     if (taken) *taken = m;
     c->solving = taken;
 }
@@ -79,7 +81,10 @@ static bool jacobian(tvi_closure *c, double matrix[]) { return matrices_jacobian
 
 static tvi_status close_equations(tvi_closure *c, const double z[], const double scale[], tvi_stats *stats)
 {
-    if (matrices_are_due(c, z, scale)) {
+    const long long moves = -1;
+    long long is_due;
+    matrices_find_due(c, z, scale, &moves, &is_due);
+    if (is_due) {
         differentiate(c, z);
         stats->factorisations++;
     }

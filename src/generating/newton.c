@@ -22,12 +22,14 @@ static const tvi_passes_rule of_each = {
  * before settle last. */
 static const tvi_passes_rule of_largest = {.stuck = CONTRACTION, .period = 2};
 
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix)
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
+                     int width)
 {
     const int size = groups * system->n;
-    const size_t count = (size_t)size;
+    const size_t count = (size_t)size * (size_t)width;
     newton->has_matrix = has_matrix;
     newton->size = size;
+    newton->width = width;
     newton->group = system->n;
     newton->parts = &system->parts;
     newton->x = tvi_arena_doubles(arena, count);
@@ -36,8 +38,8 @@ void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi
     newton->reach = tvi_arena_doubles(arena, count);
     newton->trial = tvi_arena_doubles(arena, count);
     newton->difference = tvi_arena_doubles(arena, count);
-    if (has_matrix) tvi_factor_take(&newton->factor, arena, size);
-    newton->history = tvi_arena_history(arena, sizeof *newton->history);
+    if (has_matrix) tvi_factor_take_several(&newton->factor, arena, size, width);
+    newton->history = tvi_arena_history(arena, (size_t)width * sizeof *newton->history);
 }
 
 /* Computes dr/dx by forward differences: the fresh Jacobian for steps so large that the approximate one does not
@@ -113,7 +115,9 @@ static bool is_roundoff(tvi_newton *newton, const tvi_equations *equations, tvi_
 {
     memcpy(newton->reach, newton->scale, (size_t)newton->size * sizeof *newton->reach);
     find_reach(newton, equations);
-    if (newton_measure(newton, newton->reach).of_group > NEWTON_STAGNATION) return false;
+    tvi_newton_sizes sizes;
+    newton_measure(newton, newton->reach, &sizes);
+    if (sizes.of_group[0] > NEWTON_STAGNATION) return false;
     passes->slack = 1; /* nothing that this step has shown is known to be no roundoff */
     return true;
 }
@@ -126,7 +130,7 @@ static tvi_status pass(tvi_newton *newton, const tvi_equations *equations, bool 
     if (status != TVI_OK) return status;
     if (is_first) {
         equations->scale(equations->self, newton->scale);
-        newton_fill_scale(newton);
+        newton_fill_scale(newton, 0);
     }
     for (int i = 0; i < newton->size; i++) newton->correction[i] = -newton->correction[i];
     if (refresh || (!newton->is_fresh && equations->jacobian)) {
@@ -154,7 +158,9 @@ tvi_status tvi_newton_solve(tvi_newton *newton, const tvi_equations *equations, 
         newton->is_fresh = newton->has_matrix && refreshes > 0;
         const tvi_status status = pass(newton, equations, count == 1, newton->has_matrix && refresh, stats);
         if (status != TVI_OK) return status;
-        const tvi_newton_size size = newton_measure(newton, newton->scale);
+        tvi_newton_sizes sizes;
+        newton_measure(newton, newton->scale, &sizes);
+        const tvi_newton_size size = {sizes.relative[0], sizes.of_group[0]};
         stats->residual = size.relative;
         tvi_passes_verdict verdict = tvi_newton_judge(&passes, rules, size);
         if (verdict == TVI_PASSES_STUCK && is_roundoff(newton, equations, &passes)) verdict = TVI_PASSES_MAY_END;

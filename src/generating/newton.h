@@ -32,15 +32,17 @@ typedef struct {
 
 /* The history keeps these results of earlier solutions. */
 typedef struct {
-    double slack;   /* how much slower a later pass was seen to contract than the one before it; 0: none was */
-    int by_library; /* steps to come that are not tried by generated code, which left one of the last to the library */
+    double slack; /* how much slower a later pass was seen to contract than the one before it; 0: none was */
 } tvi_newton_history;
 
 /* These are the sizes of the corrections of a pass: the largest relative to its unknown's scale; and the largest of a
- * group relative to the largest scale of the group. */
+ * group relative to the largest scale of the group; and those of all members. */
 typedef struct {
     double relative, of_group;
 } tvi_newton_size;
+typedef struct {
+    double relative[CURVE_MOST_WIDTH], of_group[CURVE_MOST_WIDTH];
+} tvi_newton_sizes;
 
 /* The rules say when passes may end, by the one and by the other size; the passes hold what has been seen so far of
  * each size. */
@@ -115,12 +117,13 @@ typedef struct {
     bool is_rough;
     tvi_newton_rules rules;
     int size, group;                /* unknowns come in groups that share a unit, each of the components of all */
+    int width;                      /* how many members; the member is the fastest */
     const tvi_subsystems *parts;    /* the subsystems of the components */
-    double *x, *correction, *scale; /* [size] */
+    double *x, *correction, *scale; /* [size][width] */
     double *reach;              /* [size] the scale, and more where the roundoff of the corrections is that of more */
     double *trial, *difference; /* [size] scratch */
     tvi_factor factor;
-    tvi_newton_history *history;
+    tvi_newton_history *history; /* [width] */
 } tvi_newton;
 
 /* These sizes are constants in generated code, as those of series.h are. */
@@ -136,59 +139,77 @@ static inline int newton_group(const tvi_newton *newton)
     return CURVE_SIZE(CURVE_N, newton->group);
 }
 
-/* Measures the corrections of one group in one subsystem. The unknowns of the group begin at `first`; member: the
- * components of the subsystem, or NULL: all. unit: the scales of the unknowns, or their reach. */
-static inline void newton_measure_of(const tvi_newton *newton, const double unit[], const int *member, int begin,
-                                     int end, tvi_newton_size *size)
+/* Returns the place of unknown i of member m. */
+static inline int newton_at(const tvi_newton *newton, int i, int m)
 {
+    (void)newton;
+    return i * CURVE_WIDTH(newton) + m;
+}
+
+/* Measures the corrections of one group in one subsystem. The unknowns of the group begin at `first`; member: the
+ * components of the subsystem, or NULL: all. unit: the scales of the unknowns, or their reach. A correction that is no
+ * number makes the sizes NaN: x - x is 0 for all other x. */
+static inline void newton_measure_of(const tvi_newton *newton, const double unit[], const int *member, int begin,
+                                     int end, tvi_newton_sizes *sizes)
+{
+    const int width = CURVE_WIDTH(newton);
+    double *restrict relative = sizes->relative, *restrict of_group = sizes->of_group;
     for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
-        double largest = 0, scale = 0;
+        double largest[CURVE_MOST_WIDTH] = {0}, scale[CURVE_MOST_WIDTH] = {0}, rest[CURVE_MOST_WIDTH] = {0};
         for (int k = begin; k < end; k++) {
-            const int i = first + (member ? member[k] : k);
-            const double correction = fabs(newton->correction[i]);
-            if (correction > 0) size->relative = tvi_larger(correction / unit[i], size->relative);
-            largest = tvi_larger(correction, largest);
-            scale = tvi_larger(unit[i], scale);
+            const int at = newton_at(newton, first + (member ? member[k] : k), 0);
+            for (int m = 0; m < width; m++) {
+                const double correction = newton->correction[at + m], size = fabs(correction);
+                rest[m] += correction - correction;
+                relative[m] = tvi_larger(size / unit[at + m], relative[m]);
+                largest[m] = tvi_larger(size, largest[m]);
+                scale[m] = tvi_larger(unit[at + m], scale[m]);
+            }
         }
-        if (largest > 0) size->of_group = tvi_larger(largest / scale, size->of_group);
+        for (int m = 0; m < width; m++) {
+            relative[m] += rest[m];
+            of_group[m] = tvi_larger(largest[m] / scale[m], of_group[m]) + rest[m];
+        }
     }
 }
 
-static inline tvi_newton_size newton_measure(const tvi_newton *newton, const double unit[])
+/* Measures the corrections of all members. */
+static inline void newton_measure(const tvi_newton *newton, const double unit[], tvi_newton_sizes *sizes)
 {
     const tvi_subsystems *parts = newton->parts;
-    tvi_newton_size size = {0, 0};
-    if (parts->count == 1) newton_measure_of(newton, unit, NULL, 0, newton_group(newton), &size);
+    for (int m = 0; m < CURVE_WIDTH(newton); m++) sizes->relative[m] = sizes->of_group[m] = 0;
+    if (parts->count == 1) newton_measure_of(newton, unit, NULL, 0, newton_group(newton), sizes);
     for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
-        newton_measure_of(newton, unit, parts->member, first, parts->end[k], &size);
-    return size;
+        newton_measure_of(newton, unit, parts->member, first, parts->end[k], sizes);
 }
 
 /* Fills in the scale of unknowns that have none: the largest of the group in the subsystem, or 1. An unknown that is
  * much smaller than others there, such as a body that a wave has not reached, has no accuracy of its own. */
-static inline void newton_fill_scale_of(const tvi_newton *newton, const int *member, int begin, int end)
+static inline void newton_fill_scale_of(const tvi_newton *newton, int m, const int *member, int begin, int end)
 {
     for (int first = 0; first < newton_size(newton); first += newton_group(newton)) {
-        double largest = 0, *scale = newton->scale + first;
-        for (int k = begin; k < end; k++) largest = tvi_larger(scale[member ? member[k] : k], largest);
+        double largest = 0, *scale = newton->scale + newton_at(newton, first, m);
+        for (int k = begin; k < end; k++)
+            largest = tvi_larger(scale[newton_at(newton, member ? member[k] : k, 0)], largest);
         for (int k = begin; k < end; k++) {
-            const int i = member ? member[k] : k;
+            const int i = newton_at(newton, member ? member[k] : k, 0);
             if (scale[i] == 0) scale[i] = largest > 0 ? largest : 1;
             else scale[i] = tvi_larger(TVI_LEAST_SHARE * largest, scale[i]);
         }
     }
 }
 
-static inline void newton_fill_scale(const tvi_newton *newton)
+static inline void newton_fill_scale(const tvi_newton *newton, int m)
 {
     const tvi_subsystems *parts = newton->parts;
-    if (parts->count == 1) newton_fill_scale_of(newton, NULL, 0, newton_group(newton));
+    if (parts->count == 1) newton_fill_scale_of(newton, m, NULL, 0, newton_group(newton));
     for (int k = 0, first = 0; parts->count > 1 && k < parts->count; first = parts->end[k++])
-        newton_fill_scale_of(newton, parts->member, first, parts->end[k]);
+        newton_fill_scale_of(newton, m, parts->member, first, parts->end[k]);
 }
 
 /* Allocates the corrector. has_matrix: there is room for a Jacobian; equations that bring `solve` need none. */
-void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix);
+void tvi_newton_take(tvi_newton *newton, tvi_arena *arena, int groups, const tvi_system *system, bool has_matrix,
+                     int width);
 
 /* Sets the rules, once. is_rough: the first contraction tells little of the later ones, so that there is always one
  * more pass than seems needed. */

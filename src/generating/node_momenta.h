@@ -10,7 +10,7 @@
  * leaves corrections that are stuck to the library. */
 double tvi_action_momenta_roundoff(tvi_action *action, tvi_curve *curve);
 
-enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_MOST_HALF };
+enum { MOMENTA_STEPS = 50, MOMENTA_MOST_NODES = 2 * SEEDS_HALF };
 /* Corrections that no longer shrink are roundoff if they are below this part of the largest momentum, or below this
  * many units of their own roundoff, which follows from that of H_p and v. */
 static const double MOMENTA_STALLED = 1e-13;

@@ -58,18 +58,18 @@ static inline tvi_status seeds_lagrange_terms(tvi_action *action, tvi_curve *cur
 /* Computes the terms of on-curve nodes: on_q = -tau H_q, on_p = g. - tau H_p. */
 static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curve *curve)
 {
-    const int n = curve_n(curve), points = action->points;
+    const int n = curve_n(curve), lanes = seeds_lanes(action);
     const bool separable = curve_form(curve) == TVI_SEPARABLE;
-    if (!separable) memcpy(action->x + n * points, action->momentum, (size_t)(n * points) * sizeof(double));
+    if (!separable) memcpy(action->x + n * lanes, action->momentum, (size_t)(n * lanes) * sizeof(double));
     const tvi_status status = seeds_run_field(action);
-    if (status != TVI_OK) return status;
+    if (status != TVI_OK && curve_width(curve) == 1) return status;
     seeds_copy_outputs(action, curve, 0, separable ? curve->tau : -curve->tau, action->on_q);
-    if (!action->has_momentum_defect) return TVI_OK;
+    if (!action->has_momentum_defect) return status;
     seeds_place_velocities(action, curve, action->on_p);
     for (int i = 0; i < n; i++) {
         const double *H_p = separable ? NULL : seeds_output_row(action, action->field, action->x, n + i);
-        for (int node = 0; node < points; node++) {
-            const int place = i * points + node;
+        for (int node = 0; node < lanes; node++) {
+            const int place = i * lanes + node;
             const double rate = separable ? action->momentum[place] / curve->system->mass[i] : H_p[node];
             action->on_p[place] = curve->tau * (action->on_p[place] - rate);
         }
@@ -82,34 +82,44 @@ static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curv
 /* Computes row[k] = sum over the nodes of weight * power (or slope) * x[node], for all orders k. */
 static inline const double *seeds_over_nodes(const tvi_action *action, const tvi_node_table *weighted, const double *x)
 {
-    const int half = action->half, orders = action->orders, width = seeds_width((orders + 1) / 2);
+    const int half = action->half, orders = action->orders, width = CURVE_WIDTH(action);
+    const int lanes = seeds_lanes(action) / 2, padded = seeds_width((orders + 1) / 2);
     double sum[SEEDS_MOST_HALF], difference[SEEDS_MOST_HALF], even[SEEDS_MOST_HALF], odd[SEEDS_MOST_HALF];
     if (half == 0) {
-        CURVE_COMBINE(action, action->points, x, 1, orders, weighted->full, action->row);
+        seeds_combine(action, action->points, x, (size_t)width, orders, weighted->full, action->row);
         return action->row;
     }
     JET_IN_VECTORS
-    for (int i = 0; i < half; i++) {
-        sum[i] = x[i] + x[half + i];
-        difference[i] = x[i] - x[half + i];
+    for (int i = 0; i < lanes; i++) {
+        sum[i] = x[i] + x[lanes + i];
+        difference[i] = x[i] - x[lanes + i];
     }
     const bool keeps = weighted->mirrored > 0;
-    CURVE_COMBINE(action, half, keeps ? sum : difference, 1, width, weighted->even, even);
-    CURVE_COMBINE(action, half, keeps ? difference : sum, 1, width, weighted->odd, odd);
-    for (int k = 0; k < orders; k++) action->row[k] = k % 2 == 0 ? even[k / 2] : odd[k / 2];
+    seeds_combine(action, half, keeps ? sum : difference, (size_t)width, padded, weighted->even, even);
+    seeds_combine(action, half, keeps ? difference : sum, (size_t)width, padded, weighted->odd, odd);
+    for (int k = 0; k < orders; k++)
+        for (int m = 0; m < width; m++) action->row[k * width + m] = (k % 2 == 0 ? even : odd)[k / 2 * width + m];
     return action->row;
+}
+
+/* Returns the place of the seed of order k of component i. */
+static inline double *seeds_of(const tvi_curve *curve, double seed[], int k, int i)
+{
+    return seed + k * curve_numbers(curve) + i * curve_width(curve);
 }
 
 /* Computes the seeds of dq_i^T on_q - dg_i^T p. as one defect, less the term that a truncated node leaves out of
  * dq_i. */
-static inline void seeds_positions(tvi_action *action, int n, double seed[])
+static inline void seeds_positions(tvi_action *action, const tvi_curve *curve, double seed[])
 {
+    const int n = curve_n(curve), width = curve_width(curve), lanes = seeds_lanes(action);
     const int points = action->points, N = action->q_degree;
     seeds_subtract(action, n, action->force, action->on_q); /* the defect */
     for (int i = 0; i < n; i++) {
-        const double *defect = action->on_q + i * points, *force = action->force + i * points;
+        const double *defect = action->on_q + i * lanes, *force = action->force + i * lanes;
         const double *row = seeds_over_nodes(action, &action->weighted_power, defect);
-        for (int k = 0; k <= N; k++) seed[k * n + i] = row[k];
+        for (int k = 0; k <= N; k++)
+            for (int m = 0; m < width; m++) seeds_of(curve, seed, k, i)[m] = row[k * width + m];
         if (!action->truncated) continue;
         for (int node = 0; node < points; node++)
             seed[N * n + i] -= action->weight[node] * (defect[node] + force[node]) *
@@ -128,20 +138,21 @@ static inline void seeds_velocities(const tvi_action *action, int n, double seed
 /* Adds dp^T on_p; for a separable system kappa P_k = (k+1) Q_{k+1}. */
 static inline void seeds_momenta(const tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    const int n = curve_n(curve);
+    const int n = curve_n(curve), width = curve_width(curve);
     for (int i = 0; i < n; i++) {
-        const double *row = seeds_over_nodes(action, &action->weighted_power, action->on_p + i * action->points);
-        for (int k = 0; k <= action->p_degree; k++) {
-            const double seed = row[k] / curve->kappa[i];
-            if (curve_form(curve) != TVI_SEPARABLE) seed_U[k * n + i] = seed;
-            else if (k < curve_top(curve)) seed_Q[(k + 1) * n + i] += (k + 1) * seed;
-        }
+        const double *row = seeds_over_nodes(action, &action->weighted_power, action->on_p + i * seeds_lanes(action));
+        for (int k = 0; k <= action->p_degree; k++)
+            for (int m = 0; m < width; m++) {
+                const double seed = row[k * width + m] / curve->kappa[i];
+                if (curve_form(curve) != TVI_SEPARABLE) seeds_of(curve, seed_U, k, i)[m] = seed;
+                else if (k < curve_top(curve)) seeds_of(curve, seed_Q, k + 1, i)[m] += (k + 1) * seed;
+            }
     }
 }
 
 static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *curve, double seed[])
 {
-    const int n = curve_n(curve);
+    const int n = curve_numbers(curve);
     for (int k = 0; k <= action->q_degree; k++)
         for (int j = 0; j <= action->p_degree; j++) {
             const double error = action->by_parts[k * (curve_top(curve) + 1) + j];
@@ -156,10 +167,9 @@ static inline void seeds_by_parts(const tvi_action *action, const tvi_curve *cur
  * are never set. */
 static inline void seeds_begin(tvi_action *action, const tvi_curve *curve, double seed_Q[], double seed_U[])
 {
-    for (int i = (action->q_degree + 1) * curve_n(curve); i < (curve_top(curve) + 1) * curve_n(curve); i++)
-        seed_Q[i] = 0;
-    for (int i = 0; i < (curve_top(curve) + 1) * curve_n(curve) && curve_form(curve) != TVI_SEPARABLE; i++)
-        seed_U[i] = 0;
+    const int seeds = (curve_top(curve) + 1) * curve_numbers(curve);
+    for (int i = (action->q_degree + 1) * curve_numbers(curve); i < seeds; i++) seed_Q[i] = 0;
+    for (int i = 0; i < seeds && curve_form(curve) != TVI_SEPARABLE; i++) seed_U[i] = 0;
     seeds_momenta_at_nodes(action, curve);
     seeds_forces_at_nodes(action, curve);
     seeds_place_positions(action, curve, action->x);
@@ -170,7 +180,7 @@ static inline void seeds_end(tvi_action *action, const tvi_curve *curve, double 
 {
     const int n = curve_n(curve);
     const bool is_bent = action->is_hamilton && action->truncated;
-    seeds_positions(action, n, seed_Q);
+    seeds_positions(action, curve, seed_Q);
     if (is_bent || action->has_velocity_defect) seeds_velocities(action, n, seed_Q);
     if (is_bent || action->has_momentum_defect) seeds_momenta(action, curve, seed_Q, seed_U);
     if (action->by_parts) seeds_by_parts(action, curve, seed_Q);
@@ -186,7 +196,7 @@ static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, dou
     const tvi_status status = action->is_hamilton           ? seeds_hamilton_terms(action, curve)
                               : action->has_velocity_defect ? seeds_lagrange_terms(action, curve)
                                                             : seeds_force_terms(action, curve);
-    if (status == TVI_OK) seeds_end(action, curve, seed_Q, seed_U);
+    if (status == TVI_OK || curve_width(curve) > 1) seeds_end(action, curve, seed_Q, seed_U);
     return status;
 }
 
@@ -195,6 +205,13 @@ static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, dou
 /* These are the functions of curve.h and action.h, for curves and actions of these sizes. */
 struct tvi_curve_work;
 struct tvi_solver;
+/* This is what a quick step of several members computes: the increments [n][width], and for each member the tail, the
+ * last correction and the passes, which are 0 if the step is not made. Members that do not move have no step. */
+typedef struct {
+    double *dq, *dp, *tail, *residual;
+    int *passes;
+    long long *is_moving;
+} tvi_curve_end;
 typedef struct tvi_curve_code {
     int top;
     /* Expands the whole series from the centre data; NULL: the library expands it order by order. */
@@ -203,7 +220,7 @@ typedef struct tvi_curve_code {
     void (*sizes)(const tvi_curve *curve, double size[]);
     void (*sum)(const tvi_curve *curve, const tvi_combination *combination, double out[]);
     void (*measure)(const tvi_curve *curve);
-    double (*tail)(const tvi_curve *curve);
+    double (*tail)(const tvi_curve *curve, int m);
     /* Steps that adapt call these three. */
     double (*reach)(const tvi_curve *curve, double log_tolerance);
     void (*end_at)(tvi_curve *curve, double factor, double q[], double u[]);
@@ -216,7 +233,7 @@ typedef struct tvi_curve_code {
     /* Computes plain seeds, finite or not; NULL: the library's own function serves. */
     tvi_status (*seed)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[]);
     /* Makes a step by step_quickly (curve_step.h); NULL: there is no such code. */
-    bool (*step)(struct tvi_curve_work *work, double tau, const tvi_origin *origin, double dq[], double dp[],
+    bool (*step)(struct tvi_curve_work *work, double tau, const tvi_batch_origin *origin, const tvi_curve_end *end,
                  tvi_stats *stats);
 } tvi_curve_code;
 

@@ -28,11 +28,14 @@ typedef struct {
     const struct tvi_curve_code *code; /* NULL: the library's own functions */
     tvi_jacobians jacobians;
     int n, top; /* the highest order of Q that is computed */
-    double centre, tau;
+    int width; /* how many curves of as many members there are, 1 for a single one; the members are the fastest lanes */
+    double tau;
     double *kappa;          /* [n] */
     double *x;              /* block of the field's series, orders 0 .. top */
-    double *dx;             /* tangents of x in CURVE_LANES directions; products: in one */
+    double *dx;             /* tangents of x in CURVE_LANES directions; products, and several members: in one */
     size_t lanes;           /* the lanes of the block in dx; 0: none */
+    bool keeps;             /* several members: Jacobians of some are kept when those of others are taken: */
+    long long *is_taken;    /* [width] of which they are taken */
     double *bar;            /* products: the adjoints of x */
     double *dQ, *dU;        /* matrices: [top + 1][n][2n] dQ_k/dz and dU_k/dz; dU NULL for a separable system */
     double *dz;             /* [2n] the direction of pushes */
@@ -60,6 +63,15 @@ static inline int curve_n(const tvi_curve *curve)
     (void)curve;
     return CURVE_SIZE(CURVE_N, curve->n);
 }
+
+static inline int curve_width(const tvi_curve *curve)
+{
+    (void)curve;
+    return CURVE_WIDTH(curve);
+}
+
+/* Returns how many numbers a vector over the components of all members has. */
+static inline int curve_numbers(const tvi_curve *curve) { return curve_n(curve) * curve_width(curve); }
 
 static inline int curve_top(const tvi_curve *curve)
 {
@@ -124,10 +136,11 @@ static inline bool curve_is_of_momentum(const tvi_curve *curve, const tvi_combin
 
 enum { TVI_CURVE_LANES = 8 }; /* directions of one tangent sweep: few enough to stay in the cache */
 
+/* Returns how many numbers an order of the block has. */
 static inline size_t tvi_curve_slots(const tvi_curve *curve)
 {
     (void)curve;
-    return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots);
+    return (size_t)CURVE_SIZE(tvi_series.slots, curve->system->field_series->slots) * (size_t)curve_width(curve);
 }
 
 /* Returns the lanes of a block in generated code, whose small systems have one sweep; a whole vector costs less than
@@ -139,7 +152,10 @@ static inline int tvi_curve_lanes_of(const tvi_system *system)
     return is_small ? directions : TVI_CURVE_LANES;
 }
 
-static inline size_t tvi_curve_lanes(const tvi_curve *curve) { return (size_t)tvi_curve_lanes_of(curve->system); }
+static inline size_t tvi_curve_lanes(const tvi_curve *curve)
+{
+    return curve->width > 1 ? 1 : (size_t)tvi_curve_lanes_of(curve->system);
+}
 
 /* Returns the inputs of order k: q, then the velocity of a Lagrangian or the momentum of a Hamiltonian. */
 static inline double *tvi_curve_input(const tvi_curve *curve, int k)
@@ -166,32 +182,41 @@ static inline void curve_set_step(tvi_curve *curve, double tau)
 /* Places z in the block; for a Lagrangian its second half is tau v. */
 static inline void curve_place(const tvi_curve *curve, const double z[])
 {
-    const int n = curve_n(curve);
+    const int numbers = curve_numbers(curve);
     const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
-    double *q = tvi_curve_input(curve, 0), *second = is_separable ? tvi_curve_input(curve, 1) : q + n;
+    double *q = tvi_curve_input(curve, 0), *second = is_separable ? tvi_curve_input(curve, 1) : q + numbers;
     const double part = curve_form(curve) == TVI_LAGRANGIAN ? curve->tau : 1;
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < numbers; i++) {
         q[i] = z[i];
-        second[i] = z[n + i] / part;
+        second[i] = z[numbers + i] / part;
     }
 }
 
-static inline void curve_place_time(const tvi_curve *curve)
+/* Returns the place of the times of the centres in the block, of a system that uses the time. */
+static inline double *curve_time(const tvi_curve *curve, int k)
+{
+    return tvi_curve_input(curve, k) + curve_inputs(curve) * curve_width(curve);
+}
+
+/* Sets the times of the centres, t + (t_low + later) [width]. */
+static inline void curve_place_time(const tvi_curve *curve, const double t[], const double t_low[], double later)
 {
     if (!curve_uses_time(curve)) return;
-    tvi_curve_input(curve, 0)[curve_inputs(curve)] = curve->centre;
-    if (curve_top(curve) > 0) tvi_curve_input(curve, 1)[curve_inputs(curve)] = curve->tau;
+    for (int m = 0; m < curve_width(curve); m++) {
+        curve_time(curve, 0)[m] = t[m] + (t_low[m] + later);
+        if (curve_top(curve) > 0) curve_time(curve, 1)[m] = curve->tau;
+    }
 }
 
 /* ---- Sums -------------------------------------------------------------------------------------------------------- */
 
-/* Returns U_k = kappa P_k of component i. */
+/* Returns U_k = kappa P_k of component i, or number i of all members. */
 static inline double tvi_curve_U(const tvi_curve *curve, int k, int i)
 {
     switch (curve_form(curve)) {
     case TVI_SEPARABLE: return k < curve_top(curve) ? (k + 1) * tvi_curve_input(curve, k + 1)[i] : 0;
     case TVI_LAGRANGIAN: return tvi_curve_field(curve, k, curve_n(curve) + i);
-    default: return (tvi_curve_input(curve, k) + curve_n(curve))[i];
+    default: return (tvi_curve_input(curve, k) + curve_numbers(curve))[i];
     }
 }
 
@@ -206,14 +231,14 @@ static inline bool curve_is_finite(const tvi_curve *curve)
 /* Computes the natural sizes of z [2n]: sum_k |Q_k|, and sum_{k>=1} |Q_k| for tau v or sum_k |P_k| for p. */
 static inline void curve_sizes(const tvi_curve *curve, double size[])
 {
-    const int n = curve_n(curve);
+    const int numbers = curve_numbers(curve);
     const bool hamiltonian = curve_form(curve) == TVI_HAMILTONIAN;
-    memset(size, 0, 2 * (size_t)n * sizeof *size);
+    memset(size, 0, 2 * (size_t)numbers * sizeof *size);
     for (int k = curve_top(curve); k >= 0; k--) {
-        const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + n : Q;
-        for (int i = 0; i < n; i++) {
+        const double *Q = tvi_curve_Q(curve, k), *second = hamiltonian ? Q + numbers : Q;
+        for (int i = 0; i < numbers; i++) {
             size[i] += fabs(Q[i]);
-            if (k > 0 || hamiltonian) size[n + i] += fabs(second[i]);
+            if (k > 0 || hamiltonian) size[numbers + i] += fabs(second[i]);
         }
     }
 }
@@ -221,12 +246,14 @@ static inline void curve_sizes(const tvi_curve *curve, double size[])
 /* Computes P_k of all orders k, [degree + 1][n]. */
 static inline void curve_momenta(const tvi_curve *curve, int degree, double out[])
 {
-    const int n = curve_n(curve);
+    const int n = curve_n(curve), width = curve_width(curve);
     const bool is_separable = curve_form(curve) == TVI_SEPARABLE;
-    for (int k = 0; k <= degree; k++, out += n) {
+    for (int k = 0; k <= degree; k++, out += n * width) {
         const bool is_next = is_separable && k < curve_top(curve);
         const double *next = is_next ? tvi_curve_input(curve, k + 1) : NULL;
-        for (int i = 0; i < n; i++) out[i] = is_next ? (k + 1) * next[i] / curve->kappa[i] : tvi_curve_U(curve, k, i);
+        for (int i = 0; i < n; i++)
+            for (int at = i * width; at < (i + 1) * width; at++)
+                out[at] = is_next ? (k + 1) * next[at] / curve->kappa[i] : tvi_curve_U(curve, k, at);
     }
 }
 
@@ -235,15 +262,15 @@ typedef void curve_adder(size_t, const double[], size_t, size_t, const double[],
 static inline void curve_sum_by(curve_adder *add, const tvi_curve *curve, const tvi_combination *combination,
                                 double out[])
 {
-    const int n = curve_n(curve);
-    memset(out, 0, (size_t)n * sizeof *out);
+    const int n = curve_n(curve), numbers = curve_numbers(curve);
+    memset(out, 0, (size_t)numbers * sizeof *out);
     const size_t orders = (size_t)curve_top(curve) + 1, stride = tvi_curve_slots(curve);
     if (curve_is_of_momentum(curve, combination) && curve_form(curve) == TVI_LAGRANGIAN)
         for (int i = 0; i < n; i++)
             add(orders, combination->weight, stride, 1, curve->x + curve_slot(curve, n + i), out + i);
     else
-        add(orders, combination->weight, stride, (size_t)n,
-            curve->x + (curve_is_of_momentum(curve, combination) ? n : 0), out);
+        add(orders, combination->weight, stride, (size_t)numbers,
+            curve->x + (curve_is_of_momentum(curve, combination) ? numbers : 0), out);
 }
 
 static inline void curve_sum(const tvi_curve *curve, const tvi_combination *combination, double out[])
@@ -251,7 +278,8 @@ static inline void curve_sum(const tvi_curve *curve, const tvi_combination *comb
     curve_sum_by(tvi_add_rows, curve, combination, out);
 }
 
-/* Returns p = |U_0| + sum k |U_k| and q = sum k |Q_k|: the terms of p' and q' at the ends, in a unit of scaled time. */
+/* Returns p = |U_0| + sum k |U_k| and q = sum k |Q_k| of number i of all components: the terms of p' and q' at the
+ * ends, in a unit of scaled time. */
 static inline tvi_tail_part curve_tail_part(const tvi_curve *curve, int i)
 {
     const int q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
@@ -272,33 +300,34 @@ static inline void curve_measure(const tvi_curve *curve)
     curve_sum_by(tvi_add_sizes, curve, &curve->u_sizes, curve->momentum);
 }
 
-/* Returns the tail of a subsystem, whose components are first .. end - 1 of the list. */
-static inline double curve_tail_of(const tvi_curve *curve, int first, int end)
+/* Returns the tail of a subsystem of member m, whose components are first .. end - 1 of the list. */
+static inline double curve_tail_of(const tvi_curve *curve, int m, int first, int end)
 {
     const tvi_subsystems *parts = &curve->system->parts;
     const bool has_masses = curve->system->compares_movements;
+    const int width = curve_width(curve);
     tvi_tail_survey survey = {0, 0, 0};
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k));
+        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k) * width + m);
         tvi_tail_look(&survey, &part, has_masses);
     }
     if (tvi_tail_is_known(&survey)) return survey.ratio;
     double tail = 0;
     for (int k = first; k < end; k++) {
-        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k));
+        const tvi_tail_part part = curve_tail_part(curve, tvi_subsystems_member(parts, k) * width + m);
         tail = fmax(tail, tvi_tail_of(tvi_tail_ratio(&part), tvi_tail_share(&part, has_masses), survey.largest));
     }
     return tail;
 }
 
-static inline double curve_tail(const tvi_curve *curve)
+static inline double curve_tail(const tvi_curve *curve, int m)
 {
     const tvi_subsystems *parts = &curve->system->parts;
     double tail = 0;
     if (curve_p_degree(curve) < 2) return 0;
     for (int k = 0, first = 0, end; k < parts->count; k++, first = end) {
         end = tvi_subsystems_end(parts, k, curve_n(curve));
-        tail = fmax(tail, curve_tail_of(curve, first, end));
+        tail = fmax(tail, curve_tail_of(curve, m, first, end));
     }
     return tail;
 }

@@ -95,6 +95,12 @@ typedef struct {
     const double *q, *q_low, *p, *p_low;
 } tvi_batch_origin;
 
+/* The start of the step of one member. */
+static inline tvi_batch_origin tvi_origin_of_one(const tvi_origin *o)
+{
+    return (tvi_batch_origin){&o->t, &o->t_low, o->q, o->q_low, o->p, o->p_low};
+}
+
 /* The number of points at which a search for events samples a step: the ends of equal parts of the step. */
 enum { TVI_SAMPLES = 8 };
 extern const double tvi_sample_theta[TVI_SAMPLES]; /* dense.c */

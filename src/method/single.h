@@ -5,7 +5,7 @@
 
 #include "method/stepper.h"
 
-typedef struct {
+typedef struct tvi_single {
     const tvi_stepper *stepper;
     const tvi_system *system;
     void *work;

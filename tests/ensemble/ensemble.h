@@ -39,8 +39,6 @@ static const double H = 0.125;
 tvi_system *system_of(const form *as);
 /* Whether the method serves the form. */
 bool has_options(const tvi_system *system, const method *by, tvi_options *options);
-/* Whether its steps in lanes are another text than those of an integrator: of the same bits but for roundoff. */
-bool has_two_texts(const method *by);
 
 /* This number of members, of which number k is orbit first + k: all of them bounded, and no two the same. */
 typedef struct {

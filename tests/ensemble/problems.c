@@ -85,14 +85,6 @@ bool has_options(const tvi_system *system, const method *by, tvi_options *option
     return tvi_options_check(system, options, NULL) == TVI_OK;
 }
 
-bool has_two_texts(const method *by)
-{
-    static const char *const names[] = {"midpoint", "poincare"};
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        if (strcmp(by->name, names[i]) == 0) return true;
-    return false;
-}
-
 /* ---- Members ----------------------------------------------------------------------------------------------------- */
 
 /* A number in [0, 1) that no other orbit has. */

@@ -54,8 +54,8 @@ START_TEST(small_motions_go_by_themselves)
         expect_same("small", &all, m, &one, 0);
         start_small(&one, 0, m % SIZES);
         OK(tvi_integrator_create(&integrator, system, &options));
-        OK(tvi_integrate(integrator, 0.25, 200, one.t, one.q, one.p, NULL, NULL));
-        ck_assert_double_le(distance(&all, m, &one, 0), 2e-11); /* 100 units of roundoff at 1000 */
+        one.status[0] = tvi_integrate(integrator, 0.25, 200, one.t, one.q, one.p, NULL, NULL);
+        expect_same("alone", &all, m, &one, 0);
         tvi_integrator_free(integrator);
     }
     tvi_system_free(system);

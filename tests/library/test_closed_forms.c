@@ -158,10 +158,10 @@ static expansion expand(const test_problem *problem)
     const int n = problem->scene->n;
     expansion e = {.system = problem_system(problem)};
     tvi_arena arena = {0};
-    tvi_curve_take(&e.curve, &arena, e.system, 4, true);
+    tvi_curve_take(&e.curve, &arena, e.system, 4, true, 1);
     e.memory = tvi_arena_open(&arena);
     ck_assert_ptr_nonnull(e.memory);
-    tvi_curve_take(&e.curve, &arena, e.system, 4, true);
+    tvi_curve_take(&e.curve, &arena, e.system, 4, true, 1);
     tvi_blocks_prepare(arena.blocks);
     tvi_curve_prepare(&e.curve);
     const test_state start = problem_start(problem);

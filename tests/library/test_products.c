@@ -24,7 +24,7 @@ typedef struct {
 
 static void lay_out(open_curve *x, tvi_arena *arena, const tvi_system *system, tvi_jacobians jacobians)
 {
-    tvi_curve_take(&x->curve, arena, system, DEGREE, jacobians);
+    tvi_curve_take(&x->curve, arena, system, DEGREE, jacobians, 1);
     x->q = tvi_combination_take(&x->curve, arena);
     x->u = tvi_combination_take(&x->curve, arena);
 }

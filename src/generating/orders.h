@@ -1,11 +1,11 @@
-/* lagrangian_orders.h - computes one order of a Lagrangian's curve and of its tangents (curve.c). It is part of the
- * text of generated code, where every size is a constant.
+/* orders.h - computes one order of a curve and of its tangents. It is part of the text of generated code, where every
+ * size is a constant.
  *
- * Order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v. Then V_k is solved for. It adds to
- * each slot its product with the slot's derivatives in the velocity at the centre, which are the same for all
- * orders. */
-#ifndef TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
-#define TVI_SRC_GENERATING_LAGRANGIAN_ORDERS_H
+ * A Lagrangian's order k of the field is run with V_k = 0, which leaves L_vv V_k out of [s^k] L_v. Then V_k is solved
+ * for. It adds to each slot its product with the slot's derivatives in the velocity at the centre, which are the same
+ * for all orders. */
+#ifndef TVI_SRC_GENERATING_ORDERS_H
+#define TVI_SRC_GENERATING_ORDERS_H
 
 #include "generating/advance.h"
 #include "generating/tangents.h"
@@ -158,6 +158,63 @@ static inline void orders_differentiate(tvi_curve *curve, const curve_block *b, 
     if (k > 0) orders_begin(curve, k, lanes, order - b->order, order);
     ORDERS_TANGENTS(curve, curve->dx, k, lanes);
     if (k > 0) orders_end(curve, k, lanes, order - b->order, order);
+}
+
+/* ---- Any form of system ------------------------------------------------------------------------------------------ */
+
+static inline tvi_recurrence curve_recurrence(const tvi_curve *curve, size_t order, double *block)
+{
+    return (tvi_recurrence){curve_n(curve), curve_width(curve), order,     curve_output(curve),
+                            block,          curve->kappa,       curve->tau};
+}
+
+/* Returns whether order k of the field gives a coefficient of the curve. */
+static inline bool curve_has_order(const tvi_curve *curve, int k)
+{
+    return k + (curve_form(curve) == TVI_SEPARABLE ? 2 : 1) <= curve_top(curve);
+}
+
+/* Evaluates order k of the field, and computes the coefficients of the curve that follow from it. A Lagrangian's curve
+ * ends where it fails; others go on, since other members may not have failed. */
+static inline void curve_expand_order(tvi_curve *curve, int k, tvi_status *status)
+{
+    const tvi_recurrence series = curve_recurrence(curve, tvi_curve_slots(curve), curve->x);
+    if (curve_form(curve) == TVI_LAGRANGIAN) {
+        if (*status == TVI_OK) *status = orders_expand(curve, k);
+    } else if (curve_has_order(curve, k)) {
+        if (!ORDERS_SERIES(curve, k)) *status = TVI_EDOMAIN;
+        if (curve_form(curve) == TVI_SEPARABLE) tvi_advance_separable(&series, k);
+        else tvi_advance_hamiltonian(&series, k);
+    }
+}
+
+/* Computes order k of the tangents of a block of directions. */
+static inline void curve_differentiate_order(tvi_curve *curve, const curve_block *b, int k)
+{
+    const tvi_recurrence tangents = curve_recurrence(curve, b->order, curve->dx);
+    const int lanes = (int)b->lanes;
+    if (curve_form(curve) == TVI_LAGRANGIAN) {
+        orders_differentiate(curve, b, k);
+    } else if (curve_has_order(curve, k)) {
+        ORDERS_TANGENTS(curve, curve->dx, k, lanes);
+        if (curve_form(curve) == TVI_SEPARABLE) tvi_tangents_separable(&tangents, k, lanes);
+        else tvi_tangents_hamiltonian(&tangents, k, lanes);
+    }
+}
+
+/* Computes the tangents of the curve last expanded: blocks of directions of one member, or one direction after the
+ * other of several. */
+static inline void curve_differentiate(tvi_curve *curve)
+{
+    const int directions = 2 * curve_n(curve), width = curve_width(curve), most = width > 1 ? 1 : TVI_CURVE_LANES;
+    for (int first = 0; first < directions; first += most) {
+        const int left = directions - first, count = left < most ? left : most;
+        const size_t lanes = (size_t)(width * count);
+        const curve_block b = {lanes, tvi_curve_slots(curve) * (size_t)count, first};
+        curve_begin_block(curve, &b);
+        for (int k = 0; k <= curve_top(curve); k++) curve_differentiate_order(curve, &b, k);
+        curve_end_block(curve, &b);
+    }
 }
 
 #endif

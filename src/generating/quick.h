@@ -1,0 +1,25 @@
+/* quick.h - makes the parts of a quick step (curve_step.h) by the sweeps of the tapes, for one instruction set: of one
+ * member (quick.c), or of several (quick_members.c). */
+#ifndef TVI_SRC_GENERATING_QUICK_H
+#define TVI_SRC_GENERATING_QUICK_H
+
+#define CURVE_ONE_SET
+#include "sums.h"
+
+#include "generating/curve_step.h"
+
+static inline tvi_status quick_expand(tvi_curve *curve)
+{
+    tvi_status status = TVI_OK;
+    for (int k = 0; k <= curve->top; k++) curve_expand_order(curve, k, &status);
+    return status;
+}
+
+static inline tvi_status quick_expand_all(tvi_curve *curve)
+{
+    const tvi_status status = quick_expand(curve);
+    if (status == TVI_OK || curve_width(curve) > 1) curve_differentiate(curve);
+    return status;
+}
+
+#endif
