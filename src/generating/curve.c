@@ -38,6 +38,8 @@ void tvi_curve_take(tvi_curve *curve, tvi_arena *arena, const tvi_system *system
     curve->kappa = tvi_arena_doubles(arena, n);
     curve->movement = tvi_arena_doubles(arena, numbers);
     curve->momentum = tvi_arena_doubles(arena, numbers);
+    curve->share = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
+    curve->ratio = tvi_arena_doubles(arena, width > 1 ? numbers : 0);
     curve->q_sizes = tvi_combination_take(curve, arena);
     curve->u_sizes = tvi_combination_take(curve, arena);
     curve->per = tvi_arena_doubles(arena, orders + 1);

@@ -86,4 +86,8 @@ double tvi_curve_reach(const tvi_curve *curve, double log_tolerance);
  * q and kappa p, [n], and what tvi_curve_measure measures. */
 void tvi_curve_end_at(tvi_curve *curve, double factor, double q[], double u[]);
 
+/* These are curve_end_at (reach.h), each compiled for one instruction set. */
+typedef void tvi_end_at_fn(tvi_curve *curve, double factor, double q[], double u[]);
+tvi_end_at_fn tvi_end_at_base, tvi_end_at_avx2, tvi_end_at_avx512;
+
 #endif

@@ -1,4 +1,4 @@
-/* curve_batch.c - makes corrected steps of several members of an ensemble at once, by the quick step of one
+/* curve_batch.c - makes steps of curves of several members of an ensemble at once, by the quick step of one
  * (curve_step.h): lane m of a sweep is member m; at the nodes it is lane node * width + m. A member that the quick step
  * does not serve, or that is outside of the domain, makes its step by itself. */
 #include "algebra/linear_small.h"
@@ -23,8 +23,10 @@ typedef struct {
     int *passes;             /* [width] */
 } batch;
 
-/* Returns whether the field of the curves needs no momenta of nodes. */
-static bool serves(const tvi_system *system, const tvi_options *options)
+static bool is_plain(const tvi_options *options) { return !tvi_method_of(options)->curve.close; }
+
+/* Returns whether the field of corrected curves needs no momenta of nodes. */
+static bool serves_corrected(const tvi_system *system, const tvi_options *options)
 {
     const tvi_expanded *expanded = &tvi_method_of(options)->curve;
     const bool has_field =
@@ -36,9 +38,9 @@ static bool serves(const tvi_system *system, const tvi_options *options)
 
 static int width_of(const tvi_system *system, const tvi_options *options)
 {
-    if (!serves(system, options)) return 1;
-    const int orders = tvi_action_of(system, options).orders;
-    const int bytes = 2 * system->field_series->slots * orders * (int)sizeof(double);
+    if (is_plain(options) ? system->form == TVI_LAGRANGIAN : !serves_corrected(system, options)) return 1;
+    const int orders = tvi_action_of(system, options).orders, blocks = is_plain(options) ? 1 : 2;
+    const int bytes = blocks * system->field_series->slots * orders * (int)sizeof(double);
     int width = LEAST_WIDTH;
     if (LEAST_WIDTH * bytes > MOST_BYTES_OF_ALL) return 1;
     while (2 * width <= MOST_WIDTH && 2 * width * bytes <= MOST_BYTES) width *= 2;
@@ -49,7 +51,8 @@ static void *take(tvi_arena *arena, const tvi_system *system, const tvi_options 
 {
     batch *taken = tvi_arena_take(arena, sizeof *taken), w = {0};
     const size_t count = (size_t)width, numbers = (size_t)system->n * count;
-    tvi_single_take(&w.by_itself, arena, &tvi_stepper_curve, system, options, width, options->quadrature_points + 1);
+    const tvi_stepper *stepper = tvi_method_of(options)->stepper;
+    tvi_single_take(&w.by_itself, arena, stepper, system, options, width, options->quadrature_points + 1);
     w.lanes = tvi_curve_work_take(arena, system, options, width);
     w.is_moving = tvi_arena_take(arena, count * sizeof *w.is_moving);
     w.dq = tvi_arena_doubles(arena, numbers);
@@ -70,19 +73,24 @@ static void prepare(void *work)
     tvi_curve_work_prepare(w->lanes);
 }
 
-static tvi_newton_history *history_of(const void *one) { return ((const tvi_curve_work *)one)->newton.history; }
-
-static void get(const void *work, int lane, void *one)
+/* Copies what a member keeps. Plain steps of a given size leave nothing to the next one. A step to a tolerance leaves
+ * its size, from which the member continues in later runs. */
+static void copy_history(const tvi_curve_work *from, int lane, const tvi_curve_work *to, int to_lane)
 {
-    *history_of(one) = history_of(((const batch *)work)->lanes)[lane];
+    if (from->corrects) to->newton.history[to_lane] = from->newton.history[lane];
+    else to->chosen[to_lane] = from->chosen[lane];
 }
 
-static void put(void *work, int lane, const void *one)
-{
-    history_of(((const batch *)work)->lanes)[lane] = *history_of(one);
-}
+static void get(const void *work, int lane, void *one) { copy_history(((const batch *)work)->lanes, lane, one, 0); }
 
-static void forget(void *work, int lane) { history_of(((const batch *)work)->lanes)[lane] = (tvi_newton_history){0}; }
+static void put(void *work, int lane, const void *one) { copy_history(one, 0, ((const batch *)work)->lanes, lane); }
+
+static void forget(void *work, int lane)
+{
+    const tvi_curve_work *lanes = ((const batch *)work)->lanes;
+    if (lanes->corrects) lanes->newton.history[lane] = (tvi_newton_history){0};
+    else lanes->chosen[lane] = 0;
+}
 
 static void step_by_itself(batch *w, double h, const tvi_batch_origin *origin, const tvi_batch_end *end, int m,
                            tvi_stats *stats)
@@ -102,7 +110,7 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
     (void)w->lanes->quickly(w->lanes, w->lanes->closure.span.tau * h, origin, &quick, stats);
     for (int m = 0; m < width; m++) {
         if (end->status[m] != TVI_OK) continue;
-        if (w->passes[m] == 0) {
+        if (w->passes[m] == TVI_NOT_MADE) {
             step_by_itself(w, h, origin, end, m, stats);
             continue;
         }
@@ -112,7 +120,7 @@ static void step(void *work, double h, const tvi_batch_origin *origin, const tvi
         }
         end->tail[m] = stats->tail = w->tail[m];
         end->passes[m] = w->passes[m];
-        stats->residual = w->residual[m];
+        if (w->passes[m] > 0) stats->residual = w->residual[m];
     }
 }
 

@@ -92,6 +92,13 @@ static inline void step_leave_velocity(const tvi_curve_work *w)
     for (int i = 0; i < curve_n(curve); i++) w->velocity[i] /= curve->tau;
 }
 
+static inline void step_find_tails(const tvi_curve *curve, double tail[])
+{
+    const int width = curve_width(curve);
+    if (width == 1) tail[0] = CURVE_CALL(tail, curve, 0);
+    else curve_tails(curve, tail);
+}
+
 /* Computes the increments that the step returns from the curve, and the tails of the members. */
 static inline void step_finish(const tvi_curve_work *w, double dq[], double dp[], double tail[])
 {
@@ -99,7 +106,7 @@ static inline void step_finish(const tvi_curve_work *w, double dq[], double dp[]
     step_increments(w, &w->closure.q_rise, &w->closure.u_rise, 1, dq, dp);
     step_leave_velocity(w);
     CURVE_CALL(measure, curve);
-    for (int m = 0; m < curve_width(curve); m++) tail[m] = CURVE_CALL(tail, curve, m);
+    step_find_tails(curve, tail);
 }
 
 /* ---- A whole step ------------------------------------------------------------------------------------------------ */
@@ -270,11 +277,10 @@ static inline bool step_find_velocity(tvi_curve_work *w, const double p[], doubl
 }
 
 /* Sets the centre data of the curve to the start of the step. */
-static inline bool step_place_start(tvi_curve_work *w, const tvi_batch_origin *origin)
+static inline bool step_place_start(tvi_curve_work *w, const tvi_batch_origin *origin, double z[])
 {
     tvi_curve *curve = &w->closure.curve;
     const int n = curve_n(curve), width = curve_width(curve);
-    double *z = w->newton.x;
     for (int i = 0; i < n; i++)
         for (int at = i * width; at < (i + 1) * width; at++) {
             z[at] = origin->q[at];
@@ -295,13 +301,14 @@ static inline bool step_quickly(tvi_curve_work *w, const step_makers *makers, do
     step_quick a = {w, makers, origin, end->is_moving, 0};
     int made = 0, passes = 0;
     curve_set_step(curve, tau);
-    for (int m = 0; m < curve_width(curve); m++) end->passes[m] = 0;
-    if (!step_place_start(w, origin) || !step_goes_on(&a, makers->expand(curve), false)) return false;
+    for (int m = 0; m < curve_width(curve); m++) end->passes[m] = TVI_NOT_MADE;
+    if (!step_place_start(w, origin, w->newton.x) || !step_goes_on(&a, makers->expand(curve), false)) return false;
     step_move_to_centre(w, w->newton.x);
     curve_place_time(curve, origin->t, origin->t_low, step_later(w, tau));
     step_passes(&a, end);
     for (int m = 0; m < curve_width(curve); m++) {
-        made += end->passes[m] > 0;
+        if (end->passes[m] == TVI_NOT_MADE) continue;
+        made++;
         passes += end->passes[m];
     }
     if (made == 0) return false;

@@ -9,23 +9,6 @@
 
 typedef tvi_curve_work work;
 
-static const tvi_solver *const by_products[JET_ISA_COUNT] = {
-    [jet_isa_base] = &tvi_by_products_base,
-#ifdef JET_ISA_X86
-    [jet_isa_avx2] = &tvi_by_products_avx2,
-    [jet_isa_avx512] = &tvi_by_products_avx512,
-#endif
-};
-
-/* Of one member, and of several. */
-static tvi_quick_fn *const quickly_of[JET_ISA_COUNT][2] = {
-    [jet_isa_base] = {tvi_step_quickly_base, tvi_step_members_base},
-#ifdef JET_ISA_X86
-    [jet_isa_avx2] = {tvi_step_quickly_avx2, tvi_step_members_avx2},
-    [jet_isa_avx512] = {tvi_step_quickly_avx512, tvi_step_members_avx512},
-#endif
-};
-
 /* An attempt holds the step that is being made. */
 typedef struct {
     work *work;
@@ -47,7 +30,7 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     c->close = expanded->close;
     c->mean = &expanded->mean;
     const bool has_products = jacobians == TVI_JACOBIAN_PRODUCTS;
-    const tvi_solver *solver = has_products ? by_products[system->field_series->sweeps->isa] : &tvi_by_matrices;
+    const tvi_solver *solver = has_products ? tvi_choose_products(system) : &tvi_by_matrices;
     tvi_curve_take(&c->curve, arena, system, degree + one_more, jacobians, width);
     c->solver = c->curve.code && c->curve.code->solver ? c->curve.code->solver : solver;
     tvi_combination *const combinations[] = {&c->q_from, &c->q_to,   &c->q_rise, &c->q_mean, &c->u_from,
@@ -63,15 +46,6 @@ static void take_closure(tvi_closure *c, tvi_arena *arena, const tvi_system *sys
     solver->take(c, arena);
     c->seed_Q = tvi_arena_doubles(arena, seeds);
     c->seed_U = tvi_arena_doubles(arena, seeds);
-}
-
-/* Returns what makes steps quickly: with matrices that are small, and seeds without second derivatives. */
-static tvi_quick_fn *find_quick(const tvi_closure *c, const tvi_action *action)
-{
-    if (c->close != tvi_close_mean || !seeds_are_plain(action) || tvi_curve_has_products(&c->curve)) return NULL;
-    if (2 * c->n > LINEAR_SMALL) return NULL;
-    if (c->curve.code) return c->curve.code->step;
-    return quickly_of[c->system->field_series->sweeps->isa][c->curve.width > 1];
 }
 
 void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width)
@@ -92,9 +66,10 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
         w.velocity = tvi_arena_history(arena, n * sizeof *w.velocity);
     }
     if (!expanded->close) {
-        w.chosen = tvi_arena_history(arena, sizeof *w.chosen);
-        tvi_refinement_take(&w.refinement, arena, curve);
-        if (system->form == TVI_SEPARABLE) {
+        w.chosen = tvi_arena_history(arena, (size_t)width * sizeof *w.chosen);
+        if (width > 1) w.quickly = tvi_choose_plain(system);
+        else tvi_refinement_take(&w.refinement, arena, curve);
+        if (width == 1 && system->form == TVI_SEPARABLE) {
             w.field = tvi_arena_block(arena, system->field_values, 1, 1, 0);
             tvi_roundoff_take(&w.roundoff, arena, system);
         }
@@ -106,7 +81,7 @@ void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_
         tvi_action_take(&w.action, arena, system, options, expanded->action, degree, w.closure.p_degree, curve->top,
                         expanded->span.from == -expanded->span.to, width);
         tvi_newton_take(&w.newton, arena, 2, system, w.closure.solver->jacobian != NULL, width);
-        w.quickly = find_quick(&w.closure, &w.action);
+        w.quickly = tvi_choose_quick(&w.closure, &w.action);
     }
     if (width > 1) w.closure.curve.is_taken = tvi_arena_take(arena, (size_t)width * sizeof(long long));
     if (taken) *taken = w;
@@ -143,7 +118,7 @@ void tvi_curve_work_prepare(void *taken)
     const double from = c->span.from, to = c->span.to;
     tvi_curve_prepare(&c->curve);
     tvi_curve_prepare_tail(&c->curve, w->q_degree, c->p_degree);
-    if (w->chosen) tvi_refinement_prepare(&w->refinement, &c->curve);
+    if (w->refinement.high) tvi_refinement_prepare(&w->refinement, &c->curve);
     for (int of_momentum = 0; of_momentum < 2; of_momentum++) {
         const int degree = of_momentum ? w->closure.p_degree : w->q_degree;
         tvi_combination_set_powers(ends[of_momentum][0], &c->curve, of_momentum, degree, 0, 0, 1, from);
@@ -408,4 +383,4 @@ const tvi_stepper tvi_stepper_taylor = {.take = take,
                                         .step_within = step_within,
                                         .most_change = most_change,
                                         .uses = uses,
-                                        .batch = &tvi_taylor_batch};
+                                        .batch = &tvi_curve_batch};

@@ -14,6 +14,8 @@ typedef bool tvi_quick_fn(struct tvi_curve_work *work, double tau, const tvi_bat
                           const tvi_curve_end *end, tvi_stats *stats);
 tvi_quick_fn tvi_step_quickly_base, tvi_step_quickly_avx2, tvi_step_quickly_avx512;
 tvi_quick_fn tvi_step_members_base, tvi_step_members_avx2, tvi_step_members_avx512;
+/* This makes steps of the plain Taylor method, of several members. */
+tvi_quick_fn tvi_taylor_members_base, tvi_taylor_members_avx2, tvi_taylor_members_avx512;
 
 typedef struct tvi_curve_work {
     tvi_closure closure;
@@ -31,7 +33,7 @@ typedef struct tvi_curve_work {
     double *z;                          /* [2n] predictor */
     double *dz;                         /* [2n] what z lacks at the end of the passes */
     double *velocity;                   /* [n] the first guess of the next predictor's, Lagrangian; in the history */
-    double *chosen;                     /* the size of the last step that adapted, 0: none; in the history */
+    double *chosen;                     /* [width] sizes of the last steps that adapted, 0: none; in the history */
     double *field;                      /* the field's values at the end of such a step, separable systems */
     tvi_roundoff roundoff;              /* the roundoff of these values */
     double tolerance, log_tolerance;    /* those of the last step that adapted */
@@ -44,6 +46,14 @@ typedef struct tvi_curve_work {
 /* Allocates the work of `width` members, and fills its tables. */
 void *tvi_curve_work_take(tvi_arena *arena, const tvi_system *system, const tvi_options *options, int width);
 void tvi_curve_work_prepare(void *work);
+
+/* Returns the solver by products. */
+const tvi_solver *tvi_choose_products(const tvi_system *system);
+/* Returns what makes steps quickly: with matrices that are small, and seeds without second derivatives. NULL:
+ * nothing. */
+tvi_quick_fn *tvi_choose_quick(const tvi_closure *closure, const tvi_action *action);
+/* Returns what makes plain steps of several members. */
+tvi_quick_fn *tvi_choose_plain(const tvi_system *system);
 
 /* Returns whether the curve ends with the force there, dp/ds = h F, to the tolerance. Coefficients beside a state that
  * is large may not show what the body will meet. */

@@ -28,6 +28,4 @@ enum { CURVE_MOST_WIDTH = 1 };
 /* The library measures the roundoff of passes that are stuck. */
 #define MOMENTA_ROUNDOFF(action, curve) 0
 
-#define REACH_SWEEP(curve, ...) taylor_sweep(__VA_ARGS__)
-
 #endif

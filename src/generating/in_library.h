@@ -62,7 +62,4 @@ enum { CURVE_MOST_WIDTH = 1 };
 /* Returns the roundoff of the momenta at the nodes. */
 #define MOMENTA_ROUNDOFF(action, curve) tvi_action_momenta_roundoff(action, curve)
 
-/* Scales a curve to another unit of time, and sums it. */
-#define REACH_SWEEP(curve, ...) tvi_taylor_loops_of((curve)->system)->sweep(__VA_ARGS__)
-
 #endif

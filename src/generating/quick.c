@@ -1,6 +1,12 @@
 /* quick.c - computes the seeds of a field at nodes on the curve (seeds.h), and makes the steps of one member whose
  * passes converge as they mostly do. It is compiled once for each instruction set. */
 #include "generating/quick.h"
+#include "generating/reach.h"
+
+void JET_FOR_ISA(tvi_end_at)(tvi_curve *curve, double factor, double q[], double u[])
+{
+    curve_end_at(curve, factor, q, u);
+}
 
 tvi_status JET_FOR_ISA(tvi_seeds_plainly)(tvi_action *action, tvi_curve *curve, double seed_Q[], double seed_U[])
 {

@@ -154,15 +154,15 @@ static inline void reach_sweep_rows(const tvi_curve *curve, int components, int 
     const tvi_taylor_sums sums = {rise, size, NULL, NULL};
     for (int k = degree + 1; k <= curve_top(curve); k++)
         for (int i = 0; i < components; i++) x[(size_t)k * rows.stride + (size_t)i] *= power[k];
-    REACH_SWEEP(curve, &rows, power, x, &sums);
+    taylor_sweep(&rows, power, x, &sums);
 }
 
 /* Sums the rows of a separable system, where all sums are of Q; U_0 = Q_1 is no part of the rise of kappa p. */
 static inline void reach_sweep_separable(const tvi_curve *curve, const double power[], double q[], double u[])
 {
-    const tvi_taylor_rows rows = {curve_n(curve), 2, curve_top(curve), tvi_curve_slots(curve), true};
+    const tvi_taylor_rows rows = {curve_numbers(curve), 2, curve_top(curve), tvi_curve_slots(curve), true};
     const tvi_taylor_sums sums = {q, curve->movement, u, curve->momentum};
-    REACH_SWEEP(curve, &rows, power, curve->x, &sums);
+    taylor_sweep(&rows, power, curve->x, &sums);
     for (int i = 0; i < curve_n(curve); i++) curve->kappa[i] *= power[1];
 }
 
@@ -182,6 +182,7 @@ static inline void reach_powers(double factor, int top, double power[])
 static inline void curve_end_at(tvi_curve *curve, double factor, double q[], double u[])
 {
     const int n = curve_n(curve), q_degree = curve_q_degree(curve), p_degree = curve_p_degree(curve);
+    const int numbers = curve_numbers(curve);
     const tvi_form form = curve_form(curve);
     double power[TVI_MAX_DEGREE + 1 + REACH_CHAINS];
     reach_powers(factor, curve_top(curve), power);
@@ -190,11 +191,12 @@ static inline void curve_end_at(tvi_curve *curve, double factor, double q[], dou
         reach_sweep_separable(curve, power, q, u);
         return;
     }
-    reach_sweep_rows(curve, n, q_degree, power, curve->x, q, curve->movement);
-    if (form == TVI_HAMILTONIAN) reach_sweep_rows(curve, n, p_degree, power, curve->x + n, u, curve->momentum);
+    reach_sweep_rows(curve, numbers, q_degree, power, curve->x, q, curve->movement);
+    if (form == TVI_HAMILTONIAN)
+        reach_sweep_rows(curve, numbers, p_degree, power, curve->x + numbers, u, curve->momentum);
     for (int i = 0; i < n && form == TVI_LAGRANGIAN; i++)
         reach_sweep_rows(curve, 1, p_degree, power, curve->x + curve_slot(curve, n + i), u + i, curve->momentum + i);
-    for (int i = 0; i < n; i++) curve->momentum[i] += fabs(tvi_curve_U(curve, 0, i));
+    for (int i = 0; i < numbers; i++) curve->momentum[i] += fabs(tvi_curve_U(curve, 0, i));
 }
 
 #endif

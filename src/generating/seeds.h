@@ -206,7 +206,8 @@ static inline tvi_status seeds_plainly(tvi_action *action, tvi_curve *curve, dou
 struct tvi_curve_work;
 struct tvi_solver;
 /* This is what a quick step of several members computes: the increments [n][width], and for each member the tail, the
- * last correction and the passes, which are 0 if the step is not made. Members that do not move have no step. */
+ * last correction and the passes, or TVI_NOT_MADE. Members that do not move have no step. */
+enum { TVI_NOT_MADE = -1 };
 typedef struct {
     double *dq, *dp, *tail, *residual;
     int *passes;

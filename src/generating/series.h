@@ -45,6 +45,7 @@ typedef struct {
     int q_degree, p_degree; /* the degrees of the tail */
     tvi_combination q_sizes, u_sizes;
     double *movement, *momentum; /* [n] the values of q_sizes and u_sizes */
+    double *share, *ratio;       /* several members: [n] the shares and ratios of their tails */
     tvi_factor slope;            /* not separable: L_vv or H_pp at the centre */
     bool has_inverse;            /* slope.lu is its inverse */
     double *columns;             /* [slots][n] derivatives of all slots in the second input at the centre */
@@ -330,6 +331,21 @@ static inline double curve_tail(const tvi_curve *curve, int m)
         tail = fmax(tail, curve_tail_of(curve, m, first, end));
     }
     return tail;
+}
+
+/* Computes the tails of several members. */
+static inline void curve_tails(const tvi_curve *curve, double tail[])
+{
+    const int width = curve_width(curve);
+    double *share = curve->share, *ratio = curve->ratio;
+    for (int m = 0; m < width; m++) tail[m] = 0;
+    if (curve_p_degree(curve) < 2) return;
+    for (int at = 0; at < curve_numbers(curve); at++) {
+        const tvi_tail_part part = curve_tail_part(curve, at);
+        share[at] = tvi_tail_share(&part, curve->system->compares_movements);
+        ratio[at] = tvi_tail_ratio(&part);
+    }
+    tvi_tails_of_members(&curve->system->parts, curve_n(curve), width, share, ratio, tail);
 }
 
 /* Returns the change |q'| |dp| + |p'| |dq| of the energy by the last two terms, one of which may happen to be small:

@@ -11,7 +11,7 @@ typedef struct {
     int first;
 } curve_block;
 
-/* Returns how many lanes of the block are directions: the last block may be wider. Those of several members are one
+/* Returns how many lanes of the block are directions: the last block may be wider. The lanes of several members are one
  * direction, that of each. */
 static inline int curve_directions(const tvi_curve *curve, const curve_block *b)
 {

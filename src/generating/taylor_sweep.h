@@ -1,5 +1,5 @@
 /* taylor_sweep.h - scales the coefficients of a Taylor curve to another unit of time, and sums them. It is part of the
- * text of generated code (emit.c), where every size is a constant. Other files call tvi_taylor_loops.sweep. */
+ * text of generated code (emit.c), where every size is a constant. */
 #ifndef TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 #define TVI_SRC_GENERATING_TAYLOR_SWEEP_H
 
