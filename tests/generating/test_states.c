@@ -111,6 +111,37 @@ START_TEST(cut_runs_are_whole_runs)
 }
 END_TEST
 
+/* A reset forgets what earlier runs taught: the same state and options give the same bits by as many passes. */
+static void check_reset(const model *m, const tvi_options *options)
+{
+    tvi_system *system = model_system(m);
+    tvi_integrator *fresh = integrator_of(system, options), *taught = integrator_of(system, options);
+    test_state x = model_start(m), y = x;
+    wander(taught, m);
+    const tvi_stats before = *tvi_integrator_stats(taught);
+    tvi_integrator_reset(taught);
+    go(fresh, m->h, 8, &x);
+    go(taught, m->h, 8, &y);
+    const tvi_stats *one = tvi_integrator_stats(fresh), *two = tvi_integrator_stats(taught);
+    ck_assert_msg(memcmp(&x, &y, sizeof x) == 0, "%s, %s", m->name, describe(options));
+    ck_assert_int_eq(two->passes - before.passes, one->passes);
+    ck_assert_int_eq(two->expansions - before.expansions, one->expansions);
+    ck_assert_int_eq(two->force_evaluations - before.force_evaluations, one->force_evaluations);
+    ck_assert_int_eq(two->factorisations - before.factorisations, one->factorisations);
+    tvi_integrator_free(fresh);
+    tvi_integrator_free(taught);
+    tvi_system_free(system);
+}
+
+START_TEST(a_reset_forgets)
+{
+    for (int which = 0; which < methods(); which++) {
+        tvi_options options;
+        if (method_options(which, models[_i], &options)) check_reset(models[_i], &options);
+    }
+}
+END_TEST
+
 /* A fresh integrator that is given the last state alone lacks the history, and steps otherwise: the comparison above is
  * not idle. */
 START_TEST(the_state_alone_is_not_enough)
@@ -287,6 +318,7 @@ Suite *suite_states(void)
     Suite *suite = suite_create("states");
     TCase *tcase = tcase_create("states");
     tcase_add_loop_test(tcase, cut_runs_are_whole_runs, 0, MODELS);
+    tcase_add_loop_test(tcase, a_reset_forgets, 0, MODELS);
     tcase_add_test(tcase, the_state_alone_is_not_enough);
     tcase_add_loop_test(tcase, every_damaged_byte_is_refused, 0, MODELS);
     tcase_add_test(tcase, forged_numbers_are_refused);
