@@ -67,12 +67,11 @@ static inline tvi_status seeds_hamilton_terms(tvi_action *action, const tvi_curv
     if (!action->has_momentum_defect) return status;
     seeds_place_velocities(action, curve, action->on_p);
     for (int i = 0; i < n; i++) {
-        const double *H_p = separable ? NULL : seeds_output_row(action, action->field, action->x, n + i);
-        for (int node = 0; node < lanes; node++) {
-            const int place = i * lanes + node;
-            const double rate = separable ? action->momentum[place] / curve->system->mass[i] : H_p[node];
-            action->on_p[place] = curve->tau * (action->on_p[place] - rate);
-        }
+        const double *H_p =
+            separable ? action->momentum + i * lanes : seeds_output_row(action, action->field, action->x, n + i);
+        const double tau = curve->tau, mass = separable ? curve->system->mass[i] : 1;
+        double *restrict on_p = action->on_p + i * lanes;
+        for (int node = 0; node < lanes; node++) on_p[node] = tau * (on_p[node] - H_p[node] / mass);
     }
     return status;
 }
@@ -141,12 +140,14 @@ static inline void seeds_momenta(const tvi_action *action, const tvi_curve *curv
     const int n = curve_n(curve), width = curve_width(curve);
     for (int i = 0; i < n; i++) {
         const double *row = seeds_over_nodes(action, &action->weighted_power, action->on_p + i * seeds_lanes(action));
-        for (int k = 0; k <= action->p_degree; k++)
-            for (int m = 0; m < width; m++) {
-                const double seed = row[k * width + m] / curve->kappa[i];
-                if (curve_form(curve) != TVI_SEPARABLE) seeds_of(curve, seed_U, k, i)[m] = seed;
-                else if (k < curve_top(curve)) seeds_of(curve, seed_Q, k + 1, i)[m] += (k + 1) * seed;
-            }
+        const double kappa = curve->kappa[i];
+        for (int k = 0; k <= action->p_degree; k++, row += width) {
+            const bool is_of_Q = curve_form(curve) == TVI_SEPARABLE;
+            if (is_of_Q && k == curve_top(curve)) continue;
+            double *restrict seed = is_of_Q ? seeds_of(curve, seed_Q, k + 1, i) : seeds_of(curve, seed_U, k, i);
+            for (int m = 0; m < width && is_of_Q; m++) seed[m] += (k + 1) * (row[m] / kappa);
+            for (int m = 0; m < width && !is_of_Q; m++) seed[m] = row[m] / kappa;
+        }
     }
 }
 

@@ -252,9 +252,10 @@ static inline void curve_momenta(const tvi_curve *curve, int degree, double out[
     for (int k = 0; k <= degree; k++, out += n * width) {
         const bool is_next = is_separable && k < curve_top(curve);
         const double *next = is_next ? tvi_curve_input(curve, k + 1) : NULL;
+        double *restrict to = out;
         for (int i = 0; i < n; i++)
             for (int at = i * width; at < (i + 1) * width; at++)
-                out[at] = is_next ? (k + 1) * next[at] / curve->kappa[i] : tvi_curve_U(curve, k, at);
+                to[at] = is_next ? (k + 1) * next[at] / curve->kappa[i] : tvi_curve_U(curve, k, at);
     }
 }
 
